@@ -1,0 +1,154 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The syntax tree of a rule file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+from smarttestudo.domain.source import Span
+from smarttestudo.domain.tier import Tier
+
+
+class Operator(Enum):
+    """A comparison; the value is its spelling."""
+
+    GREATER = ">"
+    LESS = "<"
+    GREATER_EQUAL = ">="
+    LESS_EQUAL = "<="
+    EQUAL = "="
+    NOT_EQUAL = "!="
+
+
+class RateWord(Enum):
+    """A rate written as a word."""
+
+    FULL = "Full"
+    OFF = "Off"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TopicName:
+    """A topic as the file writes it, not yet resolved."""
+
+    text: str
+    span: Span
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RateExpression:
+    """A written rate: a number in Hz, a tier, or a word. ``text`` is the spelling of a number, else empty."""
+
+    value: float | Tier | RateWord
+    text: str
+    span: Span
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Check:
+    """``CheckValue TOPIC PROPERTY op NUMBER``; ``text`` is the number as written."""
+
+    topic: TopicName
+    property: str
+    property_span: Span
+    operator: Operator
+    value: float
+    text: str
+    span: Span
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Not:
+    """``Not condition``."""
+
+    operand: Condition
+    span: Span
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class And:
+    """Two or more conditions joined by ``AND``."""
+
+    operands: tuple[Condition, ...]
+    span: Span
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Or:
+    """Two or more conditions joined by ``OR``."""
+
+    operands: tuple[Condition, ...]
+    span: Span
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Group:
+    """A condition in written parentheses."""
+
+    operand: Condition
+    span: Span
+
+
+Condition = Check | Not | And | Or | Group
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SetFrequency:
+    """``SetFrequency TOPIC rate``, as a default or inside a block."""
+
+    topic: TopicName
+    rate: RateExpression
+    span: Span
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class KeepAtLeast:
+    """``KeepAtLeast TOPIC NUMBER``: a floor in Hz."""
+
+    topic: TopicName
+    rate: RateExpression
+    span: Span
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Block:
+    """``[Rule "name" [Priority n]] If … Then … [Else …] [EndIf]``.
+
+    ``name`` is ``None`` where none is written; ``label`` is what people call the block: its name, else its
+    nearest own comment, else ``block at line N``.
+    """
+
+    name: str | None
+    priority: int | None
+    label: str
+    condition: Condition
+    then: tuple[SetFrequency, ...]
+    otherwise: tuple[SetFrequency, ...]
+    has_end_if: bool
+    span: Span
+
+
+Statement = SetFrequency | KeepAtLeast | Block
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Collection:
+    """``begin … end``."""
+
+    statements: tuple[Statement, ...]
+    span: Span
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RuleFile:
+    """One parsed file; ``path`` is how the user named it."""
+
+    path: str
+    collections: tuple[Collection, ...]
+
+    @property
+    def statements(self) -> tuple[Statement, ...]:
+        """The statements of all collections, in the order of the file."""
+        return tuple(statement for part in self.collections for statement in part.statements)

@@ -1,0 +1,69 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Why a topic has the rate it has."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum
+
+from smarttestudo.domain.rate import Rate
+
+
+class Reason(Enum):
+    """What decided a rate."""
+
+    DEFAULT = "default"
+    BLOCK = "block"
+    UNKNOWN = "unknown"
+    FLOOR = "floor"
+    BUDGET = "budget"
+    FALLBACK = "fallback"
+    RELOAD = "reload"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PlannedRate:
+    """The rate of one topic in a plan, with its reason.
+
+    ``rule`` and ``line`` name the deciding block; both are ``None`` where no block decided.
+    """
+
+    rate: Rate
+    reason: Reason
+    rule: str | None = None
+    line: int | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Decision:
+    """One change of a plan: another rate, or another deciding block.
+
+    ``t_s`` counts from the loop's start. ``values`` holds what the deciding condition read, by signal
+    name; unknown values are ``None``. ``from_rate`` is ``None`` on the first decision of a topic.
+    """
+
+    t_s: float
+    stamp_ns: int
+    topic: str
+    from_rate: Rate | None
+    planned: PlannedRate
+    values: Mapping[str, float | None]
+
+    def to_json(self) -> dict[str, object]:
+        """The object of one line of the decisions file."""
+        record: dict[str, object] = {
+            "t": round(self.t_s, 6),
+            "stamp_ns": self.stamp_ns,
+            "topic": self.topic,
+            "from_hz": None if self.from_rate is None else self.from_rate.to_json(),
+            "to_hz": self.planned.rate.to_json(),
+            "reason": self.planned.reason.value,
+            "rule": self.planned.rule,
+            "line": self.planned.line,
+            "values": dict(self.values),
+        }
+        if self.from_rate is None:
+            record["start"] = True
+        return record

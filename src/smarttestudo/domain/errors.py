@@ -1,0 +1,42 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The one root of every error that a user can meet."""
+
+from __future__ import annotations
+
+
+class TestudoError(Exception):
+    """Something the user can act on: where it is, what is wrong, what to do.
+
+    ``place`` is a file, ``file:line:column`` or topic; ``remedy`` is one sentence without a full stop.
+    Third-party errors become one of these at the adapter that met them, with ``raise … from``.
+    """
+
+    __test__ = False
+
+    def __init__(self, cause: str, *, place: str | None = None, remedy: str | None = None) -> None:
+        super().__init__(cause)
+        self.cause = cause
+        self.place = place
+        self.remedy = remedy
+
+    def __str__(self) -> str:
+        """One line: ``place: error: cause; remedy``."""
+        head = f"{self.place}: error: {self.cause}" if self.place else f"error: {self.cause}"
+        return f"{head}; {self.remedy}" if self.remedy else head
+
+
+class RuleFileError(TestudoError):
+    """A rule file that cannot be read at all, or that has errors where none may be."""
+
+
+class ProfileError(TestudoError):
+    """A profile that cannot be read or holds a wrong value."""
+
+
+class RecordingError(TestudoError):
+    """A recording that cannot be read or written."""
+
+
+class UsageError(TestudoError):
+    """A command line that does not fit together; the program exits with 2."""

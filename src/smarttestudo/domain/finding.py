@@ -1,0 +1,49 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What the checker reports."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+from smarttestudo.domain.source import Span
+
+
+class Severity(Enum):
+    """How much a finding matters; only errors stop a file from being used."""
+
+    ERROR = "error"
+    WARNING = "warning"
+    INFO = "info"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Fix:
+    """A change of text that mends a finding: replace what ``span`` covers by ``replacement``."""
+
+    span: Span
+    replacement: str
+    title: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Finding:
+    """One thing the checker has to say about one place of a rule file.
+
+    ``code`` is the finding's stable kebab-case name, ``path`` the file as the user named it,
+    ``hint`` one sentence on what to do, or empty.
+    """
+
+    code: str
+    severity: Severity
+    message: str
+    path: str
+    span: Span
+    hint: str = ""
+    fix: Fix | None = None
+
+    def line_of_text(self) -> str:
+        """``file:line:column: severity[code]: message``, the form that editors understand."""
+        place = f"{self.path}:{self.span.line}:{self.span.column}"
+        return f"{place}: {self.severity.value}[{self.code}]: {self.message}"

@@ -1,0 +1,28 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""ROS 2 topic names."""
+
+from __future__ import annotations
+
+import re
+
+_PART = r"[A-Za-z_][A-Za-z0-9_]*"
+_TOPIC = re.compile(rf"(?:~/?|/)?(?:{_PART})(?:/{_PART})*\Z")
+MAX_NAME_LENGTH = 255
+
+
+def is_topic_name(name: str) -> bool:
+    """Whether ``name`` is a valid ROS 2 topic name: absolute, relative or private (``~/x``)."""
+    return len(name) <= MAX_NAME_LENGTH and "__" not in name and _TOPIC.match(name) is not None
+
+
+def resolve_topic(name: str, *, namespace: str = "/", node: str = "smarttestudo", prefix: str = "") -> str:
+    """The full name of ``name`` for a node in ``namespace``, with ``prefix`` before it."""
+    base = namespace.rstrip("/")
+    if name.startswith("/"):
+        full = name
+    elif name.startswith("~"):
+        full = f"{base}/{node}/{name[1:].lstrip('/')}"
+    else:
+        full = f"{base}/{name}"
+    return f"{prefix.rstrip('/')}{full}"

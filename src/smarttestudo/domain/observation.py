@@ -1,0 +1,41 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What the loop is told about the robot."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Undecodable:
+    """Stands for a message whose bytes could not be read as its type."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Arrival:
+    """A message of ``topic`` arrived at the step's time.
+
+    ``message`` is the decoded message (any object with the fields of its ROS type as attributes) where a
+    check reads a field of the topic, ``Undecodable`` where decoding failed, else ``None``.
+    """
+
+    topic: str
+    size_bytes: int
+    message: object | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SourceChanged:
+    """The publishers of ``topic`` are now ``publishers`` many, and ``transient_local`` or not.
+
+    ``type_name`` is the topic's ROS type, for instance ``nav_msgs/msg/Odometry``, or empty while unknown.
+    """
+
+    topic: str
+    publishers: int
+    transient_local: bool
+    type_name: str = ""
+
+
+Observation = Arrival | SourceChanged

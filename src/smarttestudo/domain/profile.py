@@ -1,0 +1,51 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What is known about the topics of a robot and the link they travel on."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+
+
+class LevelUnit(Enum):
+    """How a BatteryState counts ``percentage``."""
+
+    PERCENT = "percent"
+    FRACTION = "fraction"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TopicProfile:
+    """One topic of a profile; every entry is optional until something needs it.
+
+    ``message_kb`` is in KB of 1000 B, ``tiers_hz`` the six rates τ0 … τ5 in Hz, ``min_hz`` the floor of the
+    budget models and ``max_hz`` their ceiling, ``stale_after_s`` the age in seconds at which values of the
+    topic count as unknown, ``paced_with`` the topic whose passed stamps this one follows.
+    """
+
+    type_name: str | None = None
+    message_kb: float | None = None
+    source_hz: float | None = None
+    tiers_hz: tuple[float, ...] | None = None
+    priority: float = 1.0
+    min_hz: float | None = None
+    max_hz: float | None = None
+    stale_after_s: float | None = None
+    paced_with: str | None = None
+    level_unit: LevelUnit | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Profile:
+    """Topics by full name, the link's budget in KB/s, and how long a lower rate waits, in seconds."""
+
+    budget_kb_per_s: float | None = None
+    settle_s: float = 0.5
+    topics: Mapping[str, TopicProfile] = field(default_factory=dict)
+    path: str = ""
+
+    def topic(self, name: str) -> TopicProfile:
+        """The entry of ``name``, or an empty one."""
+        return self.topics.get(name) or TopicProfile()

@@ -1,0 +1,56 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The rate that a rule asks for."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+MAX_RATE_HZ = 1e6
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Rate:
+    """Messages per second. Rates order by ``hz``; ``Off`` sorts just below a plain 0.
+
+    ``hz`` is infinite for Full (every message passes) and 0 for Off (none does).
+    ``yields_to_floor`` is false only for a written ``Off``, which ``KeepAtLeast`` does not raise.
+    """
+
+    hz: float
+    yields_to_floor: bool = True
+
+    @property
+    def is_full(self) -> bool:
+        """Whether every message passes."""
+        return math.isinf(self.hz)
+
+    @property
+    def is_off(self) -> bool:
+        """Whether nothing passes."""
+        return self.hz == 0
+
+    @staticmethod
+    def full() -> Rate:
+        """Every message passes."""
+        return Rate(math.inf)
+
+    @staticmethod
+    def off() -> Rate:
+        """Nothing passes, whatever the floor."""
+        return Rate(0.0, yields_to_floor=False)
+
+    def at_least(self, floor_hz: float) -> Rate:
+        """This rate raised to ``floor_hz``, unless it is a written Off."""
+        return Rate(floor_hz) if self.yields_to_floor and self.hz < floor_hz else self
+
+    def to_json(self) -> float | None:
+        """Hertz, or ``None`` for Full, as decisions and ``--json`` write it."""
+        return None if self.is_full else self.hz
+
+    def __str__(self) -> str:
+        """As a rule file writes it, with the unit."""
+        if self.is_full:
+            return "Full"
+        return f"{self.hz:g} Hz" if self.yields_to_floor else "Off"
