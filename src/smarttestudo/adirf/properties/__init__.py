@@ -1,0 +1,24 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a check can read of a message: names for the common types, any numeric field by its path."""
+
+from smarttestudo.adirf.properties.field_path import is_field_path
+from smarttestudo.adirf.properties.spec import PropertySpec, Reader
+from smarttestudo.adirf.properties.table import (
+    ARRIVAL_PROPERTIES,
+    known_types,
+    properties_of,
+    property_spec,
+    value_reader,
+)
+
+__all__ = [
+    "ARRIVAL_PROPERTIES",
+    "PropertySpec",
+    "Reader",
+    "is_field_path",
+    "known_types",
+    "properties_of",
+    "property_spec",
+    "value_reader",
+]
