@@ -1,0 +1,66 @@
+# `make demo` and `make test` are all that a fresh machine needs; `make help` lists the rest.
+
+PYTHON ?= python3
+VENV ?= .venv
+BIN := $(VENV)/bin
+DEMO_ARGS ?=
+export PIP_DISABLE_PIP_VERSION_CHECK := 1
+
+.PHONY: help demo test lint format docs test-lowest wheels-aarch64 benchmarks clean
+
+help:
+	@echo "make demo            the warehouse mission, with and without adaptive monitoring (no robot needed)"
+	@echo "make test            everything that must hold: style, types, layers, tests"
+	@echo "make lint            style, types and layers only"
+	@echo "make format          format the code"
+	@echo "make docs            regenerate docs/reference from the code"
+	@echo "make test-lowest     the tests with the lowest allowed versions (PYTHON=python3.10)"
+	@echo "make wheels-aarch64  show that an ARM robot and laptop install binary wheels only"
+	@echo "make benchmarks      all benchmarks; their results are in docs/benchmarks.md"
+	@echo "make clean           remove what these commands made"
+
+demo: $(VENV)/studio.stamp
+	@$(BIN)/testudo demo $(DEMO_ARGS)
+
+test: lint
+	$(BIN)/pytest
+
+lint: $(VENV)/dev.stamp
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+format: $(VENV)/dev.stamp
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+
+docs: $(VENV)/dev.stamp
+	$(BIN)/python scripts/make_reference.py
+
+test-lowest:
+	PYTHON=$(PYTHON) sh scripts/test_lowest.sh
+
+wheels-aarch64: $(VENV)/dev.stamp
+	UV=$(BIN)/uv sh scripts/wheels_aarch64.sh
+
+benchmarks: $(VENV)/dev.stamp
+	for benchmark in benchmarks/*.py; do $(BIN)/python $$benchmark || exit 1; done
+
+clean:
+	rm -rf $(VENV) build dist demo-out .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
+
+$(VENV)/bin/python:
+	@PYTHON=$(PYTHON) sh scripts/check_python.sh
+	@echo "Making a virtual environment in $(VENV)"
+	@$(PYTHON) -m venv $(VENV)
+
+$(VENV)/studio.stamp: pyproject.toml | $(VENV)/bin/python
+	@echo "Installing SmartTestudo into $(VENV)"
+	@$(BIN)/pip install --quiet --editable '.[studio]'
+	@touch $@
+
+$(VENV)/dev.stamp: pyproject.toml | $(VENV)/bin/python
+	@echo "Installing SmartTestudo and its development tools into $(VENV)"
+	@$(BIN)/pip install --quiet --editable '.[studio,dev]'
+	@touch $@ $(VENV)/studio.stamp
