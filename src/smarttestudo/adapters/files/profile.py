@@ -1,0 +1,146 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Profiles on disk: TOML, checked, every complaint with its line."""
+
+from __future__ import annotations
+
+import difflib
+import itertools
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+from smarttestudo.adapters.files.toml_text import KeyPath, read_toml
+from smarttestudo.domain.errors import ProfileError
+from smarttestudo.domain.names import is_topic_name, resolve_topic
+from smarttestudo.domain.profile import LevelUnit, Profile, TopicProfile
+from smarttestudo.domain.rate import MAX_RATE_HZ
+from smarttestudo.domain.tier import Tier
+
+
+def load_profile(path: Path) -> Profile:
+    """The profile in the TOML file at ``path``; topic names are resolved in the root namespace.
+
+    Raises ``ProfileError`` for the first key that is unknown or holds a value that it cannot.
+    """
+    values, lines = read_toml(path)
+    return _ProfileReader(path=path, lines=lines).profile(values)
+
+
+class _ProfileReader:
+    def __init__(self, *, path: Path, lines: Mapping[KeyPath, int]) -> None:
+        self._path = path
+        self._lines = lines
+        self._top: dict[str, Callable[[KeyPath, object], object]] = {
+            "budget_kb_per_s": self._not_negative,
+            "settle_s": self._not_negative,
+            "topics": self._topics,
+        }
+        self._of_topic: dict[str, Callable[[KeyPath, object], object]] = {
+            "type": self._text,
+            "message_kb": self._positive,
+            "source_hz": self._positive,
+            "tiers_hz": self._tiers,
+            "priority": self._positive,
+            "min_hz": self._rate,
+            "max_hz": self._rate,
+            "stale_after_s": self._positive,
+            "paced_with": self._topic_name,
+            "level_unit": self._level_unit,
+        }
+
+    def profile(self, values: Mapping[str, object]) -> Profile:
+        read: dict[str, Any] = self._table((), values, self._top)
+        return Profile(path=str(self._path), **read)
+
+    def _table(
+        self, at: KeyPath, values: object, readers: Mapping[str, Callable[[KeyPath, object], object]]
+    ) -> dict[str, object]:
+        if not isinstance(values, Mapping):
+            raise self._error(at, f"{_name(at)} must be a table")
+        for key in values:
+            if key not in readers:
+                close = difflib.get_close_matches(key, readers, n=1)
+                remedy = f"did you mean {close[0]}?" if close else f"known keys: {', '.join(readers)}"
+                raise self._error((*at, key), f"unknown key {_name((*at, key))}", remedy=remedy)
+        return {key: readers[key]((*at, key), value) for key, value in values.items()}
+
+    def _topics(self, at: KeyPath, values: object) -> dict[str, TopicProfile]:
+        if not isinstance(values, Mapping):
+            raise self._error(at, 'topics must be tables such as [topics."/odom"]')
+        return {
+            self._topic_name((*at, name), name): self._topic((*at, name), entry)
+            for name, entry in values.items()
+        }
+
+    def _topic(self, at: KeyPath, values: object) -> TopicProfile:
+        read: dict[str, Any] = self._table(at, values, self._of_topic)
+        read["type_name"] = read.pop("type", None)
+        topic = TopicProfile(
+            **{field.name: read[field.name] for field in fields(TopicProfile) if field.name in read}
+        )
+        if topic.min_hz is not None and topic.max_hz is not None and topic.min_hz > topic.max_hz:
+            raise self._error((*at, "min_hz"), "min_hz is above max_hz")
+        return topic
+
+    def _number(self, at: KeyPath, value: object) -> float:
+        if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+            raise self._error(at, f"{_name(at)} must be a finite number")
+        return float(value)
+
+    def _positive(self, at: KeyPath, value: object) -> float:
+        number = self._number(at, value)
+        if number <= 0:
+            raise self._error(at, f"{_name(at)} must be above 0, it is {number:g}")
+        return number
+
+    def _not_negative(self, at: KeyPath, value: object) -> float:
+        number = self._number(at, value)
+        if number < 0:
+            raise self._error(at, f"{_name(at)} must not be negative, it is {number:g}")
+        return number
+
+    def _rate(self, at: KeyPath, value: object) -> float:
+        number = self._not_negative(at, value)
+        if number > MAX_RATE_HZ:
+            raise self._error(at, f"{_name(at)} must be at most {MAX_RATE_HZ:g} Hz, it is {number:g}")
+        return number
+
+    def _tiers(self, at: KeyPath, value: object) -> tuple[float, ...]:
+        if not isinstance(value, list) or len(value) != len(Tier):
+            given = f"{len(value)} numbers" if isinstance(value, list) else "something else"
+            raise self._error(at, f"{_name(at)} must be a list of six rates τ0 … τ5 in Hz, it is {given}")
+        tiers = tuple(self._rate(at, one) for one in value)
+        if any(later < earlier for earlier, later in itertools.pairwise(tiers)):
+            raise self._error(at, f"{_name(at)} must not fall from one tier to the next")
+        return tiers
+
+    def _text(self, at: KeyPath, value: object) -> str:
+        if not isinstance(value, str) or not value:
+            raise self._error(at, f"{_name(at)} must be a text in quotes")
+        return value
+
+    def _topic_name(self, at: KeyPath, value: object) -> str:
+        name = self._text(at, value)
+        if not is_topic_name(name):
+            raise self._error(at, f"{name!r} is not a valid ROS 2 topic name")
+        return resolve_topic(name)
+
+    def _level_unit(self, at: KeyPath, value: object) -> LevelUnit:
+        for unit in LevelUnit:
+            if unit.value == value:
+                return unit
+        raise self._error(at, f'{_name(at)} must be "percent" or "fraction"')
+
+    def _error(self, at: KeyPath, cause: str, *, remedy: str | None = None) -> ProfileError:
+        known = next(
+            (self._lines[at[:end]] for end in range(len(at), 0, -1) if at[:end] in self._lines), None
+        )
+        place = f"{self._path}:{known}:1" if known else str(self._path)
+        return ProfileError(cause, place=place, remedy=remedy)
+
+
+def _name(at: KeyPath) -> str:
+    return ".".join(f'"{part}"' if "/" in part else part for part in at) or "the profile"

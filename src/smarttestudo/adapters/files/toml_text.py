@@ -1,0 +1,82 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""TOML files with the line of every key, which the standard reader does not keep."""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+
+from smarttestudo.domain.errors import ProfileError
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+MAX_PROFILE_BYTES = 1_000_000
+KeyPath = tuple[str, ...]
+_KEY = re.compile(r"\s*([A-Za-z0-9_.\"'/-]+)\s*=")
+_AT_LINE = re.compile(r"(.*) \(at line (\d+), column (\d+)\)\Z", re.DOTALL)
+
+
+def read_toml(path: Path) -> tuple[dict[str, object], dict[KeyPath, int]]:
+    """The values of the file at ``path``, and the line of each table and key by its path.
+
+    Raises ``ProfileError`` with the place for a file that cannot be read or is no TOML.
+    """
+    text = _read_text(path)
+    try:
+        values: dict[str, object] = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        matched = _AT_LINE.match(str(error))
+        cause, place = (
+            (matched[1], f"{path}:{matched[2]}:{matched[3]}") if matched else (str(error), str(path))
+        )
+        raise ProfileError(f"not valid TOML: {cause}", place=place) from error
+    return values, _lines_of_keys(text)
+
+
+def _read_text(path: Path) -> str:
+    try:
+        with path.open("rb") as file:
+            data = file.read(MAX_PROFILE_BYTES + 1)
+    except OSError as error:
+        cause = f"the profile cannot be read: {error.strerror}"
+        raise ProfileError(cause, place=str(path), remedy="give the path of a TOML file") from error
+    if len(data) > MAX_PROFILE_BYTES:
+        raise ProfileError("the profile is larger than 1 MB", place=str(path))
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise ProfileError(
+            "the profile is not UTF-8 text", place=str(path), remedy="save it as UTF-8"
+        ) from error
+
+
+def _lines_of_keys(text: str) -> dict[KeyPath, int]:
+    lines: dict[KeyPath, int] = {}
+    table: KeyPath = ()
+    for number, line in enumerate(text.splitlines(), start=1):
+        if line.lstrip().startswith("["):
+            table = _path_in(line) or table
+            lines.setdefault(table, number)
+        elif matched := _KEY.match(line):
+            key = _path_in(f"{matched[1]} = 0")
+            lines.setdefault((*table, *key), number)
+    return lines
+
+
+def _path_in(line: str) -> KeyPath:
+    """The keys that one line of TOML opens, outermost first."""
+    try:
+        value: object = tomllib.loads(line)
+    except tomllib.TOMLDecodeError:
+        return ()
+    path: list[str] = []
+    while isinstance(value, Mapping) and value:
+        key, value = next(iter(value.items()))
+        path.append(key)
+    return tuple(path)
