@@ -1,0 +1,114 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What the documentation shows is true: commands print it, rules are valid, links lead somewhere."""
+
+from __future__ import annotations
+
+import fnmatch
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from smarttestudo.adirf.formatter import format_rules
+from smarttestudo.adirf.parser import parse
+
+ROOT = Path(__file__).parents[2]
+DOCUMENTS = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md")])
+BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+LINK = re.compile(r"\]\(([^)#\s]+)(?:#[^)]*)?\)")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Command:
+    """A command line of a console block with the output that is shown below it."""
+
+    line: str
+    output: str
+
+
+def blocks(document: Path, language: str) -> Iterator[str]:
+    return (text for kind, text in BLOCK.findall(document.read_text(encoding="utf-8")) if kind == language)
+
+
+def commands(document: Path) -> Iterator[Command]:
+    for block in blocks(document, "console"):
+        for part in re.split(r"^\$ ", block, flags=re.MULTILINE)[1:]:
+            line, _, output = part.partition("\n")
+            yield Command(line=line, output=output)
+
+
+def documents_with(language: str) -> list[Path]:
+    return [document for document in DOCUMENTS if any(blocks(document, language))]
+
+
+def run(command: Command, folder: Path) -> str:
+    program, *arguments = shlex.split(command.line)
+    if program == "cat":
+        return (folder / arguments[0]).read_text(encoding="utf-8")
+    assert program == "testudo", f"a console block may run testudo and cat only: {command.line}"
+    code = "import sys; from smarttestudo.cli.main import main; sys.exit(main())"
+    environment = {**os.environ, "NO_COLOR": "1", "COLUMNS": "100", "PYTHONIOENCODING": "utf-8"}
+    done = subprocess.run(
+        [sys.executable, "-c", code, *arguments],
+        cwd=folder, env=environment, capture_output=True, text=True, encoding="utf-8", check=False,
+    )  # fmt: skip
+    return done.stdout + done.stderr
+
+
+def agrees(shown: str, printed: str) -> bool:
+    """Whether ``printed`` is as ``shown``, where … stands for any text."""
+    pattern = re.sub(r"\[", "[[]", shown.strip()).replace("*", "[*]").replace("?", "[?]").replace("…", "*")
+    return fnmatch.fnmatchcase(printed.strip(), pattern)
+
+
+@pytest.mark.parametrize("document", documents_with("console"), ids=lambda path: path.name)
+def test_commands_print_what_the_document_shows(document: Path, tmp_path: Path) -> None:
+    shutil.copytree(ROOT / "examples", tmp_path / "examples")
+    for command in commands(document):
+        printed = run(command, tmp_path)
+        assert agrees(command.output, printed), f"$ {command.line}\n{printed}"
+
+
+@pytest.mark.parametrize("document", documents_with("adirf"), ids=lambda path: path.name)
+def test_rule_files_in_documents_are_valid_and_formatted(document: Path) -> None:
+    for text in blocks(document, "adirf"):
+        assert parse(text, document.name).findings == ()
+        assert format_rules(text, document.name) == text
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.name)
+def test_links_lead_to_files_that_exist(document: Path) -> None:
+    links = [link for link in LINK.findall(document.read_text(encoding="utf-8")) if "://" not in link]
+    missing = [link for link in links if not (document.parent / link).exists()]
+    assert missing == []
+
+
+def test_the_architecture_names_folders_that_exist() -> None:
+    text = (ROOT / "ARCHITECTURE.md").read_text(encoding="utf-8")
+    table = re.findall(r"^\| \d \| (.+?) \|", text, flags=re.MULTILINE)
+    named = {name for row in table for name in re.findall(r"`([\w/]+)`", row)}
+    package = ROOT / "src" / "smarttestudo"
+    folders = {path.name for path in package.iterdir() if (path / "__init__.py").exists()}
+    assert all((package / name).is_dir() for name in named)
+    assert {name.partition("/")[0] for name in named} == folders - {"__pycache__"}
+
+
+def test_the_makefile_has_every_target_that_documents_name() -> None:
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    named = {
+        target
+        for document in DOCUMENTS
+        for block in blocks(document, "sh")
+        for target in re.findall(r"^make ([\w-]+)", block, flags=re.MULTILINE)
+    }
+    assert {
+        target for target in named if not re.search(rf"^{target}:", makefile, flags=re.MULTILINE)
+    } == set()
