@@ -1,0 +1,113 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The robot's mission: everything that its topics carry, in the order in which it arrives."""
+
+from __future__ import annotations
+
+import heapq
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.simulation.body_sensors import FrameBroadcaster, InertialUnit, Odometer, WheelEncoders
+from smarttestudo.simulation.camera import Camera, raspberry_pi_lens
+from smarttestudo.simulation.device import Device
+from smarttestudo.simulation.drive import DifferentialDrive
+from smarttestudo.simulation.floor_plan import FloorPlan
+from smarttestudo.simulation.lidar import Lidar
+from smarttestudo.simulation.navigator import Navigator
+from smarttestudo.simulation.pursuit import PurePursuit
+from smarttestudo.simulation.ray_casting import RayCaster
+from smarttestudo.simulation.readings import TimedReading
+from smarttestudo.simulation.robot import RobotModel
+from smarttestudo.simulation.route import Route
+
+_TRANSPORT_NS = 500_000
+_JITTER = 0.02
+_MAX_JITTER = 0.1
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MissionRequest:
+    """What is to be driven where.
+
+    ``start_ns`` is the time at which the mission starts, ``seed`` fixes every noise, ``full_images`` asks
+    for whole camera frames instead of small ones.
+    """
+
+    plan: FloorPlan
+    route: Route
+    seed: int
+    start_ns: int
+    full_images: bool = False
+
+
+def drive_mission(request: MissionRequest) -> Iterator[TimedReading]:
+    """Everything the robot publishes, by arrival time, without end: the robot drives round after round.
+
+    Nothing is computed ahead of what is taken, so that a live run can take readings as their time comes.
+    """
+    model = RobotModel()
+    drive = DifferentialDrive(model, pose=request.route.start, now_ns=request.start_ns)
+    clocks = [
+        _DeviceClock(device, request.start_ns, np.random.default_rng([request.seed, order, 1]))
+        for order, device in enumerate(_devices(request, model))
+    ]
+    due = [(clock.next_ns, order) for order, clock in enumerate(clocks)]
+    heapq.heapify(due)
+    under_way: list[tuple[int, int, TimedReading]] = []
+    serial = 0
+    while True:
+        now_ns, order = due[0]
+        while under_way and under_way[0][0] <= now_ns:
+            yield heapq.heappop(under_way)[2]
+        drive.advance_to(now_ns)
+        for reading in clocks[order].publish(drive):
+            serial += 1
+            heapq.heappush(under_way, (reading.time_ns, serial, reading))
+        heapq.heapreplace(due, (clocks[order].next_ns, order))
+
+
+class _DeviceClock:
+    """When a device is sampled, and when what it says arrives.
+
+    Sample i is taken at (i + phase) / rate; each message arrives a transport time later, plus the
+    absolute value of Gaussian noise of 2 % of the period.
+    """
+
+    __slots__ = ("_count", "_device", "_first_ns", "_noise", "_period_ns", "next_ns")
+
+    def __init__(self, device: Device, start_ns: int, noise: np.random.Generator) -> None:
+        self._device = device
+        self._noise = noise
+        self._period_ns = NS_PER_S / device.rate_hz
+        self._first_ns = start_ns + round(noise.random() * self._period_ns)
+        self._count = 0
+        self.next_ns = self._first_ns
+
+    def publish(self, drive: DifferentialDrive) -> Iterator[TimedReading]:
+        """Sample the device, and set the time of the next sample."""
+        now_ns = self.next_ns
+        self._count += 1
+        self.next_ns = self._first_ns + round(self._count * self._period_ns)
+        for topic, reading in self._device.sample(drive):
+            share = min(abs(self._noise.standard_normal()) * _JITTER, _MAX_JITTER)
+            arrival_ns = now_ns + _TRANSPORT_NS + round(share * self._period_ns)
+            yield TimedReading(time_ns=arrival_ns, topic=topic, reading=reading)
+
+
+def _devices(request: MissionRequest, model: RobotModel) -> Sequence[Device]:
+    """What the robot carries; each has noise of its own, so that none depends on another."""
+    noises = [np.random.default_rng([request.seed, index, 0]) for index in range(4)]
+    caster = RayCaster(request.plan)
+    return (
+        Navigator(PurePursuit(request.route, model)),
+        Odometer(noises[0]),
+        InertialUnit(noises[1]),
+        WheelEncoders(),
+        Lidar(caster, noises[2]),
+        FrameBroadcaster(),
+        Camera(request.plan, caster, raspberry_pi_lens(full_size=request.full_images), noises[3]),
+    )

@@ -1,0 +1,80 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""A closed round through waypoints, with rounded corners, measured along its length."""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+from collections.abc import Iterator, Sequence
+from itertools import accumulate, pairwise
+
+from smarttestudo.simulation.geometry import Point, Pose
+
+_SPACING_M = 0.05
+
+
+class Route:
+    """A closed line; places on it are named by the distance travelled, round after round."""
+
+    __slots__ = ("_starts_m", "length_m", "points")
+
+    def __init__(self, points: Sequence[Point]) -> None:
+        """A round over ``points``, which ends where it starts."""
+        self.points = (*points, points[0])
+        self._starts_m = [0.0, *accumulate(a.distance_m(b) for a, b in pairwise(self.points))]
+        self.length_m = self._starts_m[-1]
+
+    @staticmethod
+    def through(waypoints: Sequence[Point], *, corner_radius_m: float) -> Route:
+        """A round along the straight lines between ``waypoints``, each corner an arc of the given radius.
+
+        It starts in the middle of the first line. Lines must be long enough for the arcs at both ends.
+        """
+        count = len(waypoints)
+        points = [_between(waypoints[0], waypoints[1], 0.5)]
+        for index in range(1, count + 1):
+            before, corner, after = (
+                waypoints[index - 1],
+                waypoints[index % count],
+                waypoints[(index + 1) % count],
+            )
+            points += _arc(before, corner, after, corner_radius_m)
+        return Route(points)
+
+    @property
+    def start(self) -> Pose:
+        """The first place, heading along the route."""
+        first, second = self.points[:2]
+        return Pose(first.x_m, first.y_m, math.atan2(second.y_m - first.y_m, second.x_m - first.x_m))
+
+    def at(self, travelled_m: float) -> Point:
+        """The place after ``travelled_m`` metres."""
+        rest_m = travelled_m % self.length_m
+        index = min(bisect_right(self._starts_m, rest_m), len(self.points) - 1)
+        start_m, end_m = self._starts_m[index - 1 : index + 1]
+        return _between(self.points[index - 1], self.points[index], (rest_m - start_m) / (end_m - start_m))
+
+    def nearest_m(self, point: Point, *, from_m: float, window_m: float) -> float:
+        """How far along the route is nearest to ``point``, between ``from_m`` and ``window_m`` later."""
+        steps = round(window_m / _SPACING_M)
+        candidates = [from_m + step * _SPACING_M for step in range(steps + 1)]
+        return min(candidates, key=lambda travelled_m: self.at(travelled_m).distance_m(point))
+
+
+def _between(start: Point, end: Point, share: float) -> Point:
+    return Point(start.x_m + share * (end.x_m - start.x_m), start.y_m + share * (end.y_m - start.y_m))
+
+
+def _arc(before: Point, corner: Point, after: Point, radius_m: float) -> Iterator[Point]:
+    """Points on the arc that touches both lines of a corner."""
+    heading_in = math.atan2(corner.y_m - before.y_m, corner.x_m - before.x_m)
+    heading_out = math.atan2(after.y_m - corner.y_m, after.x_m - corner.x_m)
+    turn = math.remainder(heading_out - heading_in, math.tau)
+    side = math.copysign(1.0, turn)
+    start = Pose(corner.x_m, corner.y_m, heading_in).ahead(-radius_m * abs(math.tan(turn / 2)))
+    centre = Pose(start.x_m, start.y_m, heading_in + side * math.pi / 2).ahead(radius_m)
+    count = max(2, math.ceil(abs(turn) * radius_m / _SPACING_M))
+    for step in range(count + 1):
+        bearing = heading_in - side * math.pi / 2 + turn * step / count
+        yield Pose(centre.x_m, centre.y_m, bearing).ahead(radius_m)
