@@ -28,7 +28,8 @@ def rate_series(
     """The rate of ``trace`` in each whole epoch-aligned second of ``span``, time counted from its start.
 
     Seconds without a message count as 0 Hz. The two seconds that the recording only partly covers are left
-    out: they would look like drops. A long recording gives stretches of several seconds, ``max_points`` at most.
+    out: they would look like drops. A long recording gives stretches of several seconds, at most
+    ``max_points`` of them.
     """
     first = -(-span.start_ns // NS_PER_S)
     seconds = span.end_ns // NS_PER_S - first
