@@ -34,14 +34,17 @@ def demo_folder(out: Path, *, needed_bytes: int) -> Iterator[Path]:
     try:
         out.parent.mkdir(parents=True, exist_ok=True)
         _refuse_small_disk(out.parent, needed_bytes)
-        work = Path(tempfile.mkdtemp(prefix=f".{out.name}.", suffix=".partial", dir=out.parent))
+        workshop = Path(tempfile.mkdtemp(prefix=f".{out.name}-", suffix=".partial", dir=out.parent))
     except OSError as error:
         raise _not_written(out, error) from error
     try:
+        # mkdtemp makes folders for the user alone; what the demo leaves is as open as its other files.
+        work = workshop / out.name
+        work.mkdir()
         yield work
         _replace(out, work)
     finally:
-        shutil.rmtree(work, ignore_errors=True)
+        shutil.rmtree(workshop, ignore_errors=True)
 
 
 def _refuse_foreign(out: Path) -> None:
@@ -71,15 +74,9 @@ def _refuse_small_disk(parent: Path, needed_bytes: int) -> None:
 def _replace(out: Path, work: Path) -> None:
     """Put ``work`` where ``out`` was; at no time does ``out`` hold a mixture."""
     try:
-        # mkdtemp makes folders for the user alone; what the demo leaves is as open as its other files.
-        work.chmod(0o755)
         if out.exists():
-            former = work.with_suffix(".former")
-            out.rename(former)
-            work.rename(out)
-            shutil.rmtree(former, ignore_errors=True)
-        else:
-            work.rename(out)
+            out.rename(work.parent / "former")
+        work.rename(out)
     except OSError as error:
         raise _not_written(out, error) from error
 
