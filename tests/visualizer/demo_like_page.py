@@ -25,7 +25,9 @@ from smarttestudo.visualizer.page import (
     Zone,
 )
 from smarttestudo.visualizer.rate_series import rate_series
+from smarttestudo.visualizer.rule_timeline import by_topic
 from smarttestudo.visualizer.statistics import RecordingSpan, topic_statistics
+from smarttestudo.visualizer.targets import mean_target, target_spans
 from smarttestudo.visualizer.trace import TraceAccumulator
 
 START_NS = 1_795_230_365_474_043_000
@@ -124,7 +126,10 @@ def demo_like_page(*, title: str = "A TurtleBot3 patrols a warehouse", seconds: 
     comparison = compare(
         {topic: topic_statistics(trace, SPAN, declared="image" in topic) for topic, trace in before.items()},
         {topic: topic_statistics(trace, SPAN, declared="image" in topic) for topic, trace in after.items()},
-        {topic: _mean_target_hz(topic, decisions) for topic in SOURCES},
+        {
+            topic: mean_target(target_spans(own, SECONDS), SOURCES[topic][0])
+            for topic, own in by_topic(decisions).items()
+        },
     )
     series = tuple(
         TopicSeries(
@@ -152,22 +157,22 @@ def demo_like_page(*, title: str = "A TurtleBot3 patrols a warehouse", seconds: 
 
 def _decisions() -> tuple[Decision, ...]:
     found = []
-    rates_hz: dict[str, float] = {}
+    plan: dict[str, tuple[float, str | None]] = {}
     for t_s, visited in ((0.0, SCAFFOLDING), (0.54, None), *VISITS):
         line, block_hz = BLOCKS[visited] if visited else (None, {})
         for topic, default_hz in DEFAULTS_HZ.items():
             to_hz = block_hz.get(topic, default_hz)
             rule = visited if topic in block_hz else None
-            if rates_hz.get(topic) == to_hz:
+            if plan.get(topic) == (to_hz, rule):
                 continue
-            start = topic not in rates_hz
+            start = topic not in plan
             reason = Reason.DEFAULT if rule is None else Reason.UNKNOWN if start else Reason.BLOCK
             found.append(
                 Decision(
                     t_s=t_s,
                     stamp_ns=START_NS + ns_from_s(t_s),
                     topic=topic,
-                    from_rate=None if start else Rate(rates_hz[topic]),
+                    from_rate=None if start else Rate(plan[topic][0]),
                     planned=PlannedRate(
                         rate=Rate(to_hz), reason=reason, rule=rule, line=line if rule else None
                     ),
@@ -176,7 +181,7 @@ def _decisions() -> tuple[Decision, ...]:
                     else {},
                 )
             )
-            rates_hz[topic] = to_hz
+            plan[topic] = (to_hz, rule)
     return tuple(found)
 
 
@@ -199,14 +204,6 @@ def _relayed(topic: str, decisions: list[Decision]) -> TraceAccumulator:
         for index in range(int((end_s - decision.t_s) * paced_hz)):
             trace.add(START_NS + ns_from_s(decision.t_s + index / paced_hz), size_bytes)
     return trace
-
-
-def _mean_target_hz(topic: str, decisions: tuple[Decision, ...]) -> float:
-    own = [one for one in decisions if one.topic == topic]
-    ends_s = [*(one.t_s for one in own[1:]), SECONDS]
-    return (
-        sum(one.planned.rate.hz * (end_s - one.t_s) for one, end_s in zip(own, ends_s, strict=True)) / SECONDS
-    )
 
 
 def _floor_plan() -> FloorPlan:

@@ -10,7 +10,6 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from smarttestudo.domain.decision import Decision
-from smarttestudo.domain.rate import Rate
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -28,15 +27,6 @@ class RuleSpan:
     start_s: float
     end_s: float
     block: DecidingBlock | None
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class TargetSpan:
-    """From ``start_s`` to ``end_s`` a topic's planned rate was ``rate``."""
-
-    start_s: float
-    end_s: float
-    rate: Rate
 
 
 def by_topic(decisions: Iterable[Decision]) -> dict[str, list[Decision]]:
@@ -64,17 +54,6 @@ def deciding_spans(decisions: Iterable[Decision], end_s: float) -> tuple[RuleSpa
         if start_s < min(next_s, end_s):
             _extend(spans, RuleSpan(start_s=start_s, end_s=min(next_s, end_s), block=_leading(blocks)))
     return tuple(spans)
-
-
-def target_spans(decisions: Iterable[Decision], end_s: float) -> tuple[TargetSpan, ...]:
-    """The planned rates of the one topic that ``decisions`` are about, from the first to ``end_s``."""
-    ordered = sorted(decisions, key=_time)
-    ends_s = [*(decision.t_s for decision in ordered[1:]), end_s]
-    return tuple(
-        TargetSpan(start_s=decision.t_s, end_s=min(until_s, end_s), rate=decision.planned.rate)
-        for decision, until_s in zip(ordered, ends_s, strict=True)
-        if decision.t_s < min(until_s, end_s)
-    )
 
 
 def deciding_block(decision: Decision) -> DecidingBlock | None:

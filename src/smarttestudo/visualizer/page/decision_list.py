@@ -9,13 +9,14 @@ from collections.abc import Sequence
 from smarttestudo.domain.decision import Decision, Reason
 from smarttestudo.visualizer.page.markup import Markup, tag
 from smarttestudo.visualizer.page.rule_styles import RuleStyles
+from smarttestudo.visualizer.page.scale import label
 from smarttestudo.visualizer.rule_timeline import deciding_block
 from smarttestudo.visualizer.table import format_number
 
 MAX_DECISIONS = 500
 _HEADINGS = ("Time", "Topic", "Rate", "Decided by", "Values read")
 _NOTES = {
-    Reason.UNKNOWN: "condition unknown",
+    Reason.UNKNOWN: "unknown",
     Reason.FLOOR: "KeepAtLeast",
     Reason.BUDGET: "budget",
     Reason.FALLBACK: "fallback",
@@ -32,7 +33,10 @@ def decision_list(decisions: Sequence[Decision], styles: RuleStyles) -> Markup:
         tag("th", heading, *_unit(heading), class_="right" if heading == "Time" else "left", scope="col")
         for heading in _HEADINGS
     )
-    rows = (_row(decision, styles) for decision in shown)
+    rows = (
+        _row(decision, styles, is_first=before is None or before.t_s != decision.t_s)
+        for before, decision in zip((None, *shown), shown, strict=False)
+    )
     table = tag("table", tag("thead", tag("tr", *head)), tag("tbody", *rows))
     return tag("figure", table, *note, class_="wide decisions")
 
@@ -41,21 +45,30 @@ def _unit(heading: str) -> list[Markup]:
     return [tag("span", "s", class_="unit")] if heading == "Time" else []
 
 
-def _row(decision: Decision, styles: RuleStyles) -> Markup:
+def _row(decision: Decision, styles: RuleStyles, *, is_first: bool) -> Markup:
     planned = decision.planned
     before = "start" if decision.from_rate is None else str(decision.from_rate)
-    values = ", ".join(
-        f"{signal} = {'unknown' if value is None else format_number(value, 2)}"
-        for signal, value in decision.values.items()
-    )
     return tag(
         "tr",
         tag("td", format_number(decision.t_s, 1), class_="right"),
-        tag("td", decision.topic, class_="words name"),
-        tag("td", before, tag("span", " → ", class_="quiet"), str(planned.rate), class_="steady"),
-        tag("td", *_decider(decision, styles), class_="words"),
-        tag("td", values, class_="words quiet"),
+        tag("td", decision.topic, class_="left words name"),
+        tag("td", before, tag("span", " → ", class_="quiet"), str(planned.rate), class_="left steady"),
+        tag("td", *_decider(decision, styles), class_="left words"),
+        tag("td", _values(decision), class_="left words quiet"),
+        class_="first" if is_first else "again",
     )
+
+
+def _values(decision: Decision) -> str:
+    """What the condition read; a topic is named once for all its properties in a row."""
+    parts = []
+    last_topic = ""
+    for signal, value in decision.values.items():
+        topic, _, property_name = signal.partition(" ")
+        shown = property_name if topic == last_topic else signal
+        last_topic = topic
+        parts.append(f"{shown} = {'unknown' if value is None else label(value)}")
+    return ", ".join(parts)
 
 
 def _decider(decision: Decision, styles: RuleStyles) -> list[Markup | str]:

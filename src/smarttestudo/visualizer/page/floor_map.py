@@ -15,11 +15,11 @@ from smarttestudo.visualizer.page.rule_styles import RuleStyles
 from smarttestudo.visualizer.page.scale import Scale, label, linear, multiples, round_step
 from smarttestudo.visualizer.rule_timeline import RuleSpan
 
-_WIDTH = 640.0
-_TALLEST = 720.0
-_LEFT, _RIGHT, _TOP, _BOTTOM = 46.0, 14.0, 14.0, 40.0
+_WIDTH = 600.0
+_TALLEST = 690.0
+_LEFT, _RIGHT, _TOP, _BOTTOM = 40.0, 8.0, 8.0, 38.0
 _LEAST_SPAN_M = 2.0
-_GRID_LINES = 7
+_GRID_LINES = 8
 _TIME_LABELS = 5
 _LABEL_SPACE = 30.0
 
@@ -106,7 +106,7 @@ def _grid(frame: _Frame) -> Iterator[Markup]:
         at = frame.y(y_m)
         yield tag("line", class_="grid", x1=left, x2=right, y1=at, y2=at)
         yield tag("text", label(y_m), class_="tick", x=left - 6, y=at + 3.5, text_anchor="end")
-    yield tag("text", "x in m", class_="axis", x=right, y=bottom + 32, text_anchor="end")
+    yield tag("text", "x in m", class_="axis", x=right, y=bottom + 31, text_anchor="end")
     turned = f"translate(12 {coordinate(top)}) rotate(-90)"
     yield tag("text", "y in m", class_="axis", transform=turned, text_anchor="end")
 

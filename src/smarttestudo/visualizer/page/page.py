@@ -12,11 +12,10 @@ from smarttestudo.visualizer.page.decision_list import decision_list
 from smarttestudo.visualizer.page.floor_map import floor_map
 from smarttestudo.visualizer.page.html_table import html_table
 from smarttestudo.visualizer.page.markup import Markup, tag
+from smarttestudo.visualizer.page.opening import opening
 from smarttestudo.visualizer.page.page_input import PageInput
 from smarttestudo.visualizer.page.rule_styles import RuleStyles
 from smarttestudo.visualizer.page.sections import (
-    header,
-    map_section,
     provenance_section,
     rates_section,
     rules_section,
@@ -52,10 +51,7 @@ def _head(title: str) -> Markup:
 def _parts(page: PageInput) -> Iterator[Markup]:
     spans = deciding_spans(page.decisions, page.duration_s)
     styles = RuleStyles(_all_spans(page))
-    yield header(page)
-    drawing = floor_map(page.floor_plan, page.path, spans, styles)
-    if drawing is not None:
-        yield map_section(drawing, spans, styles)
+    yield opening(page, floor_map(page.floor_plan, page.path, spans, styles), spans, styles)
     if page.series:
         yield rates_section(page, styles)
     for table in (frequency_table(page.comparison, page.names), bandwidth_table(page.comparison, page.names)):

@@ -49,5 +49,5 @@ def round_step(wanted: float) -> float:
 
 
 def label(value: float) -> str:
-    """A tick's value in few digits, with a true minus."""
+    """``value`` in at most six digits, with a true minus."""
     return f"{value + 0.0:.6g}".replace("-", "−")

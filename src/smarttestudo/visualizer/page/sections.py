@@ -1,54 +1,28 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The parts of the page, from top to bottom."""
+"""The parts of the page below the first screen."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
 from smarttestudo.visualizer.comparison import TopicComparison
-from smarttestudo.visualizer.page.legends import chart_legend, rule_legend
+from smarttestudo.visualizer.page.legends import chart_legend
 from smarttestudo.visualizer.page.markup import Markup, tag
 from smarttestudo.visualizer.page.page_input import Fact, PageInput, RuleText
 from smarttestudo.visualizer.page.rate_chart import rate_chart
 from smarttestudo.visualizer.page.rule_styles import RuleStyles
-from smarttestudo.visualizer.rule_timeline import RuleSpan, by_topic, deciding_spans, target_spans
-from smarttestudo.visualizer.summary import bandwidth_text, summary_sentence
+from smarttestudo.visualizer.rule_timeline import by_topic, deciding_spans
 from smarttestudo.visualizer.table import format_number
+from smarttestudo.visualizer.targets import target_spans
 
 MAX_RULE_CHARACTERS = 100_000
-
-
-def header(page: PageInput) -> Markup:
-    """What happened, in one sentence and four numbers."""
-    comparison = page.comparison
-    figures = (
-        (page.names.before, bandwidth_text(comparison.before_kb_per_s)),
-        (page.names.after, bandwidth_text(comparison.after_kb_per_s)),
-        ("Topics", f"{len(comparison.topics):,}"),
-        ("Duration", f"{format_number(page.duration_s, 0)} s"),
-    )
-    return tag(
-        "header",
-        tag("h1", page.title, class_="words"),
-        tag("p", summary_sentence(comparison, len(page.decisions)), class_="lead"),
-        tag("dl", *(tag("div", tag("dt", name), tag("dd", value)) for name, value in figures)),
-    )
 
 
 def section(heading: str, *content: Markup, explanation: str = "") -> Markup:
     """A part of the page under its heading."""
     lines = [tag("p", explanation, class_="explanation")] if explanation else []
     return tag("section", tag("h2", heading), *lines, *content)
-
-
-def map_section(drawing: Markup, spans: Sequence[RuleSpan], styles: RuleStyles) -> Markup:
-    """The floor map beside its legend."""
-    return section(
-        "Where the rules decided",
-        tag("div", tag("figure", drawing), rule_legend(spans, styles), class_="map-row"),
-        explanation="The robot's path in the colour of the rule that decided the most topics there.",
-    )
 
 
 def rates_section(page: PageInput, styles: RuleStyles) -> Markup:
