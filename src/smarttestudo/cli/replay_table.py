@@ -9,8 +9,8 @@ from smarttestudo.visualizer.comparison import change_percent
 from smarttestudo.visualizer.table import Align, Column, Number, Row, Table, Text
 
 _RATES_NOTE = (
-    "Hz: (n − 1) / (last − first); the target is weighted by time. "
-    "Error: the mean against the lesser of target and source."
+    "Hz: (n − 1) / (last − first). Error: the mean against the lesser of target and source at each time; "
+    "both are weighted by time."
 )
 _DECLARED_NOTE = "declared: the size that the recording declares for its messages, not the one it holds."
 

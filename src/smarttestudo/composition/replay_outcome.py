@@ -17,8 +17,8 @@ class TopicOutcome:
 
     ``messages_out`` includes ``repeated``. ``source_hz`` and ``mean_hz`` are (n − 1) / (last − first) of what
     came in and went out; ``target_hz`` is weighted by time, with Full as the source's rate, and
-    ``error_percent`` how far ``mean_hz`` lies above the lesser of target and source. A number that the
-    messages do not determine is ``None``. ``declared`` says that sizes are those that the bag declares.
+    ``error_percent`` how far ``mean_hz`` lies above the lesser of target and source at each time, likewise
+    weighted. A number that the messages do not determine is ``None``. ``declared`` says that sizes are those that the bag declares.
     """
 
     messages_in: int
@@ -79,7 +79,10 @@ def topic_outcome(statistics: RelayStatistics, *, declared: bool) -> TopicOutcom
     """The numbers of a topic from what its relay counted."""
     arrived, relayed = statistics.arrived, statistics.relayed
     source_hz, mean_hz = arrived.mean_hz, relayed.mean_hz
-    target_hz = None if source_hz is None else statistics.target.mean_hz(source_hz)
+    target_hz = attainable_hz = None
+    if source_hz is not None:
+        target_hz = statistics.target.mean_hz(source_hz)
+        attainable_hz = statistics.target.attainable_hz(source_hz)
     return TopicOutcome(
         messages_in=arrived.messages,
         messages_out=relayed.messages,
@@ -87,15 +90,8 @@ def topic_outcome(statistics: RelayStatistics, *, declared: bool) -> TopicOutcom
         source_hz=source_hz,
         target_hz=target_hz,
         mean_hz=mean_hz,
-        error_percent=_error_percent(mean_hz, source_hz, target_hz),
+        error_percent=100 * (mean_hz / attainable_hz - 1) if mean_hz and attainable_hz else None,
         in_kb=arrived.size_bytes / BYTES_PER_KB,
         out_kb=relayed.size_bytes / BYTES_PER_KB,
         declared=declared,
     )
-
-
-def _error_percent(mean_hz: float | None, source_hz: float | None, target_hz: float | None) -> float | None:
-    if mean_hz is None or source_hz is None or target_hz is None:
-        return None
-    asked_hz = min(source_hz, target_hz)
-    return 100 * (mean_hz / asked_hz - 1) if asked_hz else None

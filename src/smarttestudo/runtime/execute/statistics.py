@@ -5,6 +5,8 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
+from collections.abc import Callable
 
 from smarttestudo.domain.units import NS_PER_S
 
@@ -37,14 +39,12 @@ class Flow:
 class Target:
     """The target rate of a relay over time, in Hz; infinite while Full, as it is at first."""
 
-    __slots__ = ("_full_ns", "_hz_ns", "_paced_ns", "_since_ns", "rate_hz")
+    __slots__ = ("_ns_at", "_since_ns", "rate_hz")
 
     def __init__(self, now_ns: int) -> None:
         self.rate_hz = math.inf
         self._since_ns = now_ns
-        self._full_ns = 0
-        self._paced_ns = 0
-        self._hz_ns = 0.0
+        self._ns_at: Counter[float] = Counter()
 
     def change(self, rate_hz: float, now_ns: int) -> None:
         """Aim at ``rate_hz`` from ``now_ns`` on."""
@@ -53,18 +53,21 @@ class Target:
 
     def account(self, now_ns: int) -> None:
         """Count the time up to ``now_ns``."""
-        passed_ns = max(now_ns - self._since_ns, 0)
+        self._ns_at[self.rate_hz] += max(now_ns - self._since_ns, 0)
         self._since_ns = now_ns
-        if math.isinf(self.rate_hz):
-            self._full_ns += passed_ns
-        else:
-            self._paced_ns += passed_ns
-            self._hz_ns += self.rate_hz * passed_ns
 
     def mean_hz(self, source_hz: float) -> float | None:
         """The mean over the counted time, where Full counts as ``source_hz``; ``None`` over no time."""
-        total_ns = self._full_ns + self._paced_ns
-        return (self._hz_ns + source_hz * self._full_ns) / total_ns if total_ns else None
+        return self._mean_hz(lambda rate_hz: source_hz if math.isinf(rate_hz) else rate_hz)
+
+    def attainable_hz(self, source_hz: float) -> float | None:
+        """The mean over the counted time of the lesser of target and source; ``None`` over no time."""
+        return self._mean_hz(lambda rate_hz: min(rate_hz, source_hz))
+
+    def _mean_hz(self, counts_as: Callable[[float], float]) -> float | None:
+        total_ns = self._ns_at.total()
+        messages = sum(counts_as(rate_hz) * passed_ns for rate_hz, passed_ns in self._ns_at.items())
+        return messages / total_ns if total_ns else None
 
 
 class RelayStatistics:
