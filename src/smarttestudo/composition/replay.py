@@ -142,7 +142,7 @@ class _Run:
     def notices(self) -> Iterator[str]:
         """What was lost or odd, one line each."""
         for topic, count in self._second_types.items():
-            yield f"{topic}: recorded with two types; {counted(count, 'message')} of the second were left out"
+            yield f"{topic}: recorded with two types; left out of the second: {counted(count, 'message')}"
         for topic, count in self._loop.undecodable.items():
             yield f"{topic}: {counted(count, 'message')} could not be decoded; what checks read was unknown"
         for signal, count in self._loop.unknown_values.items():

@@ -16,9 +16,10 @@ class TopicOutcome:
     """What one relayed topic carried in and out.
 
     ``messages_out`` includes ``repeated``. ``source_hz`` and ``mean_hz`` are (n − 1) / (last − first) of what
-    came in and went out; ``target_hz`` is weighted by time, with Full as the source's rate, and
-    ``error_percent`` how far ``mean_hz`` lies above the lesser of target and source at each time, likewise
-    weighted. A number that the messages do not determine is ``None``. ``declared`` says that sizes are those that the bag declares.
+    came in and went out. ``target_hz`` is weighted by time, with Full as the source's rate; ``error_percent``
+    is how far ``mean_hz`` lies above the lesser of target and source at each time, likewise weighted.
+    ``declared`` says that sizes are those that the bag declares. A number that the messages do not determine
+    is ``None``.
     """
 
     messages_in: int
