@@ -106,6 +106,7 @@ class BothLoops:
         self.clock_ns = START
         self.elapsed_ns = 0
         self.effective: dict[str, NaiveWish] = {}
+        self.decisions: list[Decision] = []
 
     def step(self, seen: list[Observation], gap_ns: int) -> None:
         self.clock_ns += gap_ns
@@ -114,9 +115,11 @@ class BothLoops:
         expected = self.second.step(seen, self.elapsed_ns)
         places = {topic: wish.block for topic, wish in self.knowledge.effective.items()}
         assert [self.as_naive(one, places) for one in result.decisions] == expected
+        self.decisions += result.decisions
         assert all(one.stamp_ns == self.clock_ns for one in result.decisions)
         self.effective = {topic: naive(planned, places[topic]) for topic, planned in result.plan.items()}
         assert self.effective == self.second.effective
+        assert result.next_wake_ns is None or result.next_wake_ns > self.clock_ns
 
     def as_naive(self, decision: Decision, places: Mapping[str, int | None]) -> NaiveDecision:
         before = self.effective.get(decision.topic)
@@ -132,17 +135,19 @@ class BothLoops:
     def wait(self, gap_ns: int, probe: float) -> int:
         """Step whenever the loop asks for it within ``gap_ns``; returns what is left of the gap."""
         while (wake_ns := self.knowledge.next_wake_ns) is not None and wake_ns <= self.clock_ns + gap_ns:
-            self.assert_quiet(wake_ns - self.clock_ns - 1, probe)
             gap_ns -= wake_ns - self.clock_ns
+            self.wake_early(wake_ns - self.clock_ns, probe)
             self.step([], wake_ns - self.clock_ns)
-        self.assert_quiet(gap_ns, probe)
+        self.wake_early(gap_ns, 0)
         return gap_ns
 
-    def assert_quiet(self, gap_ns: int, probe: float) -> None:
-        """Before the loop asks to be woken, nothing changes by itself."""
-        for later_ns in {int(gap_ns * probe), gap_ns}:
-            if later_ns > 0:
-                assert self.second.peek(self.elapsed_ns + later_ns) == self.effective
+    def wake_early(self, gap_ns: int, probe: float) -> None:
+        """Before the loop asks to be woken nothing changes by itself, and a step finds nothing to do."""
+        if gap_ns > 1:
+            assert self.second.peek(self.elapsed_ns + gap_ns - 1) == self.effective
+            decisions = len(self.decisions)
+            self.step([], int((gap_ns - 1) * probe))
+            assert len(self.decisions) == decisions
 
 
 profiles = st.builds(

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left, bisect_right
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from smarttestudo.adirf.region import Bound
 from smarttestudo.domain.signal import ArrivalProperty
@@ -35,30 +35,29 @@ class Arrivals:
 
     def values(self, now_ns: int, silent_since_ns: int) -> Iterator[tuple[ArrivalProperty, float]]:
         """The value of each property at ``now_ns``."""
-        self._window.forget(now_ns)
         for kind in self._cuts:
-            match kind:
-                case ArrivalProperty.RATE:
-                    yield kind, self._window.rate_hz()
-                case ArrivalProperty.BANDWIDTH:
-                    yield kind, self._window.bandwidth_kb_per_s()
-                case ArrivalProperty.AGE:
-                    yield kind, (now_ns - silent_since_ns) / NS_PER_S
+            if kind is ArrivalProperty.AGE:
+                yield kind, (now_ns - silent_since_ns) / NS_PER_S
+            else:
+                self._window.forget(now_ns)
+                yield kind, self._measure(kind)(0)
 
     def changes_ns(self, now_ns: int, silent_since_ns: int) -> Iterator[int]:
         """When time alone next takes each property across a cut; for those that it will."""
-        measures = {
-            ArrivalProperty.RATE: self._window.rate_hz,
-            ArrivalProperty.BANDWIDTH: self._window.bandwidth_kb_per_s,
-        }
-        self._window.forget(now_ns)
-        for kind, measure in measures.items():
-            falls_ns = self._window.falls_ns(measure, self._cuts.get(kind, ()))
-            if falls_ns is not None:
-                yield falls_ns
-        position = bisect_right(self._ages_ns, now_ns - silent_since_ns)
-        if position < len(self._ages_ns):
-            yield silent_since_ns + self._ages_ns[position]
+        for kind, cuts in self._cuts.items():
+            if kind is ArrivalProperty.AGE:
+                position = bisect_right(self._ages_ns, now_ns - silent_since_ns)
+                if position < len(self._ages_ns):
+                    yield silent_since_ns + self._ages_ns[position]
+            else:
+                self._window.forget(now_ns)
+                falls_ns = self._window.falls_ns(self._measure(kind), cuts)
+                if falls_ns is not None:
+                    yield falls_ns
+
+    def _measure(self, kind: ArrivalProperty) -> Callable[[int], float]:
+        is_rate = kind is ArrivalProperty.RATE
+        return self._window.rate_hz if is_rate else self._window.bandwidth_kb_per_s
 
 
 def _first_age_ns(cut: Bound) -> int:
