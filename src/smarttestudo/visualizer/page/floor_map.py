@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from smarttestudo.visualizer.page.markup import Markup, coordinate, tag
@@ -22,6 +22,7 @@ _LEAST_SPAN_M = 2.0
 _GRID_LINES = 8
 _TIME_LABELS = 5
 _LABEL_SPACE = 30.0
+_NAME_SPACE = 60.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,13 +39,22 @@ class _Frame:
         top, bottom = self.y(area.max_y_m), self.y(area.min_y_m)
         return tag("rect", class_=css_class, x=left, y=top, width=right - left, height=bottom - top)
 
+    def points(self, places: Iterable[PathPoint]) -> str:
+        return " ".join(f"{coordinate(self.x(one.x_m))},{coordinate(self.y(one.y_m))}" for one in places)
+
+    def name(self, text: str, x: float, y: float) -> Markup:
+        """``text`` to the right of a marker, to its left where there is no room."""
+        if x > self.width - _NAME_SPACE:
+            return tag("text", text, class_="marker-name", x=x - 11, y=y, text_anchor="end")
+        return tag("text", text, class_="marker-name", x=x + 11, y=y)
+
 
 def floor_map(
     plan: FloorPlan | None, path: Sequence[PathPoint], spans: Sequence[RuleSpan], styles: RuleStyles
 ) -> Markup | None:
     """The map as an SVG element; ``None`` where there is neither a floor plan nor a known place."""
     plan = plan or FloorPlan()
-    places = thinned(known_places(path))
+    places = known_places(path)
     bounds = _bounds(plan, places)
     if bounds is None:
         return None
@@ -53,7 +63,7 @@ def floor_map(
         "svg",
         *_grid(frame),
         *_floor(plan, frame, styles),
-        *_path(places, frame, spans, styles),
+        *_path(thinned(places), frame, spans, styles),
         *_zone_names(plan, frame),
         *_markers(places, frame),
         class_="map",
@@ -127,11 +137,10 @@ def _zone_names(plan: FloorPlan, frame: _Frame) -> Iterator[Markup]:
 def _path(
     places: Sequence[PathPoint], frame: _Frame, spans: Sequence[RuleSpan], styles: RuleStyles
 ) -> Iterator[Markup]:
+    yield tag("polyline", class_="path-edge", points=frame.points(places))
     for piece in path_pieces(places, spans):
-        points = " ".join(f"{coordinate(frame.x(p.x_m))},{coordinate(frame.y(p.y_m))}" for p in piece.points)
-        style = styles.of(piece.block)
-        yield tag("polyline", class_="path-edge", points=points)
-        yield tag("polyline", class_=f"path {style.css_class}", points=points)
+        look = styles.of(piece.block).css_class
+        yield tag("polyline", class_=f"path {look}", points=frame.points(piece.points))
 
 
 def _markers(places: Sequence[PathPoint], frame: _Frame) -> Iterator[Markup]:
@@ -140,23 +149,23 @@ def _markers(places: Sequence[PathPoint], frame: _Frame) -> Iterator[Markup]:
         return
     first, last = places[0], places[-1]
     taken = [(frame.x(one.x_m), frame.y(one.y_m)) for one in (first, last)]
-    for point in _at_round_times(places):
+    for time_s, point in _at_round_times(places):
         x, y = frame.x(point.x_m), frame.y(point.y_m)
         if any(abs(x - other_x) + abs(y - other_y) < _LABEL_SPACE for other_x, other_y in taken):
             continue
         taken.append((x, y))
         yield tag("circle", class_="passing", cx=x, cy=y, r=3.0)
-        yield tag("text", f"{label(round(point.t_s))} s", class_="passing-time", x=x + 7, y=y - 6)
+        yield tag("text", f"{label(time_s)} s", class_="passing-time", x=x + 7, y=y - 6)
     (first_x, first_y), (last_x, last_y) = taken[:2]
     yield tag("circle", class_="start", cx=first_x, cy=first_y, r=6.0)
-    yield tag("text", "Start", class_="marker-name", x=first_x + 11, y=first_y + 4)
+    yield frame.name("Start", first_x, first_y + 4)
     yield tag("rect", class_="end", x=last_x - 5, y=last_y - 5, width=10.0, height=10.0)
     below = 16 if abs(first_x - last_x) + abs(first_y - last_y) < _LABEL_SPACE and last_y >= first_y else 0
-    yield tag("text", "End", class_="marker-name", x=last_x + 11, y=last_y + 4 + below)
+    yield frame.name("End", last_x, last_y + 4 + below)
 
 
-def _at_round_times(places: Sequence[PathPoint]) -> Iterator[PathPoint]:
-    """The first place at or after each round time."""
+def _at_round_times(places: Sequence[PathPoint]) -> Iterator[tuple[float, PathPoint]]:
+    """Round times, each with the first place from then on."""
     duration_s = places[-1].t_s - places[0].t_s
     if duration_s <= 0:
         return
@@ -164,5 +173,5 @@ def _at_round_times(places: Sequence[PathPoint]) -> Iterator[PathPoint]:
     due_s = step_s * math.ceil(places[0].t_s / step_s)
     for point in places:
         if point.t_s >= due_s:
-            yield point
+            yield due_s, point
             due_s = step_s * (math.floor(point.t_s / step_s) + 1)
