@@ -14,7 +14,7 @@ from smarttestudo.visualizer.page.scale import label, round_step
 
 _TIME_LABELS = 5
 _LABEL_SPACE = 30.0
-_NAME_SPACE = 60.0
+_NAME_SPACE = 90.0
 _CHARACTER_WIDTH = 8.0
 _LINE_HEIGHT = 24.0
 
@@ -32,7 +32,7 @@ def zone_names(zones: Sequence[Zone], places: Sequence[PathPoint], frame: MapFra
 
 
 def markers(places: Sequence[PathPoint], frame: MapFrame) -> Iterator[Markup]:
-    """Start, end, and the time at round seconds in between where there is room for it."""
+    """Start and end, as one where they nearly meet, and round times in between where there is room."""
     if not places:
         return
     first, last = frame.place(places[0]), frame.place(places[-1])
@@ -43,10 +43,12 @@ def markers(places: Sequence[PathPoint], frame: MapFrame) -> Iterator[Markup]:
             taken.append((x, y))
             yield tag("circle", class_="passing", cx=x, cy=y, r=3.0)
             yield tag("text", f"{label(time_s)} s", class_="passing-time", x=x + 7, y=y - 6)
+    meets = not _apart(first, last)
     yield tag("circle", class_="start", cx=first[0], cy=first[1], r=6.0)
-    yield _beside("Start", first, frame)
-    yield tag("rect", class_="end", x=last[0] - 5, y=last[1] - 5, width=10.0, height=10.0)
-    yield _beside("End", last if _apart(first, last) else (last[0], first[1] + 16), frame)
+    yield _beside("Start, end" if meets else "Start", first, frame)
+    if not meets:
+        yield tag("rect", class_="end", x=last[0] - 5, y=last[1] - 5, width=10.0, height=10.0)
+        yield _beside("End", last, frame)
 
 
 def _passages(path: Sequence[tuple[float, float]], corner: tuple[float, float], width: float) -> int:
