@@ -28,7 +28,7 @@ SAFE_PLACES = frozenset(
 )
 """Where parsing can go on after an error."""
 
-_SAFE_WORDS = {kind.value.casefold(): kind.value for kind in KEYWORDS.values() if kind in SAFE_PLACES}
+_SAFE_WORDS = tuple(word for word, kind in KEYWORDS.items() if kind in SAFE_PLACES)
 
 
 class BrokenStatementError(Exception):
@@ -142,7 +142,7 @@ class Cursor:
         self._mended = replace(token, kind=kind)
 
     def skip_to(self, kinds: Collection[TokenKind]) -> None:
-        """Skip to the next token of ``kinds``, or of a spelling close to one where it starts a line."""
+        """Skip to the next token of ``kinds``, or of a spelling close to one."""
         while self.kind not in kinds and not self._looks_like(kinds):
             if self.kind is TokenKind.END_OF_FILE:
                 return
@@ -152,9 +152,7 @@ class Cursor:
         token = self.token
         if token.kind is not TokenKind.WORD:
             return False
-        right = _SAFE_WORDS.get(token.text.casefold())
-        if right is None and token.starts_line:
-            right = closest(token.text, _SAFE_WORDS.values())
+        right = closest(token.text, _SAFE_WORDS)
         return right is not None and KEYWORDS[right] in kinds
 
     def _slashes_hint(self) -> str:
