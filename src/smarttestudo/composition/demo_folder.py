@@ -65,7 +65,7 @@ def _refuse_small_disk(parent: Path, needed_bytes: int) -> None:
     free_bytes = shutil.disk_usage(parent).free
     if free_bytes < needed_bytes:
         raise DemoFolderError(
-            f"the demo needs {needed_bytes / 1e9:.1f} GB and the disk has {free_bytes / 1e9:.1f} GB left",
+            f"the demo needs {needed_bytes / 1e6:,.0f} MB and the disk has {free_bytes / 1e6:,.0f} MB left",
             place=str(parent),
             remedy="take fewer --seconds, another --out, or leave out --full-images",
         )
@@ -82,8 +82,9 @@ def _replace(out: Path, work: Path) -> None:
 
 
 def _not_written(out: Path, error: OSError) -> DemoFolderError:
+    culprit = "" if error.filename in (None, str(out)) else f" ({error.filename})"
     return DemoFolderError(
-        f"cannot be written: {error.strerror or error}",
+        f"cannot be written: {error.strerror or error}{culprit}",
         place=str(out),
         remedy="name another folder with --out",
     )
