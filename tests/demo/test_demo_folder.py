@@ -84,3 +84,16 @@ def test_a_disk_that_is_too_small_is_refused_before_anything_is_written(tmp_path
         pass
 
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_file_that_cannot_be_written_is_one_clear_error(tmp_path: Path) -> None:
+    def fill() -> None:
+        with demo_folder(tmp_path / "demo-out", needed_bytes=0) as work:
+            (work / "no-such-folder" / "report.html").write_text("")
+
+    with pytest.raises(
+        DemoFolderError, match=r"demo-out: error: cannot be written: No such file.*report\.html"
+    ):
+        fill()
+
+    assert list(tmp_path.iterdir()) == []

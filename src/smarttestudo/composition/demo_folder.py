@@ -43,6 +43,8 @@ def demo_folder(out: Path, *, needed_bytes: int) -> Iterator[Path]:
         work.mkdir()
         yield work
         _replace(out, work)
+    except OSError as error:
+        raise _not_written(out, error) from error
     finally:
         shutil.rmtree(workshop, ignore_errors=True)
 
@@ -73,12 +75,9 @@ def _refuse_small_disk(parent: Path, needed_bytes: int) -> None:
 
 def _replace(out: Path, work: Path) -> None:
     """Put ``work`` where ``out`` was; at no time does ``out`` hold a mixture."""
-    try:
-        if out.exists():
-            out.rename(work.parent / "former")
-        work.rename(out)
-    except OSError as error:
-        raise _not_written(out, error) from error
+    if out.exists():
+        out.rename(work.parent / "former")
+    work.rename(out)
 
 
 def _not_written(out: Path, error: OSError) -> DemoFolderError:
