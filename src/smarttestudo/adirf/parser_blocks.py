@@ -61,7 +61,8 @@ def parse_block(cursor: Cursor) -> Block | None:
     first = cursor.token
     head = _head_or_recover(cursor)
     then = parse_sets(cursor, after_error=head is None)
-    otherwise, else_trivia, end_if_trivia = (), NO_TRIVIA, NO_TRIVIA
+    otherwise: tuple[SetFrequency, ...] = ()
+    else_trivia = end_if_trivia = NO_TRIVIA
     if started := cursor.take(TokenKind.ELSE):
         else_trivia = cursor.take_trivia(started)
         cursor.begin_statement()

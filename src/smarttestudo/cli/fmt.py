@@ -6,14 +6,13 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterable
 from pathlib import Path
 
 from smarttestudo.adapters.files.rule_files import find_rule_files, read_rule_text, write_rule_text
 from smarttestudo.adirf.formatter import first_line_end, format_file
 from smarttestudo.adirf.parser import parse
+from smarttestudo.cli.finding_text import print_findings
 from smarttestudo.domain.errors import RuleFileError
-from smarttestudo.domain.finding import Finding
 
 EXIT_ERROR = 1
 
@@ -54,7 +53,7 @@ def _format(path: Path, *, is_check: bool) -> int:
         text = read_rule_text(path)
         result = parse(text, str(path))
         if not result.is_valid:
-            _print_findings(result.findings)
+            print_findings(result.findings, {str(path): text}, sys.stderr)
             return EXIT_ERROR
         formatted = format_file(result.file, line_end=first_line_end(text))
         if formatted == text:
@@ -66,10 +65,3 @@ def _format(path: Path, *, is_check: bool) -> int:
         return EXIT_ERROR
     sys.stdout.write(f"{path}\n" if is_check else f"formatted {path}\n")
     return EXIT_ERROR if is_check else 0
-
-
-def _print_findings(findings: Iterable[Finding]) -> None:
-    for finding in findings:
-        sys.stderr.write(f"{finding.line_of_text()}\n")
-        if finding.hint:
-            sys.stderr.write(f"    hint: {finding.hint}\n")
