@@ -19,13 +19,13 @@ from smarttestudo.domain.profile import Profile
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LoadedRules:
-    """What rule files mean together; ``rule_set`` is ``None`` where a finding is an error.
+    """What the checker says about rule files, and what they mean together; ``texts`` are the files by path.
 
-    ``texts`` are the files as written, by path.
+    ``rule_set`` is empty where a finding is an error.
     """
 
     findings: tuple[Finding, ...]
-    rule_set: RuleSet | None
+    rule_set: RuleSet
     texts: Mapping[str, str]
 
     @property
@@ -48,6 +48,6 @@ def load_rules(
     results = [parse(text, path) for path, text in texts.items()]
     context = CheckContext(resolve=resolve_topic, profile=profile, bag_topics=bag_topics)
     findings = tuple(check_rules(results, context))
-    is_usable = all(finding.severity is not Severity.ERROR for finding in findings)
-    rule_set = compile_rules([result.file for result in results], resolve_topic) if is_usable else None
-    return LoadedRules(findings=findings, rule_set=rule_set, texts=texts)
+    has_error = any(finding.severity is Severity.ERROR for finding in findings)
+    usable = [] if has_error else [result.file for result in results]
+    return LoadedRules(findings=findings, rule_set=compile_rules(usable, resolve_topic), texts=texts)
