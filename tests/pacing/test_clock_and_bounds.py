@@ -58,6 +58,16 @@ def test_repeating_waits_for_a_message_after_a_jump_back() -> None:
     assert pacer.wake_ns is None
 
 
+def test_a_message_never_sent_is_sent_once_after_a_jump_back() -> None:
+    pacer = paced(1, when_slow=WhenSlow.REPEAT)
+    held = sample()
+    arrivals = [*samples_at([EPOCH_NS + i * S // 4 for i in range(30)]), (EPOCH_NS + 30 * S // 4, held)]
+    relay(pacer, arrivals, drain=False)
+    at_once = pacer.wake(EPOCH_NS - 1000 * S)
+    assert [(passed.sample, passed.repeated) for passed in at_once] == [(held, False)]
+    assert pacer.wake_ns is None
+
+
 @pytest.mark.parametrize("kind", StreamKind)
 @pytest.mark.parametrize("rate_hz", [0, 0.001, 10, math.inf])
 def test_publishers_and_frames_that_never_return_do_not_pile_up(kind: StreamKind, rate_hz: float) -> None:
