@@ -82,6 +82,18 @@ def test_publishers_and_frames_that_never_return_do_not_pile_up(kind: StreamKind
         assert len(pacer._streams._streams) < 200
 
 
+def test_a_last_word_of_the_shared_stream_is_spoken_once_even_if_its_frame_has_its_own_by_then() -> None:
+    pacer = paced(10, StreamKind.TRANSFORMS)
+    streams = pacer._streams
+    count = 0
+    while len(streams._streams) <= MAX_STREAMS or streams._opens_to_prune > 1:
+        count += 1
+        pacer.offer(sample(frames=(f"f{count}",)), EPOCH_NS)
+    pacer.offer(sample(frames=("prunes",)), EPOCH_NS + 10 * S)
+    assert [passed.sample.frames for passed in pacer.wake(EPOCH_NS + 10 * S)] == [(f"f{count}",)]
+    assert pacer.wake_ns is None
+
+
 def test_keys_beyond_the_limit_share_one_stream_and_still_have_a_last_word() -> None:
     pacer = paced(0.001, StreamKind.TRANSFORMS)
     last = sample(frames=("last",))

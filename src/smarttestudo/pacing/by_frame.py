@@ -53,7 +53,7 @@ class FrameStreams(Streams[VolatileStream]):
         sample = stream.held
         if sample is None:
             return ()
-        for other in self._streams_of(sample, now_ns):
+        for other in {stream, *self._streams_of(sample, now_ns)}:
             other.grid.charge(now_ns)
             if other.held is sample:
                 other.held = None
