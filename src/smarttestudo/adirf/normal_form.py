@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from smarttestudo.adirf.region import Region
@@ -71,3 +71,35 @@ def signals_of(form: Form) -> frozenset[Signal]:
     if isinstance(form, Within):
         return frozenset({form.signal})
     return frozenset().union(*(signals_of(part) for part in form.parts))
+
+
+def negation(form: Form) -> Form:
+    """The form that is false where ``form`` is true, true where it is false, and unknown where it is."""
+    if isinstance(form, Within):
+        return Within(form.signal, form.region.complement())
+    joined = Some if isinstance(form, Every) else Every
+    return joined(tuple(negation(part) for part in form.parts))
+
+
+def merged(form: Form) -> Form:
+    """``form`` with the regions of one signal under one AND or OR made one; its truth is the same everywhere."""
+    if isinstance(form, Within):
+        return form
+    regions: dict[Signal, list[Region]] = {}
+    nested: list[Form] = []
+    for part in map(merged, form.parts):
+        if isinstance(part, Within):
+            regions.setdefault(part.signal, []).append(part.region)
+        else:
+            nested.append(part)
+    join = Region.intersection_of if isinstance(form, Every) else Region.union_of
+    parts = (*(Within(signal, join(alike)) for signal, alike in regions.items()), *nested)
+    return parts[0] if len(parts) == 1 else type(form)(parts)
+
+
+def holds(form: Form, values: Mapping[Signal, float]) -> bool:
+    """Whether ``form`` holds where every signal that it reads has the value in ``values``."""
+    if isinstance(form, Within):
+        return form.region.contains(values[form.signal])
+    results = (holds(part, values) for part in form.parts)
+    return all(results) if isinstance(form, Every) else any(results)

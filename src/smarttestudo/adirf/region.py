@@ -1,10 +1,11 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Sets of real numbers as unions of intervals: where a comparison holds."""
+"""Sets of floating-point numbers as unions of intervals: where a comparison holds."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from smarttestudo.adirf.syntax import Operator
@@ -12,18 +13,22 @@ from smarttestudo.adirf.syntax import Operator
 Bound = tuple[float, int]
 """A cut of the number line: ``(v, -1)`` lies just below ``v``, ``(v, 1)`` just above it."""
 
+Piece = tuple[Bound, Bound]
+
 _LOWEST: Bound = (-math.inf, -1)
 _HIGHEST: Bound = (math.inf, 1)
+_SIGNIFICANT_DIGITS = 17
 
 
 @dataclass(frozen=True, slots=True)
 class Region:
     """A union of disjoint, non-touching intervals in rising order, each from one cut to the next.
 
-    Cuts between numbers make open and closed ends alike: ``x > 3`` is ``((3, 1), (inf, 1))``.
+    Cuts between numbers make open and closed ends alike: ``x > 3`` is ``((3, 1), (inf, 1))``. Values are
+    floating-point numbers, so an interval between two neighbours among them holds none and is left out.
     """
 
-    pieces: tuple[tuple[Bound, Bound], ...]
+    pieces: tuple[Piece, ...]
 
     @staticmethod
     def everything() -> Region:
@@ -39,7 +44,7 @@ class Region:
     def where(operator: Operator, value: float) -> Region:
         """The numbers x for which ``x operator value`` holds."""
         below, above = (value, -1), (value, 1)
-        pieces: dict[Operator, tuple[tuple[Bound, Bound], ...]] = {
+        pieces: dict[Operator, tuple[Piece, ...]] = {
             Operator.GREATER: ((above, _HIGHEST),),
             Operator.GREATER_EQUAL: ((below, _HIGHEST),),
             Operator.LESS: ((_LOWEST, below),),
@@ -47,7 +52,23 @@ class Region:
             Operator.EQUAL: ((below, above),),
             Operator.NOT_EQUAL: ((_LOWEST, below), (above, _HIGHEST)),
         }
-        return Region(pieces[operator])
+        return _joined(pieces[operator])
+
+    @staticmethod
+    def between(minimum: float | None, maximum: float | None, *, includes_minimum: bool = True) -> Region:
+        """The numbers from ``minimum`` to ``maximum``; ``None`` leaves that side open."""
+        low = _LOWEST if minimum is None else (minimum, -1 if includes_minimum else 1)
+        return _joined([(low, _HIGHEST if maximum is None else (maximum, 1))])
+
+    @staticmethod
+    def union_of(regions: Iterable[Region]) -> Region:
+        """What is in any of ``regions``."""
+        return _joined(piece for region in regions for piece in region.pieces)
+
+    @staticmethod
+    def intersection_of(regions: Iterable[Region]) -> Region:
+        """What is in all of ``regions``; everything if there are none."""
+        return Region.union_of(region.complement() for region in regions).complement()
 
     @property
     def is_empty(self) -> bool:
@@ -69,50 +90,97 @@ class Region:
         """Whether ``value`` is in it; NaN never is."""
         return any(low < (value, 0) < high for low, high in self.pieces)
 
+    def is_within(self, other: Region) -> bool:
+        """Whether ``other`` holds all of it."""
+        return self.intersection(other.complement()).is_empty
+
     def intersection(self, other: Region) -> Region:
-        """What is in both."""
-        pieces = [
-            (max(a[0], b[0]), min(a[1], b[1]))
-            for a in self.pieces
-            for b in other.pieces
-            if max(a[0], b[0]) < min(a[1], b[1])
-        ]
-        return Region(tuple(sorted(pieces)))
+        """What is in both, in one walk over the pieces."""
+        return Region(tuple(_common_pieces(self.pieces, other.pieces)))
 
     def complement(self) -> Region:
         """What is not in it."""
-        pieces: list[tuple[Bound, Bound]] = []
+        pieces: list[Piece] = []
         start = _LOWEST
         for low, high in self.pieces:
-            if start < low:
+            if _holds_a_number(start, low):
                 pieces.append((start, low))
             start = high
-        if start < _HIGHEST:
+        if _holds_a_number(start, _HIGHEST):
             pieces.append((start, _HIGHEST))
         return Region(tuple(pieces))
 
     def union(self, other: Region) -> Region:
         """What is in either."""
-        return self.complement().intersection(other.complement()).complement()
+        return Region.union_of((self, other))
 
     def sample(self) -> float:
-        """A plain number in it, a round one where it can be; ``ValueError`` when it is empty."""
+        """A number in it, a finite and round one where it can be; ``ValueError`` when it is empty."""
         if self.is_empty:
             raise ValueError("an empty region holds no number")
-        (low, low_side), (high, high_side) = self.pieces[0]
-        if math.isinf(low) and math.isinf(high):
-            return 0.0
-        if math.isinf(low):
-            return high if high_side > 0 else math.floor(high - 1e-9)
-        if math.isinf(high):
-            return low if low_side < 0 else math.ceil(low + 1e-9)
-        return low if low == high else _roundest_between(low, high)
+        finite = (piece for piece in self.pieces if _holds_a_number(*_finite(piece)))
+        piece = next(finite, None)
+        if piece is None:
+            return next(end for end in (-math.inf, math.inf) if self.contains(end))
+        return _roundest(_finite(piece))
 
 
-def _roundest_between(low: float, high: float) -> float:
-    middle = (low + high) / 2
-    for digits in range(17):
-        rounded = round(middle, digits)
-        if low < rounded < high:
-            return rounded
-    return middle
+def _holds_a_number(low: Bound, high: Bound) -> bool:
+    """Whether a floating-point number lies between two cuts: none does between neighbours."""
+    if low >= high:
+        return False
+    return low[1] < 0 or high[1] > 0 or math.nextafter(low[0], math.inf) < high[0]
+
+
+def _joined(pieces: Iterable[Piece]) -> Region:
+    """The union of ``pieces``, which may overlap, touch, be empty and come in any order."""
+    joined: list[Piece] = []
+    for low, high in sorted(piece for piece in pieces if _holds_a_number(*piece)):
+        if joined and not _holds_a_number(joined[-1][1], low):
+            joined[-1] = (joined[-1][0], max(joined[-1][1], high))
+        else:
+            joined.append((low, high))
+    return Region(tuple(joined))
+
+
+def _common_pieces(mine: tuple[Piece, ...], theirs: tuple[Piece, ...]) -> Iterator[Piece]:
+    i = j = 0
+    while i < len(mine) and j < len(theirs):
+        (my_low, my_high), (their_low, their_high) = mine[i], theirs[j]
+        low = max(their_low, my_low)
+        high = min(their_high, my_high)
+        if _holds_a_number(low, high):
+            yield low, high
+        if my_high < their_high:
+            i += 1
+        else:
+            j += 1
+
+
+def _finite(piece: Piece) -> Piece:
+    """The piece without the infinities themselves."""
+    return max(piece[0], (-math.inf, 1)), min(piece[1], (math.inf, -1))
+
+
+def _roundest(piece: Piece) -> float:
+    """The number in ``piece`` with the fewest digits among those near its middle, or near its finite end."""
+    target = _target(piece)
+    region = Region((piece,))
+    for digits in range(1, _SIGNIFICANT_DIGITS + 1):
+        rounded = float(f"{target:.{digits}g}")
+        if region.contains(rounded):
+            return rounded + 0.0
+    (low, low_side), (high, _) = piece
+    return low if low_side < 0 else min(math.nextafter(low, math.inf), high)
+
+
+def _target(piece: Piece) -> float:
+    """Where to look for a round number: the middle, or the whole number next to the only finite end."""
+    (low, low_side), (high, high_side) = piece
+    if math.isinf(low) and math.isinf(high):
+        return 0.0
+    if math.isinf(low):
+        return float(high if high_side > 0 else math.ceil(high) - 1)
+    if math.isinf(high):
+        return float(low if low_side < 0 else math.floor(low) + 1)
+    return low / 2 + high / 2

@@ -1,12 +1,16 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The syntax tree of a rule file."""
+"""The syntax tree of a rule file.
+
+Fields that hold comments and blank lines do not count when trees are compared.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 
+from smarttestudo.adirf.comments import NO_TRIVIA, Comment, Trivia
 from smarttestudo.domain.source import Span
 from smarttestudo.domain.tier import Tier
 
@@ -39,11 +43,15 @@ class TopicName:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RateExpression:
-    """A written rate: a number in Hz, a tier, or a word. ``text`` is the spelling of a number, else empty."""
+    """A written rate: a number in Hz, a tier, or a word. ``text`` is the spelling of a number, else empty.
+
+    ``has_unit`` is whether ``Hz`` is written behind the number.
+    """
 
     value: float | Tier | RateWord
     text: str
     span: Span
+    has_unit: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -57,6 +65,7 @@ class Check:
     value: float
     text: str
     span: Span
+    trivia: Trivia = field(default=NO_TRIVIA, compare=False, repr=False)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -65,6 +74,7 @@ class Not:
 
     operand: Condition
     span: Span
+    trivia: Trivia = field(default=NO_TRIVIA, compare=False, repr=False)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -85,10 +95,12 @@ class Or:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Group:
-    """A condition in written parentheses."""
+    """A condition in written parentheses; ``closing`` are the comments before its ``)``."""
 
     operand: Condition
     span: Span
+    trivia: Trivia = field(default=NO_TRIVIA, compare=False, repr=False)
+    closing: tuple[Comment, ...] = field(default=(), compare=False, repr=False)
 
 
 Condition = Check | Not | And | Or | Group
@@ -101,6 +113,7 @@ class SetFrequency:
     topic: TopicName
     rate: RateExpression
     span: Span
+    trivia: Trivia = field(default=NO_TRIVIA, compare=False, repr=False)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -110,6 +123,7 @@ class KeepAtLeast:
     topic: TopicName
     rate: RateExpression
     span: Span
+    trivia: Trivia = field(default=NO_TRIVIA, compare=False, repr=False)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -117,7 +131,8 @@ class Block:
     """``[Rule "name" [Priority n]] If … Then … [Else …] [EndIf]``.
 
     ``name`` is ``None`` where none is written; ``label`` is what people call the block: its name, else its
-    nearest own comment, else ``block at line N``.
+    nearest own comment, else ``block at line N``. ``trivia`` is that of its first line, be it ``Rule`` or
+    ``If``; ``if_trivia`` that of an ``If`` below a ``Rule``.
     """
 
     name: str | None
@@ -128,6 +143,11 @@ class Block:
     otherwise: tuple[SetFrequency, ...]
     has_end_if: bool
     span: Span
+    trivia: Trivia = field(default=NO_TRIVIA, compare=False, repr=False)
+    if_trivia: Trivia = field(default=NO_TRIVIA, compare=False, repr=False)
+    then_trivia: Trivia = field(default=NO_TRIVIA, compare=False, repr=False)
+    else_trivia: Trivia = field(default=NO_TRIVIA, compare=False, repr=False)
+    end_if_trivia: Trivia = field(default=NO_TRIVIA, compare=False, repr=False)
 
 
 Statement = SetFrequency | KeepAtLeast | Block
@@ -135,18 +155,21 @@ Statement = SetFrequency | KeepAtLeast | Block
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Collection:
-    """``begin … end``."""
+    """``begin … end``; ``trivia`` is that of ``begin``. The comments above ``end`` are in ``end_trivia``."""
 
     statements: tuple[Statement, ...]
     span: Span
+    trivia: Trivia = field(default=NO_TRIVIA, compare=False, repr=False)
+    end_trivia: Trivia = field(default=NO_TRIVIA, compare=False, repr=False)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RuleFile:
-    """One parsed file; ``path`` is how the user named it."""
+    """One parsed file; ``path`` is how the user named it, ``footer`` the comments after the last ``end``."""
 
     path: str
     collections: tuple[Collection, ...]
+    footer: tuple[Comment, ...] = field(default=(), compare=False, repr=False)
 
     @property
     def statements(self) -> tuple[Statement, ...]:

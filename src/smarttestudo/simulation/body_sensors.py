@@ -14,7 +14,7 @@ import numpy as np
 from smarttestudo.simulation.drive import DifferentialDrive
 from smarttestudo.simulation.geometry import BodyVelocity, FrameTransform, Quaternion, Vector
 from smarttestudo.simulation.readings import Imu, JointStates, Odometry, Reading, Topic, Transforms
-from smarttestudo.simulation.robot import BASE_FRAME, ODOM_FRAME, fixed_frames, wheel_frames
+from smarttestudo.simulation.robot import BASE_FRAME, ODOM_FRAME, RobotModel, fixed_frames, wheel_frames
 
 GRAVITY_M_PER_S2 = 9.80665
 
@@ -103,8 +103,8 @@ class FrameBroadcaster:
 
     rate_hz = 30.0
 
-    def __init__(self) -> None:
-        self._fixed = fixed_frames()
+    def __init__(self, model: RobotModel) -> None:
+        self._fixed = fixed_frames(model)
 
     def sample(self, drive: DifferentialDrive) -> Sequence[tuple[Topic, Reading]]:
         """Every frame now."""
@@ -112,5 +112,5 @@ class FrameBroadcaster:
         base = FrameTransform(
             ODOM_FRAME, BASE_FRAME, Vector(pose.x_m, pose.y_m, 0.0), Quaternion.from_yaw(pose.yaw_rad)
         )
-        wheels = wheel_frames(drive.angles_rad, drive.model.wheel_separation_m)
+        wheels = wheel_frames(drive.model, drive.angles_rad)
         return [(Topic.TF, Transforms(stamp_ns=drive.now_ns, frames=(base, *self._fixed, *wheels)))]

@@ -108,6 +108,6 @@ def _devices(request: MissionRequest, model: RobotModel) -> Sequence[Device]:
         InertialUnit(noises[1]),
         WheelEncoders(),
         Lidar(caster, noises[2]),
-        FrameBroadcaster(),
+        FrameBroadcaster(model),
         Camera(request.plan, caster, raspberry_pi_lens(full_size=request.full_images), noises[3]),
     )

@@ -45,12 +45,12 @@ class RobotModel:
     camera_height_m: float = 0.103
 
 
-def fixed_frames() -> tuple[FrameTransform, ...]:
+def fixed_frames(model: RobotModel) -> tuple[FrameTransform, ...]:
     """The frames that never move against their parent."""
     optical = Quaternion.from_yaw(-_QUARTER_TURN).then(Quaternion.from_roll(-_QUARTER_TURN))
     return (
         FrameTransform(BASE_FRAME, BASE_LINK, Vector(0.0, 0.0, 0.010), _LEVEL),
-        FrameTransform(BASE_LINK, SCAN_FRAME, Vector(-0.064, 0.0, 0.122), _LEVEL),
+        FrameTransform(BASE_LINK, SCAN_FRAME, Vector(model.scan_x_m, 0.0, 0.122), _LEVEL),
         FrameTransform(BASE_LINK, IMU_FRAME, Vector(0.0, 0.0, 0.068), _LEVEL),
         FrameTransform(BASE_LINK, "camera_link", Vector(0.073, -0.011, 0.084), _LEVEL),
         FrameTransform("camera_link", CAMERA_FRAME, Vector(0.003, 0.011, 0.009), _LEVEL),
@@ -58,14 +58,14 @@ def fixed_frames() -> tuple[FrameTransform, ...]:
     )
 
 
-def wheel_frames(angles_rad: tuple[float, float], separation_m: float) -> tuple[FrameTransform, ...]:
+def wheel_frames(model: RobotModel, angles_rad: tuple[float, float]) -> tuple[FrameTransform, ...]:
     """The two wheels, left first, each turned by its angle about its axle."""
     upright = Quaternion.from_roll(-_QUARTER_TURN)
     return tuple(
         FrameTransform(
             BASE_LINK,
             link,
-            Vector(0.0, side * separation_m / 2, 0.023),
+            Vector(0.0, side * model.wheel_separation_m / 2, 0.023),
             upright.then(Quaternion.from_yaw(angle_rad)),
         )
         for link, side, angle_rad in zip(WHEEL_LINKS, (1, -1), angles_rad, strict=True)

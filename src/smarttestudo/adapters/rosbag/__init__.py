@@ -1,3 +1,9 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""rosbag2 recordings: sqlite3 and MCAP, whole or cut off."""
+"""Recordings as rosbag2 keeps them."""
+
+from smarttestudo.adapters.rosbag.decoder import RosbagDecoder
+from smarttestudo.adapters.rosbag.reader import open_recording
+from smarttestudo.adapters.rosbag.writer import create_recording
+
+__all__ = ["RosbagDecoder", "create_recording", "open_recording"]

@@ -1,0 +1,78 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""A storage file that rosbags reads."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import closing
+from itertools import islice
+from pathlib import Path
+from typing import cast
+
+from rosbags.interfaces import Connection, ConnectionExtRosbag2, MessageDefinitionFormat
+from rosbags.rosbag2 import Reader
+
+from smarttestudo.adapters.rosbag.definitions import normal_definition
+from smarttestudo.adapters.rosbag.qos import is_transient_local
+from smarttestudo.adapters.rosbag.stored_file import StoredFile, StoredMessage
+from smarttestudo.domain.errors import RecordingError
+from smarttestudo.domain.recording import Channel
+
+
+class IntactFile:
+    """Reads with rosbags; where that fails half-way, ``recover`` reopens the file and reading goes on."""
+
+    def __init__(self, path: Path, recover: Callable[[Path], StoredFile]) -> None:
+        self._path = path
+        self._recover = recover
+        self._notices: Sequence[str] = ()
+        try:
+            self._reader = Reader(path)
+            self._reader.open()
+        except Exception as error:  # rosbags leaks the errors of apsw, zstd, lz4, struct and ord()
+            raise RecordingError(f"rosbags cannot read it: {error}", place=str(path)) from error
+        self.channels: Mapping[int, Channel] = {
+            connection.id: _channel(connection) for connection in self._reader.connections
+        }
+        self.start_ns = self._reader.start_time
+        self.end_ns = self._reader.end_time - 1
+        self.message_count = self._reader.message_count
+
+    def messages(self) -> Iterator[StoredMessage]:
+        """All messages in time order."""
+        delivered = 0
+        try:
+            for connection, stamp_ns, payload in self._reader.messages():
+                yield connection.id, stamp_ns, payload
+                delivered += 1
+        except Exception as error:  # noqa: BLE001 - see __init__; what is behind the damage is read otherwise
+            with closing(self._recover(self._path)) as recovered:
+                yield from islice(recovered.messages(), delivered, None)
+                self._notices = recovered.notices() or [f"damaged: {error}"]
+
+    def notices(self) -> Sequence[str]:
+        """What was lost, once all messages were read."""
+        return self._notices
+
+    def close(self) -> None:
+        """Let go of the file."""
+        self._reader.close()
+
+
+def _channel(connection: Connection) -> Channel:
+    stored = cast("ConnectionExtRosbag2", connection.ext)
+    definition = connection.msgdef
+    return Channel(
+        topic=connection.topic,
+        type_name=connection.msgtype,
+        definition=normal_definition(
+            definition.data,
+            type_name=connection.msgtype,
+            is_idl=definition.format is MessageDefinitionFormat.IDL,
+        ),
+        digest=connection.digest,
+        qos=tuple(stored.offered_qos_profiles),
+        serialization_format=stored.serialization_format,
+        transient_local=is_transient_local(stored.offered_qos_profiles),
+    )

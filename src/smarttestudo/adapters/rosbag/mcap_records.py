@@ -1,0 +1,145 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The records of an MCAP file, one after the other, as far as they go (https://mcap.dev/spec)."""
+
+from __future__ import annotations
+
+import io
+import struct
+import zlib
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import BinaryIO
+
+import lz4.frame  # type: ignore[import-untyped]
+import zstandard
+from mcap.data_stream import ReadDataStream
+from mcap.exceptions import McapError
+from mcap.opcode import Opcode
+from mcap.records import Channel, Chunk, McapRecord, Message, Schema
+
+MAGIC = b"\x89MCAP0\r\n"
+_FRAME = struct.Struct("<BQ")
+_CHUNK_FIXED_BYTES = 40
+_CONTENT = frozenset({Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE, Opcode.CHUNK})
+_BROKEN = (McapError, struct.error, ValueError, EOFError, RuntimeError, zstandard.ZstdError)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RecordPlace:
+    """A record of the file's data section: its opcode, where its content starts, and how long it is."""
+
+    opcode: int
+    offset: int
+    size_bytes: int
+
+
+class RecordReader:
+    """Walks over the records of a file and reads those that hold messages or describe them.
+
+    ``cut_off_at`` is the byte at which the file stops making sense, ``None`` while it does;
+    ``damaged_chunks`` counts the chunks that no message could be taken from.
+    """
+
+    def __init__(self, file: BinaryIO) -> None:
+        self._file = file
+        self.file_bytes = file.seek(0, 2)
+        self.cut_off_at: int | None = None
+        self.damaged_chunks = 0
+
+    def places(self) -> Iterator[RecordPlace]:
+        """Every schema, channel, message and chunk up to the footer; the last may be cut off."""
+        start = len(MAGIC)
+        while True:
+            frame = self._read_at(start, _FRAME.size)
+            if len(frame) < _FRAME.size:
+                self.cut_off_at = start
+                return
+            opcode, size_bytes = _FRAME.unpack(frame)
+            if opcode == Opcode.FOOTER:
+                return
+            content = start + _FRAME.size
+            if opcode == 0 or content + size_bytes > self.file_bytes:
+                self.cut_off_at = start
+            if opcode in _CONTENT:
+                yield RecordPlace(opcode=opcode, offset=content, size_bytes=size_bytes)
+            if self.cut_off_at is not None:
+                return
+            start = content + size_bytes
+
+    def read(self, place: RecordPlace) -> Iterator[McapRecord]:
+        """The record at ``place``, or those in it if it is a chunk; of a cut-off one, what is whole."""
+        content = self._read_at(place.offset, min(place.size_bytes, self.file_bytes - place.offset))
+        if place.opcode != Opcode.CHUNK:
+            record = _parse(place.opcode, content) if len(content) == place.size_bytes else None
+            if record is not None:
+                yield record
+            return
+        try:
+            records = _chunk_content(content, is_whole=len(content) == place.size_bytes)
+        except _BROKEN:
+            self.damaged_chunks += 1
+            return
+        yield from _records_in(records)
+
+    def at(self, offset: int) -> Iterator[McapRecord]:
+        """What ``read`` gave for the record whose content starts at ``offset``."""
+        opcode, size_bytes = _FRAME.unpack(self._read_at(offset - _FRAME.size, _FRAME.size))
+        return self.read(RecordPlace(opcode=opcode, offset=offset, size_bytes=size_bytes))
+
+    def _read_at(self, offset: int, size: int) -> bytes:
+        self._file.seek(offset)
+        return self._file.read(size)
+
+
+def _chunk_content(chunk: bytes, *, is_whole: bool) -> bytes:
+    """The records in ``chunk``, decompressed as far as it goes."""
+    name_bytes = int.from_bytes(chunk[28:32], "little")
+    if len(chunk) < _CHUNK_FIXED_BYTES + name_bytes:
+        return b""
+    compression = chunk[32 : 32 + name_bytes].decode()
+    content = _decompress(compression, chunk[_CHUNK_FIXED_BYTES + name_bytes :])
+    if is_whole:
+        header = Chunk.read(ReadDataStream(io.BytesIO(chunk)))
+        if header.uncompressed_crc and zlib.crc32(content) != header.uncompressed_crc:
+            raise ValueError("checksum mismatch")
+    return content
+
+
+def _decompress(compression: str, data: bytes) -> bytes:
+    if compression == "":
+        return data
+    if compression == "zstd":
+        return zstandard.ZstdDecompressor().decompressobj().decompress(data)
+    if compression == "lz4":
+        content: bytes = lz4.frame.LZ4FrameDecompressor().decompress(data)
+        return content
+    raise ValueError(f"unknown compression {compression!r}")
+
+
+def _records_in(content: bytes) -> Iterator[McapRecord]:
+    start = 0
+    while start + _FRAME.size <= len(content):
+        opcode, size_bytes = _FRAME.unpack_from(content, start)
+        start += _FRAME.size
+        if start + size_bytes > len(content):
+            return
+        record = _parse(opcode, content[start : start + size_bytes])
+        if record is not None:
+            yield record
+        start += size_bytes
+
+
+def _parse(opcode: int, content: bytes) -> McapRecord | None:
+    """The record, ``None`` if it is of another kind or makes no sense."""
+    stream = ReadDataStream(io.BytesIO(content))
+    record: McapRecord | None = None
+    with suppress(*_BROKEN):
+        if opcode == Opcode.MESSAGE:
+            record = Message.read(stream, len(content))
+        elif opcode == Opcode.SCHEMA:
+            record = Schema.read(stream)
+        elif opcode == Opcode.CHANNEL:
+            record = Channel.read(stream)
+    return record

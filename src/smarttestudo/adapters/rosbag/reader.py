@@ -1,0 +1,85 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Reads rosbag2 recordings: folders and single files, whole or cut off, in time order and constant memory."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from smarttestudo.adapters.rosbag import zstd_files
+from smarttestudo.adapters.rosbag.bag_files import BagFiles, find_bag_files, is_packed, require_bag_file
+from smarttestudo.adapters.rosbag.metadata import BagMetadata, embedded_metadata
+from smarttestudo.adapters.rosbag.recording import RecordingPart, RosbagRecording
+from smarttestudo.adapters.rosbag.storage_files import open_storage_file
+from smarttestudo.domain.errors import RecordingError
+from smarttestudo.domain.recording import RecordingReader
+
+
+@contextmanager
+def open_recording(path: Path) -> Iterator[RecordingReader]:
+    """The recording at ``path``: a rosbag2 folder, a .db3 or an .mcap file, also packed as ``.zstd``.
+
+    A file of several that cannot be read costs what is in it, and a notice.
+
+    Raises:
+        RecordingError: there is no bag at ``path``, or nothing of it can be read.
+    """
+    bag = find_bag_files(path)
+    with ExitStack() as opened:
+        notices = list(bag.notices)
+        parts = _open_parts(bag, opened, notices)
+        metadata = bag.metadata if bag.metadata.file_names else _metadata_within(parts)
+        yield RosbagRecording(parts, metadata, notices)
+
+
+def _open_parts(bag: BagFiles, opened: ExitStack, notices: list[str]) -> Sequence[RecordingPart]:
+    outcomes = [_try_part(path, opened, notices) for path in bag.paths]
+    parts = [outcome for outcome in outcomes if isinstance(outcome, RecordingPart)]
+    failures = [outcome for outcome in outcomes if isinstance(outcome, RecordingError)]
+    if not parts:
+        raise failures[0]
+    notices.extend(f"{failure.place}: {failure.cause}" for failure in failures)
+    return parts
+
+
+def _try_part(path: Path, opened: ExitStack, notices: list[str]) -> RecordingPart | RecordingError:
+    try:
+        return _open_part(path, opened, notices)
+    except RecordingError as error:
+        return error
+
+
+def _open_part(path: Path, opened: ExitStack, notices: list[str]) -> RecordingPart:
+    try:
+        require_bag_file(path)
+        storage_path = _unpacked(path, opened, notices) if is_packed(path) else path
+        file = open_storage_file(storage_path)
+    except OSError as error:
+        raise RecordingError(f"cannot be read: {error.strerror}", place=str(path)) from error
+    opened.callback(file.close)
+    return RecordingPart(path=path, storage_path=storage_path, file=file)
+
+
+def _unpacked(path: Path, opened: ExitStack, notices: list[str]) -> Path:
+    folder = opened.enter_context(TemporaryDirectory(prefix="testudo-"))
+    target = Path(folder, path.with_suffix("").name)
+    if not zstd_files.unpack(path, target):
+        notices.append(f"{path}: its compressed data end early or are damaged; read as far as they go")
+    try:
+        require_bag_file(target)
+    except RecordingError as error:
+        raise RecordingError(f"what is packed in it is no bag: {error.cause}", place=str(path)) from error
+    return target
+
+
+def _metadata_within(parts: Sequence[RecordingPart]) -> BagMetadata:
+    """The metadata that a storage file carries, without its list of files."""
+    for part in parts:
+        metadata = embedded_metadata(part.storage_path)
+        if metadata is not None:
+            return replace(metadata, file_names=())
+    return BagMetadata()

@@ -1,0 +1,112 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""An .mcap file without a usable index: cut off, damaged, or written without one."""
+
+from __future__ import annotations
+
+import heapq
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, closing
+from pathlib import Path
+
+from mcap.records import Channel as ChannelRecord
+from mcap.records import McapRecord, Message, Schema
+
+from smarttestudo.adapters.rosbag.definitions import normal_definition
+from smarttestudo.adapters.rosbag.mcap_records import RecordReader
+from smarttestudo.adapters.rosbag.qos import QosColumn, is_transient_local
+from smarttestudo.adapters.rosbag.stored_file import StoredMessage, read_so_far
+from smarttestudo.adapters.rosbag.time_index import TimeIndex
+from smarttestudo.domain.recording import Channel
+
+_IDL_ENCODINGS = frozenset({"ros2idl", "omgidl"})
+_DEFINED_ENCODINGS = frozenset({"ros2msg"}) | _IDL_ENCODINGS
+
+
+class RecoveredMcapFile:
+    """Reads the whole file once for what is in it, and again in time order, one chunk at a time."""
+
+    def __init__(self, path: Path) -> None:
+        self._schemas: dict[int, Schema] = {}
+        self._counts: Counter[int] = Counter()
+        self._qos = QosColumn()
+        self.channels: dict[int, Channel] = {}
+        self.start_ns = self.end_ns = 0
+        with ExitStack() as opened:
+            self._records = RecordReader(opened.enter_context(path.open("rb")))
+            self._index = opened.enter_context(closing(TimeIndex()))
+            self._find_messages()
+            self._resources = opened.pop_all()
+        self.message_count = sum(self._counts[number] for number in self.channels)
+
+    def messages(self) -> Iterator[StoredMessage]:
+        """Every message that is whole, in time order."""
+        pending: list[tuple[int, int, int, bytes]] = []
+        order = 0
+        for start_ns, offset in self._index.places():
+            while pending and pending[0][0] < start_ns:
+                stamp_ns, _, number, payload = heapq.heappop(pending)
+                yield number, stamp_ns, payload
+            for record in self._records.at(offset):
+                if isinstance(record, Message) and record.channel_id in self.channels:
+                    heapq.heappush(pending, (record.log_time, order, record.channel_id, record.data))
+                    order += 1
+        while pending:
+            stamp_ns, _, number, payload = heapq.heappop(pending)
+            yield number, stamp_ns, payload
+
+    def notices(self) -> Sequence[str]:
+        """Whether the file is cut off or damaged, and how much of it was read."""
+        notices = list(self._qos.notices)
+        if self._records.cut_off_at is not None:
+            notices.append(f"cut off or damaged at byte {self._records.cut_off_at}: {read_so_far(self)}")
+        if self._records.damaged_chunks:
+            notices.append(f"{self._records.damaged_chunks} damaged chunks of messages were left out")
+        homeless = self._counts.total() - self.message_count
+        if homeless:
+            notices.append(f"{homeless} messages of topics that the file does not name were left out")
+        return notices
+
+    def close(self) -> None:
+        """Let go of the file."""
+        self._resources.close()
+
+    def _find_messages(self) -> None:
+        for place in self._records.places():
+            stamps = [stamp_ns for record in self._records.read(place) for stamp_ns in self._note(record)]
+            if not stamps:
+                continue
+            first_ns, last_ns = min(stamps), max(stamps)
+            self.start_ns = min(self.start_ns or first_ns, first_ns)
+            self.end_ns = max(self.end_ns, last_ns)
+            self._index.add(key=place.offset, stamp_ns=first_ns, offset=place.offset)
+
+    def _note(self, record: McapRecord) -> Iterator[int]:
+        """Take in ``record``; gives its stamp if it is a message."""
+        match record:
+            case Schema():
+                self._schemas.setdefault(record.id, record)
+            case ChannelRecord() if record.id not in self.channels:
+                schema = self._schemas.get(record.schema_id)
+                if schema is not None:
+                    self.channels[record.id] = self._channel(record, schema)
+            case Message():
+                self._counts[record.channel_id] += 1
+                yield record.log_time
+
+    def _channel(self, record: ChannelRecord, schema: Schema) -> Channel:
+        metadata: Mapping[str, str] = record.metadata
+        qos = self._qos.read(record.topic, metadata.get("offered_qos_profiles"))
+        definition = schema.data.decode("utf-8", "replace") if schema.encoding in _DEFINED_ENCODINGS else ""
+        return Channel(
+            topic=record.topic,
+            type_name=schema.name,
+            definition=normal_definition(
+                definition, type_name=schema.name, is_idl=schema.encoding in _IDL_ENCODINGS
+            ),
+            digest=metadata.get("topic_type_hash", ""),
+            qos=qos,
+            serialization_format=record.message_encoding,
+            transient_local=is_transient_local(qos),
+        )

@@ -1,0 +1,150 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Rows of a SQLite file read page by page, without its trees (https://www.sqlite.org/fileformat2.html).
+
+A cut-off or damaged database still has its leaf pages; SQLite itself stops at the first broken branch.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import BinaryIO
+
+MAGIC = b"SQLite format 3\0"
+HEADER_BYTES = 100
+_TABLE_LEAF = 0x0D
+_LEAF_HEADER_BYTES = 8
+_MAX_VARINT_BYTES = 9
+_INTEGER_BYTES = {0: 0, 1: 1, 2: 2, 3: 3, 4: 4, 5: 6, 6: 8, 8: 0, 9: 0}
+
+Value = int | bytes
+
+
+class DamagedRowError(Exception):
+    """A row of which a part is missing or makes no sense."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Row:
+    """A row of a table; NULL and 0 are both 0, texts and blobs are bytes."""
+
+    rowid: int
+    values: tuple[Value, ...]
+
+
+class SqlitePages:
+    """The pages of a SQLite database file, as many as there are."""
+
+    def __init__(self, file: BinaryIO) -> None:
+        header = file.read(HEADER_BYTES)
+        if len(header) < HEADER_BYTES or not header.startswith(MAGIC):
+            raise DamagedRowError("no SQLite header")
+        self._file = file
+        size = int.from_bytes(header[16:18], "big")
+        self.page_bytes = 65536 if size == 1 else max(size, 512)
+        self._usable_bytes = self.page_bytes - header[20]
+        self.file_bytes = file.seek(0, 2)
+        self.promised_bytes = int.from_bytes(header[28:32], "big") * self.page_bytes
+
+    def rows(self) -> Iterator[int]:
+        """The offset of every row in the leaf pages of all tables, in file order."""
+        for page_start in range(0, self.file_bytes, self.page_bytes):
+            page = self._read(page_start, self.page_bytes)
+            yield from self._cells(page, page_start)
+
+    def row_at(self, offset: int) -> Row:
+        """The row at ``offset``.
+
+        Raises ``DamagedRowError`` where a part of it is missing.
+        """
+        page_end = offset - offset % self.page_bytes + self._usable_bytes
+        cell = self._read(offset, page_end - offset)
+        payload_bytes, at = _varint(cell, 0)
+        rowid, at = _varint(cell, at)
+        if payload_bytes > self.file_bytes:
+            raise DamagedRowError("longer than the file")
+        local = self._local_bytes(payload_bytes)
+        payload = cell[at : at + local]
+        if local < payload_bytes:
+            next_page = int.from_bytes(cell[at + local : at + local + 4], "big")
+            payload = b"".join((payload, *self._overflow(next_page, payload_bytes - local)))
+        if len(payload) != payload_bytes:
+            raise DamagedRowError("cut off")
+        return Row(rowid=rowid, values=_values(payload))
+
+    def _cells(self, page: bytes, page_start: int) -> Iterator[int]:
+        header = HEADER_BYTES if page_start == 0 else 0
+        if len(page) < header + _LEAF_HEADER_BYTES or page[header] != _TABLE_LEAF:
+            return
+        count = int.from_bytes(page[header + 3 : header + 5], "big")
+        first = header + _LEAF_HEADER_BYTES
+        pointers = page[first : first + 2 * count]
+        for at in range(0, len(pointers) - 1, 2):
+            cell = int.from_bytes(pointers[at : at + 2], "big")
+            if first <= cell < len(page):
+                yield page_start + cell
+
+    def _local_bytes(self, payload_bytes: int) -> int:
+        """How much of a row's payload its leaf page holds; the rest is in overflow pages."""
+        most = self._usable_bytes - 35
+        if payload_bytes <= most:
+            return payload_bytes
+        least = (self._usable_bytes - 12) * 32 // 255 - 23
+        local = least + (payload_bytes - least) % (self._usable_bytes - 4)
+        return local if local <= most else least
+
+    def _overflow(self, page_number: int, missing: int) -> Iterator[bytes]:
+        while missing > 0:
+            if page_number < 2:
+                raise DamagedRowError("its chain of pages ends early")
+            wanted = min(missing, self._usable_bytes - 4)
+            page = self._read((page_number - 1) * self.page_bytes, 4 + wanted)
+            if len(page) < 4 + wanted:
+                raise DamagedRowError("cut off")
+            yield page[4:]
+            page_number = int.from_bytes(page[:4], "big")
+            missing -= wanted
+
+    def _read(self, offset: int, size: int) -> bytes:
+        self._file.seek(offset)
+        return self._file.read(size)
+
+
+def _varint(data: bytes, at: int) -> tuple[int, int]:
+    """The 64-bit variable-length integer at ``at``, and where it ends."""
+    value = 0
+    for count, byte in enumerate(data[at : at + _MAX_VARINT_BYTES], start=1):
+        if count == _MAX_VARINT_BYTES:
+            return _signed(value << 8 | byte), at + count
+        value = value << 7 | byte & 0x7F
+        if byte < 0x80:
+            return value, at + count
+    raise DamagedRowError("cut off")
+
+
+def _signed(value: int) -> int:
+    return value - (1 << 64) if value >> 63 else value
+
+
+def _values(payload: bytes) -> tuple[Value, ...]:
+    header_bytes, at = _varint(payload, 0)
+    if not at <= header_bytes <= len(payload):
+        raise DamagedRowError("its header makes no sense")
+    values: list[Value] = []
+    end = header_bytes
+    while at < header_bytes:
+        kind, at = _varint(payload, at)
+        start = end
+        if kind >= 12:
+            end += (kind - 12) // 2
+            values.append(payload[start:end])
+        elif kind in _INTEGER_BYTES:
+            end += _INTEGER_BYTES[kind]
+            values.append(1 if kind == 9 else int.from_bytes(payload[start:end], "big", signed=True))
+        else:
+            end += 8
+            values.append(payload[start:end])
+    if end != len(payload):
+        raise DamagedRowError("its values do not fill it")
+    return tuple(values)

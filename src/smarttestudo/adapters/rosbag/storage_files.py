@@ -1,0 +1,58 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Opens a storage file in the way that suits its state."""
+
+from __future__ import annotations
+
+import struct
+from pathlib import Path
+
+from mcap.exceptions import McapError
+from mcap.reader import make_reader
+
+from smarttestudo.adapters.rosbag.intact_file import IntactFile
+from smarttestudo.adapters.rosbag.recovered_mcap import RecoveredMcapFile
+from smarttestudo.adapters.rosbag.recovered_sqlite import RecoveredSqliteFile
+from smarttestudo.adapters.rosbag.stored_file import StoredFile
+from smarttestudo.domain.errors import RecordingError
+
+# rosbags gives SQLite the path as an address, in which these would name another file.
+_MEANS_SOMETHING_IN_AN_ADDRESS = frozenset("?#%")
+
+
+def open_storage_file(path: Path) -> StoredFile:
+    """The .db3 or .mcap file at ``path``: with rosbags if it is whole, else as far as it goes.
+
+    Raises ``RecordingError`` where nothing of it can be read.
+    """
+    if path.suffix == ".mcap" and not _has_full_index(path):
+        return RecoveredMcapFile(path)
+    if path.suffix == ".db3" and _MEANS_SOMETHING_IN_AN_ADDRESS & set(str(path)):
+        return RecoveredSqliteFile(path)
+    try:
+        return IntactFile(path, recover=_recover)
+    except RecordingError:
+        return _recover(path)
+
+
+def _recover(path: Path) -> StoredFile:
+    return RecoveredMcapFile(path) if path.suffix == ".mcap" else RecoveredSqliteFile(path)
+
+
+def _has_full_index(path: Path) -> bool:
+    """Whether the summary lists every channel, and every chunk with its messages.
+
+    Without that, rosbags skips chunks without a word, and refuses messages that are out of order.
+    """
+    try:
+        with path.open("rb") as file:
+            summary = make_reader(file).get_summary()
+    except (McapError, OSError, ValueError, LookupError, EOFError, StopIteration, struct.error):
+        return False
+    if summary is None or summary.statistics is None:
+        return False
+    described = all(
+        number in summary.channels and summary.channels[number].schema_id in summary.schemas
+        for number in summary.statistics.channel_message_counts
+    )
+    return described and all(chunk.message_index_offsets for chunk in summary.chunk_indexes)

@@ -1,0 +1,51 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""One storage file of a bag, however it has to be read."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Protocol
+
+from smarttestudo.domain.recording import Channel
+from smarttestudo.domain.units import NS_PER_S
+
+StoredMessage = tuple[int, int, bytes]
+"""The file's own number of the channel, stamp in ns, payload as stored."""
+
+
+class StoredFile(Protocol):
+    """An opened storage file. Channels go by the numbers that the file gives them."""
+
+    @property
+    def channels(self) -> Mapping[int, Channel]:
+        """The channels that the file announces."""
+
+    @property
+    def start_ns(self) -> int:
+        """Stamp of the first message; meaningless where there is none."""
+
+    @property
+    def end_ns(self) -> int:
+        """Stamp of the last message; meaningless where there is none."""
+
+    @property
+    def message_count(self) -> int:
+        """Messages that can be read."""
+
+    def messages(self) -> Iterator[StoredMessage]:
+        """All messages in time order."""
+
+    def notices(self) -> Sequence[str]:
+        """What was lost, one line each."""
+
+    def close(self) -> None:
+        """Let go of the file."""
+
+
+def read_so_far(file: StoredFile) -> str:
+    """How far a damaged file could be read."""
+    if not file.message_count:
+        return "no message could be read"
+    span_s = (file.end_ns - file.start_ns) / NS_PER_S
+    return f"{file.message_count} messages over {span_s:.1f} s could be read"

@@ -1,0 +1,51 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Zstandard, by file and by message."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import BinaryIO
+
+import zstandard
+
+MAGIC = b"\x28\xb5\x2f\xfd"
+SUFFIX = ".zstd"
+_READ_BYTES = 1 << 20
+
+
+def unpack(source: Path, target: Path) -> bool:
+    """Decompress ``source`` into ``target`` as far as it goes; false if it is cut off or damaged."""
+    with source.open("rb") as packed, target.open("wb") as unpacked:
+        return _copy(packed, unpacked)
+
+
+def unpack_message(packed: bytes) -> bytes | None:
+    """The payload in ``packed``, ``None`` where it is cut off or damaged."""
+    frame = zstandard.ZstdDecompressor().decompressobj()
+    try:
+        payload = frame.decompress(packed)
+    except (zstandard.ZstdError, MemoryError):
+        return None
+    return payload if frame.eof else None
+
+
+def _copy(packed: BinaryIO, unpacked: BinaryIO) -> bool:
+    frame = zstandard.ZstdDecompressor().decompressobj()
+    try:
+        for data in _blocks(packed):
+            remaining = data
+            while remaining:
+                if frame.eof:
+                    frame = zstandard.ZstdDecompressor().decompressobj()
+                unpacked.write(frame.decompress(remaining))
+                remaining = frame.unused_data if frame.eof else b""
+    except zstandard.ZstdError:
+        return False
+    return frame.eof
+
+
+def _blocks(file: BinaryIO) -> Iterator[bytes]:
+    while data := file.read(_READ_BYTES):
+        yield data

@@ -1,0 +1,24 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Interval analysis: where conditions hold, as boxes over signals."""
+
+from smarttestudo.adirf.boxes.box import Border, Box, Domain, border_between, common_box
+from smarttestudo.adirf.boxes.effort import Effort, TooComplexError
+from smarttestudo.adirf.boxes.index import BoxIndex, Entry, Hull, hull_of
+from smarttestudo.adirf.boxes.search import boxes_where, find_box
+
+__all__ = [
+    "Border",
+    "Box",
+    "BoxIndex",
+    "Domain",
+    "Effort",
+    "Entry",
+    "Hull",
+    "TooComplexError",
+    "border_between",
+    "boxes_where",
+    "common_box",
+    "find_box",
+    "hull_of",
+]

@@ -1,0 +1,62 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Topics that a recording does not hold."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Collection, Iterator
+
+from smarttestudo.adirf.checks.rule_book import RuleBook
+from smarttestudo.adirf.checks.rule_check import Example, Found, RuleCheck
+from smarttestudo.adirf.suggestions import did_you_mean
+from smarttestudo.domain.finding import Severity
+
+
+def _find(book: RuleBook) -> Iterator[Found]:
+    recorded = book.context.bag_topics
+    if recorded is None:
+        return
+    for topic, mention in book.mentions.items():
+        if topic not in recorded:
+            yield Found(
+                path=mention.path,
+                span=mention.name.span,
+                message=f"the recording has no {topic}",
+                hint=_hint(topic, recorded),
+            )
+
+
+def _hint(topic: str, recorded: Collection[str]) -> str:
+    close = difflib.get_close_matches(topic, recorded, n=1, cutoff=0.75)
+    return (
+        did_you_mean(close[0])
+        if close
+        else "a topic that never publishes is never relayed, and its values stay unknown"
+    )
+
+
+CHECK = RuleCheck(
+    code="absent-from-bag",
+    severity=Severity.INFO,
+    meaning="A rule names a topic that the recording given with --bag does not hold.",
+    why="Mostly the name is misspelt. On such a robot nothing is relayed for it, and checks of it stay "
+    "unknown.",
+    bad=Example(
+        rules="""\
+begin
+  SetFrequency /joint_state 3
+end
+""",
+        bag_topics={"/joint_states": "sensor_msgs/msg/JointState"},
+    ),
+    good=Example(
+        rules="""\
+begin
+  SetFrequency /joint_states 3
+end
+""",
+        bag_topics={"/joint_states": "sensor_msgs/msg/JointState"},
+    ),
+    find=_find,
+)

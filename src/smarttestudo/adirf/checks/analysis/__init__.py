@@ -1,0 +1,8 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What the conditions of all blocks mean beside each other."""
+
+from smarttestudo.adirf.checks.analysis.analyse import analyse
+from smarttestudo.adirf.checks.analysis.results import Analysis, Clash, Gap, Meeting, Shadow
+
+__all__ = ["Analysis", "Clash", "Gap", "Meeting", "Shadow", "analyse"]

@@ -1,0 +1,135 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The interval analysis of a rule book, bounded in time and memory."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Collection, Iterator, Sequence
+from functools import partial
+from typing import TypeVar
+
+from smarttestudo.adirf.boxes import Effort, TooComplexError, find_box
+from smarttestudo.adirf.checks.analysis.atlas import Atlas, Territory, territory_of
+from smarttestudo.adirf.checks.analysis.cover import Coverage, coverage
+from smarttestudo.adirf.checks.analysis.encounters import clashes_of, meetings_of
+from smarttestudo.adirf.checks.analysis.results import Analysis, Clash, Gap, Meeting, Shadow
+from smarttestudo.adirf.checks.context import CheckContext
+from smarttestudo.adirf.checks.written import Branch, WrittenBlock
+from smarttestudo.adirf.normal_form import Form, negation
+from smarttestudo.domain.signal import Truth
+
+_T = TypeVar("_T")
+
+LOOKS_IN_ALL = 20_000_000
+LOOKS_AT_A_QUESTION = 50_000
+MAX_CLASHES_SHOWN = 3
+MAX_MEETINGS_SHOWN = 1
+
+
+def analyse(
+    blocks: Sequence[WrittenBlock],
+    branches: Sequence[Branch],
+    defaults: Collection[str],
+    context: CheckContext,
+) -> Analysis:
+    """What the conditions of ``blocks`` mean; ``defaults`` are the topics that have one.
+
+    Of each branch the first clashes and the first meeting with branches before it are found.
+    """
+    analyst = _Analyst(blocks, context)
+    truths = {block.order: analyst.truth(block) for block in blocks}
+    territories = {branch.order: analyst.territory(branch) for branch in branches}
+    possible = [branch for branch in branches if territories[branch.order].boxes]
+    atlas = Atlas(branches, territories)
+    without_default = {topic for branch in branches for topic in branch.settings}.difference(defaults)
+    gaps = (analyst.gap(topic, atlas) for topic in sorted(without_default))
+    return Analysis(
+        truths=truths,
+        clashes=tuple(clash for branch in possible for clash in analyst.clashes(branch, atlas)),
+        meetings=tuple(meeting for branch in possible for meeting in analyst.meetings(branch, atlas)),
+        shadows=tuple(shadow for branch in possible for shadow in analyst.shadows(branch, atlas)),
+        gaps=tuple(gap for gap in gaps if gap is not None),
+        unfinished=analyst.unfinished,
+    )
+
+
+class _Analyst:
+    """Asks one question at a time, and notes the blocks about which one was given up."""
+
+    def __init__(self, blocks: Sequence[WrittenBlock], context: CheckContext) -> None:
+        self._blocks = blocks
+        self._context = context
+        self._domain = context.domain
+        self._effort = Effort(LOOKS_IN_ALL)
+        self._unfinished: set[int] = set()
+
+    @property
+    def unfinished(self) -> tuple[WrittenBlock, ...]:
+        return tuple(self._blocks[order] for order in sorted(self._unfinished))
+
+    def truth(self, block: WrittenBlock) -> Truth:
+        try:
+            if find_box([block.form], self._domain, self._question()) is None:
+                return Truth.FALSE
+            if find_box([negation(block.form)], self._domain, self._question()) is None:
+                return Truth.TRUE
+        except TooComplexError:
+            self._unfinished.add(block.order)
+        return Truth.UNKNOWN
+
+    def territory(self, branch: Branch) -> Territory:
+        return territory_of(branch.form, self._domain, self._question())
+
+    def clashes(self, branch: Branch, atlas: Atlas) -> Iterator[Clash]:
+        found = clashes_of(branch, atlas, self._domain, self._question())
+        return self._until_too_complex(branch, itertools.islice(found, MAX_CLASHES_SHOWN))
+
+    def meetings(self, branch: Branch, atlas: Atlas) -> Iterator[Meeting]:
+        found = meetings_of(branch, atlas, self._context.wavers, self._domain, self._question())
+        return self._until_too_complex(branch, itertools.islice(found, MAX_MEETINGS_SHOWN))
+
+    def shadows(self, branch: Branch, atlas: Atlas) -> Iterator[Shadow]:
+        return self._until_too_complex(branch, self._shadows(branch, atlas))
+
+    def gap(self, topic: str, atlas: Atlas) -> Gap | None:
+        try:
+            cover = self._coverage((), topic, lambda _: True, atlas)
+        except TooComplexError:
+            return Gap(topic=topic, state=None)
+        return None if cover.gap is None else Gap(topic=topic, state=cover.gap)
+
+    def _shadows(self, branch: Branch, atlas: Atlas) -> Iterator[Shadow]:
+        rivals: dict[int, Branch] = {}
+        for topic in branch.settings:
+            cover = self._coverage(
+                (branch.form,), topic, partial(wins_over, loser=branch, topic=topic), atlas
+            )
+            if cover.gap is not None:
+                return
+            rivals.update((rival.order, rival) for rival in cover.branches)
+        yield Shadow(branch=branch, rivals=tuple(rivals[order] for order in sorted(rivals)))
+
+    def _coverage(
+        self, forms: Sequence[Form], topic: str, is_counted: Callable[[Branch], bool], atlas: Atlas
+    ) -> Coverage:
+        return coverage(forms, topic, is_counted, atlas=atlas, domain=self._domain, effort=self._question())
+
+    def _question(self) -> Effort:
+        return Effort(LOOKS_AT_A_QUESTION, self._effort)
+
+    def _until_too_complex(self, branch: Branch, found: Iterator[_T]) -> Iterator[_T]:
+        try:
+            yield from found
+        except TooComplexError:
+            self._unfinished.add(branch.block.order)
+
+
+def wins_over(winner: Branch, loser: Branch, topic: str) -> bool:
+    """Whether ``winner`` decides ``topic`` wherever both apply: by priority, rate, then order in the file."""
+    if winner.block.priority != loser.block.priority:
+        return winner.block.priority > loser.block.priority
+    rate, losing_rate = winner.rate(topic), loser.rate(topic)
+    if rate is None or losing_rate is None:
+        return False
+    return (rate, -winner.order) > (losing_rate, -loser.order)

@@ -1,0 +1,131 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Where each branch applies, and which branches are near a place."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from smarttestudo.adirf.boxes import (
+    Box,
+    BoxIndex,
+    Domain,
+    Effort,
+    Entry,
+    TooComplexError,
+    boxes_where,
+    hull_of,
+)
+from smarttestudo.adirf.boxes.index import Interval
+from smarttestudo.adirf.checks.written import Branch
+from smarttestudo.adirf.normal_form import Every, Form, Within
+from smarttestudo.adirf.region import Region
+from smarttestudo.domain.rate import Rate
+from smarttestudo.domain.signal import Signal
+
+MAX_BOXES = 64
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Territory:
+    """The boxes where a branch applies; around them only, where ``is_exact`` is false."""
+
+    boxes: tuple[Box, ...]
+    is_exact: bool
+
+
+def territory_of(form: Form, domain: Domain, effort: Effort) -> Territory:
+    """Where ``form`` holds, as at most ``MAX_BOXES`` boxes; one around them all where they are more."""
+    try:
+        boxes = tuple(itertools.islice(boxes_where([form], domain, effort), MAX_BOXES + 1))
+    except TooComplexError:
+        boxes = ()
+    else:
+        if len(boxes) <= MAX_BOXES:
+            return Territory(boxes=boxes, is_exact=True)
+    return Territory(boxes=(_box_around(form, domain),), is_exact=False)
+
+
+def _box_around(form: Form, domain: Domain) -> Box:
+    parts = form.parts if isinstance(form, Every) else (form,)
+    around: dict[Signal, Region] = {}
+    for part in parts:
+        if isinstance(part, Within):
+            region = around.get(part.signal, domain(part.signal)).intersection(part.region)
+            around[part.signal] = region
+    return {signal: region for signal, region in around.items() if not region.is_empty}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Neighbourhood:
+    """The branches that set all of ``topics``, by place.
+
+    The kind of an entry is the rates that its branch sets, in the order of ``topics``.
+    """
+
+    topics: tuple[str, ...]
+    index: BoxIndex
+
+
+class Atlas:
+    """The territories of all branches; topics that are set by the same branches share a neighbourhood."""
+
+    def __init__(self, branches: Sequence[Branch], territories: Mapping[int, Territory]) -> None:
+        self._branches = branches
+        self._territories = territories
+        setters: dict[str, list[int]] = {}
+        for branch in branches:
+            for topic in branch.settings:
+                setters.setdefault(topic, []).append(branch.order)
+        alike: dict[tuple[int, ...], list[str]] = {}
+        for topic, orders in setters.items():
+            alike.setdefault(tuple(orders), []).append(topic)
+        self._by_topic: dict[str, Neighbourhood] = {}
+        for setting, topics in alike.items():
+            neighbourhood = self._neighbourhood(setting, tuple(topics))
+            self._by_topic.update(dict.fromkeys(topics, neighbourhood))
+
+    def territory(self, branch: Branch) -> Territory:
+        """Where ``branch`` applies."""
+        return self._territories[branch.order]
+
+    def neighbourhoods(self, branch: Branch) -> tuple[Neighbourhood, ...]:
+        """Those of the topics that ``branch`` sets."""
+        found = {id(one): one for one in (self._by_topic[topic] for topic in branch.settings)}
+        return tuple(found.values())
+
+    def around(
+        self, branch: Branch, box: Box, neighbourhood: Neighbourhood, effort: Effort
+    ) -> Iterator[tuple[Branch, Box]]:
+        """The branches near ``box`` that set other rates than ``branch``, each with one of its boxes."""
+        hull = hull_of(box)
+        kind = rates_set(branch, neighbourhood.topics)
+        for entry in neighbourhood.index.near(hull.get, effort, other_than=kind):
+            yield self._branches[entry.owner], entry.box
+
+    def setters_near(
+        self, topic: str, interval_of: Callable[[Signal], Interval], effort: Effort
+    ) -> Iterator[Branch]:
+        """The branches near a place that set ``topic``."""
+        for entry in self._by_topic[topic].index.near(interval_of, effort):
+            yield self._branches[entry.owner]
+
+    def _neighbourhood(self, orders: Sequence[int], topics: tuple[str, ...]) -> Neighbourhood:
+        entries = [
+            Entry(
+                owner=order,
+                kind=rates_set(self._branches[order], topics),
+                box=box,
+                hull=hull_of(box),
+            )
+            for order in orders
+            for box in self._territories[order].boxes
+        ]
+        return Neighbourhood(topics=topics, index=BoxIndex(entries))
+
+
+def rates_set(branch: Branch, topics: Sequence[str]) -> tuple[Rate | None, ...]:
+    """The rates that ``branch`` sets ``topics`` to."""
+    return tuple(branch.rate(topic) for topic in topics)

@@ -1,0 +1,54 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""AND and OR mixed without parentheses."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from smarttestudo.adirf.checks.rule_book import RuleBook
+from smarttestudo.adirf.checks.rule_check import Example, Found, RuleCheck
+from smarttestudo.adirf.checks.written import conditions_in
+from smarttestudo.adirf.syntax import And, Or
+from smarttestudo.domain.finding import Severity
+
+
+def _find(book: RuleBook) -> Iterator[Found]:
+    for block in book.blocks:
+        for part in conditions_in(block.block.condition):
+            if isinstance(part, Or):
+                bare = [operand for operand in part.operands if isinstance(operand, And)]
+                if bare:
+                    yield Found(
+                        path=block.path,
+                        span=bare[0].span,
+                        message="AND binds tighter than OR: this AND is one side of the OR",
+                        hint="put parentheses around the part that belongs together",
+                    )
+
+
+CHECK = RuleCheck(
+    code="and-or-mixed",
+    severity=Severity.WARNING,
+    meaning="AND and OR stand side by side without parentheses.",
+    why="AND binds tighter than OR. Who reads the condition from left to right understands something else.",
+    bad=Example(
+        rules="""\
+begin
+  SetFrequency /scan 5
+  If (CheckValue /scan distance < 0.5 OR CheckValue /odom speed > 1 AND CheckValue /odom pose_x > 6) Then
+    SetFrequency /scan 10
+end
+"""
+    ),
+    good=Example(
+        rules="""\
+begin
+  SetFrequency /scan 5
+  If (CheckValue /scan distance < 0.5 OR (CheckValue /odom speed > 1 AND CheckValue /odom pose_x > 6)) Then
+    SetFrequency /scan 10
+end
+"""
+    ),
+    find=_find,
+)

@@ -1,0 +1,67 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Blocks that can never decide anything."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from smarttestudo.adirf.checks import wording
+from smarttestudo.adirf.checks.analysis import Shadow
+from smarttestudo.adirf.checks.rule_book import RuleBook
+from smarttestudo.adirf.checks.rule_check import Example, Found, RuleCheck
+from smarttestudo.domain.finding import Severity
+
+
+def _find(book: RuleBook) -> Iterator[Found]:
+    return (_found(shadow) for shadow in book.analysis.shadows)
+
+
+def _found(shadow: Shadow) -> Found:
+    branch = shadow.branch
+    path = branch.block.path
+    rivals = [wording.branch_with_place(rival, seen_from=path) for rival in shadow.rivals]
+    return Found(
+        path=path,
+        span=branch.written[0].span.to(branch.written[-1].span),
+        message=f"{wording.branch_name(branch)} never decides a rate: wherever it holds, "
+        f"{wording.listed(rivals)} {'wins' if len(rivals) == 1 else 'win'} by priority, rate or order",
+        hint="give it a higher Priority, or remove it",
+    )
+
+
+CHECK = RuleCheck(
+    code="block-shadowed",
+    severity=Severity.WARNING,
+    meaning="A block can never decide any of its topics.",
+    why="Wherever it holds, blocks of higher priority, or of the same priority and a higher rate, set all "
+    "its topics too (among equals, the first block in the file is the one that decides). It is dead "
+    "text, mostly because a number or a Priority is wrong.",
+    bad=Example(
+        rules="""\
+begin
+  SetFrequency /odom 10
+  Rule "Anywhere east" Priority 1 If CheckValue /odom pose_x > 0 Then
+    SetFrequency /odom 4
+  EndIf
+  Rule "Far east" If CheckValue /odom pose_x > 20 Then
+    SetFrequency /odom 20
+  EndIf
+end
+"""
+    ),
+    good=Example(
+        rules="""\
+begin
+  SetFrequency /odom 10
+  Rule "Anywhere east" Priority 1 If CheckValue /odom pose_x > 0 Then
+    SetFrequency /odom 4
+  EndIf
+  Rule "Far east" Priority 2 If CheckValue /odom pose_x > 20 Then
+    SetFrequency /odom 20
+  EndIf
+end
+"""
+    ),
+    find=_find,
+)

@@ -1,0 +1,54 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What the checker knows beside the rule files."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from smarttestudo.adirf.normal_form import Resolve
+from smarttestudo.adirf.properties import PropertySpec, property_spec
+from smarttestudo.adirf.region import Region
+from smarttestudo.domain.names import resolve_topic
+from smarttestudo.domain.profile import Profile, TopicProfile
+from smarttestudo.domain.signal import ArrivalProperty, Signal
+
+COMMAND_TYPES = frozenset({"geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"})
+"""Types whose numbers are commanded, so that they can be exactly 0."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CheckContext:
+    """``resolve`` gives the full name of a topic, ``bag_topics`` the type of each topic of a recording."""
+
+    resolve: Resolve = field(default=resolve_topic)
+    profile: Profile | None = None
+    bag_topics: Mapping[str, str] | None = None
+
+    def topic(self, topic: str) -> TopicProfile:
+        """What the profile says about ``topic``, nothing without a profile."""
+        return TopicProfile() if self.profile is None else self.profile.topic(topic)
+
+    def type_of(self, topic: str) -> str | None:
+        """The ROS type of ``topic``: the profile's word, else the recording's."""
+        return self.topic(topic).type_name or (self.bag_topics or {}).get(topic)
+
+    def spec_of(self, signal: Signal) -> PropertySpec | None:
+        """What is known about a property; ``None`` for a plain field."""
+        return property_spec(self.type_of(signal.topic), signal.property)
+
+    def domain(self, signal: Signal) -> Region:
+        """The values that ``signal`` can have."""
+        spec = self.spec_of(signal)
+        if spec is None:
+            return Region.everything()
+        return Region.between(spec.minimum, spec.maximum, includes_minimum=spec.includes_minimum)
+
+    def is_measured(self, signal: Signal) -> bool:
+        """Whether ``signal`` is known to be a measurement, which varies continuously and has noise."""
+        return self.spec_of(signal) is not None and self.type_of(signal.topic) not in COMMAND_TYPES
+
+    def wavers(self, signal: Signal) -> bool:
+        """Whether ``signal`` can go back and forth across a border while the robot hardly moves."""
+        return self.is_measured(signal) and signal.property != ArrivalProperty.AGE.value

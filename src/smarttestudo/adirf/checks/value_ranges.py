@@ -1,0 +1,53 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Checks beside the range of what they read."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from smarttestudo.adirf.checks import wording
+from smarttestudo.adirf.checks.rule_book import RuleBook
+from smarttestudo.adirf.checks.rule_check import Found
+from smarttestudo.adirf.checks.written import WrittenCheck
+from smarttestudo.adirf.properties import PropertySpec
+from smarttestudo.adirf.region import Region
+from smarttestudo.domain.signal import ArrivalProperty, Truth
+
+
+def checks_that_are(truth: Truth, word: str, book: RuleBook) -> Iterator[Found]:
+    """The checks that are ``truth`` for every value of what they read; ``word`` says never or always."""
+    for one in book.checks:
+        spec = book.context.spec_of(one.signal)
+        if spec is not None and _truth(one, book.context.domain(one.signal)) is truth:
+            yield Found(
+                path=one.path,
+                span=one.check.span,
+                message=f"{wording.check_text(one.check)} {word} holds: {_range_text(spec)}",
+                hint=_hint(one, book),
+            )
+
+
+def _truth(one: WrittenCheck, domain: Region) -> Truth:
+    region = Region.where(one.check.operator, one.check.value)
+    if region.intersection(domain).is_empty:
+        return Truth.FALSE
+    return Truth.TRUE if domain.is_within(region) else Truth.UNKNOWN
+
+
+def _range_text(spec: PropertySpec) -> str:
+    if spec.minimum is not None and spec.maximum is not None:
+        low, high = wording.number(spec.minimum), wording.number(spec.maximum)
+        return f"{spec.name} lies between {low} and {high} {spec.unit}"
+    if spec.minimum is not None:
+        return f"{spec.name} is never below {wording.number(spec.minimum)} {spec.unit}"
+    return f"{spec.name} is in {spec.unit}"
+
+
+def _hint(one: WrittenCheck, book: RuleBook) -> str:
+    name = one.signal.property
+    if ArrivalProperty.named(name):
+        return f"a field of the message that is called {name} is written msg.{name}"
+    if book.context.type_of(one.signal.topic) is None:
+        return f"if {name} is a plain field of {one.signal.topic}, write msg.{name}"
+    return "correct the number"

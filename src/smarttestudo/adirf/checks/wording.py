@@ -1,0 +1,76 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""How findings name blocks, places, states and numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from smarttestudo.adirf.checks.written import Branch, WrittenBlock
+from smarttestudo.adirf.syntax import Check
+from smarttestudo.domain.signal import Signal
+from smarttestudo.domain.source import Span
+
+_LISTED = 5
+_SIGNALS_SHOWN = 8
+
+
+def number(value: float) -> str:
+    """``value`` in the fewest digits that mean exactly it."""
+    return str(int(value)) if value.is_integer() and abs(value) < 1e15 else repr(value)
+
+
+def check_text(check: Check) -> str:
+    """A check without its keyword, as the file writes it."""
+    return f"{check.topic.text} {check.property} {check.operator.value} {check.text}"
+
+
+def state(values: Mapping[Signal, float]) -> str:
+    """``/odom pose_x = 3, pose_y = 2, /battery_state level = 10``; empty for no or too many signals."""
+    if len(values) > _SIGNALS_SHOWN:
+        return ""
+    parts: list[str] = []
+    topic = ""
+    for signal, value in values.items():
+        name = signal.property if signal.topic == topic else str(signal)
+        topic = signal.topic
+        parts.append(f"{name} = {number(value)}")
+    return ", ".join(parts)
+
+
+def listed(names: Sequence[str]) -> str:
+    """``a, b and c``, or ``a, b, c, d, e and 7 more``."""
+    shown = list(names) if len(names) <= _LISTED + 1 else [*names[:_LISTED], f"{len(names) - _LISTED} more"]
+    return shown[0] if len(shown) == 1 else f"{', '.join(shown[:-1])} and {shown[-1]}"
+
+
+def place(path: str, span: Span, *, seen_from: str) -> str:
+    """``line 4``, with the file's name where it is another one than ``seen_from``."""
+    return f"line {span.line}" if path == seen_from else f"{path}:{span.line}"
+
+
+def block_name(block: WrittenBlock) -> str:
+    """A block's label in quotes, or what stands for one."""
+    return f"the block at line {block.line}" if _is_unnamed(block) else f'"{block.block.label}"'
+
+
+def branch_name(branch: Branch) -> str:
+    """A branch of a block: the block's name, for an Else with that word."""
+    return f"the Else of {block_name(branch.block)}" if branch.is_else else block_name(branch.block)
+
+
+def branch_with_place(branch: Branch, *, seen_from: str) -> str:
+    """A branch's name with its line, and the file if it is another one."""
+    block = branch.block
+    if _is_unnamed(block) and block.path == seen_from:
+        return branch_name(branch)
+    return f"{branch_name(branch)} ({place(block.path, block.block.span, seen_from=seen_from)})"
+
+
+def sentence(text: str) -> str:
+    """``text`` with a capital first letter."""
+    return text[:1].upper() + text[1:]
+
+
+def _is_unnamed(block: WrittenBlock) -> bool:
+    return block.block.name is None and block.block.label == f"block at line {block.line}"

@@ -1,0 +1,128 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Statements with their place and their full topic names."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from smarttestudo.adirf.normal_form import Form
+from smarttestudo.adirf.syntax import (
+    And,
+    Block,
+    Check,
+    Condition,
+    Group,
+    KeepAtLeast,
+    Not,
+    Or,
+    RateExpression,
+    RateWord,
+    SetFrequency,
+    TopicName,
+)
+from smarttestudo.domain.rate import Rate
+from smarttestudo.domain.signal import Signal
+from smarttestudo.domain.source import Span
+from smarttestudo.domain.tier import Tier
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WrittenRate:
+    """A SetFrequency or KeepAtLeast; ``rate`` is ``None`` for a tier."""
+
+    path: str
+    topic: str
+    statement: SetFrequency | KeepAtLeast
+    rate: Rate | None
+
+    @property
+    def span(self) -> Span:
+        """The whole statement."""
+        return self.statement.span
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Mention:
+    """A topic's name in a file."""
+
+    path: str
+    name: TopicName
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WrittenCheck:
+    """A CheckValue."""
+
+    path: str
+    signal: Signal
+    check: Check
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WrittenBlock:
+    """A block; ``order`` is its place among all blocks of the set, ``form`` its (merged) condition."""
+
+    order: int
+    path: str
+    block: Block
+    form: Form
+
+    @property
+    def priority(self) -> int:
+        """The written priority, else 0."""
+        return self.block.priority or 0
+
+    @property
+    def is_one_check(self) -> bool:
+        """Whether the condition compares once."""
+        return sum(isinstance(part, Check) for part in conditions_in(self.block.condition)) == 1
+
+    @property
+    def line(self) -> int:
+        """Where the block begins."""
+        return self.block.span.line
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Branch:
+    """The Then or the Else of a block, with the condition under which it applies.
+
+    ``order`` is its place among all branches, ``written`` its statements and ``settings`` the same by topic.
+    """
+
+    order: int
+    block: WrittenBlock
+    is_else: bool
+    form: Form
+    written: tuple[WrittenRate, ...]
+    settings: Mapping[str, WrittenRate]
+
+    def rate(self, topic: str) -> Rate | None:
+        """The rate that it sets ``topic`` to, ``None`` for a tier."""
+        return self.settings[topic].rate
+
+
+def rate_of(expression: RateExpression) -> Rate | None:
+    """The rate as written, ``None`` for a tier."""
+    if isinstance(expression.value, Tier):
+        return None
+    if isinstance(expression.value, RateWord):
+        return Rate.full() if expression.value is RateWord.FULL else Rate.off()
+    return Rate(expression.value)
+
+
+def conditions_in(condition: Condition) -> Iterator[Condition]:
+    """``condition`` and every condition inside it, in the order of the text."""
+    pending = [condition]
+    while pending:
+        current = pending.pop()
+        yield current
+        match current:
+            case And() | Or():
+                pending.extend(reversed(current.operands))
+            case Not() | Group():
+                pending.append(current.operand)
+            case Check():
+                pass

@@ -1,0 +1,183 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The parser's place in the tokens, with its findings and the comments that no node has taken yet."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import replace
+
+from smarttestudo.adirf.comments import Comment, Trivia
+from smarttestudo.adirf.finding_log import FindingLog
+from smarttestudo.adirf.suggestions import closest, described, did_you_mean, hint_on
+from smarttestudo.adirf.tokens import KEYWORDS, Token, TokenKind
+from smarttestudo.domain.finding import Fix
+from smarttestudo.domain.source import Span
+
+STATEMENT_STARTS = (TokenKind.SET_FREQUENCY, TokenKind.KEEP_AT_LEAST, TokenKind.RULE, TokenKind.IF)
+SAFE_PLACES = frozenset(
+    {
+        *STATEMENT_STARTS,
+        TokenKind.BEGIN,
+        TokenKind.END,
+        TokenKind.THEN,
+        TokenKind.ELSE,
+        TokenKind.END_IF,
+        TokenKind.END_OF_FILE,
+    }
+)
+"""Where parsing can go on after an error."""
+
+_SAFE_WORDS = {kind.value.casefold(): kind.value for kind in KEYWORDS.values() if kind in SAFE_PLACES}
+
+
+class BrokenStatementError(Exception):
+    """Inside the parser: the statement cannot be read on, and its finding is reported."""
+
+
+class Cursor:
+    """Looks at one token at a time and never goes back; every look is a step.
+
+    ``is_cut_off`` is whether something was missing at the end of the file, ``is_block_open`` whether the
+    statements read last belong to a block without ``EndIf``.
+    """
+
+    def __init__(self, tokens: Sequence[Token], log: FindingLog) -> None:
+        self._tokens = tokens
+        self._at = 0
+        self._mended: Token | None = None
+        self._loose: list[Comment] = []
+        self._log = log
+        self.steps = 0
+        self.is_cut_off = False
+        self.is_block_open = False
+        self.previous = tokens[0]
+
+    @property
+    def token(self) -> Token:
+        """The token to read next, a misspelt keyword already mended."""
+        self.steps += 1
+        return self._mended or self._tokens[self._at]
+
+    @property
+    def kind(self) -> TokenKind:
+        """The kind of the token to read next."""
+        return self.token.kind
+
+    def advance(self) -> Token:
+        """Read the next token; the end of the file stays where it is."""
+        token = self.token
+        self._loose.extend(token.above)
+        if token.beside is not None:
+            self._loose.append(token.beside)
+        self._mended = None
+        self.previous = token
+        self._at = min(self._at + 1, len(self._tokens) - 1)
+        return token
+
+    def take(self, kind: TokenKind) -> Token | None:
+        """Read the next token if it is of ``kind``."""
+        return self.advance() if self.kind is kind else None
+
+    # Findings
+
+    def begin_statement(self) -> None:
+        """From here on a finding is about another statement; one a statement is reported."""
+        if self._mended is None:
+            self._log.begin_statement()
+        self._loose.clear()
+
+    def report(
+        self, code: str, message: str, *, span: Span | None = None, hint: str = "", fix: Fix | None = None
+    ) -> None:
+        """Report an error at ``span``, or at the next token."""
+        self._log.report(code, message, span=span or self.token.span, hint=hint, fix=fix)
+
+    def failure(
+        self, code: str, expected: str, *, hint: str = "", fix: Fix | None = None
+    ) -> BrokenStatementError:
+        """Report that ``expected`` was expected here; raise the result to give the statement up."""
+        self.report_missing(code, expected, hint=hint, fix=fix)
+        return BrokenStatementError()
+
+    def report_missing(self, code: str, expected: str, *, hint: str = "", fix: Fix | None = None) -> None:
+        """Report what was expected: behind the token before where the next one starts something else."""
+        if self._is_at_gap():
+            self.is_cut_off = self.is_cut_off or self.kind is TokenKind.END_OF_FILE
+            message = f"expected {expected} after {described(self.previous)}"
+            self.report(code, message, span=self.previous.end, hint=hint or self._slashes_hint(), fix=fix)
+        else:
+            self.report_found(code, expected, hint=hint, fix=fix)
+
+    def report_found(self, code: str, expected: str, *, hint: str = "", fix: Fix | None = None) -> None:
+        """Report that the next token is not the ``expected``."""
+        found = self.token
+        self.report(
+            code, f"expected {expected}, found {described(found)}", hint=hint or hint_on(found), fix=fix
+        )
+
+    def _is_at_gap(self) -> bool:
+        """Whether something is missing behind the token before, the next one being fine where it is."""
+        found = self.token
+        starts_another = found.starts_line and (found.text in KEYWORDS or found.kind is TokenKind.CLOSE)
+        return starts_another or found.kind is TokenKind.END_OF_FILE
+
+    def mend(self, code: str, expected: str, kinds: Collection[TokenKind]) -> bool:
+        """Report a misspelt keyword of ``kinds`` and let it count as what it should be."""
+        token = self.token
+        if token.kind not in (TokenKind.WORD, TokenKind.FOREIGN):
+            return False
+        kind = KEYWORDS.get(closest(token.text, KEYWORDS) or "")
+        if kind not in kinds:
+            return False
+        self.mend_as(code, expected, kind)
+        return True
+
+    def mend_as(self, code: str, expected: str, kind: TokenKind, text: str | None = None) -> None:
+        """Report the next token as a misspelling, and let it count as ``kind``, spelt ``text``."""
+        token = self.token
+        right = text or kind.value
+        fix = Fix(span=token.span, replacement=right, title=f"write '{right}'")
+        self.report_found(code, expected, hint=did_you_mean(right), fix=fix)
+        self._mended = replace(token, kind=kind)
+
+    def skip_to(self, kinds: Collection[TokenKind]) -> None:
+        """Skip to the next token of ``kinds``, or of a spelling close to one where it starts a line."""
+        while self.kind not in kinds and not self._looks_like(kinds):
+            if self.kind is TokenKind.END_OF_FILE:
+                return
+            self.advance()
+
+    def _looks_like(self, kinds: Collection[TokenKind]) -> bool:
+        token = self.token
+        if token.kind is not TokenKind.WORD:
+            return False
+        right = _SAFE_WORDS.get(token.text.casefold())
+        if right is None and token.starts_line:
+            right = closest(token.text, _SAFE_WORDS.values())
+        return right is not None and KEYWORDS[right] in kinds
+
+    def _slashes_hint(self) -> str:
+        beside = self.previous.beside
+        if beside is not None and beside.span.column == self.previous.end.column:
+            return "'//' starts a comment; no name holds it"
+        return ""
+
+    # Trivia
+
+    def take_above(self) -> tuple[Comment, ...]:
+        """The comments up to the token read last, without the one beside it, which goes to what follows."""
+        beside = [self.previous.beside] if self.previous.beside is not None else []
+        above = self._loose[: len(self._loose) - len(beside)]
+        self._loose = [*beside]
+        return tuple(above)
+
+    def take_trivia(self, first: Token) -> Trivia:
+        """The comments of what goes from ``first`` to the token read last; those inside it go above."""
+        above = self.take_above()
+        self._loose.clear()
+        return Trivia(above=above, beside=self.previous.beside, blank_above=first.blank_above)
+
+    def span_from(self, first: Token) -> Span:
+        """From ``first`` to the token read last."""
+        return first.span.to(self.previous.end)

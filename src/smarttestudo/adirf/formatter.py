@@ -1,0 +1,96 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The house style of rule files, printed from the syntax tree."""
+
+from __future__ import annotations
+
+from smarttestudo.adirf.formatter_conditions import write_condition
+from smarttestudo.adirf.formatter_lines import LineWriter
+from smarttestudo.adirf.formatter_values import rate_text
+from smarttestudo.adirf.parser import parse
+from smarttestudo.adirf.parser_headings import quoted
+from smarttestudo.adirf.syntax import Block, Collection, KeepAtLeast, RuleFile, SetFrequency, Statement
+
+
+def format_rules(text: str, path: str) -> str:
+    """``text`` in the house style, with the line ends of its first line; unchanged if it has an error.
+
+    Comments, blank lines, order and the spelling of numbers stay.
+    """
+    result = parse(text, path)
+    return format_file(result.file, line_end=first_line_end(text)) if result.is_valid else text
+
+
+def first_line_end(text: str) -> str:
+    """CRLF for a text whose first line ends so, else LF."""
+    return "\r\n" if text.partition("\n")[0].endswith("\r") else "\n"
+
+
+def format_file(file: RuleFile, *, line_end: str = "\n") -> str:
+    """The text of a syntax tree, whether parsed or built by a program."""
+    writer = LineWriter()
+    for collection in file.collections:
+        _write_collection(writer, collection)
+    writer.comments(0, file.footer)
+    return writer.text().replace("\n", line_end)
+
+
+def _write_collection(writer: LineWriter, collection: Collection) -> None:
+    writer.blank()
+    writer.above(0, collection.trivia)
+    writer.opening_line(0, "begin", collection.trivia.beside)
+    previous: Statement | None = None
+    for statement in collection.statements:
+        if isinstance(previous, Block) or isinstance(statement, Block):
+            _write_missing_end(writer, previous, statement)
+            writer.blank()
+        _write_statement(writer, 1, statement)
+        previous = statement
+    writer.comments(1, collection.end_trivia.above)
+    writer.line(0, "end", collection.end_trivia.beside)
+
+
+def _write_missing_end(writer: LineWriter, previous: Statement | None, following: Statement) -> None:
+    """Without ``EndIf`` the block before would take in what follows."""
+    if isinstance(previous, Block) and not previous.has_end_if and not isinstance(following, Block):
+        writer.line(1, "EndIf")
+
+
+def _write_statement(writer: LineWriter, level: int, statement: Statement) -> None:
+    writer.above(level, statement.trivia)
+    match statement:
+        case SetFrequency():
+            text = f"SetFrequency {statement.topic.text} {rate_text(statement.rate)}"
+            writer.line(level, text, statement.trivia.beside)
+        case KeepAtLeast():
+            text = f"KeepAtLeast {statement.topic.text} {rate_text(statement.rate)}"
+            writer.line(level, text, statement.trivia.beside)
+        case Block():
+            _write_block(writer, level, statement)
+
+
+def _write_block(writer: LineWriter, level: int, block: Block) -> None:
+    heading = _heading(block)
+    if heading:
+        writer.line(level, heading, block.trivia.beside)
+        writer.comments(level, block.if_trivia.above)
+    write_condition(writer, level, "If ", block.condition)
+    writer.comments(level, block.then_trivia.above)
+    writer.opening_line(level, "Then", block.then_trivia.beside)
+    for statement in block.then:
+        _write_statement(writer, level + 1, statement)
+    if block.otherwise:
+        writer.comments(level, block.else_trivia.above)
+        writer.opening_line(level, "Else", block.else_trivia.beside)
+        for statement in block.otherwise:
+            _write_statement(writer, level + 1, statement)
+    if block.has_end_if:
+        writer.comments(level + 1, block.end_if_trivia.above)
+        writer.line(level, "EndIf", block.end_if_trivia.beside)
+
+
+def _heading(block: Block) -> str:
+    if block.name is None and block.priority is None:
+        return ""
+    priority = "" if block.priority is None else f" Priority {block.priority}"
+    return f"Rule {quoted(block.name if block.name is not None else block.label)}{priority}"

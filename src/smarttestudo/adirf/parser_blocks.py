@@ -1,0 +1,168 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""``SetFrequency`` and blocks: ``[Rule …] If … Then … [Else …] [EndIf]``."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from smarttestudo.adirf.comments import NO_TRIVIA, Trivia, label_in
+from smarttestudo.adirf.cursor import SAFE_PLACES, BrokenStatementError, Cursor
+from smarttestudo.adirf.parser_conditions import parse_condition
+from smarttestudo.adirf.parser_headings import RuleLine, parse_rule_line
+from smarttestudo.adirf.parser_values import parse_rate, parse_topic
+from smarttestudo.adirf.syntax import Block, Condition, SetFrequency
+from smarttestudo.adirf.tokens import CONNECTIVES, Token, TokenKind
+from smarttestudo.domain.finding import Fix
+
+_SETS_END = SAFE_PLACES - {TokenKind.SET_FREQUENCY, TokenKind.THEN}
+_EXPECTED_AFTER_SET = "'SetFrequency', 'Else', 'EndIf' or the next rule"
+_AFTER_SET = frozenset(
+    {
+        TokenKind.SET_FREQUENCY,
+        TokenKind.KEEP_AT_LEAST,
+        TokenKind.ELSE,
+        TokenKind.END_IF,
+        TokenKind.RULE,
+        TokenKind.IF,
+        TokenKind.END,
+    }
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Head:
+    """Everything up to ``Then``; without a ``Rule``, ``trivia`` is that of ``If``."""
+
+    rule: RuleLine
+    condition: Condition
+    trivia: Trivia
+    if_trivia: Trivia
+    then_trivia: Trivia
+
+
+def parse_set(cursor: Cursor) -> SetFrequency:
+    """``SetFrequency TOPIC rate``."""
+    first = cursor.advance()
+    topic = parse_topic(cursor)
+    rate = parse_rate(cursor)
+    return SetFrequency(
+        topic=topic, rate=rate, span=cursor.span_from(first), trivia=cursor.take_trivia(first)
+    )
+
+
+def parse_block(cursor: Cursor) -> Block | None:
+    """A block, or ``None`` when it is broken; the statements in it are checked all the same."""
+    first = cursor.token
+    head = _head_or_recover(cursor)
+    then = parse_sets(cursor, after_error=head is None)
+    otherwise, else_trivia, end_if_trivia = (), NO_TRIVIA, NO_TRIVIA
+    if started := cursor.take(TokenKind.ELSE):
+        else_trivia = cursor.take_trivia(started)
+        otherwise = parse_sets(cursor, after_error=head is None)
+    if ended := cursor.take(TokenKind.END_IF):
+        cursor.is_block_open = False
+        end_if_trivia = cursor.take_trivia(ended)
+    if head is None or not then:
+        return None
+    return Block(
+        name=head.rule.name,
+        priority=head.rule.priority,
+        label=head.rule.name or label_in(head.trivia.above) or f"block at line {first.line}",
+        condition=head.condition,
+        then=then,
+        otherwise=otherwise,
+        has_end_if=ended is not None,
+        span=cursor.span_from(first),
+        trivia=head.trivia,
+        if_trivia=head.if_trivia,
+        then_trivia=head.then_trivia,
+        else_trivia=else_trivia,
+        end_if_trivia=end_if_trivia,
+    )
+
+
+def parse_sets(cursor: Cursor, *, after_error: bool) -> tuple[SetFrequency, ...]:
+    """The statements after ``Then`` or ``Else``; none at all is an error, unless it follows from another."""
+    statements: list[SetFrequency] = []
+    is_broken = after_error
+    while cursor.kind not in _SETS_END:
+        cursor.begin_statement()
+        if cursor.kind is TokenKind.SET_FREQUENCY:
+            cursor.is_block_open = True
+            try:
+                statements.append(parse_set(cursor))
+            except BrokenStatementError:
+                is_broken = True
+                cursor.skip_to(SAFE_PLACES)
+        elif not cursor.mend("expected-statement", _EXPECTED_AFTER_SET, _AFTER_SET):
+            is_broken = True
+            cursor.report_found("expected-statement", _EXPECTED_AFTER_SET)
+            cursor.advance()
+            cursor.skip_to(SAFE_PLACES)
+    if not statements and not is_broken:
+        cursor.report_missing("expected-statement", "'SetFrequency'", hint=_nesting_hint(cursor))
+    return tuple(statements)
+
+
+def _nesting_hint(cursor: Cursor) -> str:
+    if cursor.kind is not TokenKind.IF:
+        return ""
+    if cursor.previous.kind is TokenKind.ELSE:
+        return "there is no 'Else If'; write a block of its own"
+    return "blocks do not nest; join the conditions with 'AND'"
+
+
+def _head_or_recover(cursor: Cursor) -> _Head | None:
+    try:
+        return _head(cursor)
+    except BrokenStatementError:
+        cursor.skip_to(SAFE_PLACES)
+        cursor.mend("expected-then", "'Then'", (TokenKind.THEN,))
+        cursor.take(TokenKind.THEN)
+        return None
+
+
+def _head(cursor: Cursor) -> _Head:
+    first = cursor.token
+    rule, trivia = RuleLine(), NO_TRIVIA
+    if first.kind is TokenKind.RULE:
+        rule = parse_rule_line(cursor)
+        trivia = cursor.take_trivia(first)
+    if_token = cursor.token
+    if if_token.kind is not TokenKind.IF:
+        fix = Fix(span=if_token.start, replacement="If ", title="put 'If' here")
+        raise cursor.failure("expected-if", "'If'", fix=fix if if_token.kind in _CONDITION_STARTS else None)
+    cursor.advance()
+    if_trivia = Trivia(above=cursor.take_above(), blank_above=if_token.blank_above)
+    condition = parse_condition(cursor)
+    then = _then(cursor)
+    return _Head(
+        rule=rule,
+        condition=condition,
+        trivia=trivia if rule.is_written else if_trivia,
+        if_trivia=if_trivia if rule.is_written else NO_TRIVIA,
+        then_trivia=cursor.take_trivia(then),
+    )
+
+
+_CONDITION_STARTS = frozenset({TokenKind.CHECK_VALUE, TokenKind.OPEN, TokenKind.NOT})
+
+
+def _then(cursor: Cursor) -> Token:
+    token = cursor.token
+    if token.kind in CONNECTIVES or cursor.mend("expected-then", "'Then'", CONNECTIVES):
+        raise cursor.failure(
+            "missing-parentheses", "'Then'", hint="put the whole condition in parentheses: If (… AND …) Then"
+        )
+    if token.kind is TokenKind.CLOSE:
+        fix = Fix(span=token.span, replacement="", title="delete it")
+        cursor.report("stray-parenthesis", "no '(' is open for this ')'", fix=fix)
+        raise BrokenStatementError
+    cursor.mend("expected-then", "'Then'", (TokenKind.THEN,))
+    if cursor.kind is not TokenKind.THEN:
+        fix = Fix(span=token.start, replacement="Then ", title="put 'Then' here")
+        raise cursor.failure(
+            "expected-then", "'Then'", fix=fix if token.kind is TokenKind.SET_FREQUENCY else None
+        )
+    return cursor.advance()

@@ -1,0 +1,143 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Conditions: checks joined by ``AND``, ``OR``, ``Not`` and parentheses."""
+
+from __future__ import annotations
+
+from smarttestudo.adirf.comments import Trivia
+from smarttestudo.adirf.cursor import BrokenStatementError, Cursor
+from smarttestudo.adirf.parser_values import parse_number, parse_topic
+from smarttestudo.adirf.properties.field_path import is_field_path
+from smarttestudo.adirf.suggestions import closest, did_you_mean
+from smarttestudo.adirf.syntax import And, Check, Condition, Group, Not, Operator, Or
+from smarttestudo.adirf.tokens import CONNECTIVES, KEYWORDS, Token, TokenKind
+from smarttestudo.domain.finding import Fix
+
+MAX_NESTING = 100
+_OPERATORS = {operator.value: operator for operator in Operator}
+_EXPECTED_IN_GROUP = "'AND', 'OR' or ')'"
+_EXPECTED_OPERATOR = "a comparison (>, <, >=, <=, = or !=)"
+
+
+def parse_condition(cursor: Cursor, depth: int = 0) -> Condition:
+    """A check, a group in parentheses or a ``Not``; ``depth`` counts the groups and ``Not`` around it."""
+    if depth > MAX_NESTING:
+        cursor.report("nested-too-deep", f"conditions nest at most {MAX_NESTING} deep", hint="split the rule")
+        raise BrokenStatementError
+    expected = "a condition ('CheckValue', 'Not' or '(')"
+    cursor.mend("expected-condition", expected, (TokenKind.CHECK_VALUE, TokenKind.NOT))
+    match cursor.kind:
+        case TokenKind.CHECK_VALUE:
+            return _check(cursor)
+        case TokenKind.OPEN:
+            return _group(cursor, depth)
+        case TokenKind.NOT:
+            return _not(cursor, depth)
+        case _:
+            hint = "put 'CheckValue' before it" if cursor.kind is TokenKind.WORD else ""
+            raise cursor.failure("expected-condition", expected, hint=hint)
+
+
+def _not(cursor: Cursor, depth: int) -> Not:
+    first = cursor.advance()
+    trivia = Trivia(above=cursor.take_above())
+    operand = parse_condition(cursor, depth + 1)
+    return Not(operand=operand, span=cursor.span_from(first), trivia=trivia)
+
+
+def _group(cursor: Cursor, depth: int) -> Group:
+    first = cursor.advance()
+    above = cursor.take_above()
+    operand = _expression(cursor, depth + 1)
+    if cursor.kind is not TokenKind.CLOSE:
+        _refuse_end_of_group(cursor, first)
+    cursor.advance()
+    end = cursor.take_trivia(first)
+    return Group(
+        operand=operand,
+        span=cursor.span_from(first),
+        trivia=Trivia(above=above, beside=end.beside),
+        closing=end.above,
+    )
+
+
+def _refuse_end_of_group(cursor: Cursor, opened: Token) -> None:
+    expected = _EXPECTED_IN_GROUP
+    if cursor.kind in (TokenKind.CHECK_VALUE, TokenKind.OPEN, TokenKind.NOT):
+        raise cursor.failure("expected-connective", expected, hint="join conditions with 'AND' or 'OR'")
+    hint = f"the '(' at {opened.line}:{opened.column} is still open"
+    raise cursor.failure("unclosed-parenthesis", expected, hint=hint)
+
+
+def _expression(cursor: Cursor, depth: int) -> Condition:
+    terms = [_term(cursor, depth)]
+    while cursor.take(TokenKind.OR):
+        terms.append(_term(cursor, depth))
+    return terms[0] if len(terms) == 1 else Or(operands=tuple(terms), span=terms[0].span.to(terms[-1].span))
+
+
+def _term(cursor: Cursor, depth: int) -> Condition:
+    factors = [parse_condition(cursor, depth)]
+    _mend_connective(cursor)
+    while cursor.take(TokenKind.AND):
+        factors.append(parse_condition(cursor, depth))
+        _mend_connective(cursor)
+    return (
+        factors[0]
+        if len(factors) == 1
+        else And(operands=tuple(factors), span=factors[0].span.to(factors[-1].span))
+    )
+
+
+def _mend_connective(cursor: Cursor) -> None:
+    cursor.mend("expected-connective", _EXPECTED_IN_GROUP, CONNECTIVES)
+
+
+def _check(cursor: Cursor) -> Check:
+    first = cursor.advance()
+    topic = parse_topic(cursor, split_property=True)
+    name = _property(cursor, topic.text)
+    operator = _operator(cursor)
+    value, text = parse_number(cursor, "expected-number", "a number to compare with")
+    return Check(
+        topic=topic,
+        property=name.text,
+        property_span=name.span,
+        operator=operator,
+        value=value,
+        text=text,
+        span=cursor.span_from(first),
+        trivia=cursor.take_trivia(first),
+    )
+
+
+def _property(cursor: Cursor, topic: str) -> Token:
+    token = cursor.token
+    expected = f"a property of '{topic}'"
+    if token.kind in (TokenKind.OPERATOR, TokenKind.NUMBER):
+        hint = f"for instance {topic} age"
+        raise cursor.failure("expected-property", expected, hint=hint)
+    if token.text in KEYWORDS and not token.starts_line:
+        raise cursor.failure(
+            "expected-property", expected, hint=f"a field of this name is reached by msg.{token.text}"
+        )
+    if token.kind is not TokenKind.WORD:
+        raise cursor.failure("expected-property", expected)
+    if not is_field_path(token.text):
+        hint = "a property is a name such as speed or a field such as pose.pose.position.x or ranges[0]"
+        raise cursor.failure("invalid-property", expected, hint=hint)
+    return cursor.advance()
+
+
+def _operator(cursor: Cursor) -> Operator:
+    token = cursor.token
+    if token.kind is TokenKind.OPERATOR:
+        cursor.advance()
+        return _OPERATORS[token.text]
+    right = closest(token.text, _OPERATORS) if token.kind is TokenKind.FOREIGN else None
+    if right is None:
+        raise cursor.failure("expected-operator", _EXPECTED_OPERATOR)
+    fix = Fix(span=token.span, replacement=right, title=f"write {right}")
+    cursor.report_found("expected-operator", _EXPECTED_OPERATOR, hint=did_you_mean(right), fix=fix)
+    cursor.advance()
+    return _OPERATORS[right]

@@ -1,0 +1,120 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The line that names a block: ``Rule "name" [Priority n]``."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from smarttestudo.adirf.cursor import SAFE_PLACES, BrokenStatementError, Cursor
+from smarttestudo.adirf.tokens import Token, TokenKind
+from smarttestudo.domain.finding import Fix
+
+_INTEGER = re.compile(r"[+-]?[0-9]{1,9}")
+_ESCAPE = re.compile(r"\\(.)")
+_EXPECTED_NAME = "the rule's name in quotes"
+_QUOTES = {"“": "”", "'": "'"}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RuleLine:
+    """A block's name and priority; ``is_written`` is whether there is a ``Rule``."""
+
+    name: str | None = None
+    priority: int | None = None
+    is_written: bool = False
+
+
+def parse_rule_line(cursor: Cursor) -> RuleLine:
+    """``Rule "name" [Priority n]``; after an error in it the cursor is at ``If``, or the block is broken."""
+    cursor.advance()
+    try:
+        name = _name(cursor)
+        cursor.mend("expected-if", "'Priority' or 'If'", (TokenKind.PRIORITY, TokenKind.IF))
+        priority = _priority(cursor) if cursor.take(TokenKind.PRIORITY) else None
+        cursor.mend("expected-if", "'If'", (TokenKind.IF,))
+    except BrokenStatementError:
+        cursor.skip_to(SAFE_PLACES)
+        if cursor.kind is not TokenKind.IF:
+            raise
+        return RuleLine(is_written=True)
+    return RuleLine(name=name, priority=priority, is_written=True)
+
+
+def quoted(name: str) -> str:
+    r"""``name`` as a rule file writes it; only ``"`` and ``\`` have a ``\`` before them."""
+    return '"{}"'.format(re.sub(r'(["\\])', r"\\\1", name))
+
+
+def _name(cursor: Cursor) -> str:
+    token = cursor.token
+    if token.kind is TokenKind.STRING:
+        return _plain_name(cursor, token)
+    if token.kind is TokenKind.WORD:
+        return _bare_name(cursor)
+    if token.kind is TokenKind.FOREIGN and token.text[0] == '"':
+        cursor.report("unclosed-name", "the name has no closing '\"' on its line")
+        raise BrokenStatementError
+    if (
+        token.kind is TokenKind.FOREIGN
+        and len(token.text) > 1
+        and token.text[-1] == _QUOTES.get(token.text[0])
+    ):
+        _report_quotes(cursor, token, token.text[1:-1])
+        cursor.advance()
+        return token.text[1:-1]
+    raise cursor.failure("expected-name", _EXPECTED_NAME, hint='for instance Rule "Corridor"')
+
+
+def _plain_name(cursor: Cursor, token: Token) -> str:
+    text = token.text[1:-1]
+    wrong = next((found for found in _ESCAPE.finditer(text) if found[1] not in '"\\'), None)
+    if wrong is not None:
+        fix = Fix(span=token.span, replacement=quoted(text), title="double every backslash")
+        cursor.report(
+            "invalid-name",
+            f"a name cannot hold '{wrong[0]}'",
+            hint='only \\" and \\\\ have a meaning',
+            fix=fix,
+        )
+    name = _ESCAPE.sub(r"\1", text)
+    if not name.strip():
+        cursor.report("invalid-name", "the name is empty", hint="leave out 'Rule' for a block without a name")
+    elif not all(character.isprintable() or character.isspace() for character in name) or "\t" in name:
+        cursor.report(
+            "invalid-name", "the name holds a character that cannot be shown", hint="a tab counts as one"
+        )
+    cursor.advance()
+    return name
+
+
+def _bare_name(cursor: Cursor) -> str:
+    first = cursor.token
+    words = [cursor.advance().text]
+    while cursor.kind is TokenKind.WORD and not cursor.token.starts_line:
+        words.append(cursor.advance().text)
+    name = " ".join(words)
+    span = cursor.span_from(first)
+    fix = Fix(span=span, replacement=quoted(name), title="put quotes around it")
+    cursor.report(
+        "expected-name",
+        f"expected {_EXPECTED_NAME}, found '{name}'",
+        span=span,
+        hint=f"did you mean {quoted(name)}?",
+        fix=fix,
+    )
+    return name
+
+
+def _report_quotes(cursor: Cursor, token: Token, name: str) -> None:
+    fix = Fix(span=token.span, replacement=quoted(name), title="write straight quotes")
+    cursor.report_found("expected-name", _EXPECTED_NAME, hint=f"did you mean {quoted(name)}?", fix=fix)
+
+
+def _priority(cursor: Cursor) -> int:
+    token = cursor.token
+    if token.kind is not TokenKind.NUMBER or not _INTEGER.fullmatch(token.text):
+        raise cursor.failure("invalid-priority", "a whole number of at most nine digits")
+    cursor.advance()
+    return int(token.text)

@@ -1,0 +1,98 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The words of a rule file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+from smarttestudo.adirf.comments import Comment
+from smarttestudo.domain.source import Span
+
+
+class TokenKind(Enum):
+    """What a token is; a keyword's value is its spelling.
+
+    ``Hz``, ``Full``, ``Off`` and the tiers are words: they mean something in a rate only.
+    ``FOREIGN`` is whatever the language does not have, such as ``==``, ``1,5`` or a quote without its end.
+    """
+
+    BEGIN = "begin"
+    END = "end"
+    SET_FREQUENCY = "SetFrequency"
+    KEEP_AT_LEAST = "KeepAtLeast"
+    RULE = "Rule"
+    PRIORITY = "Priority"
+    IF = "If"
+    THEN = "Then"
+    ELSE = "Else"
+    END_IF = "EndIf"
+    NOT = "Not"
+    AND = "AND"
+    OR = "OR"
+    CHECK_VALUE = "CheckValue"
+    OPEN = "("
+    CLOSE = ")"
+    WORD = "word"
+    NUMBER = "number"
+    STRING = "string"
+    OPERATOR = "operator"
+    FOREIGN = "foreign"
+    END_OF_FILE = "end of file"
+
+
+_NO_KEYWORDS = frozenset(
+    {
+        TokenKind.OPEN,
+        TokenKind.CLOSE,
+        TokenKind.WORD,
+        TokenKind.NUMBER,
+        TokenKind.STRING,
+        TokenKind.OPERATOR,
+        TokenKind.FOREIGN,
+        TokenKind.END_OF_FILE,
+    }
+)
+KEYWORDS = {kind.value: kind for kind in TokenKind if kind not in _NO_KEYWORDS}
+CONNECTIVES = frozenset({TokenKind.AND, TokenKind.OR})
+
+
+@dataclass(frozen=True, slots=True)
+class Token:
+    """A word of the file and where it starts; no token goes over the end of its line.
+
+    ``starts_line`` is whether it is the first of its line, ``blank_above`` whether an empty line is directly
+    above it. ``above`` are the comments on lines of their own since the token before, ``beside`` is the one
+    on the rest of its line.
+    """
+
+    kind: TokenKind
+    text: str
+    line: int
+    column: int
+    starts_line: bool = False
+    blank_above: bool = False
+    above: tuple[Comment, ...] = ()
+    beside: Comment | None = None
+
+    @property
+    def span(self) -> Span:
+        """What the token covers."""
+        return Span(
+            line=self.line,
+            column=self.column,
+            end_line=self.line,
+            end_column=self.column + len(self.text),
+        )
+
+    @property
+    def start(self) -> Span:
+        """The empty stretch just before the token."""
+        return Span(line=self.line, column=self.column, end_line=self.line, end_column=self.column)
+
+    @property
+    def end(self) -> Span:
+        """The empty stretch just after the token."""
+        column = self.column + len(self.text)
+        return Span(line=self.line, column=column, end_line=self.line, end_column=column)

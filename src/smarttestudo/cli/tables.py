@@ -1,0 +1,78 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tables in a terminal: with rich where it is installed, in plain text everywhere else."""
+
+from __future__ import annotations
+
+import shutil
+import sys
+from typing import TYPE_CHECKING, TextIO
+
+from smarttestudo.visualizer.plain_table import plain_table
+from smarttestudo.visualizer.table import Align, Table, format_cell
+
+if TYPE_CHECKING:
+    from rich.table import Table as RichTable
+
+_ASCII = str.maketrans({"–": "-", "−": "-", "─": "-", "…": "~"})
+
+
+def print_table(table: Table, stream: TextIO | None = None) -> None:
+    """Write ``table`` to ``stream`` (default: standard output), no wider than a terminal, whole in a pipe."""
+    stream = stream or sys.stdout
+    if not stream.isatty():
+        _write(plain_table(table), stream)
+    elif not _is_unicode(stream) or not _print_rich(table, stream):
+        _write(plain_table(table, width=shutil.get_terminal_size().columns), stream)
+
+
+def _print_rich(table: Table, stream: TextIO) -> bool:
+    """Write ``table`` with rich; false where rich is not installed."""
+    try:
+        from rich.console import Console  # noqa: PLC0415  a robot has no rich
+    except ModuleNotFoundError:
+        return False
+    console = Console(file=stream, highlight=False, markup=False, emoji=False)
+    console.print(_rich_table(table))
+    for note in table.footnotes:
+        console.print(note, style="dim")
+    return True
+
+
+def _rich_table(table: Table) -> RichTable:
+    from rich import box  # noqa: PLC0415
+    from rich.table import Table as RichTable  # noqa: PLC0415
+    from rich.text import Text as RichText  # noqa: PLC0415
+
+    shown = RichTable(
+        title=table.title or None,
+        title_justify="left",
+        title_style="bold",
+        box=box.SIMPLE_HEAD,
+        padding=(0, 1, 0, 0),
+        show_edge=False,
+        pad_edge=False,
+    )
+    for column in table.columns:
+        heading = RichText.assemble(column.heading, ("\n" + column.unit, "dim"))
+        if column.align is Align.LEFT:
+            shown.add_column(heading, justify="left", overflow="fold")
+        else:
+            shown.add_column(heading, justify="right", no_wrap=True)
+    for row in table.rows:
+        if row.is_total:
+            shown.add_section()
+        cells = [RichText(format_cell(cell)) for cell in row.cells]
+        shown.add_row(*cells, style="bold" if row.is_total else None)
+    return shown
+
+
+def _is_unicode(stream: TextIO) -> bool:
+    return (stream.encoding or "").lower().replace("-", "").startswith("utf")
+
+
+def _write(text: str, stream: TextIO) -> None:
+    if not _is_unicode(stream):
+        encoding = stream.encoding or "ascii"
+        text = text.translate(_ASCII).encode(encoding, "replace").decode(encoding)
+    stream.write(text + "\n")

@@ -1,0 +1,101 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""A recording of a robot's topics, whatever file holds it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from enum import Enum
+from typing import Protocol
+
+
+class Storage(Enum):
+    """The file formats of rosbag2; the value is rosbag2's own name."""
+
+    SQLITE3 = "sqlite3"
+    MCAP = "mcap"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Channel:
+    """One topic of a recording with one type.
+
+    ``definition`` is the type's definition with those of its parts, as rosbag2 stores it, ``None`` where the
+    recording has none; ``digest`` its ``RIHS01_…`` hash or empty; ``qos`` the offered profiles, opaque to
+    everything but the adapter that read them. ``transient_local`` says whether any of them is.
+    """
+
+    topic: str
+    type_name: str
+    definition: str | None = None
+    digest: str = ""
+    qos: tuple[object, ...] = ()
+    serialization_format: str = "cdr"
+    transient_local: bool = False
+
+
+RecordedMessage = tuple[Channel, int, bytes]
+"""Channel, receive stamp in ns, serialized message."""
+
+
+class RecordingReader(Protocol):
+    """Reads a recording from its first message to its last."""
+
+    @property
+    def channels(self) -> Sequence[Channel]:
+        """Every topic with its type, one entry each."""
+
+    @property
+    def custom_data(self) -> Mapping[str, str]:
+        """What the recording's author noted beside the messages."""
+
+    @property
+    def declared_bytes(self) -> Mapping[str, int]:
+        """Bytes that each message of a topic stands for, where the recording declares them."""
+
+    @property
+    def start_ns(self) -> int:
+        """Stamp of the first message, 0 where there is none."""
+
+    @property
+    def end_ns(self) -> int:
+        """Stamp of the last message, 0 where there is none."""
+
+    @property
+    def message_count(self) -> int | None:
+        """Messages in the recording, ``None`` while that is unknown."""
+
+    def messages(self) -> Iterator[RecordedMessage]:
+        """All messages in time order; memory does not grow with their number."""
+
+    def notices(self) -> Sequence[str]:
+        """What was lost or odd, one line each; complete once all messages were read."""
+
+
+class RecordingWriter(Protocol):
+    """Writes a recording; it appears under its name only when it is whole."""
+
+    def add(self, channel: Channel) -> None:
+        """Announce ``channel``, so that it is listed even if no message of it follows."""
+
+    def write(self, channel: Channel, stamp_ns: int, payload: bytes) -> None:
+        """Append one message, adding its channel on first use.
+
+        Raises:
+            RecordingError: the file cannot take it, for instance because the disk is full.
+        """
+
+
+class MessageDecoder(Protocol):
+    """Turns serialized messages into objects with the fields of their type as attributes."""
+
+    def can_decode(self, channel: Channel) -> bool:
+        """Whether the channel's type is known."""
+
+    def decode(self, channel: Channel, payload: bytes) -> object:
+        """The message in ``payload``.
+
+        Raises:
+            RecordingError: the type is unknown, or the bytes are not a message of it.
+        """

@@ -1,0 +1,144 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Topics that follow another one's stamps, so that pairs stay together."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+
+from smarttestudo.pacing.pacer import Pacer
+from smarttestudo.pacing.sample import Pass, Sample
+
+MAX_PENDING = 32
+MAX_REMEMBERED = 256
+
+
+class Follower(Pacer):
+    """The pacer of a topic that passes exactly the header stamps its leader passed.
+
+    Its messages may come before or after the leader's. One that comes before the leader's decision is
+    pending; what the decisions let go is given out by ``wake``, to be called after each call on the
+    leader. At most ``MAX_PENDING`` messages are pending (the oldest that the leader does not hold makes room)
+    and ``MAX_REMEMBERED`` decisions remembered. While the leader is Full, everything passes. Of its own
+    rates, only Off is obeyed. A leader that repeats a stamp repeats its partner too.
+    """
+
+    __slots__ = (
+        "_held",
+        "_is_off",
+        "_latest",
+        "_outbox",
+        "_pending",
+        "_verdicts",
+        "discarded",
+        "leader_is_full",
+        "wake_ns",
+    )
+
+    def __init__(self) -> None:
+        self.leader_is_full = False
+        self.discarded = 0
+        """Messages that made room, and those without a readable stamp."""
+        self.wake_ns: int | None = None
+        self._is_off = False
+        self._latest: Sample | None = None
+        self._pending: dict[bytes, Sample] = {}
+        self._held: set[bytes] = set()
+        self._verdicts: dict[bytes, bool] = {}
+        self._outbox: list[Pass] = []
+
+    @property
+    def undecided(self) -> int:
+        """How many messages wait for the leader's decision."""
+        return len(self._pending)
+
+    def offer(self, sample: Sample, _now_ns: int, /) -> Sequence[Pass]:
+        """What to relay now that ``sample`` arrived: the sample or nothing."""
+        if self._is_off:
+            return ()
+        if self.leader_is_full:
+            return self._pass(sample)
+        if sample.stamp is None:
+            self.discarded += 1
+            return ()
+        verdict = self._verdicts.get(sample.stamp)
+        if verdict is None:
+            self._wait(sample.stamp, sample)
+        return self._pass(sample) if verdict else ()
+
+    def wake(self, _now_ns: int, /) -> Sequence[Pass]:
+        """What to relay now after the leader's decisions."""
+        passes, self._outbox = self._outbox, []
+        self.wake_ns = None
+        return passes
+
+    def set_rate(self, rate_hz: float, _now_ns: int, /) -> None:
+        """Off (0) stops the topic, any other rate leaves it to its leader."""
+        self._is_off = rate_hz == 0
+        if self._is_off:
+            self._pending.clear()
+            self._outbox.clear()
+            self._latest = self.wake_ns = None
+
+    def finish(self) -> None:
+        """The recording ended; what the leader still holds decides over what still waits."""
+
+    def passed(self, stamp: bytes, now_ns: int, *, repeated: bool) -> None:
+        """The leader passed ``stamp``, for the first time or again."""
+        self._decide(stamp, passed=True)
+        sample = self._pending.pop(stamp, None)
+        if sample is not None:
+            self._outbox.extend(self._pass(sample))
+        elif repeated and self._latest is not None and self._latest.stamp == stamp:
+            self._outbox.append(Pass(self._latest, repeated=True))
+        if self._outbox:
+            self.wake_ns = now_ns
+
+    def held(self, stamp: bytes) -> None:
+        """The leader holds ``stamp`` back and may pass it later."""
+        self._held.add(stamp)
+        self._verdicts.pop(stamp, None)
+
+    def decided_against(self, stamp: bytes) -> None:
+        """The leader will not pass ``stamp``."""
+        self._decide(stamp, passed=False)
+        self._pending.pop(stamp, None)
+
+    def _pass(self, sample: Sample) -> tuple[Pass]:
+        self._latest = sample
+        return (Pass(sample),)
+
+    def _decide(self, stamp: bytes, *, passed: bool) -> None:
+        self._held.discard(stamp)
+        self._verdicts.pop(stamp, None)
+        self._verdicts[stamp] = passed
+        if len(self._verdicts) > MAX_REMEMBERED:
+            del self._verdicts[next(iter(self._verdicts))]
+
+    def _wait(self, stamp: bytes, sample: Sample) -> None:
+        if stamp in self._pending:
+            self.discarded += 1
+        self._pending[stamp] = sample
+        if len(self._pending) > MAX_PENDING:
+            self.discarded += 1
+            oldest = next((key for key in self._pending if key not in self._held), stamp)
+            del self._pending[oldest]
+
+
+def leaders(paced_with: Mapping[str, str], relayed: Collection[str]) -> dict[str, str]:
+    """Who leads each follower: follower → leader, for ``relayed`` topics only.
+
+    A chain ends at its last relayed topic, which leads them all. Of topics that name each other in a
+    circle, the first by name leads. A topic whose leader is not relayed has its own grid; it is left out.
+    """
+    roots = {topic: _root(topic, paced_with, relayed) for topic in paced_with if topic in relayed}
+    return {topic: root for topic, root in roots.items() if root != topic}
+
+
+def _root(topic: str, paced_with: Mapping[str, str], relayed: Collection[str]) -> str:
+    path = [topic]
+    while (leader := paced_with.get(path[-1])) is not None and leader in relayed:
+        if leader in path:
+            return min(path[path.index(leader) :])
+        path.append(leader)
+    return path[-1]

@@ -1,0 +1,71 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The deadline grid with capped credit."""
+
+from __future__ import annotations
+
+from smarttestudo.pacing.pace import NEVER_NS, Pace
+
+
+class Grid:
+    """The due times of one stream.
+
+    A message passes when it is due, and the due time moves on by one period. A due time in the past is
+    credit, at most the pace's slack of it, so the mean rate is exact to one message while no gap between
+    messages exceeds the slack, and at most ``T·f + slack·f + 2`` messages pass in any window of length T.
+    """
+
+    __slots__ = ("due_ns", "pace")
+
+    def __init__(self, pace: Pace, now_ns: int) -> None:
+        self.pace = pace
+        self.start(now_ns)
+
+    def start(self, now_ns: int) -> None:
+        """Begin anew, half a period before ``now_ns``.
+
+        So the next message passes, the error of the mean is centred, and a jittering source at the target
+        or below it keeps every message.
+        """
+        pace = self.pace
+        self.due_ns = NEVER_NS if pace.is_off else now_ns - pace.period_ns // 2
+
+    def take(self, now_ns: int) -> bool:
+        """Whether a message passes now; if it does, it is paid for."""
+        if now_ns < self.due_ns:
+            return False
+        self.charge(now_ns)
+        return True
+
+    def charge(self, now_ns: int) -> None:
+        """Pay for a message that passes now, due or not: afterwards, the next is due within one period."""
+        pace = self.pace
+        due_ns = self.due_ns
+        if due_ns > now_ns:
+            due_ns = now_ns
+        elif due_ns < now_ns - pace.slack_ns:
+            due_ns = now_ns - pace.slack_ns
+        self.due_ns = due_ns + pace.period_ns
+
+    def skip_to(self, now_ns: int) -> None:
+        """Move on to the first due time after ``now_ns`` without leaving the grid; Full has no grid."""
+        period_ns = self.pace.period_ns
+        if period_ns and self.due_ns <= now_ns:
+            self.due_ns += ((now_ns - self.due_ns) // period_ns + 1) * period_ns
+
+    def change_pace(self, pace: Pace, now_ns: int) -> None:
+        """Follow another pace from now on; what is owed or ahead, counted in messages, stays the same.
+
+        Counted in time, each change to a faster pace would owe the messages of a whole slow period at
+        once, and a rule that flickers between two rates would relay up to half more than they ask for.
+        From Off, and from Full after its last message, the grid starts anew.
+        """
+        old, self.pace = self.pace, pace
+        if old.is_off or pace.is_off:
+            self.start(now_ns)
+        elif old.is_full:
+            self.start(self.due_ns)
+            self.due_ns += pace.period_ns
+        else:
+            ahead_ns = max(self.due_ns - now_ns, -old.slack_ns)
+            self.due_ns = now_ns + ahead_ns * pace.period_ns // old.period_ns

@@ -1,0 +1,102 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The streams of one topic by key, bounded in number, and when the first of them wants to be woken."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Hashable, Sequence
+from typing import Generic, TypeVar
+
+from smarttestudo.pacing.pace import NEVER_NS, Pace
+from smarttestudo.pacing.sample import Pass, Sample
+from smarttestudo.pacing.stream import Stream
+
+AnyStream = TypeVar("AnyStream", bound=Stream)
+
+MAX_STREAMS = 4096
+OPENS_TO_PRUNE = 64
+
+
+class _Rest:
+    """The key that all streams beyond ``MAX_STREAMS`` share."""
+
+
+class Streams(ABC, Generic[AnyStream]):
+    """The streams of one topic; how their messages belong together is the subclass's.
+
+    ``wake_ns`` is never later than the first time at which ``wake`` has something to do. With several streams
+    it may be earlier, because a newer message postpones that: ``wake`` finds out, and arms itself again.
+    """
+
+    __slots__ = ("_open", "_opens_to_prune", "_pace", "_streams", "wake_ns")
+
+    def __init__(self, open_stream: Callable[[Pace, int], AnyStream], pace: Pace) -> None:
+        self._open = open_stream
+        self._pace = pace
+        self._streams: dict[Hashable, AnyStream] = {}
+        self._opens_to_prune = OPENS_TO_PRUNE
+        self.wake_ns = NEVER_NS
+
+    @abstractmethod
+    def offer(self, sample: Sample, now_ns: int) -> Sequence[Pass]:
+        """What passes now that ``sample`` arrived: the sample or nothing."""
+
+    @abstractmethod
+    def holds(self, sample: Sample) -> bool:
+        """Whether ``sample`` did not pass, but still may."""
+
+    def wake(self, now_ns: int) -> Sequence[Pass]:
+        """What passes now without a message."""
+        if now_ns < self.wake_ns:
+            return ()
+        passes: list[Pass] = []
+        for stream in list(self._streams.values()):
+            if stream.release_ns <= now_ns:
+                passes.extend(self._release(stream, now_ns))
+        self._arm(now_ns)
+        return passes
+
+    def change_pace(self, pace: Pace, now_ns: int) -> None:
+        """Follow another pace from now on."""
+        self._pace = pace
+        for stream in self._streams.values():
+            stream.change_pace(pace, now_ns)
+        self._arm(now_ns)
+
+    def restart(self, now_ns: int) -> None:
+        """Begin anew on a clock that jumped back to ``now_ns``."""
+        for stream in self._streams.values():
+            stream.restart(now_ns)
+        self._arm(now_ns)
+
+    def finish(self) -> None:
+        """No message will come any more."""
+        for stream in self._streams.values():
+            stream.finished = True
+
+    def held(self) -> list[Sample]:
+        """All that did not pass but still may, each once."""
+        return list(
+            dict.fromkeys(stream.held for stream in self._streams.values() if stream.held is not None)
+        )
+
+    def _release(self, stream: AnyStream, now_ns: int) -> Sequence[Pass]:
+        return stream.release(now_ns)
+
+    def _stream(self, key: Hashable, now_ns: int) -> AnyStream:
+        stream = self._streams.get(key)
+        return self._open_stream(key, now_ns) if stream is None else stream
+
+    def _open_stream(self, key: Hashable, now_ns: int) -> AnyStream:
+        self._opens_to_prune -= 1
+        if self._opens_to_prune == 0:
+            self._streams = {k: stream for k, stream in self._streams.items() if not stream.is_idle(now_ns)}
+            self._opens_to_prune = max(OPENS_TO_PRUNE, len(self._streams))
+        if len(self._streams) >= MAX_STREAMS:
+            key = _Rest
+        return self._streams.setdefault(key, self._open(self._pace, now_ns))
+
+    def _arm(self, now_ns: int) -> None:
+        first_ns = min((stream.release_ns for stream in self._streams.values()), default=NEVER_NS)
+        self.wake_ns = max(first_ns, now_ns)

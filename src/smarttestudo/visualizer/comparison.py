@@ -1,0 +1,112 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""One run against another, topic by topic: what was published, what was received."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from smarttestudo.visualizer.statistics import TopicStatistics
+
+
+def change_percent(before: float | None, after: float | None) -> float | None:
+    """How much ``after`` lies above ``before``, in percent of it; ``None`` where that has no meaning."""
+    if before is None or after is None or before == 0:
+        return None
+    return 100 * (after / before - 1)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TopicComparison:
+    """One topic in both runs; ``None`` where a run does not have it.
+
+    ``target_hz`` is the time-weighted mean of the rates planned for it, where Full counts as the source's.
+    """
+
+    topic: str
+    before: TopicStatistics | None
+    after: TopicStatistics | None
+    target_hz: float | None = None
+
+    @property
+    def change_percent(self) -> float | None:
+        """The change of ``binned_hz``, in percent."""
+        if self.before is None or self.after is None:
+            return None
+        return change_percent(self.before.binned_hz, self.after.binned_hz)
+
+    @property
+    def bandwidth_change_percent(self) -> float | None:
+        """The change of ``kb_per_s`` (and so of kbit/s), in percent."""
+        if self.before is None or self.after is None:
+            return None
+        return change_percent(self.before.kb_per_s, self.after.kb_per_s)
+
+    @property
+    def error_percent(self) -> float | None:
+        """How far the mean rate received lies from what could be asked: the lesser of target and source."""
+        if self.after is None or self.target_hz is None:
+            return None
+        source_hz = None if self.before is None else self.before.mean_hz
+        asked_hz = self.target_hz if source_hz is None else min(self.target_hz, source_hz)
+        return change_percent(asked_hz, self.after.mean_hz)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Comparison:
+    """All topics of two runs, and what both runs carried in all."""
+
+    topics: tuple[TopicComparison, ...]
+
+    @property
+    def before_kb_per_s(self) -> float | None:
+        """KB/s of all topics of the first run; ``None`` if none is known."""
+        return _total(pair.before for pair in self.topics)
+
+    @property
+    def after_kb_per_s(self) -> float | None:
+        """KB/s of all topics of the second run; ``None`` if none is known."""
+        return _total(pair.after for pair in self.topics)
+
+    @property
+    def bandwidth_change_percent(self) -> float | None:
+        """The change of the bandwidth of all topics together, in percent."""
+        return change_percent(self.before_kb_per_s, self.after_kb_per_s)
+
+
+def compare(
+    before: Mapping[str, TopicStatistics],
+    after: Mapping[str, TopicStatistics],
+    targets_hz: Mapping[str, float] | None = None,
+) -> Comparison:
+    """Pair the topics of two runs, in the order of the first, then what only the second has.
+
+    With the first run's ``/odom`` pairs the second's ``/testudo/odom`` or ``/odom_receive``, else its
+    ``/odom``. ``targets_hz`` names the first run's topics.
+    """
+    targets_hz = targets_hz or {}
+    pairs = []
+    alone = dict(after)
+    for topic, statistics in before.items():
+        partner = next((name for name in _partners(topic) if name in alone), None)
+        pairs.append(
+            TopicComparison(
+                topic=topic,
+                before=statistics,
+                after=alone.pop(partner) if partner else None,
+                target_hz=targets_hz.get(topic),
+            )
+        )
+    pairs += [TopicComparison(topic=topic, before=None, after=alone[topic]) for topic in alone]
+    return Comparison(topics=tuple(pairs))
+
+
+def _partners(topic: str) -> tuple[str, str, str]:
+    """The names under which a topic may have been relayed, best first."""
+    return f"/testudo{topic}", f"{topic}_receive", topic
+
+
+def _total(sides: Iterable[TopicStatistics | None]) -> float | None:
+    known = [side.kb_per_s for side in sides if side is not None and side.kb_per_s is not None]
+    return sum(known) if known else None

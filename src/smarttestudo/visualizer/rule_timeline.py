@@ -1,0 +1,96 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Which block decided when, from the decisions of a run."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from smarttestudo.domain.decision import Decision
+from smarttestudo.domain.rate import Rate
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DecidingBlock:
+    """A block by its name and line; the line alone tells two blocks of one name apart."""
+
+    rule: str
+    line: int | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RuleSpan:
+    """From ``start_s`` to ``end_s`` the ``block`` decided; ``None`` stands for the defaults."""
+
+    start_s: float
+    end_s: float
+    block: DecidingBlock | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TargetSpan:
+    """From ``start_s`` to ``end_s`` a topic's planned rate was ``rate``."""
+
+    start_s: float
+    end_s: float
+    rate: Rate
+
+
+def deciding_spans(decisions: Iterable[Decision], end_s: float) -> tuple[RuleSpan, ...]:
+    """The block that decides most topics, over time, from the first decision to ``end_s``.
+
+    Among several it is the one that decides the most topics at that time, and among equals the one that
+    comes first in the file. Where no block decides any topic, it is the defaults. Decisions of one topic
+    give the blocks of that topic.
+    """
+    ordered = sorted(decisions, key=_time)
+    by_topic: dict[str, DecidingBlock | None] = {}
+    spans: list[RuleSpan] = []
+    for index, decision in enumerate(ordered):
+        by_topic[decision.topic] = deciding_block(decision)
+        start_s = max(decision.t_s, 0.0)
+        next_s = ordered[index + 1].t_s if index + 1 < len(ordered) else end_s
+        if start_s < min(next_s, end_s):
+            _extend(spans, RuleSpan(start_s=start_s, end_s=min(next_s, end_s), block=_leading(by_topic)))
+    return tuple(spans)
+
+
+def target_spans(decisions: Iterable[Decision], topic: str, end_s: float) -> tuple[TargetSpan, ...]:
+    """The planned rates of ``topic`` over time, from its first decision to ``end_s``."""
+    ordered = sorted((decision for decision in decisions if decision.topic == topic), key=_time)
+    ends_s = [*(decision.t_s for decision in ordered[1:]), end_s]
+    return tuple(
+        TargetSpan(start_s=decision.t_s, end_s=min(until_s, end_s), rate=decision.planned.rate)
+        for decision, until_s in zip(ordered, ends_s, strict=True)
+        if decision.t_s < min(until_s, end_s)
+    )
+
+
+def deciding_block(decision: Decision) -> DecidingBlock | None:
+    """The block behind ``decision``; ``None`` where a default, a floor or no rule at all decided."""
+    planned = decision.planned
+    return None if planned.rule is None else DecidingBlock(rule=planned.rule, line=planned.line)
+
+
+def block_at(spans: Sequence[RuleSpan], t_s: float) -> DecidingBlock | None:
+    """The block that decided at ``t_s``: that of the last span begun by then."""
+    return next((span.block for span in reversed(spans) if span.start_s <= t_s), None)
+
+
+def _leading(by_topic: dict[str, DecidingBlock | None]) -> DecidingBlock | None:
+    topics = Counter(block for block in by_topic.values() if block is not None)
+    return min(topics, key=lambda block: (-topics[block], block.line or 0, block.rule), default=None)
+
+
+def _extend(spans: list[RuleSpan], span: RuleSpan) -> None:
+    """Append ``span``, or lengthen the last one if the same block goes on."""
+    if spans and spans[-1].block == span.block and spans[-1].end_s == span.start_s:
+        spans[-1] = RuleSpan(start_s=spans[-1].start_s, end_s=span.end_s, block=span.block)
+    else:
+        spans.append(span)
+
+
+def _time(decision: Decision) -> float:
+    return decision.t_s

@@ -1,0 +1,79 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What is kept of a topic's messages: how many and how many bytes, second by second."""
+
+from __future__ import annotations
+
+from array import array
+from bisect import bisect_left
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from smarttestudo.domain.units import NS_PER_S
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SecondBin:
+    """The messages of one topic in one second of the epoch, from ``second`` s to just below the next."""
+
+    second: int
+    messages: int
+    size_bytes: int
+
+
+class TraceAccumulator:
+    """Counts a topic's messages into epoch-aligned 1 s bins.
+
+    Memory grows by 24 bytes for each second that has a message, however many messages it has. Stamps may
+    come in any order; in time order a message costs constant time.
+    """
+
+    __slots__ = ("_bytes", "_current", "_index", "_messages", "_seconds", "first_ns", "last_ns")
+
+    def __init__(self) -> None:
+        self.first_ns: int | None = None
+        self.last_ns: int | None = None
+        self._seconds = array("q")
+        self._messages = array("q")
+        self._bytes = array("q")
+        self._current: int | None = None
+        self._index = 0
+
+    def add(self, stamp_ns: int, size_bytes: int) -> None:
+        """Count one message."""
+        second = stamp_ns // NS_PER_S
+        if second != self._current:
+            self._turn_to(second)
+        self._messages[self._index] += 1
+        self._bytes[self._index] += size_bytes
+        if self.first_ns is None or self.last_ns is None:
+            self.first_ns = self.last_ns = stamp_ns
+        elif stamp_ns > self.last_ns:
+            self.last_ns = stamp_ns
+        elif stamp_ns < self.first_ns:
+            self.first_ns = stamp_ns
+
+    @property
+    def messages(self) -> int:
+        """Messages counted so far."""
+        return sum(self._messages)
+
+    @property
+    def size_bytes(self) -> int:
+        """Their bytes."""
+        return sum(self._bytes)
+
+    def bins(self) -> Iterator[SecondBin]:
+        """The seconds that have a message, rising."""
+        for second, messages, size_bytes in zip(self._seconds, self._messages, self._bytes, strict=True):
+            yield SecondBin(second=second, messages=messages, size_bytes=size_bytes)
+
+    def _turn_to(self, second: int) -> None:
+        """Make ``second`` the bin that messages are counted into."""
+        seconds = self._seconds
+        self._index = len(seconds) if not seconds or second > seconds[-1] else bisect_left(seconds, second)
+        if self._index == len(seconds) or seconds[self._index] != second:
+            seconds.insert(self._index, second)
+            self._messages.insert(self._index, 0)
+            self._bytes.insert(self._index, 0)
+        self._current = second

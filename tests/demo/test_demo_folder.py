@@ -1,0 +1,84 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from smarttestudo.composition.demo_folder import MARKER, DemoFolderError, demo_folder
+
+
+def _make(out: Path, text: str) -> None:
+    with demo_folder(out, needed_bytes=0) as work:
+        (work / MARKER).write_text(text)
+
+
+def test_the_folder_appears_whole_when_everything_is_written(tmp_path: Path) -> None:
+    out = tmp_path / "deep" / "demo-out"
+
+    with demo_folder(out, needed_bytes=0) as work:
+        (work / MARKER).write_text("1")
+        assert not out.exists()
+
+    assert [path.name for path in out.iterdir()] == [MARKER]
+    assert [path.name for path in out.parent.iterdir()] == ["demo-out"]
+
+
+def test_a_failure_leaves_nothing_and_keeps_the_former_demo(tmp_path: Path) -> None:
+    out = tmp_path / "demo-out"
+    _make(out, "former")
+
+    def interrupted() -> None:
+        with demo_folder(out, needed_bytes=0) as work:
+            (work / MARKER).write_text("half")
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
+
+    assert (out / MARKER).read_text() == "former"
+    assert [path.name for path in tmp_path.iterdir()] == ["demo-out"]
+
+
+def test_a_former_demo_and_an_empty_folder_are_replaced(tmp_path: Path) -> None:
+    out = tmp_path / "demo-out"
+    out.mkdir()
+
+    _make(out, "first")
+    (out / "left-over").touch()
+    _make(out, "second")
+
+    assert {path.name: path.read_text() for path in out.iterdir()} == {MARKER: "second"}
+
+
+@pytest.mark.parametrize("kind", ["folder", "file"])
+def test_what_no_demo_made_is_never_replaced(kind: str, tmp_path: Path) -> None:
+    out = tmp_path / "precious"
+    if kind == "folder":
+        out.mkdir()
+        (out / "thesis.tex").touch()
+    else:
+        out.touch()
+
+    with pytest.raises(DemoFolderError, match=r"was not made by 'testudo demo'.*--out"):
+        _make(out, "new")
+
+    assert [path.name for path in tmp_path.iterdir()] == ["precious"]
+
+
+def test_a_folder_that_cannot_be_made_is_named(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+
+    with pytest.raises(DemoFolderError, match="file/demo-out: error: cannot be written"):
+        _make(tmp_path / "file" / "demo-out", "new")
+
+
+def test_a_disk_that_is_too_small_is_refused_before_anything_is_written(tmp_path: Path) -> None:
+    with (
+        pytest.raises(DemoFolderError, match=r"needs 10000000\.0 GB"),
+        demo_folder(tmp_path / "out", needed_bytes=10**16),
+    ):
+        pass
+
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,143 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from simulation.missions import of_topic, readings
+from smarttestudo.simulation.body_sensors import GRAVITY_M_PER_S2
+from smarttestudo.simulation.drive import DifferentialDrive
+from smarttestudo.simulation.geometry import Pose, Quaternion
+from smarttestudo.simulation.lidar import Lidar
+from smarttestudo.simulation.ray_casting import RayCaster
+from smarttestudo.simulation.readings import (
+    CameraInfo,
+    Image,
+    Imu,
+    Odometry,
+    Scan,
+    TimedReading,
+    Topic,
+    Transforms,
+)
+from smarttestudo.simulation.robot import OPTICAL_FRAME, RobotModel, fixed_frames
+from smarttestudo.simulation.warehouse import warehouse
+
+
+def test_a_scan_is_360_rays_within_the_range_or_infinite(patrol_readings: list[TimedReading]) -> None:
+    scans = [r for r in of_topic(patrol_readings, Topic.SCAN) if isinstance(r, Scan)]
+    ranges_m = np.array([scan.ranges_m for scan in scans])
+
+    assert ranges_m.shape == (1000, 360)
+    finite = ranges_m[np.isfinite(ranges_m)]
+    assert finite.min() >= 0.12
+    assert finite.max() <= 3.5
+    assert np.all(ranges_m[~np.isfinite(ranges_m)] == np.inf)
+    assert 0.05 < np.isinf(ranges_m).mean() < 0.95
+
+
+def test_a_scan_measures_the_walls_from_where_the_odometry_says_the_lidar_is(
+    patrol_readings: list[TimedReading],
+) -> None:
+    scans = [r for r in of_topic(patrol_readings, Topic.SCAN) if isinstance(r, Scan)]
+    odometry = [r for r in of_topic(patrol_readings, Topic.ODOM) if isinstance(r, Odometry)]
+    caster = RayCaster(warehouse())
+    bearings_rad = np.arange(360) * math.tau / 360
+    errors = []
+    for scan in scans[::25]:
+        pose = min(odometry, key=lambda reading: abs(reading.stamp_ns - scan.stamp_ns)).pose
+        origin = pose.ahead(RobotModel().scan_x_m)
+        true_m = caster.cast(origin, bearings_rad + pose.yaw_rad, range_m=10).distances_m
+        measured = np.isfinite(scan.ranges_m)
+        errors.append(scan.ranges_m[measured] - true_m[measured])
+
+    # 20 ms between the two readings are 5 mm of driving; the rest is the sensor's noise of 10 mm.
+    assert np.median(np.abs(np.concatenate(errors))) < 0.012
+
+
+def test_an_obstacle_too_near_reads_minus_infinite() -> None:
+    parked = DifferentialDrive(RobotModel(scan_x_m=0.0), pose=Pose(13.95, 11.0, 0.0), now_ns=0)
+
+    ((_, scan),) = Lidar(RayCaster(warehouse()), np.random.default_rng(0)).sample(parked)
+
+    assert isinstance(scan, Scan)
+    assert scan.ranges_m[0] == -np.inf
+
+
+def test_the_imu_feels_gravity_and_the_turns_that_the_odometry_shows(
+    patrol_readings: list[TimedReading],
+) -> None:
+    imu = [r for r in of_topic(patrol_readings, Topic.IMU) if isinstance(r, Imu)]
+    odometry = [r for r in of_topic(patrol_readings, Topic.ODOM) if isinstance(r, Odometry)]
+
+    turned_rad = sum(r.angular_velocity.z for r in imu) / 195
+    gained_m_per_s = sum(r.linear_acceleration.x for r in imu) / 195
+
+    assert np.mean([r.linear_acceleration.z for r in imu]) == pytest.approx(GRAVITY_M_PER_S2, abs=1e-3)
+    assert turned_rad == pytest.approx(odometry[-1].pose.yaw_rad - odometry[0].pose.yaw_rad, abs=0.01)
+    assert gained_m_per_s == pytest.approx(odometry[-1].velocity.linear_m_per_s, abs=0.06)
+
+
+def test_the_frames_form_one_tree_from_odom_to_the_sensors(patrol_readings: list[TimedReading]) -> None:
+    frames = of_topic(patrol_readings, Topic.TF)[0]
+    assert isinstance(frames, Transforms)
+    parents = {frame.child: frame.parent for frame in frames.frames}
+
+    for sensor in (
+        "base_scan",
+        "imu_link",
+        "camera_rgb_optical_frame",
+        "wheel_left_link",
+        "wheel_right_link",
+    ):
+        link = sensor
+        while link in parents:
+            link = parents[link]
+        assert link == "odom"
+    for frame in frames.frames:
+        q = frame.rotation
+        assert math.hypot(q.x, q.y, q.z, q.w) == pytest.approx(1.0, abs=1e-12)
+
+
+def test_the_optical_frame_looks_along_the_robots_heading() -> None:
+    rotation = next(frame.rotation for frame in fixed_frames(RobotModel()) if frame.child == OPTICAL_FRAME)
+    back = Quaternion(-rotation.x, -rotation.y, -rotation.z, rotation.w)
+
+    ahead = rotation.then(Quaternion(0.0, 0.0, 1.0, 0.0)).then(back)
+    right = rotation.then(Quaternion(1.0, 0.0, 0.0, 0.0)).then(back)
+
+    assert (ahead.x, ahead.y, ahead.z) == pytest.approx((1, 0, 0), abs=1e-12)
+    assert (right.x, right.y, right.z) == pytest.approx((0, -1, 0), abs=1e-12)
+
+
+def test_the_camera_looks_from_where_its_frame_is() -> None:
+    model = RobotModel()
+    frames = {frame.child: frame for frame in fixed_frames(model)}
+    chain = [frames[child].translation for child in ("base_link", "camera_link", "camera_rgb_frame")]
+
+    assert sum(step.x for step in chain) == pytest.approx(model.camera_x_m)
+    assert sum(step.z for step in chain) == pytest.approx(model.camera_height_m)
+
+
+def test_small_frames_say_by_binning_how_they_come_from_the_whole_sensor() -> None:
+    timed = readings(1)
+    info = next(r for r in of_topic(timed, Topic.CAMERA_INFO) if isinstance(r, CameraInfo))
+    image = next(r for r in of_topic(timed, Topic.IMAGE) if isinstance(r, Image))
+
+    assert (info.lens.width, info.lens.height) == (1920, 1080)
+    assert image.pixels.shape == (1080 // info.lens.binning, 1920 // info.lens.binning, 3)
+
+
+def test_full_images_change_nothing_but_the_images() -> None:
+    small, full = readings(0.3), readings(0.3, full_images=True)
+    camera = {Topic.IMAGE, Topic.COMPRESSED_IMAGE, Topic.CAMERA_INFO}
+
+    assert [r.time_ns for r in small] == [r.time_ns for r in full]
+    assert repr([r for r in small if r.topic not in camera]) == repr(
+        [r for r in full if r.topic not in camera]
+    )
+    image = next(r for r in of_topic(full, Topic.IMAGE) if isinstance(r, Image))
+    assert image.pixels.shape == (1080, 1920, 3)

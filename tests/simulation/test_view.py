@@ -1,0 +1,46 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from smarttestudo.simulation.camera import raspberry_pi_lens
+from smarttestudo.simulation.floor_plan import FloorPlan, Obstacle, ObstacleKind, Rectangle
+from smarttestudo.simulation.geometry import Point
+from smarttestudo.simulation.ray_casting import RayCaster
+from smarttestudo.simulation.view import Viewpoint, render
+
+
+def _view(distance_m: float) -> np.ndarray:
+    rack = Rectangle(min_x_m=distance_m, max_x_m=distance_m + 1, min_y_m=-9, max_y_m=0.0)
+    plan = FloorPlan(
+        bounds=Rectangle(min_x_m=-9, max_x_m=9, min_y_m=-9, max_y_m=9),
+        obstacles=(Obstacle(kind=ObstacleKind.RACK, footprint=rack, height_m=0.5),),
+        zones=(),
+    )
+    viewpoint = Viewpoint(place=Point(0.0, 0.0), yaw_rad=0.0, height_m=0.1)
+    return render(
+        plan, RayCaster(plan), viewpoint, raspberry_pi_lens(full_size=True), np.random.default_rng(0)
+    )
+
+
+def _is_blue(pixels: np.ndarray) -> np.ndarray:
+    return pixels[..., 2].astype(int) - pixels[..., 0] > 40
+
+
+def test_what_stands_to_the_right_is_on_the_right_of_the_image() -> None:
+    blue = _is_blue(_view(2.0))
+
+    assert not blue[:, :950].any()
+    assert blue[:, 970:].any(axis=0).all()
+
+
+@pytest.mark.parametrize("distance_m", [1.0, 2.0, 4.0])
+def test_an_obstacle_covers_focal_length_times_height_over_distance(distance_m: float) -> None:
+    focal_px = raspberry_pi_lens(full_size=True).focal_px
+
+    rows = np.flatnonzero(_is_blue(_view(distance_m))[:, 965])
+
+    assert rows.min() == pytest.approx(max(0, 540 - focal_px * 0.4 / distance_m), abs=0.5)
+    assert rows.max() + 1 == pytest.approx(540 + focal_px * 0.1 / distance_m, abs=0.5)

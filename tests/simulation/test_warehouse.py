@@ -1,0 +1,80 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+from __future__ import annotations
+
+from itertools import groupby, pairwise
+
+from simulation.missions import of_topic
+from smarttestudo.simulation.geometry import Point
+from smarttestudo.simulation.readings import Odometry, TimedReading, Topic
+from smarttestudo.simulation.robot import RobotModel
+from smarttestudo.simulation.warehouse import patrol, warehouse
+
+
+def _places(patrol_readings: list[TimedReading]) -> list[Point]:
+    poses = [r.pose for r in of_topic(patrol_readings, Topic.ODOM) if isinstance(r, Odometry)]
+    return [Point(pose.x_m, pose.y_m) for pose in poses]
+
+
+def test_a_patrol_goes_through_hall_corridor_and_scaffolding_and_back(
+    patrol_readings: list[TimedReading],
+) -> None:
+    plan = warehouse()
+
+    visited = [zone for zone, _ in groupby(plan.zone_number(place) for place in _places(patrol_readings))]
+
+    # Between the corridor and the scaffolding lies the wall, 0.6 m that belong to neither zone.
+    assert visited == [1, 2, 1, 3, 1]
+
+
+def test_the_robot_never_touches_anything(patrol_readings: list[TimedReading]) -> None:
+    plan = warehouse()
+
+    nearest_m = min(plan.clearance_m(place) for place in _places(patrol_readings))
+
+    assert nearest_m > RobotModel().radius_m
+
+
+def test_a_round_takes_the_demo_200_seconds_within_the_robots_top_speed(
+    patrol_readings: list[TimedReading],
+) -> None:
+    places = _places(patrol_readings)
+    driven_m = sum(a.distance_m(b) for a, b in pairwise(places))
+
+    assert abs(driven_m - patrol().length_m) < 0.5
+    assert driven_m < 200 * RobotModel().max_linear_m_per_s
+
+
+def test_the_robot_stays_on_its_route(patrol_readings: list[TimedReading]) -> None:
+    route = patrol()
+    line = [route.at(step * 0.02) for step in range(round(route.length_m / 0.02))]
+
+    off_m = max(min(place.distance_m(point) for point in line) for place in _places(patrol_readings)[::50])
+
+    assert off_m < 0.1
+
+
+def test_every_obstacle_stands_within_the_outer_walls() -> None:
+    plan = warehouse()
+
+    for obstacle in plan.obstacles:
+        box = obstacle.footprint
+        assert box.min_x_m < box.max_x_m
+        assert box.min_y_m < box.max_y_m
+        assert plan.bounds.min_x_m - 0.2 <= box.min_x_m
+        assert box.max_x_m <= plan.bounds.max_x_m + 0.2
+        assert plan.bounds.min_y_m - 0.2 <= box.min_y_m
+        assert box.max_y_m <= plan.bounds.max_y_m + 0.2
+
+
+def test_the_border_of_a_zone_belongs_to_the_open_floor() -> None:
+    plan = warehouse()
+
+    assert [plan.zone_number(Point(0.0, y_m)) for y_m in (1.0, 1.01, 5.39, 5.4, 6.0, 6.01)] == [
+        1,
+        2,
+        2,
+        1,
+        1,
+        3,
+    ]
