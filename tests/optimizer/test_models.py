@@ -116,9 +116,10 @@ ODOM = TopicProfile(message_kb=1.0, source_hz=25.5, tiers_hz=(10, 15, 20, 25, 30
         (Model.QUPER, Tier.EXCESSIVE, (35, 45)),
         (Model.BUDGET, Tier.COMPETITIVE, (12, 25.5)),
         (Model.PRIORITY, Tier.UNACCEPTABLE, (12, 25.5)),
-        (Model.BENEFIT, Tier.DESIRABLE, (20, 25.5)),
+        (Model.BENEFIT, Tier.DESIRABLE, (20, 25)),
+        (Model.BENEFIT, Tier.COMPETITIVE, (25, 25.5)),
         (Model.BENEFIT, Tier.EXCESSIVE, (25.5, 25.5)),
-        (Model.MAXMIN, Tier.UNACCEPTABLE, (12, 25.5)),
+        (Model.MAXMIN, Tier.MARGINAL, (12, 15)),
     ],
 )
 def test_each_model_keeps_its_own_bounds_and_the_floor(
@@ -130,10 +131,12 @@ def test_each_model_keeps_its_own_bounds_and_the_floor(
 def test_a_tiny_topic_does_not_buy_out_useful_images_under_benefit() -> None:
     imu = TopicProfile(message_kb=0.3, source_hz=200, tiers_hz=(50, 75, 100, 150, 200, 250))
     image = TopicProfile(message_kb=1.0, source_hz=30, tiers_hz=(2, 4, 6, 8, 10, 15))
-    asks = [ask("/imu", imu, Tier.UNACCEPTABLE), ask("/image", image, Tier.UNACCEPTABLE)]
-    found = solved(Model.BENEFIT, asks, 10.0)
-    assert found is not None
-    assert found.rates_hz == {"/imu": 0, "/image": 10}
+    asks = [ask("/imu", imu, Tier.MARGINAL), ask("/image", image, Tier.MARGINAL)]
+    by_hertz, by_benefit = solved(Model.QUPER, asks, 19.0), solved(Model.BENEFIT, asks, 19.0)
+    assert by_hertz is not None
+    assert by_benefit is not None
+    assert by_hertz.rates_hz == pytest.approx({"/imu": 56.6666667, "/image": 2})
+    assert by_benefit.rates_hz == pytest.approx({"/imu": 50, "/image": 4})
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Protocol
@@ -25,10 +26,6 @@ class Reduction:
     wanted: Tier | float
     steps: int
     saved_kb_per_s: float
-
-    def __str__(self) -> str:
-        """The topic and what it would be asked for."""
-        return f"{self.topic} {self.wanted.value if isinstance(self.wanted, Tier) else f'{self.wanted:g} Hz'}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -64,7 +61,7 @@ def smallest_changes(
     return [
         Change(
             reductions=chosen,
-            needs_kb_per_s=solved.needs_kb_per_s - sum(one.saved_kb_per_s for one in chosen),
+            needs_kb_per_s=math.fsum([solved.needs_kb_per_s, *(-one.saved_kb_per_s for one in chosen)]),
         )
         for chosen in finder.smallest(reductions, excess, CHANGES_SHOWN)
     ]

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
@@ -97,8 +98,8 @@ def needs_of(topic: str, profile: Profile, *, keep_at_least_hz: float = 0.0) -> 
 def bounds_hz(model: Model, needs: TopicNeeds, tier: Tier) -> tuple[float, float]:
     """The lowest and highest rate that ``tier`` allows under ``model``; floors win over levels.
 
-    The quper model stays inside the level's interval. The budget and priority models do not look at levels.
-    Benefit and maxmin take the lower end of a level as a promise and may go up to the source's rate.
+    The budget and priority models do not look at levels. Benefit and maxmin do not pay for rates above the
+    source's, which bring nothing; to the quper model the source's rate is unknown, as in the thesis.
     """
     match model:
         case Model.QUPER:
@@ -106,8 +107,8 @@ def bounds_hz(model: Model, needs: TopicNeeds, tier: Tier) -> tuple[float, float
         case Model.BUDGET | Model.PRIORITY:
             low_hz, high_hz = 0.0, needs.ceiling_hz
         case Model.BENEFIT | Model.MAXMIN:
-            high_hz = min(needs.ceiling_hz, needs.entry.source_hz or needs.ceiling_hz)
-            low_hz = min(interval_hz(tier, needs.tiers_hz)[0], high_hz)
+            source_hz = math.inf if needs.entry.source_hz is None else needs.entry.source_hz
+            low_hz, high_hz = (min(end, source_hz) for end in interval_hz(tier, needs.tiers_hz))
     low_hz = max(low_hz, needs.floor_hz)
     return low_hz, max(low_hz, high_hz)
 
