@@ -101,7 +101,7 @@ def test_the_change_that_is_proposed_fits(tmp_path: Path) -> None:
 
 
 LAYOUTS = {
-    "one line": "begin SetFrequency /odom Marginal If CheckValue /odom vel > 1 Then SetFrequency /imu Off end",
+    "one line": "begin SetFrequency /odom Marginal If CheckValue /odom vel > 1 Then SetFrequency /tf Off end",
     "CRLF": "begin\r\n  SetFrequency /odom 3 Hz // mine\r\n  SetFrequency /imu Off\r\nend\r\n",
     "two collections": """\
 // a comment
