@@ -12,16 +12,15 @@ from pathlib import Path
 from smarttestudo.adapters.files.digest import sha256_of
 from smarttestudo.adapters.files.profile import load_profile
 from smarttestudo.adapters.files.rule_files import read_rule_text
-from smarttestudo.adapters.solver.highs_change_finder import HighsChangeFinder
 from smarttestudo.adirf.checks import CheckContext, check_rules
 from smarttestudo.adirf.parser import parse
+from smarttestudo.composition.optimize_changes import infeasible_parts
 from smarttestudo.domain.errors import TestudoError
 from smarttestudo.domain.finding import Finding, Severity
 from smarttestudo.domain.names import resolve_topic
-from smarttestudo.optimizer.changes import smallest_changes
 from smarttestudo.optimizer.explanation import PartExplanation, explain_part
 from smarttestudo.optimizer.greedy import GreedySolver
-from smarttestudo.optimizer.infeasibility import Infeasibility, infeasibility
+from smarttestudo.optimizer.infeasibility import Infeasibility
 from smarttestudo.optimizer.model import Ask, Model
 from smarttestudo.optimizer.rewriting import rewrite
 from smarttestudo.optimizer.rule_rates import Optimization, SolvedPart, optimize_rules, solve_part
@@ -97,22 +96,6 @@ def optimize(request: OptimizeRequest) -> OptimizeOutcome:
     if done.feasible:
         rewritten = rewrite(text, result.file, done, provenance=_provenance(request, done.budget_kb_per_s))
     return OptimizeOutcome(optimization=done, infeasible=infeasible_parts(done), rewritten=rewritten)
-
-
-def infeasible_parts(done: Optimization) -> tuple[Infeasibility, ...]:
-    """What does not fit, each with the smallest changes that would."""
-    budget = done.budget_kb_per_s
-    finder = HighsChangeFinder()
-    return tuple(
-        infeasibility(
-            solved,
-            budget,
-            smallest_changes(solved, budget, model=done.model, finder=finder),
-            model=done.model,
-        )
-        for solved in done.parts
-        if not solved.feasible
-    )
 
 
 def _provenance(request: OptimizeRequest, budget_kb_per_s: float) -> str:

@@ -42,7 +42,7 @@ def tier_rates_for(files: Sequence[RuleFile], profile: Profile | None, resolve: 
     )
     for part in optimization.parts:
         if not part.feasible:
-            refused = infeasibility(part, optimization.budget_kb_per_s, (), model=optimization.model)
+            refused = infeasibility(part, optimization.budget_kb_per_s, None, model=optimization.model)
             raise RuleFileError(
                 refused.message,
                 place=part.part.place,

@@ -39,20 +39,23 @@ class Infeasibility:
 
 
 def infeasibility(
-    solved: SolvedPart, budget_kb_per_s: float, changes: Sequence[Change], *, model: Model
+    solved: SolvedPart, budget_kb_per_s: float, changes: Sequence[Change] | None, *, model: Model
 ) -> Infeasibility:
-    """What to say of ``solved``, which does not fit, and of the ``changes`` that would make it fit."""
+    """What to say of ``solved``, which does not fit, and of the ``changes`` that would make it fit.
+
+    ``changes`` are ``None`` where they were not looked for.
+    """
     name = f'"{solved.part.label}" needs' if solved.part.label is not None else "the defaults need"
     over = solved.needs_kb_per_s - budget_kb_per_s
     message = (
         f"{name} at least {kb_text(solved.needs_kb_per_s)} KB/s, {kb_text(over)} more than the budget of "
         f"{kb_text(budget_kb_per_s)}: {_takers(solved, model)}"
     )
-    remedies = [_change_text(change) for change in changes]
-    if not changes:
+    remedies = [_change_text(change) for change in changes or ()]
+    if changes is not None and not changes:
         remedies.append("no lower levels of these topics fit")
     remedies.append(f"a budget of {kb_text(solved.needs_kb_per_s)} KB/s would do")
-    return Infeasibility(solved=solved, changes=changes, message=message, remedies=tuple(remedies))
+    return Infeasibility(solved=solved, changes=changes or (), message=message, remedies=tuple(remedies))
 
 
 def _takers(solved: SolvedPart, model: Model) -> str:
