@@ -82,7 +82,7 @@ def negation(form: Form) -> Form:
 
 
 def merged(form: Form) -> Form:
-    """``form`` with the regions of one signal under one AND or OR made one; its truth is the same everywhere."""
+    """``form`` with the regions of one signal under one AND or OR made one; its truth stays the same."""
     if isinstance(form, Within):
         return form
     regions: dict[Signal, list[Region]] = {}

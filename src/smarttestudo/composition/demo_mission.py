@@ -19,6 +19,13 @@ IMAGE_BYTES = 6_220_872
 JPEG_BYTES = 420_000
 _DECLARED_BYTES = {Topic.IMAGE.value: IMAGE_BYTES, Topic.COMPRESSED_IMAGE.value: JPEG_BYTES}
 _MESSAGES_PER_REPORT = 1000
+_SMALL_BYTES_PER_S = 500_000
+_FULL_BYTES_PER_S = 216_000_000
+
+
+def bytes_per_second(*, full_images: bool) -> int:
+    """About how much disk both recordings of a mission take for each of its seconds."""
+    return _FULL_BYTES_PER_S if full_images else _SMALL_BYTES_PER_S
 
 
 def record_mission(

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from smarttestudo.visualizer.statistics import TopicStatistics
+from smarttestudo.visualizer.targets import Target
 
 
 def change_percent(before: float | None, after: float | None) -> float | None:
@@ -21,13 +22,13 @@ def change_percent(before: float | None, after: float | None) -> float | None:
 class TopicComparison:
     """One topic in both runs; ``None`` where a run does not have it.
 
-    ``target_hz`` is the time-weighted mean of the rates planned for it, where Full counts as the source's.
+    ``target`` is what was planned for it in the second run.
     """
 
     topic: str
     before: TopicStatistics | None
     after: TopicStatistics | None
-    target_hz: float | None = None
+    target: Target | None = None
 
     @property
     def change_percent(self) -> float | None:
@@ -45,12 +46,10 @@ class TopicComparison:
 
     @property
     def error_percent(self) -> float | None:
-        """How far the mean rate received lies from what could be asked: the lesser of target and source."""
-        if self.after is None or self.target_hz is None:
+        """How far the second run's ``mean_hz`` lies from what was attainable, in percent of that."""
+        if self.after is None or self.target is None:
             return None
-        source_hz = None if self.before is None else self.before.mean_hz
-        asked_hz = self.target_hz if source_hz is None else min(self.target_hz, source_hz)
-        return change_percent(asked_hz, self.after.mean_hz)
+        return change_percent(self.target.attainable_hz, self.after.mean_hz)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -78,14 +77,14 @@ class Comparison:
 def compare(
     before: Mapping[str, TopicStatistics],
     after: Mapping[str, TopicStatistics],
-    targets_hz: Mapping[str, float] | None = None,
+    targets: Mapping[str, Target | None] | None = None,
 ) -> Comparison:
     """Pair the topics of two runs, in the order of the first, then what only the second has.
 
     With the first run's ``/odom`` pairs the second's ``/testudo/odom`` or ``/odom_receive``, else its
-    ``/odom``. ``targets_hz`` names the first run's topics.
+    ``/odom``. ``targets`` go by the first run's topic names.
     """
-    targets_hz = targets_hz or {}
+    targets = targets or {}
     pairs = []
     alone = dict(after)
     for topic, statistics in before.items():
@@ -95,7 +94,7 @@ def compare(
                 topic=topic,
                 before=statistics,
                 after=alone.pop(partner) if partner else None,
-                target_hz=targets_hz.get(topic),
+                target=targets.get(topic),
             )
         )
     pairs += [TopicComparison(topic=topic, before=None, after=alone[topic]) for topic in alone]

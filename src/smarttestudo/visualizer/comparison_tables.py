@@ -14,8 +14,8 @@ DECLARED = "declared"
 _TOPIC = Column(heading="Topic", align=Align.LEFT)
 _CHANGE = Column(heading="Change", unit="%")
 _FREQUENCY_NOTE = (
-    "Hz: mean count of the 1 s bins from first to last message. Error: mean rate (n − 1) / (last − first) "
-    "against the lesser of target and source; the target is weighted by time."
+    "Hz: mean count of the 1 s bins from first to last message. Target: planned rate, weighted by time. "
+    "Error: mean rate (n − 1) / (last − first) against the target, or the source where that is slower."
 )
 _BANDWIDTH_NOTE = "1 KB is 1000 bytes; 1 KB/s is 8 kbit/s."
 _DECLARED_NOTE = "declared: the size that the recording declares for its messages, not the one it holds."
@@ -74,7 +74,7 @@ def _frequency_row(pair: TopicComparison) -> Row:
             _frequency(pair.before),
             _frequency(pair.after),
             Number(pair.change_percent, decimals=1, signed=True),
-            Number(pair.target_hz),
+            Number(None if pair.target is None else pair.target.planned_hz),
             Number(pair.error_percent, signed=True),
         )
     )
@@ -99,7 +99,7 @@ def _total_row(comparison: Comparison, *, declared: bool) -> Row:
             Number(comparison.before_kb_per_s),
             Number(comparison.after_kb_per_s),
             Number(comparison.bandwidth_change_percent, decimals=1, signed=True),
-            Text("partly" if declared else "recorded"),
+            Text("mixed" if declared else "recorded"),
         ),
         is_total=True,
     )

@@ -4,13 +4,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.visualizer.statistics import RecordingSpan
 from smarttestudo.visualizer.trace import TraceAccumulator
 
-MAX_POINTS = 400
+MAX_POINTS = 300
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -53,4 +54,18 @@ def rate_series(
             highest_hz=highest[index],
         )
         for index, start in enumerate(starts)
+    )
+
+
+def coarser(points: Sequence[RatePoint], max_points: int) -> tuple[RatePoint, ...]:
+    """``points`` with neighbours joined until there are at most ``max_points``."""
+    width = -(-len(points) // max_points) or 1
+    joined = (points[start : start + width] for start in range(0, len(points), width))
+    return tuple(
+        RatePoint(
+            t_s=(group[0].t_s + group[-1].t_s) / 2,
+            lowest_hz=min(point.lowest_hz for point in group),
+            highest_hz=max(point.highest_hz for point in group),
+        )
+        for group in joined
     )

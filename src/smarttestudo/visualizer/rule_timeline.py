@@ -4,12 +4,12 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from smarttestudo.domain.decision import Decision
-from smarttestudo.domain.rate import Rate
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -29,13 +29,12 @@ class RuleSpan:
     block: DecidingBlock | None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class TargetSpan:
-    """From ``start_s`` to ``end_s`` a topic's planned rate was ``rate``."""
-
-    start_s: float
-    end_s: float
-    rate: Rate
+def by_topic(decisions: Iterable[Decision]) -> dict[str, list[Decision]]:
+    """``decisions`` by the topic that they are about."""
+    groups: dict[str, list[Decision]] = {}
+    for decision in decisions:
+        groups.setdefault(decision.topic, []).append(decision)
+    return groups
 
 
 def deciding_spans(decisions: Iterable[Decision], end_s: float) -> tuple[RuleSpan, ...]:
@@ -46,26 +45,15 @@ def deciding_spans(decisions: Iterable[Decision], end_s: float) -> tuple[RuleSpa
     give the blocks of that topic.
     """
     ordered = sorted(decisions, key=_time)
-    by_topic: dict[str, DecidingBlock | None] = {}
+    blocks: dict[str, DecidingBlock | None] = {}
     spans: list[RuleSpan] = []
     for index, decision in enumerate(ordered):
-        by_topic[decision.topic] = deciding_block(decision)
+        blocks[decision.topic] = deciding_block(decision)
         start_s = max(decision.t_s, 0.0)
         next_s = ordered[index + 1].t_s if index + 1 < len(ordered) else end_s
         if start_s < min(next_s, end_s):
-            _extend(spans, RuleSpan(start_s=start_s, end_s=min(next_s, end_s), block=_leading(by_topic)))
+            _extend(spans, RuleSpan(start_s=start_s, end_s=min(next_s, end_s), block=_leading(blocks)))
     return tuple(spans)
-
-
-def target_spans(decisions: Iterable[Decision], topic: str, end_s: float) -> tuple[TargetSpan, ...]:
-    """The planned rates of ``topic`` over time, from its first decision to ``end_s``."""
-    ordered = sorted((decision for decision in decisions if decision.topic == topic), key=_time)
-    ends_s = [*(decision.t_s for decision in ordered[1:]), end_s]
-    return tuple(
-        TargetSpan(start_s=decision.t_s, end_s=min(until_s, end_s), rate=decision.planned.rate)
-        for decision, until_s in zip(ordered, ends_s, strict=True)
-        if decision.t_s < min(until_s, end_s)
-    )
 
 
 def deciding_block(decision: Decision) -> DecidingBlock | None:
@@ -76,11 +64,12 @@ def deciding_block(decision: Decision) -> DecidingBlock | None:
 
 def block_at(spans: Sequence[RuleSpan], t_s: float) -> DecidingBlock | None:
     """The block that decided at ``t_s``: that of the last span begun by then."""
-    return next((span.block for span in reversed(spans) if span.start_s <= t_s), None)
+    index = bisect_right(spans, t_s, key=_start)
+    return spans[index - 1].block if index else None
 
 
-def _leading(by_topic: dict[str, DecidingBlock | None]) -> DecidingBlock | None:
-    topics = Counter(block for block in by_topic.values() if block is not None)
+def _leading(blocks: dict[str, DecidingBlock | None]) -> DecidingBlock | None:
+    topics = Counter(block for block in blocks.values() if block is not None)
     return min(topics, key=lambda block: (-topics[block], block.line or 0, block.rule), default=None)
 
 
@@ -90,6 +79,10 @@ def _extend(spans: list[RuleSpan], span: RuleSpan) -> None:
         spans[-1] = RuleSpan(start_s=spans[-1].start_s, end_s=span.end_s, block=span.block)
     else:
         spans.append(span)
+
+
+def _start(span: RuleSpan) -> float:
+    return span.start_s
 
 
 def _time(decision: Decision) -> float:

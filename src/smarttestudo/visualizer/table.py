@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from enum import Enum
+from unicodedata import category
 
 MISSING = "–"
 _MINUS = "−"
@@ -86,5 +87,12 @@ def format_number(value: float | None, decimals: int, *, signed: bool = False) -
 
 
 def printable(text: str) -> str:
-    """``text`` without what could move a cursor or break a line: such characters become U+FFFD."""
-    return "".join(one if one.isprintable() else _UNPRINTABLE for one in text)
+    """``text`` without what moves a cursor, breaks a line or turns its direction: that becomes U+FFFD."""
+    if text.isprintable():
+        return text
+    return "".join(one if _has_a_place(one) else _UNPRINTABLE for one in text)
+
+
+def _has_a_place(character: str) -> bool:
+    """Whether ``character`` is seen or is a space, of which ``isprintable`` knows but one."""
+    return character.isprintable() or category(character) == "Zs"

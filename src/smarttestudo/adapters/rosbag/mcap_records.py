@@ -23,7 +23,18 @@ MAGIC = b"\x89MCAP0\r\n"
 _FRAME = struct.Struct("<BQ")
 _CHUNK_FIXED_BYTES = 40
 _CONTENT = frozenset({Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE, Opcode.CHUNK})
-_BROKEN = (McapError, struct.error, ValueError, EOFError, RuntimeError, zstandard.ZstdError)
+BROKEN = (
+    McapError,
+    struct.error,
+    ValueError,
+    LookupError,
+    EOFError,
+    MemoryError,
+    RuntimeError,
+    StopIteration,
+    zstandard.ZstdError,
+)
+"""What mcap and the decompressors raise on damaged bytes."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -78,7 +89,7 @@ class RecordReader:
             return
         try:
             records = _chunk_content(content, is_whole=len(content) == place.size_bytes)
-        except _BROKEN:
+        except BROKEN:
             self.damaged_chunks += 1
             return
         yield from _records_in(records)
@@ -135,7 +146,7 @@ def _parse(opcode: int, content: bytes) -> McapRecord | None:
     """The record, ``None`` if it is of another kind or makes no sense."""
     stream = ReadDataStream(io.BytesIO(content))
     record: McapRecord | None = None
-    with suppress(*_BROKEN):
+    with suppress(*BROKEN):
         if opcode == Opcode.MESSAGE:
             record = Message.read(stream, len(content))
         elif opcode == Opcode.SCHEMA:

@@ -12,11 +12,11 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 from urllib.parse import quote
 
-from mcap.exceptions import McapError
 from mcap.reader import make_reader
 from ruamel.yaml import YAML
 from ruamel.yaml.error import YAMLError
 
+from smarttestudo.adapters.rosbag.mcap_records import BROKEN
 from smarttestudo.adapters.rosbag.qos import is_transient_local, read_qos
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import Channel, Storage
@@ -64,7 +64,7 @@ def embedded_metadata(path: Path) -> BagMetadata | None:
     try:
         text = _text_in_mcap(path) if path.suffix == ".mcap" else _text_in_sqlite(path)
         return None if text is None else _metadata(YAML(typ="safe").load(text))
-    except (*_WRONG_SHAPE, RecordingError, McapError, sqlite3.Error, OSError, EOFError, StopIteration):
+    except (*_WRONG_SHAPE, *BROKEN, sqlite3.Error, OSError):
         return None
 
 

@@ -67,12 +67,14 @@ def _open_part(path: Path, opened: ExitStack, notices: list[str]) -> RecordingPa
 def _unpacked(path: Path, opened: ExitStack, notices: list[str]) -> Path:
     folder = opened.enter_context(TemporaryDirectory(prefix="testudo-"))
     target = Path(folder, path.with_suffix("").name)
-    if not zstd_files.unpack(path, target):
-        notices.append(f"{path}: its compressed data end early or are damaged; read as far as they go")
+    is_whole = zstd_files.unpack(path, target)
     try:
         require_bag_file(target)
     except RecordingError as error:
-        raise RecordingError(f"what is packed in it is no bag: {error.cause}", place=str(path)) from error
+        cause = "what is packed in it is not a bag" if is_whole else "nothing of it can be unpacked"
+        raise RecordingError(cause, place=str(path)) from error
+    if not is_whole:
+        notices.append(f"{path}: its compressed data end early or are damaged; read as far as they go")
     return target
 
 

@@ -18,6 +18,7 @@ from smarttestudo.adapters.rosbag.mcap_records import RecordReader
 from smarttestudo.adapters.rosbag.qos import QosColumn, is_transient_local
 from smarttestudo.adapters.rosbag.stored_file import StoredMessage, read_so_far
 from smarttestudo.adapters.rosbag.time_index import TimeIndex
+from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import Channel
 
 _IDL_ENCODINGS = frozenset({"ros2idl", "omgidl"})
@@ -37,6 +38,8 @@ class RecoveredMcapFile:
             self._records = RecordReader(opened.enter_context(path.open("rb")))
             self._index = opened.enter_context(closing(TimeIndex()))
             self._find_messages()
+            if not self.channels and self._records.cut_off_at is not None:
+                raise RecordingError("no rosbag2 topics can be found in it", place=str(path))
             self._resources = opened.pop_all()
         self.message_count = sum(self._counts[number] for number in self.channels)
 

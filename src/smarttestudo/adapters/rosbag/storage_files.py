@@ -4,13 +4,12 @@
 
 from __future__ import annotations
 
-import struct
 from pathlib import Path
 
-from mcap.exceptions import McapError
 from mcap.reader import make_reader
 
 from smarttestudo.adapters.rosbag.intact_file import IntactFile
+from smarttestudo.adapters.rosbag.mcap_records import BROKEN
 from smarttestudo.adapters.rosbag.recovered_mcap import RecoveredMcapFile
 from smarttestudo.adapters.rosbag.recovered_sqlite import RecoveredSqliteFile
 from smarttestudo.adapters.rosbag.stored_file import StoredFile
@@ -47,9 +46,11 @@ def _has_full_index(path: Path) -> bool:
     try:
         with path.open("rb") as file:
             summary = make_reader(file).get_summary()
-    except (McapError, OSError, ValueError, LookupError, EOFError, StopIteration, struct.error):
+    except BROKEN:
         return False
     if summary is None or summary.statistics is None:
+        return False
+    if summary.statistics.message_count and not summary.chunk_indexes:
         return False
     described = all(
         number in summary.channels and summary.channels[number].schema_id in summary.schemas

@@ -99,7 +99,7 @@ class _RosbagRecordingWriter:
         try:
             self._writer.write(connection, stamp_ns, payload)
         except (OSError, sqlite3.Error, WriterError) as error:
-            raise _write_error(self._path, error) from error
+            raise write_error(self._path, error) from error
 
 
 def _require_new(path: Path) -> None:
@@ -112,10 +112,11 @@ def _errors_at(path: Path) -> Iterator[None]:
     try:
         yield
     except (OSError, sqlite3.Error, WriterError) as error:
-        raise _write_error(path, error) from error
+        raise write_error(path, error) from error
 
 
-def _write_error(path: Path, error: Exception) -> RecordingError:
+def write_error(path: Path, error: Exception) -> RecordingError:
+    """``error``, raised while writing at ``path``, as one line."""
     if isinstance(error, OSError):
         is_full, cause = error.errno in (errno.ENOSPC, errno.EDQUOT), error.strerror or str(error)
     else:

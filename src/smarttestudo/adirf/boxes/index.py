@@ -60,12 +60,11 @@ class BoxIndex:
         nodes = [] if self._root is None else [self._root]
         while nodes:
             node = nodes.pop()
-            effort.spend(1 + len(node.hull))
+            effort.spend(1 + len(node.entries))
             if node.kinds == {other_than} or not _meet(node.hull, interval_of):
                 continue
             nodes.extend(reversed(node.children))
             for entry in node.entries:
-                effort.spend(1)
                 if entry.kind != other_than and _meet(entry.hull, interval_of):
                     yield entry
 

@@ -28,7 +28,7 @@ def _found(clash: Clash) -> Found:
         span=here.span,
         message=f"{wording.branch_name(clash.second)} sets {topic} to {here.rate}{others}, "
         f"{wording.branch_with_place(clash.first, seen_from=path)} to {clash.first.rate(topic)}, "
-        f"and both can hold{f', for example at {state}' if state else ' together'}",
+        f"and both hold {f'for example at {state}' if state else 'in some state'}",
         hint="the higher rate wins; give one block a higher Priority, or keep their conditions apart",
     )
 

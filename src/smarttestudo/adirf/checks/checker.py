@@ -19,7 +19,7 @@ def check_rules(results: Sequence[ParseResult], context: CheckContext) -> list[F
     Bounded in time and memory for any files.
     """
     book = read_rule_book([result.file for result in results], context)
-    is_whole = all(result.is_valid for result in results)
+    is_whole = context.has_all_files and all(result.is_valid for result in results)
     findings = [finding for result in results for finding in result.findings]
     for check in CHECKS:
         if is_whole or not check.needs_all_statements:

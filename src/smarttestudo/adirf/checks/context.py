@@ -18,13 +18,24 @@ COMMAND_TYPES = frozenset({"geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistSt
 """Types whose numbers are commanded, so that they can be exactly 0."""
 
 
+def values_of(spec: PropertySpec | None) -> Region:
+    """The values that a property can have."""
+    if spec is None:
+        return Region.everything()
+    return Region.between(spec.minimum, spec.maximum, includes_minimum=spec.includes_minimum)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CheckContext:
-    """``resolve`` gives the full name of a topic, ``bag_topics`` the type of each topic of a recording."""
+    """``resolve`` gives the full name of a topic, ``bag_topics`` the type of each topic of a recording.
+
+    ``has_all_files`` is false where a file of the set could not be read, so that statements are missing.
+    """
 
     resolve: Resolve = field(default=resolve_topic)
     profile: Profile | None = None
     bag_topics: Mapping[str, str] | None = None
+    has_all_files: bool = True
 
     def topic(self, topic: str) -> TopicProfile:
         """What the profile says about ``topic``, nothing without a profile."""
@@ -40,10 +51,7 @@ class CheckContext:
 
     def domain(self, signal: Signal) -> Region:
         """The values that ``signal`` can have."""
-        spec = self.spec_of(signal)
-        if spec is None:
-            return Region.everything()
-        return Region.between(spec.minimum, spec.maximum, includes_minimum=spec.includes_minimum)
+        return values_of(self.spec_of(signal))
 
     def is_measured(self, signal: Signal) -> bool:
         """Whether ``signal`` is known to be a measurement, which varies continuously and has noise."""

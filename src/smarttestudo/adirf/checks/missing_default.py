@@ -33,7 +33,8 @@ def _cost(topic: str, book: RuleBook) -> str:
     known = book.context.topic(topic)
     if known.message_kb is None or known.source_hz is None:
         return ""
-    return f" ({known.message_kb * known.source_hz:.4g} KB/s)"
+    kb_per_s = known.message_kb * known.source_hz
+    return f" ({kb_per_s:.{0 if kb_per_s >= 100 else 1}f} KB/s)"
 
 
 CHECK = RuleCheck(

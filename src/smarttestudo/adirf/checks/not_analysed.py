@@ -52,6 +52,14 @@ CHECK = RuleCheck(
     why="Whether blocks clash or are dead is in general as hard as the hardest puzzles, so that the checker "
     "stops after a bounded effort. What it reports is still right; it may have missed something.",
     bad=Example(rules=_pigeons(7)),
-    good=Example(rules=_pigeons(3).replace("hole_1 > 0", "hole_1 > -1")),
+    good=Example(
+        rules="""\
+begin
+  SetFrequency /odom 10
+  If (CheckValue /odom pose_x > 6 OR CheckValue /odom pose_y > 3) Then
+    SetFrequency /odom 4
+end
+"""
+    ),
     find=_find,
 )

@@ -28,7 +28,7 @@ def _find(book: RuleBook) -> Iterator[Found]:
                 fix=Fix(
                     span=one.statement.rate.span,
                     replacement=floor.statement.rate.text,
-                    title="Write the rate that it has anyway",
+                    title="write the rate that it has anyway",
                 ),
             )
 

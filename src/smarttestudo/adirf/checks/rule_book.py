@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 
 from smarttestudo.adirf.checks.analysis import Analysis, analyse
 from smarttestudo.adirf.checks.context import CheckContext
@@ -57,6 +58,7 @@ def read_rule_book(files: Sequence[RuleFile], context: CheckContext) -> RuleBook
 class _Reader:
     def __init__(self, context: CheckContext) -> None:
         self._context = context
+        self._spec_of = cache(context.spec_of)
         self._settings: list[WrittenRate] = []
         self._defaults: list[WrittenRate] = []
         self._floors: dict[str, WrittenRate] = {}
@@ -101,7 +103,8 @@ class _Reader:
         for part in conditions_in(block.condition):
             if isinstance(part, Check):
                 signal = Signal(self._resolve(path, part.topic), part.property)
-                self._checks.append(WrittenCheck(path=path, signal=signal, check=part))
+                spec = self._spec_of(signal)
+                self._checks.append(WrittenCheck(path=path, signal=signal, spec=spec, check=part))
         self._add_branch(written, block.then, is_else=False)
         self._add_branch(written, block.otherwise, is_else=True)
 

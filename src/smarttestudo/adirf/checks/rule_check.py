@@ -39,7 +39,7 @@ class RuleCheck:
 
     ``meaning`` is one sentence, ``why`` what happens on a robot that runs such a file. ``bad`` gives this
     finding and no other, ``good`` none at all. A check that ``needs_all_statements`` is left out while a file
-    has errors of syntax, because what it misses may stand in a broken statement.
+    cannot be read or has errors of syntax, because what it misses may stand there.
     """
 
     code: str

@@ -28,7 +28,7 @@ def _found(one: WrittenRate, earlier: WrittenRate, side: str) -> Found:
         span=one.span,
         message=f"{one.topic} is already set at line {earlier.span.line} of this {side}",
         hint="keep one of the two",
-        fix=Fix(span=one.span, replacement="", title="Remove the repeated statement")
+        fix=Fix(span=one.span, replacement="", title="remove the repeated statement")
         if is_repeated
         else None,
     )

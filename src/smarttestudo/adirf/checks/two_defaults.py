@@ -22,7 +22,7 @@ def _find(book: RuleBook) -> Iterator[Found]:
                 span=one.span,
                 message=f"this default of {one.topic} is overruled by that of {where}",
                 hint="the last default counts; remove this one",
-                fix=Fix(span=one.span, replacement="", title="Remove the overruled default"),
+                fix=Fix(span=one.span, replacement="", title="remove the overruled default"),
             )
 
 

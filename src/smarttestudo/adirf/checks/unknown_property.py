@@ -36,7 +36,7 @@ def _found(one: WrittenCheck, type_name: str) -> Found:
         span=one.check.property_span,
         message=f"{type_name}, the type of {one.signal.topic}, has no property or field {name}",
         hint=did_you_mean(close) if close else f"it has {wording.listed(known)}",
-        fix=Fix(span=one.check.property_span, replacement=close, title=f"Write {close}") if close else None,
+        fix=Fix(span=one.check.property_span, replacement=close, title=f"write '{close}'") if close else None,
     )
 
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from smarttestudo.adirf.checks import wording
+from smarttestudo.adirf.checks.context import values_of
 from smarttestudo.adirf.checks.rule_book import RuleBook
 from smarttestudo.adirf.checks.rule_check import Found
 from smarttestudo.adirf.checks.written import WrittenCheck
@@ -18,12 +19,11 @@ from smarttestudo.domain.signal import ArrivalProperty, Truth
 def checks_that_are(truth: Truth, word: str, book: RuleBook) -> Iterator[Found]:
     """The checks that are ``truth`` for every value of what they read; ``word`` says never or always."""
     for one in book.checks:
-        spec = book.context.spec_of(one.signal)
-        if spec is not None and _truth(one, book.context.domain(one.signal)) is truth:
+        if one.spec is not None and _truth(one, values_of(one.spec)) is truth:
             yield Found(
                 path=one.path,
                 span=one.check.span,
-                message=f"{wording.check_text(one.check)} {word} holds: {_range_text(spec)}",
+                message=f"{wording.check_text(one.check)} {word} holds: {_range_text(one.spec)}",
                 hint=_hint(one, book),
             )
 

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from smarttestudo.adirf.normal_form import Form
+from smarttestudo.adirf.properties import PropertySpec
 from smarttestudo.adirf.syntax import (
     And,
     Block,
@@ -53,10 +54,11 @@ class Mention:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WrittenCheck:
-    """A CheckValue."""
+    """A CheckValue; ``spec`` is what is known about its property."""
 
     path: str
     signal: Signal
+    spec: PropertySpec | None
     check: Check
 
 

@@ -54,7 +54,9 @@ class Graph:
                 regions.setdefault(part.signal, []).append(region)
             else:
                 nested[self.literal_of(part, negated=negated)] = None
-        literals = [self._within(signal, _intersection(regions[signal])) for signal in sorted(regions)]
+        literals = [
+            self._within(signal, Region.intersection_of(regions[signal])) for signal in sorted(regions)
+        ]
         literals += sorted(nested, key=lambda literal: (literal.node.number, literal.inverted))
         return reduce(self._joined, literals)
 
@@ -87,12 +89,3 @@ class Graph:
         literal = Literal(node, group, inverted=inverted)
         node.literals.append(literal)
         return literal
-
-
-def _intersection(regions: list[Region]) -> Region:
-    """What is in all of them, folded as a balanced tree so that many regions stay affordable."""
-    while len(regions) > 1:
-        pairs = zip(regions[::2], regions[1::2], strict=False)
-        rest = regions[len(regions) // 2 * 2 :]
-        regions = [one.intersection(other) for one, other in pairs] + rest
-    return regions[0]

@@ -4,11 +4,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 
 from smarttestudo.domain.decision import Decision
 from smarttestudo.visualizer.comparison import Comparison
+from smarttestudo.visualizer.comparison_tables import RunNames
 from smarttestudo.visualizer.rate_series import RatePoint
 
 
@@ -100,6 +101,7 @@ class PageInput:
     comparison: Comparison
     series: tuple[TopicSeries, ...]
     decisions: tuple[Decision, ...]
+    names: RunNames = field(default_factory=RunNames)
     rules: tuple[RuleText, ...] = ()
     provenance: tuple[Fact, ...] = ()
     floor_plan: FloorPlan | None = None

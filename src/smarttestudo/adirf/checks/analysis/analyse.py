@@ -4,27 +4,25 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable, Collection, Iterator, Sequence
-from functools import partial
+from functools import cache, partial
 from typing import TypeVar
 
-from smarttestudo.adirf.boxes import Effort, TooComplexError, find_box
+from smarttestudo.adirf.boxes import Domain, Effort, TooComplexError, find_box
 from smarttestudo.adirf.checks.analysis.atlas import Atlas, Territory, territory_of
 from smarttestudo.adirf.checks.analysis.cover import Coverage, coverage
-from smarttestudo.adirf.checks.analysis.encounters import clashes_of, meetings_of
+from smarttestudo.adirf.checks.analysis.encounters import Encounters
 from smarttestudo.adirf.checks.analysis.results import Analysis, Clash, Gap, Meeting, Shadow
 from smarttestudo.adirf.checks.context import CheckContext
 from smarttestudo.adirf.checks.written import Branch, WrittenBlock
 from smarttestudo.adirf.normal_form import Form, negation
-from smarttestudo.domain.signal import Truth
+from smarttestudo.domain.signal import Signal, Truth
 
 _T = TypeVar("_T")
 
 LOOKS_IN_ALL = 20_000_000
 LOOKS_AT_A_QUESTION = 50_000
 MAX_CLASHES_SHOWN = 3
-MAX_MEETINGS_SHOWN = 1
 
 
 def analyse(
@@ -35,19 +33,20 @@ def analyse(
 ) -> Analysis:
     """What the conditions of ``blocks`` mean; ``defaults`` are the topics that have one.
 
-    Of each branch the first clashes and the first meeting with branches before it are found.
+    Of each branch the first clashes with branches before it are found, or else the first meeting.
     """
-    analyst = _Analyst(blocks, context)
+    analyst = _Analyst(blocks, domain=cache(context.domain), wavers=cache(context.wavers))
     truths = {block.order: analyst.truth(block) for block in blocks}
     territories = {branch.order: analyst.territory(branch) for branch in branches}
     possible = [branch for branch in branches if territories[branch.order].boxes]
     atlas = Atlas(branches, territories)
     without_default = {topic for branch in branches for topic in branch.settings}.difference(defaults)
     gaps = (analyst.gap(topic, atlas) for topic in sorted(without_default))
+    encounters = [found for branch in possible for found in analyst.encounters(branch, atlas)]
     return Analysis(
         truths=truths,
-        clashes=tuple(clash for branch in possible for clash in analyst.clashes(branch, atlas)),
-        meetings=tuple(meeting for branch in possible for meeting in analyst.meetings(branch, atlas)),
+        clashes=tuple(found for found in encounters if isinstance(found, Clash)),
+        meetings=tuple(found for found in encounters if isinstance(found, Meeting)),
         shadows=tuple(shadow for branch in possible for shadow in analyst.shadows(branch, atlas)),
         gaps=tuple(gap for gap in gaps if gap is not None),
         unfinished=analyst.unfinished,
@@ -57,10 +56,12 @@ def analyse(
 class _Analyst:
     """Asks one question at a time, and notes the blocks about which one was given up."""
 
-    def __init__(self, blocks: Sequence[WrittenBlock], context: CheckContext) -> None:
+    def __init__(
+        self, blocks: Sequence[WrittenBlock], *, domain: Domain, wavers: Callable[[Signal], bool]
+    ) -> None:
         self._blocks = blocks
-        self._context = context
-        self._domain = context.domain
+        self._domain = domain
+        self._wavers = wavers
         self._effort = Effort(LOOKS_IN_ALL)
         self._unfinished: set[int] = set()
 
@@ -81,13 +82,12 @@ class _Analyst:
     def territory(self, branch: Branch) -> Territory:
         return territory_of(branch.form, self._domain, self._question())
 
-    def clashes(self, branch: Branch, atlas: Atlas) -> Iterator[Clash]:
-        found = clashes_of(branch, atlas, self._domain, self._question())
-        return self._until_too_complex(branch, itertools.islice(found, MAX_CLASHES_SHOWN))
-
-    def meetings(self, branch: Branch, atlas: Atlas) -> Iterator[Meeting]:
-        found = meetings_of(branch, atlas, self._context.wavers, self._domain, self._question())
-        return self._until_too_complex(branch, itertools.islice(found, MAX_MEETINGS_SHOWN))
+    def encounters(self, branch: Branch, atlas: Atlas) -> Iterator[Clash | Meeting]:
+        encounters = Encounters(atlas, domain=self._domain, wavers=self._wavers, effort=self._question())
+        for count, found in enumerate(self._until_too_complex(branch, encounters.of(branch)), start=1):
+            yield found
+            if isinstance(found, Meeting) or count == MAX_CLASHES_SHOWN:
+                return
 
     def shadows(self, branch: Branch, atlas: Atlas) -> Iterator[Shadow]:
         return self._until_too_complex(branch, self._shadows(branch, atlas))

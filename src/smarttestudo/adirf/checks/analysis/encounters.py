@@ -4,63 +4,74 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 
-from smarttestudo.adirf.boxes import Box, Domain, Effort, border_between, common_box, find_box
+from smarttestudo.adirf.boxes import Border, Box, Domain, Effort, border_between, common_box, find_box
 from smarttestudo.adirf.checks.analysis.atlas import Atlas
 from smarttestudo.adirf.checks.analysis.results import Clash, Meeting, State
 from smarttestudo.adirf.checks.written import Branch
 from smarttestudo.domain.signal import Signal
 
 
-def clashes_of(branch: Branch, atlas: Atlas, domain: Domain, effort: Effort) -> Iterator[Clash]:
-    """The clashes of ``branch`` with branches before it in the file, each found when it is asked for.
+class Encounters:
+    """Finds what a branch has to do with the branches before it in the file.
 
-    Raises ``TooComplexError`` when ``effort`` is spent.
+    ``wavers`` says of a signal whether it is noisy at a border. What is found is found when it is asked for,
+    and ``TooComplexError`` is raised when ``effort`` is spent.
     """
-    settled: set[int] = set()
-    for other, other_box, box in _pairs(branch, atlas, effort):
-        if other.order in settled or other.block.priority != branch.block.priority:
-            continue
-        topics = differing_topics(other, branch)
-        common = common_box(other_box, box)
-        if not topics or common is None:
-            continue
-        settled.add(other.order)
-        if not (atlas.territory(branch).is_exact and atlas.territory(other).is_exact):
-            common = find_box([other.form, branch.form], domain, effort)
-        if common is not None:
-            yield Clash(first=other, second=branch, topics=topics, state=sample_state(common))
 
+    def __init__(
+        self, atlas: Atlas, *, domain: Domain, wavers: Callable[[Signal], bool], effort: Effort
+    ) -> None:
+        self._atlas = atlas
+        self._domain = domain
+        self._wavers = wavers
+        self._effort = effort
 
-def meetings_of(
-    branch: Branch, atlas: Atlas, wavers: Callable[[Signal], bool], domain: Domain, effort: Effort
-) -> Iterator[Meeting]:
-    """The meetings of ``branch`` with branches before it in the file, on signals of which ``wavers`` is true.
+    def of(self, branch: Branch) -> Iterator[Clash | Meeting]:
+        """The clashes of ``branch``; where it has none, its meetings."""
+        settled: set[int] = set()
+        borders: dict[int, tuple[Branch, Border]] = {}
+        has_clash = False
+        for other, other_box, box in self._pairs(branch):
+            common = common_box(other_box, box)
+            if common is None:
+                border = self._border(other, other_box, box)
+                if border is not None:
+                    borders.setdefault(other.order, (other, border))
+            elif other.order not in settled and other.block.priority == branch.block.priority:
+                settled.add(other.order)
+                for clash in self._clash(other, branch, common):
+                    has_clash = True
+                    yield clash
+        if not has_clash:
+            yield from self._meetings(borders.values(), branch)
 
-    Raises ``TooComplexError`` when ``effort`` is spent.
-    """
-    tried: set[int] = set()
-    for other, other_box, box in _pairs(branch, atlas, effort):
-        if other.order in tried or not atlas.territory(other).is_exact:
-            continue
-        border = border_between(other_box, box)
-        topics = differing_topics(other, branch)
-        if border is None or not topics or not wavers(border.signal):
-            continue
-        tried.add(other.order)
-        if find_box([other.form, branch.form], domain, effort) is None:
-            yield Meeting(first=other, second=branch, topics=topics, border=border)
+    def _pairs(self, branch: Branch) -> Iterator[tuple[Branch, Box, Box]]:
+        """Each branch before this one that sets other rates, with a box of its own near one of this one's."""
+        for neighbourhood in self._atlas.neighbourhoods(branch):
+            for box in self._atlas.territory(branch).boxes:
+                for other, other_box in self._atlas.around(branch, box, neighbourhood, self._effort):
+                    if other.order < branch.order and other.block is not branch.block:
+                        self._effort.spend(len(box) + len(other_box))
+                        yield other, other_box, box
 
+    def _clash(self, first: Branch, second: Branch, common: Box) -> Iterator[Clash]:
+        topics = differing_topics(first, second)
+        is_exact = self._atlas.territory(first).is_exact and self._atlas.territory(second).is_exact
+        box = common if is_exact else find_box([first.form, second.form], self._domain, self._effort)
+        if topics and box is not None:
+            yield Clash(first=first, second=second, topics=topics, state=sample_state(box))
 
-def _pairs(branch: Branch, atlas: Atlas, effort: Effort) -> Iterator[tuple[Branch, Box, Box]]:
-    """Each branch before this one with a box of its own near a box of this one's."""
-    for neighbourhood in atlas.neighbourhoods(branch):
-        for box in atlas.territory(branch).boxes:
-            for other, other_box in atlas.around(branch, box, neighbourhood, effort):
-                if other.order < branch.order and other.block is not branch.block:
-                    effort.spend(len(box) + len(other_box))
-                    yield other, other_box, box
+    def _border(self, other: Branch, other_box: Box, box: Box) -> Border | None:
+        border = border_between(other_box, box) if self._atlas.territory(other).is_exact else None
+        return border if border is not None and self._wavers(border.signal) else None
+
+    def _meetings(self, borders: Iterable[tuple[Branch, Border]], branch: Branch) -> Iterator[Meeting]:
+        for other, border in borders:
+            topics = differing_topics(other, branch)
+            if topics and find_box([other.form, branch.form], self._domain, self._effort) is None:
+                yield Meeting(first=other, second=branch, topics=topics, border=border)
 
 
 def differing_topics(first: Branch, second: Branch) -> tuple[str, ...]:

@@ -1,0 +1,111 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""``testudo check``: what is wrong or doubtful in rule files."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Callable, Iterable, Sequence
+from functools import partial
+from pathlib import Path
+from typing import TypeVar
+
+from smarttestudo.adapters.files.profile import load_profile
+from smarttestudo.adapters.files.rule_files import find_rule_files, read_rule_text
+from smarttestudo.adirf.checks import CheckContext, check_rules
+from smarttestudo.adirf.parser import parse
+from smarttestudo.cli.finding_text import print_findings, summary, write_lines
+from smarttestudo.domain.errors import RuleFileError
+from smarttestudo.domain.finding import Finding, Severity
+from smarttestudo.domain.source import Span
+
+_T = TypeVar("_T")
+
+EXIT_ERROR = 1
+
+
+def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add ``check`` to the subcommands."""
+    parser = commands.add_parser(
+        "check",
+        help="say what is wrong or doubtful in rule files",
+        description="Say what is wrong or doubtful in rule files. Several files form one set. "
+        "Exits with 1 if there is an error; warnings and infos do not count.",
+    )
+    parser.add_argument("files", metavar="FILE", nargs="+", type=Path, help="a rule file or a folder of them")
+    parser.add_argument("--profile", type=Path, help="what is known about the topics (TOML)")
+    parser.add_argument("--bag", type=Path, help="a recording; topics it does not hold are named")
+    parser.add_argument("--format", choices=("text", "json"), default="text", help="default: text")
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Print all findings; 1 if one is an error or a file could not be read."""
+    profile = None if arguments.profile is None else load_profile(arguments.profile)
+    bag_topics = None if arguments.bag is None else _topics_of(arguments.bag)
+    texts, unreadable = _read(arguments.files)
+    context = CheckContext(profile=profile, bag_topics=bag_topics, has_all_files=not unreadable)
+    findings = check_rules([parse(text, path) for path, text in texts.items()], context)
+    if arguments.format == "json":
+        print(json.dumps([_to_json(finding) for finding in findings], indent=2))  # noqa: T201
+    else:
+        print_findings(findings, texts, sys.stdout)
+        write_lines([summary(findings, files=len(texts))], sys.stdout)
+    sys.stdout.flush()
+    for error in unreadable:
+        print(error, file=sys.stderr)  # noqa: T201
+    has_error = any(finding.severity is Severity.ERROR for finding in findings)
+    return EXIT_ERROR if has_error or unreadable else 0
+
+
+def _read(paths: Iterable[Path]) -> tuple[dict[str, str], Sequence[RuleFileError]]:
+    """The text of each file by its path, each once, and why others cannot be read."""
+    texts: dict[Path, tuple[str, str]] = {}
+    failures: list[RuleFileError] = []
+    for path in paths:
+        for file in _try(partial(find_rule_files, [path]), failures) or ():
+            text = _try(partial(read_rule_text, file), failures)
+            if text is not None:
+                texts.setdefault(file.resolve(), (str(file), text))
+    return dict(texts.values()), failures
+
+
+def _try(read: Callable[[], _T], failures: list[RuleFileError]) -> _T | None:
+    try:
+        return read()
+    except RuleFileError as error:
+        failures.append(error)
+        return None
+
+
+def _topics_of(bag: Path) -> dict[str, str]:
+    from smarttestudo.adapters.rosbag import open_recording  # noqa: PLC0415  needs packages a robot lacks
+
+    with open_recording(bag) as recording:
+        return {channel.topic: channel.type_name for channel in recording.channels}
+
+
+def _to_json(finding: Finding) -> dict[str, object]:
+    fix = finding.fix
+    return {
+        "code": finding.code,
+        "severity": finding.severity.value,
+        "message": finding.message,
+        "path": finding.path,
+        **_span_to_json(finding.span),
+        "hint": finding.hint,
+        "fix": None
+        if fix is None
+        else {"title": fix.title, "replacement": fix.replacement, **_span_to_json(fix.span)},
+    }
+
+
+def _span_to_json(span: Span) -> dict[str, int]:
+    return {
+        "line": span.line,
+        "column": span.column,
+        "end_line": span.end_line,
+        "end_column": span.end_column,
+    }

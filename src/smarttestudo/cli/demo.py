@@ -1,0 +1,124 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""``testudo demo``: a warehouse mission with and without adaptive monitoring, no robot needed."""
+
+from __future__ import annotations
+
+import argparse
+import shlex
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from smarttestudo.cli.progress import progress
+from smarttestudo.cli.tables import print_table
+from smarttestudo.pacing.sample import WhenSlow
+from smarttestudo.visualizer.comparison_tables import bandwidth_table, frequency_table
+
+if TYPE_CHECKING:
+    from smarttestudo.composition.demo import DemoOutcome
+
+_DEFAULT_OUT = Path("demo-out")
+_DEFAULT_SECONDS = 200.0
+_MIN_SECONDS = 1.0
+_MAX_SECONDS = 86_400.0
+
+
+def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add ``demo`` to the subcommands."""
+    parser = commands.add_parser(
+        "demo",
+        help="watch a simulated robot cross a warehouse, with and without adaptive monitoring",
+        description="Simulate a TurtleBot3 that patrols a warehouse with three security zones, record it, "
+        "replay the recording under rules, and compare the two. The same seed gives the same messages.",
+    )
+    parser.add_argument(
+        "--out",
+        metavar="DIR",
+        type=Path,
+        default=_DEFAULT_OUT,
+        help="where everything goes; a former demo there is replaced (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--seconds",
+        metavar="S",
+        type=_seconds,
+        default=_DEFAULT_SECONDS,
+        help="length of the mission; a round takes about 200 s (default: %(default)g)",
+    )
+    parser.add_argument(
+        "--seed", metavar="N", type=_seed, default=0, help="fixes all noise (default: %(default)s)"
+    )
+    parser.add_argument(
+        "--full-images",
+        action="store_true",
+        help="write whole camera frames (about 0.2 GB a second) instead of small ones with declared sizes",
+    )
+    parser.add_argument(
+        "--when-slow",
+        choices=[mode.value for mode in WhenSlow],
+        default=WhenSlow.PASS.value,
+        help="what to do where a target is above its source: pass what comes (default), or repeat the newest",
+    )
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Run the demo and print what came of it."""
+    from smarttestudo.composition.demo import DemoRequest, run_demo  # noqa: PLC0415  needs packages a robot lacks
+
+    outcome = run_demo(
+        DemoRequest(
+            out=arguments.out,
+            seconds=arguments.seconds,
+            seed=arguments.seed,
+            full_images=arguments.full_images,
+            when_slow=WhenSlow(arguments.when_slow),
+            progress=progress,
+        )
+    )
+    _print(outcome, arguments.out)
+    return 0
+
+
+def _print(outcome: DemoOutcome, out: Path) -> None:
+    from smarttestudo.composition import demo  # noqa: PLC0415  see run
+
+    for table in (frequency_table(outcome.comparison), bandwidth_table(outcome.comparison)):
+        print_table(table)
+        print()  # noqa: T201
+    for notice in outcome.replay.notices:
+        print(f"note: {notice}", file=sys.stderr)  # noqa: T201
+    written = {
+        demo.BASELINE: "what the robot published (rosbag2)",
+        demo.ADAPTIVE: "what the operator received (rosbag2)",
+        demo.DECISIONS: f"every change of a rate, with its reason: {outcome.replay.decisions} decisions",
+        demo.RULES: "the rules",
+        demo.REPORT: "map, rates over time and tables in one page",
+    }
+    width = max(len(str(out / name)) for name in written)
+    for name, meaning in written.items():
+        print(f"{out / name!s:<{width}}  {meaning}")  # noqa: T201
+    baseline, rules, report = (
+        shlex.quote(str(out / name)) for name in (demo.BASELINE, demo.RULES, demo.REPORT)
+    )
+    print(  # noqa: T201
+        f"\nOpen {report} in a browser. Then change the rules and see what the operator gets:\n"
+        f"  testudo replay {baseline} --rules {rules} --output my-recording"
+    )
+
+
+def _seconds(text: str) -> float:
+    try:
+        seconds = float(text)
+    except ValueError:
+        seconds = 0.0
+    if not _MIN_SECONDS <= seconds <= _MAX_SECONDS:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number of seconds from 1 to {_MAX_SECONDS:.0f}")
+    return seconds
+
+
+def _seed(text: str) -> int:
+    if not (text.isascii() and text.isdigit()):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number of 0 or more")
+    return int(text)

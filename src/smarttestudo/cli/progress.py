@@ -1,0 +1,66 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""How far long work is: shown on a terminal, silent in a pipe."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TextIO
+
+Report = Callable[[float], None]
+"""Is told the share of the work done, 0 … 1."""
+
+_ERASE_LINE = "\r\x1b[K"
+
+
+@contextmanager
+def progress(label: str, stream: TextIO | None = None) -> Iterator[Report]:
+    """Show on ``stream`` (default: standard error) how far the work ``label`` is; erased at the end."""
+    stream = stream or sys.stderr
+    if not stream.isatty():
+        yield _silent
+        return
+    try:
+        from rich.progress import Progress  # noqa: F401, PLC0415  a robot has no rich
+    except ModuleNotFoundError:
+        shown = _plain(label, stream)
+    else:
+        shown = _rich(label, stream)
+    with shown as report:
+        yield report
+
+
+def _silent(share: float) -> None:
+    """Nobody watches."""
+
+
+@contextmanager
+def _plain(label: str, stream: TextIO) -> Iterator[Report]:
+    shown = -1
+
+    def report(share: float) -> None:
+        nonlocal shown
+        percent = int(100 * share)
+        if percent != shown:
+            shown = percent
+            stream.write(f"{_ERASE_LINE}{label} {percent} %")
+            stream.flush()
+
+    try:
+        yield report
+    finally:
+        stream.write(_ERASE_LINE)
+        stream.flush()
+
+
+@contextmanager
+def _rich(label: str, stream: TextIO) -> Iterator[Report]:
+    from rich.console import Console  # noqa: PLC0415
+    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn  # noqa: PLC0415
+
+    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=Console(file=stream), transient=True) as bars:
+        bar = bars.add_task(label, total=1.0)
+        yield lambda share: bars.update(bar, completed=share)

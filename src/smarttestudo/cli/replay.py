@@ -1,0 +1,135 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""``testudo replay``: a recording as the operator would have received it."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Callable, Iterable
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from smarttestudo.adapters.files.decision_log import decision_log
+from smarttestudo.adapters.files.profile import load_profile
+from smarttestudo.cli.finding_text import print_findings
+from smarttestudo.cli.progress import progress
+from smarttestudo.cli.tables import print_table
+from smarttestudo.composition.rule_sets import LoadedRules, load_rules
+from smarttestudo.domain.decision import Decision
+from smarttestudo.domain.profile import Profile
+from smarttestudo.domain.recording import RecordingReader, Storage
+from smarttestudo.pacing.sample import WhenSlow
+
+if TYPE_CHECKING:
+    from smarttestudo.composition.replay_outcome import ReplayOutcome
+
+EXIT_ERROR = 1
+
+
+def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add ``replay`` to the subcommands."""
+    parser = commands.add_parser(
+        "replay",
+        help="write the recording that an operator would have received under your rules",
+        description="Run the loop over a recording in virtual time, and write what it relays as a new one.",
+    )
+    parser.add_argument("bag", metavar="BAG", type=Path, help="a rosbag2 folder, a .db3 or an .mcap file")
+    parser.add_argument(
+        "--rules",
+        metavar="FILE",
+        nargs="+",
+        action="extend",
+        type=Path,
+        required=True,
+        help="rule files, or folders of them; several form one set",
+    )
+    parser.add_argument(
+        "--output", metavar="DIR", type=Path, required=True, help="the new recording's folder"
+    )
+    parser.add_argument("--profile", metavar="FILE", type=Path, help="what is known about the topics (TOML)")
+    _add_options(parser)
+    parser.set_defaults(run=run)
+
+
+def _add_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--when-slow",
+        choices=[mode.value for mode in WhenSlow],
+        default=WhenSlow.PASS.value,
+        help="what to do where a target is above its source: pass what comes (default), or repeat the newest",
+    )
+    parser.add_argument(
+        "--storage",
+        choices=[storage.value for storage in Storage],
+        default=Storage.SQLITE3.value,
+        help="file format of the new recording (default: sqlite3)",
+    )
+    parser.add_argument(
+        "--output-topic",
+        metavar="NAME",
+        default="{topic}",
+        help="names of the relayed topics, as in '/testudo{topic}' (default: as they are)",
+    )
+    parser.add_argument(
+        "--decisions", metavar="FILE", type=Path, help="write the decisions here (JSON Lines)"
+    )
+    parser.add_argument("--json", action="store_true", help="print one JSON object instead of a table")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Replay; 1 if the rules have an error."""
+    from smarttestudo.adapters.rosbag import open_recording  # noqa: PLC0415  needs packages a robot lacks
+
+    profile = Profile() if arguments.profile is None else load_profile(arguments.profile)
+    with open_recording(arguments.bag) as recording:
+        bag_topics = {channel.topic: channel.type_name for channel in recording.channels}
+        rules = load_rules(arguments.rules, profile=profile, bag_topics=bag_topics)
+        if rules.rule_set is None:
+            print_findings(rules.errors, rules.texts, sys.stderr)
+            return EXIT_ERROR
+        outcome = _replay(arguments, recording, rules, profile)
+    _print(outcome, as_json=arguments.json)
+    return 0
+
+
+def _replay(
+    arguments: argparse.Namespace, recording: RecordingReader, rules: LoadedRules, profile: Profile
+) -> ReplayOutcome:
+    from smarttestudo.composition.replay import ReplayRequest, replay  # noqa: PLC0415  see run
+
+    assert rules.rule_set is not None
+    with ExitStack() as opened:
+        decided: Callable[[Iterable[Decision]], None] = _forget
+        if arguments.decisions is not None:
+            decided = opened.enter_context(decision_log(arguments.decisions))
+        request = ReplayRequest(
+            recording=recording,
+            rule_set=rules.rule_set,
+            profile=profile,
+            output=arguments.output,
+            when_slow=WhenSlow(arguments.when_slow),
+            storage=Storage(arguments.storage),
+            output_topic=arguments.output_topic,
+            decided=decided,
+            report=opened.enter_context(progress(f"Replaying {arguments.bag}")),
+        )
+        return replay(request)
+
+
+def _forget(_: object) -> None:
+    """Nobody wants the decisions."""
+
+
+def _print(outcome: ReplayOutcome, *, as_json: bool) -> None:
+    from smarttestudo.cli.replay_table import replay_table  # noqa: PLC0415
+
+    if as_json:
+        print(json.dumps(outcome.to_json(), allow_nan=False))  # noqa: T201
+    else:
+        print_table(replay_table(outcome))
+        print(f"{outcome.decisions:,} decisions in {outcome.wall_seconds:.1f} s")  # noqa: T201
+    for notice in outcome.notices:
+        print(f"note: {notice}", file=sys.stderr)  # noqa: T201

@@ -1,0 +1,145 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The demo: a simulated mission, recorded, replayed under rules, and shown."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+
+from smarttestudo import __version__
+from smarttestudo.adapters.files.decision_log import decision_log
+from smarttestudo.adapters.rosbag import open_recording
+from smarttestudo.adirf.parser import parse
+from smarttestudo.adirf.rule_set import compile_rules
+from smarttestudo.composition.demo_folder import MARKER, demo_folder
+from smarttestudo.composition.demo_measure import measure_run
+from smarttestudo.composition.demo_mission import bytes_per_second, record_mission
+from smarttestudo.composition.demo_page import compare_runs, demo_page
+from smarttestudo.composition.replay import ReplayRequest, replay
+from smarttestudo.composition.replay_outcome import ReplayOutcome
+from smarttestudo.domain.decision import Decision
+from smarttestudo.domain.names import resolve_topic
+from smarttestudo.pacing.sample import WhenSlow
+from smarttestudo.simulation.readings import Topic
+from smarttestudo.simulation.warehouse import warehouse
+from smarttestudo.visualizer.comparison import Comparison
+from smarttestudo.visualizer.page import Fact, RuleText, render_page
+
+BASELINE = "baseline"
+ADAPTIVE = "adaptive"
+DECISIONS = "decisions.jsonl"
+REPORT = "report.html"
+RULES = "warehouse.adirf"
+
+Progress = Callable[[str], AbstractContextManager[Callable[[float], None]]]
+"""Shows how far the work of the given name is while its block lasts, told as a share of 0 … 1."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DemoRequest:
+    """How long a mission, with which noise, and into which folder.
+
+    ``full_images`` asks for whole camera frames, about 0.2 GB each second, instead of small ones.
+    """
+
+    out: Path
+    seconds: float
+    seed: int
+    full_images: bool
+    when_slow: WhenSlow
+    progress: Progress
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DemoOutcome:
+    """Both runs compared, and the replay that made the second from the first."""
+
+    comparison: Comparison
+    replay: ReplayOutcome
+
+
+def run_demo(request: DemoRequest) -> DemoOutcome:
+    """Write both recordings, the rules, the decisions and the report into a new ``request.out``.
+
+    Raises:
+        DemoFolderError: the folder may not be replaced or cannot be written.
+        RecordingError: a recording cannot be written.
+    """
+    needed_bytes = round(bytes_per_second(full_images=request.full_images) * request.seconds)
+    with demo_folder(request.out, needed_bytes=needed_bytes) as folder:
+        rules = RuleText(path=RULES, text=files("smarttestudo.simulation").joinpath(RULES).read_text("utf-8"))
+        (folder / RULES).write_text(rules.text, "utf-8")
+        with request.progress("Driving the patrol") as report:
+            record_mission(
+                folder / BASELINE,
+                seconds=request.seconds,
+                seed=request.seed,
+                full_images=request.full_images,
+                report=report,
+            )
+        outcome, decisions = _replay(request, folder, rules)
+        comparison = _write_report(request, folder, rules, decisions)
+        (folder / MARKER).write_text(json.dumps(_settings(request), indent=2) + "\n", "utf-8")
+    return DemoOutcome(comparison=comparison, replay=outcome)
+
+
+def _replay(request: DemoRequest, folder: Path, rules: RuleText) -> tuple[ReplayOutcome, Sequence[Decision]]:
+    """The baseline under the rules."""
+    decisions: list[Decision] = []
+    rule_set = compile_rules([parse(rules.text, rules.path).file], resolve_topic)
+    with (
+        request.progress("Replaying it under the rules") as report,
+        decision_log(folder / DECISIONS) as log,
+        open_recording(folder / BASELINE) as recording,
+    ):
+
+        def decided(new: Sequence[Decision]) -> None:
+            decisions.extend(new)
+            log(new)
+
+        outcome = replay(
+            ReplayRequest(
+                recording=recording,
+                rule_set=rule_set,
+                output=folder / ADAPTIVE,
+                when_slow=request.when_slow,
+                decided=decided,
+                report=report,
+            )
+        )
+    return outcome, decisions
+
+
+def _write_report(
+    request: DemoRequest, folder: Path, rules: RuleText, decisions: Sequence[Decision]
+) -> Comparison:
+    """Measure both recordings as they lie on disk, and show them."""
+    baseline = measure_run(folder / BASELINE, odometry_topic=Topic.ODOM.value)
+    adaptive = measure_run(folder / ADAPTIVE, odometry_topic=Topic.ODOM.value)
+    comparison = compare_runs(baseline, adaptive, decisions)
+    page = demo_page(
+        baseline=baseline,
+        adaptive=adaptive,
+        comparison=comparison,
+        decisions=decisions,
+        rules=rules,
+        plan=warehouse(),
+        provenance=[Fact(label=label, value=str(value)) for label, value in _settings(request).items()],
+    )
+    (folder / REPORT).write_text(render_page(page), "utf-8")
+    return comparison
+
+
+def _settings(request: DemoRequest) -> dict[str, object]:
+    return {
+        "SmartTestudo": __version__,
+        "seconds": request.seconds,
+        "seed": request.seed,
+        "full images": request.full_images,
+        "when slow": request.when_slow.value,
+    }

@@ -1,0 +1,89 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a replay must know about the topics of its bag before it starts."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from smarttestudo.adirf.rule_set import RuleSet
+from smarttestudo.domain.errors import RecordingError, UsageError
+from smarttestudo.domain.names import is_topic_name
+from smarttestudo.domain.recording import Channel, MessageDecoder
+from smarttestudo.domain.signal import ArrivalProperty
+
+TOPIC_PLACEHOLDER = "{topic}"
+
+
+def require_decodable(channels: Sequence[Channel], rule_set: RuleSet, decoder: MessageDecoder) -> None:
+    """Raise ``RecordingError`` for a topic that a check reads and whose type nobody defines."""
+    read = topics_decoded(rule_set)
+    for channel in channels:
+        if channel.topic in read and not decoder.can_decode(channel):
+            raise RecordingError(
+                f"a check reads it, and the recording does not define its type {channel.type_name}",
+                place=channel.topic,
+                remedy="record it again with a ROS 2 that stores definitions, or leave out the check",
+            )
+
+
+def topics_decoded(rule_set: RuleSet) -> frozenset[str]:
+    """Topics of which checks read more than arrivals."""
+    return frozenset(
+        signal.topic for signal in rule_set.signals if ArrivalProperty.named(signal.property) is None
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReplayTopics:
+    """The channel of each topic that is recorded, and those that relayed topics are written to."""
+
+    sources: Mapping[str, Channel]
+    outputs: Mapping[str, Channel]
+
+
+def replay_topics(channels: Sequence[Channel], rule_set: RuleSet, output_topic: str) -> ReplayTopics:
+    """The topics of a replay; of a topic with two types, the first counts.
+
+    Raises ``UsageError`` where ``output_topic`` gives several topics one name, or a name that is none.
+    """
+    sources: dict[str, Channel] = {}
+    for channel in channels:
+        sources.setdefault(channel.topic, channel)
+    names = {topic: output_name(topic, output_topic) for topic in rule_set.relayed}
+    outputs = {
+        topic: replace(sources[topic], topic=name) for topic, name in names.items() if topic in sources
+    }
+    return ReplayTopics(sources=sources, outputs=outputs)
+
+
+def output_name(topic: str, pattern: str) -> str:
+    """The monitored topic of ``topic``.
+
+    Raises ``UsageError`` where ``pattern`` does not hold ``{topic}`` or makes no valid name of it.
+    """
+    if TOPIC_PLACEHOLDER not in pattern:
+        cause = f"{pattern!r} gives all topics the same name"
+        raise UsageError(cause, place="--output-topic", remedy="write it with {topic}, as in /testudo{topic}")
+    name = pattern.replace(TOPIC_PLACEHOLDER, topic)
+    if not name.startswith("/") or not is_topic_name(name):
+        cause = f"{name!r} is not a valid ROS 2 topic name"
+        raise UsageError(cause, place="--output-topic", remedy="write it as in /testudo{topic}")
+    return name
+
+
+def absent_topics(rule_set: RuleSet, recorded: Collection[str]) -> Iterator[str]:
+    """A notice for each topic of the rules that the recording does not hold."""
+    relayed = rule_set.relayed
+    for topic in relayed:
+        if topic not in recorded:
+            yield f"{topic}: not in the recording, so nothing of it is relayed"
+    watched = {signal.topic for signal in rule_set.signals}
+    for topic in sorted(watched.difference(recorded, relayed)):
+        yield f"{topic}: not in the recording, so checks of it stay unknown"
+
+
+def counted(count: int, noun: str) -> str:
+    """``count`` with ``noun``, which takes an s where it is not one."""
+    return f"{count:,} {noun}" if count == 1 else f"{count:,} {noun}s"

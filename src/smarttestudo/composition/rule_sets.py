@@ -1,0 +1,53 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Rule files on disk to one rule set."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from smarttestudo.adapters.files.rule_files import find_rule_files, read_rule_text
+from smarttestudo.adirf.checks import CheckContext, check_rules
+from smarttestudo.adirf.parser import parse
+from smarttestudo.adirf.rule_set import RuleSet, compile_rules
+from smarttestudo.domain.finding import Finding, Severity
+from smarttestudo.domain.names import resolve_topic
+from smarttestudo.domain.profile import Profile
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LoadedRules:
+    """What rule files mean together; ``rule_set`` is ``None`` where a finding is an error.
+
+    ``texts`` are the files as written, by path.
+    """
+
+    findings: tuple[Finding, ...]
+    rule_set: RuleSet | None
+    texts: Mapping[str, str]
+
+    @property
+    def errors(self) -> tuple[Finding, ...]:
+        """The findings that stop the files from being used."""
+        return tuple(finding for finding in self.findings if finding.severity is Severity.ERROR)
+
+
+def load_rules(
+    paths: Sequence[Path], *, profile: Profile | None = None, bag_topics: Mapping[str, str] | None = None
+) -> LoadedRules:
+    """Read, check and compile the rule files at ``paths``, which may be folders.
+
+    Topics resolve in the root namespace; ``bag_topics`` are the types of a recording's topics.
+
+    Raises:
+        RuleFileError: a file cannot be read at all.
+    """
+    texts = {str(path): read_rule_text(path) for path in find_rule_files(paths)}
+    results = [parse(text, path) for path, text in texts.items()]
+    context = CheckContext(resolve=resolve_topic, profile=profile, bag_topics=bag_topics)
+    findings = tuple(check_rules(results, context))
+    is_usable = all(finding.severity is not Severity.ERROR for finding in findings)
+    rule_set = compile_rules([result.file for result in results], resolve_topic) if is_usable else None
+    return LoadedRules(findings=findings, rule_set=rule_set, texts=texts)

@@ -1,0 +1,96 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""From one source to its monitored topic."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Hashable, Sequence
+from typing import NamedTuple, cast
+
+from smarttestudo.domain.observation import SourceChanged
+from smarttestudo.pacing.cdr import child_frames, header_stamp
+from smarttestudo.pacing.follower import Follower
+from smarttestudo.pacing.sample import Pass, Sample, StreamKind
+from smarttestudo.pacing.topic_pacer import TopicPacer
+from smarttestudo.runtime.execute.statistics import RelayStatistics
+
+
+class Relayed(NamedTuple):
+    """A message to publish now on the monitored topic of ``topic``; ``repeated``: it was relayed before.
+
+    ``payload`` and ``size_bytes`` are those of its arrival. A tuple, because one is made for all that passes.
+    """
+
+    topic: str
+    stamp_ns: int
+    payload: bytes
+    size_bytes: int
+    repeated: bool
+
+
+class Relay:
+    """The pacer of one topic, fed with what it must know of each message, and counts of what it lets pass.
+
+    A relay with a ``leader`` passes the stamps that the leader passes, and so aims at the leader's rate,
+    unless it is Off.
+    """
+
+    __slots__ = ("_kind", "_rate_hz", "_type_name", "followers", "leader", "pacer", "statistics", "topic")
+
+    def __init__(self, topic: str, pacer: TopicPacer | Follower, type_name: str, now_ns: int) -> None:
+        self.topic = topic
+        self.pacer = pacer
+        self.leader: Relay | None = None
+        self.followers: list[Relay] = []
+        self.statistics = RelayStatistics(now_ns)
+        self._rate_hz = math.inf
+        self._type_name = type_name
+        self._kind = StreamKind.of(type_name=type_name, transient_local=False)
+
+    @property
+    def target_hz(self) -> float:
+        """The rate that the relay aims at: infinite is Full, 0 is Off."""
+        if self.leader is None or self._rate_hz == 0:
+            return self._rate_hz
+        return self.leader.target_hz
+
+    def set_rate(self, rate_hz: float, now_ns: int) -> None:
+        """Take the plan's rate."""
+        self._rate_hz = rate_hz
+        self.pacer.set_rate(rate_hz, now_ns)
+        for relay in (self, *self.followers):
+            relay.statistics.target.change(relay.target_hz, now_ns)
+
+    def offer(self, payload: bytes, size_bytes: int, publisher: Hashable, now_ns: int) -> Sequence[Relayed]:
+        """What passes now that a message arrived."""
+        self.statistics.arrived.record(now_ns, size_bytes)
+        sample = Sample(payload=payload, size_bytes=size_bytes, publisher=publisher)
+        if self._kind is StreamKind.TRANSFORMS:
+            sample.frames = child_frames(payload)
+        if self.followers or self.leader:
+            sample.stamp = header_stamp(payload)
+        passes = self.pacer.offer(sample, now_ns)
+        return self._relayed(passes, now_ns) if passes else ()
+
+    def wake(self, now_ns: int) -> Sequence[Relayed]:
+        """What passes now without a message."""
+        return self._relayed(self.pacer.wake(now_ns), now_ns)
+
+    def change_source(self, change: SourceChanged, now_ns: int) -> Sequence[Relayed]:
+        """Take what is said of the source; what was held may pass then."""
+        self._type_name = change.type_name or self._type_name
+        self._kind = StreamKind.of(type_name=self._type_name, transient_local=change.transient_local)
+        if isinstance(self.pacer, Follower):
+            return ()
+        return self._relayed(self.pacer.set_kind(self._kind, now_ns), now_ns)
+
+    def _relayed(self, passes: Sequence[Pass], now_ns: int) -> list[Relayed]:
+        statistics = self.statistics
+        relayed = []
+        for sample, repeated in passes:
+            statistics.relayed.record(now_ns, sample.size_bytes)
+            statistics.repeated += repeated
+            payload = cast("bytes", sample.payload)
+            relayed.append(Relayed(self.topic, now_ns, payload, sample.size_bytes, repeated))
+        return relayed

@@ -1,0 +1,140 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""All relays."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
+
+from smarttestudo.domain.decision import Decision
+from smarttestudo.domain.observation import SourceChanged
+from smarttestudo.domain.profile import Profile, TopicProfile
+from smarttestudo.domain.units import ns_from_s
+from smarttestudo.pacing.follower import Follower, leaders
+from smarttestudo.pacing.sample import StreamKind, WhenSlow
+from smarttestudo.pacing.topic_pacer import TopicPacer
+from smarttestudo.runtime.execute.relay import Relay, Relayed
+from smarttestudo.runtime.execute.statistics import RelayStatistics
+from smarttestudo.runtime.knowledge.alarm_clock import AlarmClock
+
+
+class Relays:
+    """The relays of some topics, each woken when its pacer asks for it. Times are the clock's.
+
+    The cost of a message does not depend on how many topics there are.
+    """
+
+    def __init__(self, topics: Sequence[str], profile: Profile, when_slow: WhenSlow, now_ns: int) -> None:
+        self._relays = _relays(topics, profile, when_slow, now_ns)
+        self._alarms = AlarmClock()
+
+    @property
+    def next_wake_ns(self) -> int | None:
+        """A time before which no pacer has anything to relay by itself; it may come early."""
+        return self._alarms.next_ns
+
+    @property
+    def statistics(self) -> Mapping[str, RelayStatistics]:
+        """What each relay did so far."""
+        return {topic: relay.statistics for topic, relay in self._relays.items()}
+
+    @property
+    def discarded(self) -> Mapping[str, int]:
+        """Messages of topics paced with another one for which no decision of the leader was found."""
+        return {
+            topic: relay.pacer.discarded + relay.pacer.undecided
+            for topic, relay in self._relays.items()
+            if isinstance(relay.pacer, Follower)
+        }
+
+    def apply(self, decisions: Iterable[Decision], now_ns: int) -> None:
+        """Take the rates of a plan's changes."""
+        for decision in decisions:
+            relay = self._relays[decision.topic]
+            relay.set_rate(decision.planned.rate.hz, now_ns)
+            self._arm(relay)
+
+    def offer(
+        self, topic: str, payload: bytes, size_bytes: int, publisher: Hashable, now_ns: int
+    ) -> Sequence[Relayed]:
+        """What to relay now that a message arrived; nothing for topics without a relay."""
+        relay = self._relays.get(topic)
+        if relay is None:
+            return ()
+        relayed = relay.offer(payload, size_bytes, publisher, now_ns)
+        self._alarms.set(topic, relay.pacer.wake_ns)
+        return [*relayed, *_followed(relay, now_ns)] if relay.followers else relayed
+
+    def wake(self, now_ns: int) -> list[Relayed]:
+        """What to relay by ``now_ns`` without a message."""
+        relayed: list[Relayed] = []
+        for topic in self._alarms.take_due(now_ns):
+            relay = self._relays[topic]
+            relayed += relay.wake(now_ns)
+            self._arm(relay)
+            relayed += _followed(relay, now_ns)
+        return relayed
+
+    def change_source(self, change: SourceChanged, now_ns: int) -> Sequence[Relayed]:
+        """Take what is said of a source."""
+        relay = self._relays.get(change.topic)
+        if relay is None:
+            return ()
+        relayed = relay.change_source(change, now_ns)
+        self._arm(relay)
+        return [*relayed, *_followed(relay, now_ns)]
+
+    def restart(self, now_ns: int) -> list[Relayed]:
+        """Begin anew on a clock that jumped back to ``now_ns``."""
+        self._alarms = AlarmClock()
+        for topic in self._relays:
+            self._alarms.set(topic, now_ns)
+        return self.wake(now_ns)
+
+    def finish(self, now_ns: int) -> Iterator[Relayed]:
+        """No more messages come: what is still held back, each at its own time, from ``now_ns`` on."""
+        for relay in self._relays.values():
+            relay.statistics.target.account(now_ns)
+            relay.pacer.finish()
+            self._arm(relay)
+        while (at_ns := self._alarms.next_ns) is not None:
+            yield from self.wake(max(at_ns, now_ns))
+
+    def _arm(self, relay: Relay) -> None:
+        self._alarms.set(relay.topic, relay.pacer.wake_ns)
+
+
+def _followed(relay: Relay, now_ns: int) -> list[Relayed]:
+    """What passes of the topics that are paced with ``relay`` after something happened to it."""
+    return [
+        relayed
+        for follower in relay.followers
+        if follower.pacer.wake_ns is not None
+        for relayed in follower.wake(now_ns)
+    ]
+
+
+def _relays(topics: Sequence[str], profile: Profile, when_slow: WhenSlow, now_ns: int) -> dict[str, Relay]:
+    paced_with = {topic: leader for topic in topics if (leader := profile.topic(topic).paced_with)}
+    leader_of = leaders(paced_with, topics)
+    pacers = {topic: _pacer(profile.topic(topic), when_slow) for topic in topics if topic not in leader_of}
+    relays: dict[str, Relay] = {}
+    for topic in topics:
+        pacer: TopicPacer | Follower | None = pacers.get(topic)
+        if pacer is None:
+            pacer = Follower()
+            pacers[leader_of[topic]].add_follower(pacer)
+        relays[topic] = Relay(topic, pacer, profile.topic(topic).type_name or "", now_ns)
+    for topic, leader in leader_of.items():
+        relays[topic].leader = relays[leader]
+        relays[leader].followers.append(relays[topic])
+    return relays
+
+
+def _pacer(profile: TopicProfile, when_slow: WhenSlow) -> TopicPacer:
+    stale_after_s = profile.stale_after_s
+    return TopicPacer(
+        kind=StreamKind.of(type_name=profile.type_name or "", transient_local=False),
+        when_slow=when_slow,
+        stale_after_ns=None if stale_after_s is None else ns_from_s(stale_after_s),
+    )

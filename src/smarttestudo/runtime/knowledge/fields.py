@@ -1,0 +1,69 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The fields of a topic's messages that checks read."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+from smarttestudo.adirf.properties import Reader, value_reader
+from smarttestudo.domain.profile import LevelUnit
+from smarttestudo.domain.signal import Signal
+
+Reading = tuple[Signal, float | None]
+"""A signal's value; ``None`` is unknown."""
+
+
+class Fields:
+    """What the last message of one topic said, by signal; NaN and what is missing are left out.
+
+    Until the topic's type is known, properties are plain field paths.
+    """
+
+    __slots__ = ("_level_unit", "_readers", "_signals", "_type_name", "_values")
+
+    def __init__(self, signals: Sequence[Signal], type_name: str, level_unit: LevelUnit | None) -> None:
+        self._signals = signals
+        self._level_unit = level_unit
+        self._type_name = type_name
+        self._values: dict[Signal, float] = {}
+        self._readers = self._new_readers()
+
+    def __bool__(self) -> bool:
+        """Whether any field is read."""
+        return bool(self._signals)
+
+    def change_type(self, type_name: str) -> None:
+        """Read messages of another type from now on; an empty name changes nothing."""
+        if type_name not in {"", self._type_name}:
+            self._type_name = type_name
+            self._readers = self._new_readers()
+
+    def forget(self) -> None:
+        """The last message could not be read."""
+        self._values.clear()
+
+    def read(self, message: object) -> Iterator[Signal]:
+        """Take the fields of ``message``; yields the signals that it leaves unknown."""
+        self._values.clear()
+        for signal, reader in self._readers:
+            value = reader(message)
+            if math.isnan(value):
+                yield signal
+            else:
+                self._values[signal] = value
+
+    def readings(self) -> list[Reading]:
+        """The last values."""
+        return [(signal, self._values.get(signal)) for signal in self._signals]
+
+    def unknown_readings(self) -> list[Reading]:
+        """All signals as unknown."""
+        return [(signal, None) for signal in self._signals]
+
+    def _new_readers(self) -> list[tuple[Signal, Reader]]:
+        return [
+            (signal, value_reader(self._type_name, signal.property, self._level_unit))
+            for signal in self._signals
+        ]

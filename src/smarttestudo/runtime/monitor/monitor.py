@@ -1,0 +1,52 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Observations, and time alone, to values of signals."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from smarttestudo.domain.observation import Arrival, Observation, SourceChanged, Undecodable
+from smarttestudo.runtime.knowledge.fields import Reading
+from smarttestudo.runtime.knowledge.knowledge import Knowledge
+from smarttestudo.runtime.knowledge.watched_topic import WatchedTopic
+
+
+def monitor(knowledge: Knowledge, observations: Iterable[Observation], now_ns: int) -> list[Reading]:
+    """The values of the signals of every topic that was observed or that time alone changes.
+
+    ``now_ns`` is the steady time. Topics that no check reads cost a look-up.
+    """
+    touched: dict[str, WatchedTopic] = {}
+    for observation in observations:
+        watched = knowledge.watched.get(observation.topic)
+        if watched is not None:
+            touched[observation.topic] = watched
+            _take(knowledge, watched, observation, now_ns)
+    for topic in knowledge.watch_alarms.take_due(now_ns):
+        touched[topic] = knowledge.watched[topic]
+    readings: list[Reading] = []
+    for topic, watched in touched.items():
+        readings += watched.readings(now_ns)
+        knowledge.watch_alarms.set(topic, watched.next_change_ns(now_ns))
+    return readings
+
+
+def _take(knowledge: Knowledge, watched: WatchedTopic, observation: Observation, now_ns: int) -> None:
+    match observation:
+        case Arrival():
+            watched.source.record(now_ns)
+            watched.arrivals.record(now_ns, observation.size_bytes)
+            if watched.fields:
+                _read(knowledge, watched, observation)
+        case SourceChanged():
+            watched.source.change(observation)
+            watched.fields.change_type(observation.type_name)
+
+
+def _read(knowledge: Knowledge, watched: WatchedTopic, arrival: Arrival) -> None:
+    if arrival.message is None or isinstance(arrival.message, Undecodable):
+        watched.fields.forget()
+        knowledge.undecodable[arrival.topic] += 1
+    else:
+        knowledge.unknown_values.update(watched.fields.read(arrival.message))

@@ -1,0 +1,141 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The loop with its relays, as a recording and a live robot drive it alike."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
+
+from smarttestudo.adirf.rule_set import RuleSet
+from smarttestudo.domain.decision import Decision, PlannedRate
+from smarttestudo.domain.observation import Arrival, Observation, SourceChanged
+from smarttestudo.domain.profile import Profile
+from smarttestudo.domain.signal import Signal
+from smarttestudo.pacing.sample import WhenSlow
+from smarttestudo.runtime.execute.relay import Relayed
+from smarttestudo.runtime.execute.relays import Relays
+from smarttestudo.runtime.execute.statistics import RelayStatistics
+from smarttestudo.runtime.knowledge.knowledge import Knowledge
+from smarttestudo.runtime.step import step
+
+
+class RelayLoop:
+    """Steps the loop when something it watches happens, and paces every message by the plan.
+
+    The driver passes in all messages and the time, and calls ``on_wake`` when the clock reaches
+    ``next_wake_ns``, before a message of the same time. What comes back is to be published at once. Later
+    wakes only delay what they would have done. The clock may jump back: for the plan it then stood still
+    (``SteadyTime``), the pacers begin anew.
+    """
+
+    def __init__(
+        self, rule_set: RuleSet, profile: Profile, start_ns: int, when_slow: WhenSlow = WhenSlow.PASS
+    ) -> None:
+        self._knowledge = Knowledge(rule_set, profile, start_ns)
+        self._relays = Relays(rule_set.relayed, profile, when_slow, start_ns)
+        self._decisions: list[Decision] = []
+        self._now_ns = start_ns
+        self._step_ns: int | None = None
+        self._step((), start_ns)
+
+    @property
+    def next_wake_ns(self) -> int | None:
+        """When time alone may next relay something or change the plan; it may come early."""
+        step_ns, relays_ns = self._step_ns, self._relays.next_wake_ns
+        if step_ns is None or relays_ns is None:
+            return relays_ns if step_ns is None else step_ns
+        return min(step_ns, relays_ns)
+
+    @property
+    def plan(self) -> Mapping[str, PlannedRate]:
+        """The rate of each relayed topic, with its reason; a live view."""
+        return self._knowledge.plan
+
+    @property
+    def topics(self) -> Mapping[str, RelayStatistics]:
+        """What was done for each relayed topic."""
+        return self._relays.statistics
+
+    @property
+    def undecodable(self) -> Mapping[str, int]:
+        """Messages that checks would have read but that could not be decoded, by topic."""
+        return self._knowledge.undecodable
+
+    @property
+    def unknown_values(self) -> Mapping[Signal, int]:
+        """Messages that left a signal unknown: NaN, or no such field."""
+        return self._knowledge.unknown_values
+
+    @property
+    def discarded(self) -> Mapping[str, int]:
+        """Messages of topics paced with another one that met no decision of it."""
+        return self._relays.discarded
+
+    def reads(self, topic: str) -> bool:
+        """Whether a check reads fields of ``topic``, so that its messages must be decoded."""
+        watched = self._knowledge.watched.get(topic)
+        return watched is not None and bool(watched.fields)
+
+    def on_message(
+        self,
+        topic: str,
+        now_ns: int,
+        payload: bytes,
+        size_bytes: int,
+        *,
+        message: object | None = None,
+        publisher: Hashable = None,
+    ) -> Sequence[Relayed]:
+        """A message arrived, and is itself paced by the plan that it may change.
+
+        ``message`` is its decoded form, or ``Undecodable``, where ``reads`` asks for it.
+        """
+        restarted = self._restarted(now_ns)
+        if topic in self._knowledge.watched:
+            self._step((Arrival(topic=topic, size_bytes=size_bytes, message=message),), now_ns)
+        elif self._step_ns is not None and self._step_ns <= now_ns:
+            self._step((), now_ns)
+        woken = self._woken(now_ns)
+        relayed = self._relays.offer(topic, payload, size_bytes, publisher, now_ns)
+        return [*restarted, *woken, *relayed] if restarted or woken else relayed
+
+    def on_source(self, change: SourceChanged, now_ns: int) -> Sequence[Relayed]:
+        """The publishers, the durability or the type of a topic changed."""
+        restarted = self._restarted(now_ns)
+        self._step((change,), now_ns)
+        return [*restarted, *self._woken(now_ns), *self._relays.change_source(change, now_ns)]
+
+    def on_wake(self, now_ns: int) -> Sequence[Relayed]:
+        """Time passed."""
+        restarted = self._restarted(now_ns)
+        if self._step_ns is not None and self._step_ns <= now_ns:
+            self._step((), now_ns)
+        return [*restarted, *self._woken(now_ns)]
+
+    def take_decisions(self) -> list[Decision]:
+        """The decisions since the last call; at first, one for every relayed topic."""
+        decisions, self._decisions = self._decisions, []
+        return decisions
+
+    def finish(self, now_ns: int) -> Iterator[Relayed]:
+        """The recording ended at ``now_ns``: what is still held back, each at its time, by the last plan."""
+        return self._relays.finish(now_ns)
+
+    def _step(self, observations: Sequence[Observation], now_ns: int) -> None:
+        result = step(self._knowledge, observations, now_ns)
+        self._step_ns = result.next_wake_ns
+        if result.decisions:
+            self._decisions += result.decisions
+            self._relays.apply(result.decisions, now_ns)
+
+    def _woken(self, now_ns: int) -> Iterable[Relayed]:
+        wake_ns = self._relays.next_wake_ns
+        return () if wake_ns is None or wake_ns > now_ns else self._relays.wake(now_ns)
+
+    def _restarted(self, now_ns: int) -> Sequence[Relayed]:
+        """What a clock that jumped back sets free."""
+        jumped_back, self._now_ns = now_ns < self._now_ns, now_ns
+        if not jumped_back:
+            return ()
+        self._step((), now_ns)
+        return self._relays.restart(now_ns)

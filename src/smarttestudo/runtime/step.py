@@ -1,0 +1,45 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""One turn of the loop: monitor, analyze, plan."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+
+from smarttestudo.domain.decision import Decision, PlannedRate
+from smarttestudo.domain.observation import Observation
+from smarttestudo.runtime.analyze.analyze import analyze
+from smarttestudo.runtime.knowledge.knowledge import Knowledge
+from smarttestudo.runtime.monitor.monitor import monitor
+from smarttestudo.runtime.plan.plan import plan
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StepResult:
+    """The plan of all relayed topics, what changed in it, and when to step next.
+
+    ``plan`` is a live view of the knowledge. ``next_wake_ns`` is when time alone may next change the plan;
+    it may come early, never late, and stepping later than it does no harm. ``None``: only observations can.
+    """
+
+    plan: Mapping[str, PlannedRate]
+    decisions: tuple[Decision, ...]
+    next_wake_ns: int | None
+
+
+def step(knowledge: Knowledge, observations: Sequence[Observation], now_ns: int) -> StepResult:
+    """Take what was observed at ``now_ns``, then what time alone has changed by then.
+
+    The first step makes the first plan, with a decision for every relayed topic. A clock that jumps back
+    counts as one that stood still meanwhile (see ``SteadyTime``).
+    """
+    steady_ns = knowledge.time.advance(now_ns)
+    readings = monitor(knowledge, observations, steady_ns)
+    decisions = plan(knowledge, analyze(knowledge, readings), steady_ns)
+    return StepResult(
+        plan=MappingProxyType(knowledge.plan),
+        decisions=decisions,
+        next_wake_ns=knowledge.next_wake_ns,
+    )

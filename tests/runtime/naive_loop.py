@@ -1,0 +1,125 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""A second opinion on the whole loop: at each step, everything anew from the full history."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from itertools import pairwise
+
+from evaluator.naive_rules import NaiveWish, naive_blocks, naive_signals, naive_wish
+from smarttestudo.adirf.syntax import RuleFile
+from smarttestudo.domain.observation import Arrival, Observation, SourceChanged, Undecodable
+from smarttestudo.domain.signal import Signal
+
+SECOND = 1_000_000_000
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NaiveDecision:
+    t_ns: int
+    topic: str
+    before: NaiveWish | None
+    after: NaiveWish
+    values: dict[str, float | None]
+
+
+@dataclass(kw_only=True)
+class NaiveLoop:
+    """Time counts from the start and only forward; ``settle_ns`` and ``stale_after_ns`` as in the profile."""
+
+    files: Sequence[RuleFile]
+    topics: Sequence[str]
+    settle_ns: int
+    stale_after_ns: dict[str, int]
+    events: list[tuple[int, Observation]] = field(default_factory=list)
+    wishes: dict[str, list[tuple[int, NaiveWish]]] = field(default_factory=dict)
+    effective: dict[str, NaiveWish] = field(default_factory=dict)
+
+    def step(self, observations: Sequence[Observation], now: int) -> list[NaiveDecision]:
+        self.events += [(now, observation) for observation in observations]
+        values = self.values(now)
+        decisions = []
+        for topic in self.topics:
+            self.wishes.setdefault(topic, []).append((now, naive_wish(self.files, topic, values)))
+            before, after = self.effective.get(topic), self.settled(self.wishes[topic], now)
+            self.effective[topic] = after
+            if before is None or (before.height, before.place) != (after.height, after.place):
+                decisions.append(
+                    NaiveDecision(
+                        t_ns=now, topic=topic, before=before, after=after, values=self.read(after, values)
+                    )
+                )
+        return decisions
+
+    def peek(self, now: int) -> dict[str, NaiveWish]:
+        """What a step at ``now`` without observations would make effective."""
+        values = self.values(now)
+        return {
+            topic: self.settled([*self.wishes[topic], (now, naive_wish(self.files, topic, values))], now)
+            for topic in self.topics
+        }
+
+    def settled(self, wishes: Sequence[tuple[int, NaiveWish]], now: int) -> NaiveWish:
+        """The highest wish of the last ``settle_ns``, the latest among equals."""
+        ends = [start for start, _ in wishes[1:]] + [math.inf]
+        counting = [wish for (_, wish), end in zip(wishes, ends, strict=True) if now < end + self.settle_ns]
+        highest = max(wish.height for wish in counting)
+        return next(wish for wish in reversed(counting) if wish.height == highest)
+
+    def values(self, now: int) -> dict[Signal, float | None]:
+        signals = {s for block in naive_blocks(self.files) for s in naive_signals(block.condition)}
+        return {signal: self.value(signal, now) for signal in signals}
+
+    def read(self, wish: NaiveWish, values: dict[Signal, float | None]) -> dict[str, float | None]:
+        if wish.place is None:
+            return {}
+        condition = naive_blocks(self.files)[wish.place].condition
+        return {str(signal): values[signal] for signal in naive_signals(condition)}
+
+    def value(self, signal: Signal, now: int) -> float | None:
+        arrivals = [
+            (at, one) for at, one in self.events if isinstance(one, Arrival) and one.topic == signal.topic
+        ]
+        recent = [one for at, one in arrivals if now - 2 * SECOND < at <= now]
+        match signal.property:
+            case "rate":
+                return len(recent) / 2
+            case "bandwidth":
+                return sum(one.size_bytes for one in recent) / 1000 / 2
+            case "age":
+                return (now - (arrivals[-1][0] if arrivals else 0)) / SECOND
+        if not arrivals or self.is_gone(signal.topic) or self.is_stale(signal.topic, arrivals, now):
+            return None
+        message = arrivals[-1][1].message
+        if message is None or isinstance(message, Undecodable):
+            return None
+        value = getattr(message, signal.property, math.nan)
+        return None if math.isnan(value) else value
+
+    def is_gone(self, topic: str) -> bool:
+        """No publisher, or none was heard since the last time there was none."""
+        mine = [one for _, one in self.events if one.topic == topic]
+        changes = [one for one in mine if isinstance(one, SourceChanged)]
+        if changes and changes[-1].publishers == 0:
+            return True
+        for one in reversed(mine):
+            if isinstance(one, Arrival):
+                return False
+            if one.publishers == 0:
+                return True
+        return False
+
+    def is_stale(self, topic: str, arrivals: Sequence[tuple[int, Arrival]], now: int) -> bool:
+        age = now - arrivals[-1][0]
+        if topic in self.stale_after_ns:
+            return age > self.stale_after_ns[topic]
+        changes = [one for _, one in self.events if isinstance(one, SourceChanged) and one.topic == topic]
+        stamps = [at for at, _ in arrivals]
+        intervals = [late - early for early, late in pairwise(stamps)][-20:]
+        if (changes and changes[-1].transient_local) or len(intervals) < 3:
+            return False
+        return age > max(2 * SECOND, 5 * Fraction(sum(intervals), len(intervals)))
