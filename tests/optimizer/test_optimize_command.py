@@ -10,10 +10,11 @@ from pathlib import Path
 import pytest
 
 from optimizer import golden
-from optimizer.command import main, write_inspection, write_profile
+from optimizer.rule_files import write_inspection, write_profile
 from smarttestudo.adirf.checks import CheckContext, check_rules
 from smarttestudo.adirf.parser import parse
 from smarttestudo.adirf.syntax import SetFrequency
+from smarttestudo.cli.main import main
 from smarttestudo.domain.finding import Severity
 
 
@@ -21,7 +22,7 @@ def test_the_golden_file_gets_the_thesis_s_rates_and_keeps_its_text(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     rules, profile = write_inspection(tmp_path), write_profile(tmp_path, golden.AMPLE_KB_PER_S)
-    assert main("optimize", str(rules), "--profile", str(profile)) == 0
+    assert main(["optimize", str(rules), "--profile", str(profile)]) == 0
     first, *lines = capsys.readouterr().out.splitlines()
     assert first.startswith(
         "// Rates by testudo optimize: model quper, budget 275 000 KB/s, profile profile.toml"
@@ -53,7 +54,7 @@ end"""
 
 def test_json_has_the_golden_numbers(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     rules, profile = write_inspection(tmp_path), write_profile(tmp_path, golden.AMPLE_KB_PER_S)
-    assert main("optimize", str(rules), "--profile", str(profile), "--json") == 0
+    assert main(["optimize", str(rules), "--profile", str(profile), "--json"]) == 0
     answer = json.loads(capsys.readouterr().out)
     assert answer["defaults"] == golden.DEFAULTS_HZ
     (block,) = answer["blocks"]
@@ -68,7 +69,7 @@ def test_what_does_not_fit_is_explained_with_what_would(
 ) -> None:
     rules, profile = write_inspection(tmp_path), write_profile(tmp_path, golden.SCARCE_KB_PER_S)
     output = tmp_path / "out.adirf"
-    assert main("optimize", str(rules), "--profile", str(profile), "-o", str(output)) == 1
+    assert main(["optimize", str(rules), "--profile", str(profile), "-o", str(output)]) == 1
     printed = capsys.readouterr()
     assert printed.out == ""
     error, *hints = printed.err.splitlines()
@@ -86,7 +87,7 @@ def test_what_does_not_fit_is_explained_with_what_would(
 
 def test_what_does_not_fit_has_no_rates_in_json(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     rules, profile = write_inspection(tmp_path), write_profile(tmp_path, golden.SCARCE_KB_PER_S)
-    assert main("optimize", str(rules), "--profile", str(profile), "--json") == 1
+    assert main(["optimize", str(rules), "--profile", str(profile), "--json"]) == 1
     (block,) = json.loads(capsys.readouterr().out)["blocks"]
     assert block["rates"] is None
     assert block["feasible"] is False
@@ -97,7 +98,7 @@ def test_what_does_not_fit_has_no_rates_in_json(tmp_path: Path, capsys: pytest.C
 def test_the_change_that_is_proposed_fits(tmp_path: Path) -> None:
     rules = write_inspection(tmp_path, camera="Marginal")
     profile = write_profile(tmp_path, golden.SCARCE_KB_PER_S)
-    assert main("optimize", str(rules), "--profile", str(profile), "-o", str(tmp_path / "out.adirf")) == 0
+    assert main(["optimize", str(rules), "--profile", str(profile), "-o", str(tmp_path / "out.adirf")]) == 0
 
 
 LAYOUTS = {
@@ -121,7 +122,7 @@ def test_what_is_written_passes_the_checker_in_every_layout(text: str, tmp_path:
     rules, output = tmp_path / "rules.adirf", tmp_path / "out.adirf"
     rules.write_bytes(text.encode())
     profile = write_profile(tmp_path, golden.AMPLE_KB_PER_S)
-    assert main("optimize", str(rules), "--profile", str(profile), "-o", str(output)) == 0
+    assert main(["optimize", str(rules), "--profile", str(profile), "-o", str(output)]) == 0
     written = output.read_bytes().decode()
     assert written.count("\r\n") == (written.count("\n") if "\r\n" in text else 0)
     result = parse(written, "out.adirf")
@@ -135,8 +136,8 @@ def test_what_is_written_passes_the_checker_in_every_layout(text: str, tmp_path:
 def test_optimizing_what_was_written_changes_nothing_but_is_not_piled_up(tmp_path: Path) -> None:
     rules, output, again = write_inspection(tmp_path), tmp_path / "out.adirf", tmp_path / "again.adirf"
     profile = write_profile(tmp_path, golden.AMPLE_KB_PER_S)
-    main("optimize", str(rules), "--profile", str(profile), "-o", str(output))
-    main("optimize", str(output), "--profile", str(profile), "-o", str(again))
+    main(["optimize", str(rules), "--profile", str(profile), "-o", str(output)])
+    main(["optimize", str(output), "--profile", str(profile), "-o", str(again)])
     assert again.read_text() == output.read_text()
 
 
@@ -146,10 +147,10 @@ def test_only_named_appends_nothing_and_asks_what_full_costs(
     rules = tmp_path / "rules.adirf"
     rules.write_text("begin SetFrequency /odom Marginal end")
     profile = write_profile(tmp_path, golden.AMPLE_KB_PER_S)
-    assert main("optimize", str(rules), "--profile", str(profile), "--only-named") == 0
+    assert main(["optimize", str(rules), "--profile", str(profile), "--only-named"]) == 0
     assert capsys.readouterr().out.splitlines()[1] == "begin SetFrequency /odom 15 end"
     inspection = write_inspection(tmp_path)
-    assert main("optimize", str(inspection), "--profile", str(profile), "--only-named") == 1
+    assert main(["optimize", str(inspection), "--profile", str(profile), "--only-named"]) == 1
     assert 'error: [topics."/imu"] has no source_hz; add source_hz' in capsys.readouterr().err
 
 
@@ -159,7 +160,7 @@ def test_explain_says_what_holds_each_rate_and_what_one_more_mb_would_buy(
     rules = write_inspection(tmp_path, camera="Marginal")
     profile = write_profile(tmp_path, golden.SCARCE_KB_PER_S)
     output = tmp_path / "out.adirf"
-    assert main("optimize", str(rules), "--profile", str(profile), "--explain", "-o", str(output)) == 0
+    assert main(["optimize", str(rules), "--profile", str(profile), "--explain", "-o", str(output)]) == 0
     printed = capsys.readouterr().out
     assert "14 994.92 of 15 000 KB/s" in printed
     assert "One MB/s more would raise /camera/image_raw from 2.06 to 2.221 Hz." in printed
@@ -185,7 +186,7 @@ def test_bad_input_is_one_line_and_exit_code_1(
     path = tmp_path / "rules.adirf"
     path.write_text(rules)
     written = write_profile(tmp_path, golden.AMPLE_KB_PER_S, extra=profile)
-    assert main("optimize", str(path), "--profile", str(written)) == 1
+    assert main(["optimize", str(path), "--profile", str(written)]) == 1
     printed = capsys.readouterr()
     assert printed.out == ""
     assert error in printed.err.splitlines()[0]
@@ -196,9 +197,9 @@ def test_a_negative_budget_and_an_unreadable_profile_are_refused(
 ) -> None:
     rules = write_inspection(tmp_path)
     profile = write_profile(tmp_path, -1.0)
-    assert main("optimize", str(rules), "--profile", str(profile)) == 1
+    assert main(["optimize", str(rules), "--profile", str(profile)]) == 1
     assert (
         capsys.readouterr().err == f"{profile}:1:1: error: budget_kb_per_s must not be negative, it is -1\n"
     )
-    assert main("optimize", str(rules), "--profile", str(tmp_path)) == 1
+    assert main(["optimize", str(rules), "--profile", str(tmp_path)]) == 1
     assert capsys.readouterr().err.count("\n") == 1

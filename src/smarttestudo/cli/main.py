@@ -10,13 +10,13 @@ import sys
 from collections.abc import Sequence
 
 from smarttestudo import __version__
-from smarttestudo.cli import check, demo, fmt, replay
+from smarttestudo.cli import check, demo, fmt, optimize, replay
 from smarttestudo.domain.errors import TestudoError, UsageError
 
 EXIT_ERROR = 1
 EXIT_USAGE = 2
 EXIT_INTERRUPTED = 130
-STUDIO_PACKAGES = frozenset({"apsw", "mcap", "numpy", "PIL", "rich", "rosbags", "zstandard"})
+STUDIO_PACKAGES = frozenset({"apsw", "highspy", "mcap", "numpy", "PIL", "rich", "rosbags", "zstandard"})
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -52,7 +52,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"testudo {__version__}")
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    for command in (demo, check, fmt, replay):
+    for command in (demo, check, fmt, optimize, replay):
         command.add_parser(commands)
     return parser
 

@@ -1,16 +1,12 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""``testudo`` on files in a folder."""
+"""Files for ``testudo optimize``."""
 
 from __future__ import annotations
 
-import argparse
-import sys
 from pathlib import Path
 
 from optimizer import golden
-from smarttestudo.cli import optimize
-from smarttestudo.domain.errors import TestudoError
 
 INSPECTION = """\
 begin
@@ -22,19 +18,6 @@ begin
         SetFrequency /camera/image_raw {camera}
 end
 """
-
-
-def main(*argv: str) -> int:
-    """The exit code of the command; its output goes where it always goes."""
-    parser = argparse.ArgumentParser()
-    optimize.add_parser(parser.add_subparsers())
-    arguments = parser.parse_args(argv)
-    try:
-        code: int = arguments.run(arguments)
-    except TestudoError as error:
-        sys.stderr.write(f"{error}\n")
-        return 1
-    return code
 
 
 def write_inspection(folder: Path, *, camera: str = "Excessive") -> Path:
