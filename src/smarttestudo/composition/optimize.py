@@ -23,6 +23,7 @@ from smarttestudo.optimizer.greedy import GreedySolver
 from smarttestudo.optimizer.infeasibility import Infeasibility
 from smarttestudo.optimizer.model import Ask, Model
 from smarttestudo.optimizer.rewriting import rewrite
+from smarttestudo.optimizer.rule_asks import Undecided
 from smarttestudo.optimizer.rule_rates import Optimization, SolvedPart, optimize_rules, solve_part
 from smarttestudo.optimizer.wording import kb_text
 
@@ -90,7 +91,7 @@ def optimize(request: OptimizeRequest) -> OptimizeOutcome:
         resolve_topic,
         model=request.model,
         solver=GreedySolver(),
-        only_named=request.only_named,
+        undecided=Undecided.LEFT_OUT if request.only_named else Undecided.APPENDED,
     )
     rewritten = None
     if done.feasible:

@@ -12,17 +12,15 @@ from smarttestudo.adirf.normal_form import Resolve
 from smarttestudo.adirf.rule_set import RuleBlock, RuleSet, compile_rules, refuse_tier
 from smarttestudo.adirf.syntax import Block, RuleFile
 from smarttestudo.composition.optimize_changes import infeasible_parts
-from smarttestudo.composition.optimize_tiers import has_tiers
+from smarttestudo.composition.optimize_tiers import has_tiers, optimize_tiers
 from smarttestudo.domain.errors import ProfileError
 from smarttestudo.domain.finding import Finding, Severity
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.source import Span
-from smarttestudo.optimizer.greedy import GreedySolver
 from smarttestudo.optimizer.joint.check import JointCheck, Situation, Unproven, check_together
 from smarttestudo.optimizer.joint.loads import loads_of, missing_entries
-from smarttestudo.optimizer.model import Model
 from smarttestudo.optimizer.problem import fits
-from smarttestudo.optimizer.rule_rates import budget_of, optimize_rules
+from smarttestudo.optimizer.rule_rates import budget_of
 from smarttestudo.optimizer.wording import kb_text
 
 _MISSING_NAMED = 3
@@ -42,9 +40,7 @@ def budget_findings(
     tier_rates = refuse_tier
     if has_tiers(files):
         try:
-            done = optimize_rules(
-                files, profile, resolve, model=Model.QUPER, solver=GreedySolver(), only_named=True
-            )
+            done = optimize_tiers(files, profile, resolve)
         except ProfileError as error:
             return [reporter.incomplete(error)]
         if not done.feasible:
@@ -126,10 +122,8 @@ class _Reporter:
 
     def _start_up(self, checked: JointCheck, rule_set: RuleSet) -> Finding:
         load = checked.start_up_kb_per_s
-        cause = (
-            "while nothing is known, blocks count as far as they ask for more: " if rule_set.blocks else ""
-        )
-        message = f"at start-up {cause}the topics take {kb_text(load)} KB/s, {self._over(load)}"
+        cause = ", while nothing is known and every block may hold," if rule_set.blocks else ""
+        message = f"at start-up{cause} the topics take {kb_text(load)} KB/s, {self._over(load)}"
         hint = "run with --budget, which cuts rates by priority, or lower the highest rates"
         return self._finding("start-up-over-budget", Severity.WARNING, message, hint=hint)
 

@@ -15,7 +15,8 @@ from smarttestudo.domain.tier import Tier
 from smarttestudo.optimizer.greedy import GreedySolver
 from smarttestudo.optimizer.infeasibility import infeasibility
 from smarttestudo.optimizer.model import Model
-from smarttestudo.optimizer.rule_rates import optimize_rules
+from smarttestudo.optimizer.rule_asks import Undecided
+from smarttestudo.optimizer.rule_rates import Optimization, optimize_rules
 
 
 def has_tiers(files: Sequence[RuleFile]) -> bool:
@@ -28,24 +29,30 @@ def has_tiers(files: Sequence[RuleFile]) -> bool:
     )
 
 
-def tier_rates_for(files: Sequence[RuleFile], profile: Profile | None, resolve: Resolve) -> TierRates:
-    """The rates that the quper model gives the levels in ``files``, for ``compile_rules``.
+def optimize_tiers(files: Sequence[RuleFile], profile: Profile, resolve: Resolve) -> Optimization:
+    """The rates of the levels in ``files``, the same that ``testudo optimize`` writes.
 
-    Only the topics that the files name are relayed, so only those count towards the budget. Without a profile
-    every level is refused. Raises ``RuleFileError`` for what does not fit, ``ProfileError`` for what the
-    profile lacks.
+    Topics of the profile that the files do not name count, too, as far as the profile has what that needs.
+    """
+    return optimize_rules(
+        files, profile, resolve, model=Model.QUPER, solver=GreedySolver(), undecided=Undecided.COUNTED
+    )
+
+
+def tier_rates_for(files: Sequence[RuleFile], profile: Profile | None, resolve: Resolve) -> TierRates:
+    """The rates of the levels in ``files``, for ``compile_rules``; without a profile every level is refused.
+
+    Raises ``RuleFileError`` for what does not fit, ``ProfileError`` for what the profile lacks.
     """
     if profile is None or not has_tiers(files):
         return refuse_tier
-    optimization = optimize_rules(
-        files, profile, resolve, model=Model.QUPER, solver=GreedySolver(), only_named=True
-    )
-    for part in optimization.parts:
+    done = optimize_tiers(files, profile, resolve)
+    for part in done.parts:
         if not part.feasible:
-            refused = infeasibility(part, optimization.budget_kb_per_s, None, model=optimization.model)
+            refused = infeasibility(part, done.budget_kb_per_s, None, model=done.model)
             raise RuleFileError(
                 refused.message,
                 place=part.part.place,
                 remedy="testudo optimize says which changes would fit",
             )
-    return optimization.tier_rate
+    return done.tier_rate

@@ -44,7 +44,8 @@ class ChangeFinder(Protocol):
     ) -> Sequence[tuple[Reduction, ...]]:
         """Up to ``count`` sets, at most one reduction of a topic in each, that save ``excess`` or more.
 
-        Fewest topics first, then fewest steps; no set's topics hold all topics of an earlier set.
+        Fewest topics first, then the mildest (the least sum of squared steps); no set's topics hold all
+        topics of an earlier set.
         """
 
 

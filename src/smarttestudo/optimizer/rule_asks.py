@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from enum import Enum
 
 from smarttestudo.adirf.normal_form import Resolve
 from smarttestudo.adirf.syntax import Block, KeepAtLeast, RateWord, RuleFile, SetFrequency
@@ -17,6 +18,14 @@ from smarttestudo.optimizer.model import Ask, TopicNeeds, needs_of
 
 StatementKey = tuple[str, Span]
 """A file's path and where its rate is written: what a statement is known by."""
+
+
+class Undecided(Enum):
+    """What becomes of topics for which the files have no default."""
+
+    APPENDED = "every one in the profile gets Unacceptable, as a default"
+    COUNTED = "the same, but only where the profile has what that needs"
+    LEFT_OUT = "none; those that the files relay are Full, and count as such"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -49,25 +58,23 @@ class RuleAsks:
 
 
 def collect_asks(
-    files: Sequence[RuleFile], profile: Profile, resolve: Resolve, *, only_named: bool
+    files: Sequence[RuleFile], profile: Profile, resolve: Resolve, undecided: Undecided
 ) -> RuleAsks:
     """What ``files``, which have no errors, ask of the topics in ``profile``.
 
-    A topic of the profile without a default is asked for at Unacceptable, as if the files said so, unless
-    ``only_named``; then a topic that blocks or floors name and no default does counts with its source's rate.
     Raises ``ProfileError`` where the profile lacks a topic of the rules or an entry that is needed.
     """
-    return _Collector(files=files, profile=profile, resolve=resolve, only_named=only_named).asks()
+    return _Collector(files=files, profile=profile, resolve=resolve, undecided=undecided).asks()
 
 
 class _Collector:
     def __init__(
-        self, *, files: Sequence[RuleFile], profile: Profile, resolve: Resolve, only_named: bool
+        self, *, files: Sequence[RuleFile], profile: Profile, resolve: Resolve, undecided: Undecided
     ) -> None:
         self._files = files
         self._profile = profile
         self._resolve = resolve
-        self._only_named = only_named
+        self._undecided = undecided
         self._floors_hz: dict[str, float] = {}
         for _, statement in self._statements():
             if isinstance(statement, KeepAtLeast) and isinstance(statement.rate.value, int | float):
@@ -93,17 +100,20 @@ class _Collector:
             (path, statement) for path, statement in self._statements() if isinstance(statement, SetFrequency)
         ]
         asks = dict(self._ask(statement) for _, statement in written)
+        appended = tuple(
+            topic for topic in self._profile.topics if topic not in asks and self._appends(topic)
+        )
+        asks.update((topic, self._ask_for(topic, Tier.UNACCEPTABLE)) for topic in appended)
         relayed = dict.fromkeys([*self._floors_hz, *(topic for part in blocks for topic in part.asks)])
-        appended: tuple[str, ...] = ()
-        if self._only_named:
-            for topic in relayed:
-                if topic not in asks:
-                    asks[topic] = self._ask_for(topic, RateWord.FULL)
-        else:
-            appended = tuple(topic for topic in self._profile.topics if topic not in asks)
-            asks.update((topic, self._ask_for(topic, Tier.UNACCEPTABLE)) for topic in appended)
+        asks.update((topic, self._ask_for(topic, RateWord.FULL)) for topic in relayed if topic not in asks)
         path, span = next(iter((path, one.span) for path, one in written), self._start())
         return self._part(None, path, span, asks, written), appended
+
+    def _appends(self, topic: str) -> bool:
+        if self._undecided is Undecided.COUNTED:
+            entry = self._profile.topic(topic)
+            return entry.message_kb is not None and entry.tiers_hz is not None
+        return self._undecided is Undecided.APPENDED
 
     def _start(self) -> tuple[str, Span]:
         first = self._files[0]

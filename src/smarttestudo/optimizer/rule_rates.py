@@ -16,7 +16,7 @@ from smarttestudo.domain.rate import Rate
 from smarttestudo.optimizer.allocation import best_rates, rounded_down
 from smarttestudo.optimizer.model import Model
 from smarttestudo.optimizer.problem import Solver, fits, used_kb_per_s
-from smarttestudo.optimizer.rule_asks import Part, RuleAsks, StatementKey, collect_asks
+from smarttestudo.optimizer.rule_asks import Part, RuleAsks, StatementKey, Undecided, collect_asks
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -85,10 +85,10 @@ def optimize_rules(
     *,
     model: Model,
     solver: Solver,
-    only_named: bool = False,
+    undecided: Undecided = Undecided.APPENDED,
 ) -> Optimization:
     """The rates of every level in ``files``, which have no errors; ``ProfileError`` for what is missing."""
-    asks = collect_asks(files, profile, resolve, only_named=only_named)
+    asks = collect_asks(files, profile, resolve, undecided)
     return solve_asks(asks, budget_of(profile), model=model, solver=solver)
 
 

@@ -11,8 +11,6 @@ from smarttestudo.adapters.solver.linear_program import LinearProgram, Row, maxi
 from smarttestudo.optimizer.changes import Reduction
 from smarttestudo.optimizer.problem import fits
 
-_TOPIC_WEIGHT = 1000.0
-
 
 class HighsChangeFinder:
     """The smallest changes by an integer program: one binary column for each reduction."""
@@ -27,9 +25,11 @@ class HighsChangeFinder:
         saved = {column: one.saved_kb_per_s / excess_kb_per_s for column, one in enumerate(reductions)}
         rows: list[Row] = [(saved, 1.0, math.inf)]
         rows += [(dict.fromkeys(columns, 1.0), -math.inf, 1.0) for columns in by_topic.values()]
+        # One topic more weighs more than the steepest reductions of all topics.
+        topic_weight = 1 + len(by_topic) * max((one.steps**2 for one in reductions), default=0)
+        costs = [-float(topic_weight + one.steps**2) for one in reductions]
         found: list[tuple[Reduction, ...]] = []
         while len(found) < count:
-            costs = [-(_TOPIC_WEIGHT + reduction.steps) for reduction in reductions]
             solved = maximise(
                 LinearProgram(costs=costs, upper=[1.0] * len(reductions), rows=rows, integral=True)
             )

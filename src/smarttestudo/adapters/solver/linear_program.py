@@ -46,6 +46,7 @@ def maximise(program: LinearProgram) -> Optimum | None:
     highs.setOptionValue("output_flag", False)  # noqa: FBT003
     highs.setOptionValue("primal_feasibility_tolerance", _FEASIBILITY_TOLERANCE)
     highs.setOptionValue("mip_feasibility_tolerance", _FEASIBILITY_TOLERANCE)
+    highs.setOptionValue("mip_rel_gap", 0.0)
     highs.passModel(_highs_model(program))
     highs.run()
     status = highs.getModelStatus()
