@@ -11,8 +11,8 @@ from smarttestudo.optimizer.problem import Allocation, Budget, Demand, fits
 
 _SIGNIFICANT_DIGITS = 12
 
-_Stretch = tuple[int, float, float, float]
-"""The demand's index, the width in Hz, the cost in KB/s, the gain."""
+Stretch = tuple[float, int, float, float]
+"""The gain for each KB, the index of the topic, the width in Hz, the cost in KB/s."""
 
 
 class GreedySolver:
@@ -33,37 +33,47 @@ def allocate(demands: Sequence[Demand], budget_kb_per_s: float) -> Allocation | 
     least_kb_per_s = math.fsum(demand.size_kb * demand.least_hz for demand in demands)
     if not fits(least_kb_per_s, budget_kb_per_s):
         return None
-    left = max(0.0, budget_kb_per_s - least_kb_per_s)
     rates = [demand.least_hz for demand in demands]
-    gains: list[float] = []
-    price = 0.0
-    for density, stretches in _by_density(demands):
-        cost = math.fsum(stretch[2] for stretch in stretches)
-        share = 1.0 if fits(cost, left) else left / cost
-        for index, width_hz, _, gain in stretches:
-            rates[index] += share * width_hz
-            gains.append(share * gain)
-        left = max(0.0, left - cost)
-        if share < 1.0:
-            price = density
-            break
+    stretches = [
+        (_density(piece.gain_per_hz, demand.size_kb), index, piece.width_hz, piece.width_hz * demand.size_kb)
+        for index, demand in enumerate(demands)
+        for piece in demand.pieces
+        if piece.gain_per_hz > 0 and piece.width_hz > 0
+    ]
+    price = fill(rates, stretches, max(0.0, budget_kb_per_s - least_kb_per_s))
     return Allocation(
         rates_hz={demand.topic: rate for demand, rate in zip(demands, rates, strict=True)},
-        gain=math.fsum(gains),
+        gain=math.fsum(_gain(demand, rate) for demand, rate in zip(demands, rates, strict=True)),
         price=price,
     )
 
 
-def _by_density(demands: Sequence[Demand]) -> list[tuple[float, list[_Stretch]]]:
-    """The stretches worth filling by gain per KB, best first; equal ones together."""
-    groups: dict[float, list[_Stretch]] = {}
-    for index, demand in enumerate(demands):
-        for piece in demand.pieces:
-            if piece.gain_per_hz > 0 and piece.width_hz > 0:
-                width_hz = piece.width_hz
-                stretch = (index, width_hz, width_hz * demand.size_kb, width_hz * piece.gain_per_hz)
-                groups.setdefault(_density(piece.gain_per_hz, demand.size_kb), []).append(stretch)
-    return sorted(groups.items(), reverse=True)
+def fill(rates_hz: list[float], stretches: list[Stretch], left_kb_per_s: float) -> float:
+    """Raise ``rates_hz`` along ``stretches`` while KB/s are left, best gain first, equal gains by one share.
+
+    Returns the price: the gain of the next KB, 0 where all stretches are filled.
+    """
+    groups: dict[float, list[Stretch]] = {}
+    for stretch in stretches:
+        groups.setdefault(stretch[0], []).append(stretch)
+    for density in sorted(groups, reverse=True):
+        cost = math.fsum(stretch[3] for stretch in groups[density])
+        share = 1.0 if fits(cost, left_kb_per_s) else left_kb_per_s / cost
+        for _, index, width_hz, _ in groups[density]:
+            rates_hz[index] += share * width_hz
+        if share < 1.0:
+            return density
+        left_kb_per_s = max(0.0, left_kb_per_s - cost)
+    return 0.0
+
+
+def _gain(demand: Demand, rate_hz: float) -> float:
+    """What ``rate_hz`` is worth above the lowest rate."""
+    gain, above_hz = 0.0, rate_hz - demand.least_hz
+    for piece in demand.pieces:
+        gain += piece.gain_per_hz * min(piece.width_hz, above_hz)
+        above_hz = max(0.0, above_hz - piece.width_hz)
+    return gain
 
 
 def _density(gain_per_hz: float, size_kb: float) -> float:
