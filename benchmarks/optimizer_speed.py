@@ -2,8 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """How fast OBI is, against the thesis's way (PuLP with CBC, one solve a block) in the same run.
 
-pip install pulp
-python benchmarks/optimizer_speed.py
+Run it with ``python benchmarks/optimizer_speed.py``.
 """
 
 from __future__ import annotations
