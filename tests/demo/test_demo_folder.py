@@ -70,15 +70,30 @@ def test_what_no_demo_made_is_never_replaced(kind: str, tmp_path: Path) -> None:
 def test_a_folder_that_cannot_be_made_is_named(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
 
-    with pytest.raises(DemoFolderError, match="file/demo-out: error: cannot be written"):
+    with pytest.raises(
+        DemoFolderError, match=r"file/demo-out: error: cannot be written: File exists \(.*file\)"
+    ):
         _make(tmp_path / "file" / "demo-out", "new")
 
 
 def test_a_disk_that_is_too_small_is_refused_before_anything_is_written(tmp_path: Path) -> None:
     with (
-        pytest.raises(DemoFolderError, match=r"needs 10000000\.0 GB"),
+        pytest.raises(DemoFolderError, match=r"needs 10,000,000,000 MB"),
         demo_folder(tmp_path / "out", needed_bytes=10**16),
     ):
         pass
+
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_file_that_cannot_be_written_is_one_clear_error(tmp_path: Path) -> None:
+    def fill() -> None:
+        with demo_folder(tmp_path / "demo-out", needed_bytes=0) as work:
+            (work / "no-such-folder" / "report.html").write_text("")
+
+    with pytest.raises(
+        DemoFolderError, match=r"demo-out: error: cannot be written: No such file.*report\.html"
+    ):
+        fill()
 
     assert list(tmp_path.iterdir()) == []

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from importlib.resources import files
+from pathlib import Path
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -25,6 +26,12 @@ def _rules() -> RuleSet:
     result = parse(_text(), "warehouse.adirf")
     assert result.findings == ()
     return compile_rules([result.file], resolve_topic)
+
+
+def test_the_rules_are_the_example_of_that_name() -> None:
+    examples = Path(__file__).parents[2] / "examples"
+
+    assert (examples / "warehouse.adirf").read_text("utf-8") == _text()
 
 
 def test_the_rules_are_as_the_formatter_leaves_them() -> None:

@@ -44,7 +44,7 @@ def wish_of(evaluator: Evaluator, topic: str) -> NaiveWish:
     )
 
 
-@settings(max_examples=300)
+@settings(max_examples=200)
 @given(rule_files(SIGNALS, BORDERS), changes)
 def test_wishes_truths_and_values_agree_with_plain_recursion_after_every_change(
     files: list[RuleFile], steps: list[dict[Signal, float | None]]

@@ -56,6 +56,8 @@ class LoopDriver:
 
     def wait_until(self, at_ns: int) -> None:
         while (wake_ns := self.loop.next_wake_ns) is not None and wake_ns <= at_ns:
+            assert wake_ns >= self.now_ns
+            self.now_ns = wake_ns
             self.keep(self.loop.on_wake(wake_ns))
         self.now_ns = at_ns
 

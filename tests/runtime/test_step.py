@@ -159,7 +159,7 @@ profiles = st.builds(
 )
 
 
-@settings(max_examples=300)
+@settings(max_examples=200)
 @given(rule_files(SIGNALS, BORDERS, max_blocks=5), profiles, moments)
 def test_plans_and_decisions_agree_with_a_naive_loop(
     files: list[RuleFile], profile: Profile, scenario: list[Moment]

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from smarttestudo.simulation.floor_plan import FloorPlan, Obstacle, ObstacleKind, Rectangle
@@ -42,6 +42,7 @@ def _slab_distance_m(plan: FloorPlan, origin: Point, bearing_rad: float) -> floa
 
 
 @settings(max_examples=30, deadline=None)
+@example(place=Point(0.0, 0.0), turn_rad=5e-324)
 @given(place=FREE_PLACES, turn_rad=st.floats(0, math.tau))
 def test_casting_agrees_with_clipping_each_ray_against_each_box(place: Point, turn_rad: float) -> None:
     plan = warehouse()

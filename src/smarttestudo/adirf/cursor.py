@@ -28,7 +28,7 @@ SAFE_PLACES = frozenset(
 )
 """Where parsing can go on after an error."""
 
-_SAFE_WORDS = {kind.value.casefold(): kind.value for kind in KEYWORDS.values() if kind in SAFE_PLACES}
+_SAFE_WORDS = tuple(word for word, kind in KEYWORDS.items() if kind in SAFE_PLACES)
 
 
 class BrokenStatementError(Exception):
@@ -79,8 +79,6 @@ class Cursor:
         """Read the next token if it is of ``kind``."""
         return self.advance() if self.kind is kind else None
 
-    # Findings
-
     def begin_statement(self) -> None:
         """From here on a finding is about another statement; one a statement is reported."""
         if self._mended is None:
@@ -128,21 +126,15 @@ class Cursor:
         if token.kind not in (TokenKind.WORD, TokenKind.FOREIGN):
             return False
         kind = KEYWORDS.get(closest(token.text, KEYWORDS) or "")
-        if kind not in kinds:
+        if kind is None or kind not in kinds:
             return False
-        self.mend_as(code, expected, kind)
+        fix = Fix(span=token.span, replacement=kind.value, title=f"write '{kind.value}'")
+        self.report_found(code, expected, hint=did_you_mean(kind.value), fix=fix)
+        self._mended = replace(token, kind=kind)
         return True
 
-    def mend_as(self, code: str, expected: str, kind: TokenKind, text: str | None = None) -> None:
-        """Report the next token as a misspelling, and let it count as ``kind``, spelt ``text``."""
-        token = self.token
-        right = text or kind.value
-        fix = Fix(span=token.span, replacement=right, title=f"write '{right}'")
-        self.report_found(code, expected, hint=did_you_mean(right), fix=fix)
-        self._mended = replace(token, kind=kind)
-
     def skip_to(self, kinds: Collection[TokenKind]) -> None:
-        """Skip to the next token of ``kinds``, or of a spelling close to one where it starts a line."""
+        """Skip to the next token of ``kinds``, or of a spelling close to one."""
         while self.kind not in kinds and not self._looks_like(kinds):
             if self.kind is TokenKind.END_OF_FILE:
                 return
@@ -152,9 +144,7 @@ class Cursor:
         token = self.token
         if token.kind is not TokenKind.WORD:
             return False
-        right = _SAFE_WORDS.get(token.text.casefold())
-        if right is None and token.starts_line:
-            right = closest(token.text, _SAFE_WORDS.values())
+        right = closest(token.text, _SAFE_WORDS)
         return right is not None and KEYWORDS[right] in kinds
 
     def _slashes_hint(self) -> str:
@@ -162,8 +152,6 @@ class Cursor:
         if beside is not None and beside.span.column == self.previous.end.column:
             return "'//' starts a comment; no name holds it"
         return ""
-
-    # Trivia
 
     def take_above(self) -> tuple[Comment, ...]:
         """The comments up to the token read last, without the one beside it, which goes to what follows."""

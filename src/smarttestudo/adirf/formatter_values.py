@@ -16,6 +16,7 @@ def number_text(value: float) -> str:
 def rate_text(rate: RateExpression) -> str:
     """The rate as written, or as one would write it where the tree holds no spelling."""
     if isinstance(rate.value, Tier | RateWord):
-        return rate.value.value
+        name: str = rate.value.value
+        return name
     unit = " Hz" if rate.has_unit else ""
     return f"{rate.text or number_text(rate.value)}{unit}"

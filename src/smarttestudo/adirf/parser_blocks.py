@@ -6,12 +6,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from smarttestudo.adirf.comments import NO_TRIVIA, Trivia, label_in
+from smarttestudo.adirf.comments import NO_TRIVIA, Comment, Trivia, label_in
 from smarttestudo.adirf.cursor import SAFE_PLACES, BrokenStatementError, Cursor
 from smarttestudo.adirf.parser_conditions import parse_condition
 from smarttestudo.adirf.parser_headings import RuleLine, parse_rule_line
 from smarttestudo.adirf.parser_values import parse_rate, parse_topic
-from smarttestudo.adirf.syntax import Block, Condition, SetFrequency
+from smarttestudo.adirf.syntax import And, Block, Condition, Not, Or, SetFrequency
 from smarttestudo.adirf.tokens import CONNECTIVES, Token, TokenKind
 from smarttestudo.domain.finding import Fix
 
@@ -40,6 +40,11 @@ class _Head:
     if_trivia: Trivia
     then_trivia: Trivia
 
+    @property
+    def comments(self) -> tuple[Comment, ...]:
+        """The comments above the block, where the formatter puts those before its first check, too."""
+        return (*self.trivia.above, *comments_above(self.condition))
+
 
 def parse_set(cursor: Cursor) -> SetFrequency:
     """``SetFrequency TOPIC rate``."""
@@ -56,10 +61,13 @@ def parse_block(cursor: Cursor) -> Block | None:
     first = cursor.token
     head = _head_or_recover(cursor)
     then = parse_sets(cursor, after_error=head is None)
-    otherwise, else_trivia, end_if_trivia = (), NO_TRIVIA, NO_TRIVIA
+    otherwise: tuple[SetFrequency, ...] = ()
+    else_trivia = end_if_trivia = NO_TRIVIA
     if started := cursor.take(TokenKind.ELSE):
         else_trivia = cursor.take_trivia(started)
+        cursor.begin_statement()
         otherwise = parse_sets(cursor, after_error=head is None)
+        _refuse_more_else(cursor)
     if ended := cursor.take(TokenKind.END_IF):
         cursor.is_block_open = False
         end_if_trivia = cursor.take_trivia(ended)
@@ -68,7 +76,7 @@ def parse_block(cursor: Cursor) -> Block | None:
     return Block(
         name=head.rule.name,
         priority=head.rule.priority,
-        label=head.rule.name or label_in(head.trivia.above) or f"block at line {first.line}",
+        label=head.rule.name or label_in(head.comments) or f"block at line {first.line}",
         condition=head.condition,
         then=then,
         otherwise=otherwise,
@@ -80,6 +88,14 @@ def parse_block(cursor: Cursor) -> Block | None:
         else_trivia=else_trivia,
         end_if_trivia=end_if_trivia,
     )
+
+
+def _refuse_more_else(cursor: Cursor) -> None:
+    while cursor.kind is TokenKind.ELSE:
+        cursor.begin_statement()
+        cursor.report("stray-keyword", "the block has an 'Else' already")
+        cursor.advance()
+        parse_sets(cursor, after_error=True)
 
 
 def parse_sets(cursor: Cursor, *, after_error: bool) -> tuple[SetFrequency, ...]:
@@ -103,6 +119,17 @@ def parse_sets(cursor: Cursor, *, after_error: bool) -> tuple[SetFrequency, ...]
     if not statements and not is_broken:
         cursor.report_missing("expected-statement", "'SetFrequency'", hint=_nesting_hint(cursor))
     return tuple(statements)
+
+
+def comments_above(condition: Condition) -> tuple[Comment, ...]:
+    """The comments before the first check or parenthesis of ``condition``."""
+    match condition:
+        case And() | Or():
+            return comments_above(condition.operands[0])
+        case Not():
+            return (*condition.trivia.above, *comments_above(condition.operand))
+        case _:
+            return condition.trivia.above
 
 
 def _nesting_hint(cursor: Cursor) -> str:

@@ -10,7 +10,7 @@ from smarttestudo.adirf.parser_values import parse_number, parse_topic
 from smarttestudo.adirf.properties.field_path import is_field_path
 from smarttestudo.adirf.suggestions import closest, did_you_mean
 from smarttestudo.adirf.syntax import And, Check, Condition, Group, Not, Operator, Or
-from smarttestudo.adirf.tokens import CONNECTIVES, KEYWORDS, Token, TokenKind
+from smarttestudo.adirf.tokens import CONNECTIVES, Token, TokenKind
 from smarttestudo.domain.finding import Fix
 
 MAX_NESTING = 100
@@ -117,10 +117,11 @@ def _property(cursor: Cursor, topic: str) -> Token:
     if token.kind in (TokenKind.OPERATOR, TokenKind.NUMBER):
         hint = f"for instance {topic} age"
         raise cursor.failure("expected-property", expected, hint=hint)
-    if token.text in KEYWORDS and not token.starts_line:
-        raise cursor.failure(
-            "expected-property", expected, hint=f"a field of this name is reached by msg.{token.text}"
-        )
+    if token.kind in (TokenKind.BEGIN, TokenKind.END) and not token.starts_line:
+        hint = f"a field of this name is reached by msg.{token.text}"
+        cursor.report_found("expected-property", expected, hint=hint)
+        cursor.advance()
+        raise BrokenStatementError
     if token.kind is not TokenKind.WORD:
         raise cursor.failure("expected-property", expected)
     if not is_field_path(token.text):

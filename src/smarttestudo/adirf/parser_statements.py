@@ -19,6 +19,7 @@ _EXPECTED_TEXT = "a statement ('SetFrequency', 'KeepAtLeast', 'Rule' or 'If') or
 def parse_statements(cursor: Cursor) -> tuple[Statement, ...]:
     """The whole statements up to ``end``, the next ``begin`` or the end of the file."""
     statements: list[Statement] = []
+    cursor.is_block_open = False
     while cursor.kind not in _ENDS:
         cursor.begin_statement()
         if cursor.is_block_open and cursor.kind is TokenKind.KEEP_AT_LEAST:

@@ -8,7 +8,7 @@ import math
 import re
 
 from smarttestudo.adirf.cursor import Cursor
-from smarttestudo.adirf.suggestions import closest, did_you_mean
+from smarttestudo.adirf.suggestions import closest, did_you_mean, hint_on
 from smarttestudo.adirf.syntax import RateExpression, RateWord, TopicName
 from smarttestudo.adirf.tokens import Token, TokenKind
 from smarttestudo.domain.finding import Fix
@@ -35,7 +35,7 @@ def parse_topic(cursor: Cursor, *, split_property: bool = False) -> TopicName:
         )
         raise cursor.failure("expected-topic", "a topic", hint="topics are written without quotes", fix=fix)
     if token.kind is not TokenKind.WORD:
-        raise cursor.failure("expected-topic", "a topic", hint="" if token.text else "for instance /odom")
+        raise cursor.failure("expected-topic", "a topic", hint=hint_on(token) or "for instance /odom")
     if not is_topic_name(token.text):
         _refuse_topic(cursor, token, split_property=split_property)
     cursor.advance()

@@ -68,8 +68,9 @@ TierRates = Callable[[SetFrequency, str], Rate]
 
 def refuse_tier(statement: SetFrequency, path: str) -> Rate:
     """The ``TierRates`` of a set-up without an optimizer: every tier is an error."""
+    value = statement.rate.value
     raise RuleFileError(
-        f"{statement.rate.value} has no rate without a profile",
+        f"{value.value if isinstance(value, Tier) else value} has no rate without a profile",
         place=f"{path}:{statement.span.line}:{statement.span.column}",
         remedy="give a number, or a profile with --profile",
     )

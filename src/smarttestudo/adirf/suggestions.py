@@ -118,4 +118,4 @@ def described(token: Token) -> str:
         name = unicodedata.name(hidden, "")
         return f"the character U+{ord(hidden):04X}{f' ({name.lower()})' if name else ''}"
     text = token.text if len(token.text) <= _SHOWN else f"{token.text[: _SHOWN - 1]}…"
-    return f"'{text}'"
+    return f'"{text}"' if "'" in text else f"'{text}'"

@@ -68,11 +68,11 @@ def _rich_table(table: Table) -> RichTable:
 
 
 def _is_unicode(stream: TextIO) -> bool:
-    return (stream.encoding or "").lower().replace("-", "").startswith("utf")
+    """Whether ``stream`` takes every character, as one in memory does, which has no encoding."""
+    return not stream.encoding or stream.encoding.lower().replace("-", "").startswith("utf")
 
 
 def _write(text: str, stream: TextIO) -> None:
     if not _is_unicode(stream):
-        encoding = stream.encoding or "ascii"
-        text = text.translate(_ASCII).encode(encoding, "replace").decode(encoding)
+        text = text.translate(_ASCII).encode(stream.encoding, "replace").decode(stream.encoding)
     stream.write(text + "\n")

@@ -119,8 +119,11 @@ def _write_report(
     request: DemoRequest, folder: Path, rules: RuleText, decisions: Sequence[Decision]
 ) -> Comparison:
     """Measure both recordings as they lie on disk, and show them."""
-    baseline = measure_run(folder / BASELINE, odometry_topic=Topic.ODOM.value)
-    adaptive = measure_run(folder / ADAPTIVE, odometry_topic=Topic.ODOM.value)
+    odometry_topic = Topic.ODOM.value
+    with request.progress("Measuring what was published") as report:
+        baseline = measure_run(folder / BASELINE, odometry_topic=odometry_topic, report=report)
+    with request.progress("Measuring what was received") as report:
+        adaptive = measure_run(folder / ADAPTIVE, odometry_topic=odometry_topic, report=report)
     comparison = compare_runs(baseline, adaptive, decisions)
     page = demo_page(
         baseline=baseline,
@@ -129,17 +132,29 @@ def _write_report(
         decisions=decisions,
         rules=rules,
         plan=warehouse(),
-        provenance=[Fact(label=label, value=str(value)) for label, value in _settings(request).items()],
+        provenance=_provenance(request),
     )
     (folder / REPORT).write_text(render_page(page), "utf-8")
     return comparison
 
 
+def _provenance(request: DemoRequest) -> list[Fact]:
+    return [
+        Fact(label="SmartTestudo", value=__version__),
+        Fact(label="Default recording", value=BASELINE),
+        Fact(label="SmartTestudo recording", value=ADAPTIVE),
+        Fact(label="Length", value=f"{request.seconds:g} s"),
+        Fact(label="Seed", value=str(request.seed)),
+        Fact(label="Camera frames", value="whole" if request.full_images else "small, with declared sizes"),
+        Fact(label="Where a target is above its source", value=request.when_slow.value),
+    ]
+
+
 def _settings(request: DemoRequest) -> dict[str, object]:
     return {
-        "SmartTestudo": __version__,
+        "smarttestudo": __version__,
         "seconds": request.seconds,
         "seed": request.seed,
-        "full images": request.full_images,
-        "when slow": request.when_slow.value,
+        "full_images": request.full_images,
+        "when_slow": request.when_slow.value,
     }

@@ -43,6 +43,8 @@ def demo_folder(out: Path, *, needed_bytes: int) -> Iterator[Path]:
         work.mkdir()
         yield work
         _replace(out, work)
+    except OSError as error:
+        raise _not_written(out, error) from error
     finally:
         shutil.rmtree(workshop, ignore_errors=True)
 
@@ -65,7 +67,7 @@ def _refuse_small_disk(parent: Path, needed_bytes: int) -> None:
     free_bytes = shutil.disk_usage(parent).free
     if free_bytes < needed_bytes:
         raise DemoFolderError(
-            f"the demo needs {needed_bytes / 1e9:.1f} GB and the disk has {free_bytes / 1e9:.1f} GB left",
+            f"the demo needs {needed_bytes / 1e6:,.0f} MB and the disk has {free_bytes / 1e6:,.0f} MB left",
             place=str(parent),
             remedy="take fewer --seconds, another --out, or leave out --full-images",
         )
@@ -73,17 +75,15 @@ def _refuse_small_disk(parent: Path, needed_bytes: int) -> None:
 
 def _replace(out: Path, work: Path) -> None:
     """Put ``work`` where ``out`` was; at no time does ``out`` hold a mixture."""
-    try:
-        if out.exists():
-            out.rename(work.parent / "former")
-        work.rename(out)
-    except OSError as error:
-        raise _not_written(out, error) from error
+    if out.exists():
+        out.rename(work.parent / "former")
+    work.rename(out)
 
 
 def _not_written(out: Path, error: OSError) -> DemoFolderError:
+    culprit = "" if error.filename in (None, str(out)) else f" ({error.filename})"
     return DemoFolderError(
-        f"cannot be written: {error.strerror or error}",
+        f"cannot be written: {error.strerror or error}{culprit}",
         place=str(out),
         remedy="name another folder with --out",
     )

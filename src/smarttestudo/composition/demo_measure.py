@@ -4,8 +4,7 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -30,8 +29,8 @@ class MeasuredRun:
     path: tuple[PathPoint, ...]
 
 
-def measure_run(path: Path, *, odometry_topic: str) -> MeasuredRun:
-    """Read the recording at ``path`` once.
+def measure_run(path: Path, *, odometry_topic: str, report: Callable[[float], None]) -> MeasuredRun:
+    """Read the recording at ``path`` once; ``report`` is told the share done at each place of the robot.
 
     Raises:
         RecordingError: it cannot be read.
@@ -39,7 +38,10 @@ def measure_run(path: Path, *, odometry_topic: str) -> MeasuredRun:
     with open_recording(path) as recording:
         span = RecordingSpan(start_ns=recording.start_ns, end_ns=recording.end_ns)
         traces = {channel.topic: TraceAccumulator() for channel in recording.channels}
-        places = _read(recording, traces, odometry_topic)
+        places = []
+        for place in _read(recording, traces, odometry_topic):
+            places.append(place)
+            report(place.t_s / span.duration_s)
         return MeasuredRun(
             span=span,
             traces=traces,
@@ -47,23 +49,21 @@ def measure_run(path: Path, *, odometry_topic: str) -> MeasuredRun:
                 topic: topic_statistics(trace, span, declared=topic in recording.declared_bytes)
                 for topic, trace in traces.items()
             },
-            path=places,
+            path=tuple(places),
         )
 
 
 def _read(
     recording: RecordingReader, traces: Mapping[str, TraceAccumulator], odometry_topic: str
-) -> tuple[PathPoint, ...]:
-    """Count every message into its trace and return the places that the odometry names."""
+) -> Iterator[PathPoint]:
+    """Count every message into its trace, and give the places that the odometry names."""
     decoder = RosbagDecoder()
-    places: list[PathPoint] = []
-    last_s = -math.inf
+    next_s = 0.0
     for channel, stamp_ns, payload in recording.messages():
         traces[channel.topic].add(stamp_ns, recording.declared_bytes.get(channel.topic, len(payload)))
         t_s = (stamp_ns - recording.start_ns) / NS_PER_S
-        if channel.topic == odometry_topic and t_s >= last_s + _PATH_STEP_S:
+        if channel.topic == odometry_topic and t_s >= next_s:
+            next_s = t_s + _PATH_STEP_S
             odometry: Any = decoder.decode(channel, payload)
             position = odometry.pose.pose.position
-            places.append(PathPoint(t_s=t_s, x_m=position.x, y_m=position.y))
-            last_s = t_s
-    return tuple(places)
+            yield PathPoint(t_s=t_s, x_m=position.x, y_m=position.y)

@@ -17,6 +17,9 @@ class Grid:
 
     __slots__ = ("due_ns", "pace")
 
+    due_ns: int
+    """When the next message may pass; at Full, when the last one did."""
+
     def __init__(self, pace: Pace, now_ns: int) -> None:
         self.pace = pace
         self.start(now_ns)
@@ -48,9 +51,11 @@ class Grid:
         self.due_ns = due_ns + pace.period_ns
 
     def skip_to(self, now_ns: int) -> None:
-        """Move on to the first due time after ``now_ns`` without leaving the grid; Full has no grid."""
+        """A message passes now: move on to the first due time after it, without leaving the grid."""
         period_ns = self.pace.period_ns
-        if period_ns and self.due_ns <= now_ns:
+        if not period_ns:
+            self.due_ns = now_ns
+        elif self.due_ns <= now_ns:
             self.due_ns += ((now_ns - self.due_ns) // period_ns + 1) * period_ns
 
     def change_pace(self, pace: Pace, now_ns: int) -> None:
@@ -58,14 +63,17 @@ class Grid:
 
         Counted in time, each change to a faster pace would owe the messages of a whole slow period at
         once, and a rule that flickers between two rates would relay up to half more than they ask for.
-        From Off, and from Full after its last message, the grid starts anew.
+        From Off the grid starts anew, from Full as if it had started at the last message.
         """
         old, self.pace = self.pace, pace
-        if old.is_off or pace.is_off:
+        if pace.is_full:
+            self.due_ns = -NEVER_NS
+        elif old.is_off or pace.is_off:
             self.start(now_ns)
         elif old.is_full:
-            self.start(self.due_ns)
-            self.due_ns += pace.period_ns
+            after_last_ns = self.due_ns + pace.period_ns - pace.period_ns // 2
+            self.start(now_ns)
+            self.due_ns = max(self.due_ns, after_last_ns)
         else:
             ahead_ns = max(self.due_ns - now_ns, -old.slack_ns)
             self.due_ns = now_ns + ahead_ns * pace.period_ns // old.period_ns

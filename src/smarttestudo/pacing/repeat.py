@@ -26,13 +26,13 @@ class RepeatStream(Stream):
 
     def offer(self, sample: Sample, now_ns: int) -> bool:
         """Whether ``sample`` is sent now; if not, the next due time sends it or a newer one."""
-        was_silent = self.release_ns == NEVER_NS
-        self.source.record(now_ns)
         grid = self.grid
+        missed_its_time = grid.due_ns <= now_ns and self.release_ns == NEVER_NS
+        self.source.record(now_ns)
         if grid.pace.is_off:
             return False
         self._newest = sample
-        if was_silent:
+        if missed_its_time:
             grid.due_ns = now_ns
         if now_ns < grid.due_ns:
             self.hold(sample, now_ns)

@@ -23,9 +23,9 @@ class RelayLoop:
     """Steps the loop when something it watches happens, and paces every message by the plan.
 
     The driver passes in all messages and the time, and calls ``on_wake`` when the clock reaches
-    ``next_wake_ns``, before a message of the same time. What comes back is to be published at once. Later
-    wakes only delay what they would have done. The clock may jump back: for the plan it then stood still
-    (``SteadyTime``), the pacers begin anew.
+    ``next_wake_ns``; a later wake, or the next message in its place, only delays what it would have done.
+    What comes back is to be published at once. The clock may jump back: for the plan it then stood still
+    (``SteadyTime``), and the pacers begin anew.
     """
 
     def __init__(

@@ -47,7 +47,7 @@ class RayCaster:
         side = self._sides_m[near]
         offset = self._starts_m[near] - (origin.x_m, origin.y_m)
         ray_x, ray_y = np.cos(bearings_rad)[:, None], np.sin(bearings_rad)[:, None]
-        with np.errstate(divide="ignore", invalid="ignore"):
+        with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
             scale = 1.0 / (ray_x * side[:, 1] - ray_y * side[:, 0])
             distance = (offset[:, 0] * side[:, 1] - offset[:, 1] * side[:, 0]) * scale
             share = (offset[:, 0] * ray_y - offset[:, 1] * ray_x) * scale

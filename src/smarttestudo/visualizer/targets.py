@@ -35,7 +35,7 @@ class Target:
 def target_spans(decisions: Iterable[Decision], end_s: float) -> tuple[TargetSpan, ...]:
     """The planned rates of the one topic that ``decisions`` are about, from the first to ``end_s``."""
     ordered = sorted(decisions, key=lambda decision: decision.t_s)
-    ends_s = [*(decision.t_s for decision in ordered[1:]), end_s]
+    ends_s = [*(decision.t_s for decision in ordered), end_s][1:]
     return tuple(
         TargetSpan(start_s=decision.t_s, end_s=min(until_s, end_s), rate=decision.planned.rate)
         for decision, until_s in zip(ordered, ends_s, strict=True)

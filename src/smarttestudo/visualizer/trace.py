@@ -28,30 +28,40 @@ class TraceAccumulator:
     come in any order; in time order a message costs constant time.
     """
 
-    __slots__ = ("_bytes", "_current", "_index", "_messages", "_seconds", "first_ns", "last_ns")
+    __slots__ = ("_bytes", "_current", "_first_ns", "_index", "_last_ns", "_messages", "_seconds")
 
     def __init__(self) -> None:
-        self.first_ns: int | None = None
-        self.last_ns: int | None = None
         self._seconds = array("q")
         self._messages = array("q")
         self._bytes = array("q")
         self._current: int | None = None
         self._index = 0
+        self._first_ns = 0
+        self._last_ns = 0
 
     def add(self, stamp_ns: int, size_bytes: int) -> None:
         """Count one message."""
         second = stamp_ns // NS_PER_S
         if second != self._current:
+            if self._current is None:
+                self._first_ns = self._last_ns = stamp_ns
             self._turn_to(second)
         self._messages[self._index] += 1
         self._bytes[self._index] += size_bytes
-        if self.first_ns is None or self.last_ns is None:
-            self.first_ns = self.last_ns = stamp_ns
-        elif stamp_ns > self.last_ns:
-            self.last_ns = stamp_ns
-        elif stamp_ns < self.first_ns:
-            self.first_ns = stamp_ns
+        if stamp_ns > self._last_ns:
+            self._last_ns = stamp_ns
+        elif stamp_ns < self._first_ns:
+            self._first_ns = stamp_ns
+
+    @property
+    def first_ns(self) -> int | None:
+        """The earliest stamp, ``None`` before any message."""
+        return None if self._current is None else self._first_ns
+
+    @property
+    def last_ns(self) -> int | None:
+        """The latest stamp, ``None`` before any message."""
+        return None if self._current is None else self._last_ns
 
     @property
     def messages(self) -> int:

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
 from itertools import islice
 from pathlib import Path
@@ -15,9 +15,9 @@ from rosbags.rosbag2 import Reader
 
 from smarttestudo.adapters.rosbag.definitions import normal_definition
 from smarttestudo.adapters.rosbag.qos import is_transient_local
-from smarttestudo.adapters.rosbag.stored_file import StoredFile, StoredMessage
+from smarttestudo.adapters.rosbag.stored_file import ChannelsByNumber, StoredFile
 from smarttestudo.domain.errors import RecordingError
-from smarttestudo.domain.recording import Channel
+from smarttestudo.domain.recording import Channel, RecordedMessage
 
 
 class IntactFile:
@@ -32,23 +32,23 @@ class IntactFile:
             self._reader.open()
         except Exception as error:  # rosbags leaks the errors of apsw, zstd, lz4, struct and ord()
             raise RecordingError(f"rosbags cannot read it: {error}", place=str(path)) from error
-        self.channels: Mapping[int, Channel] = {
+        self.channels: ChannelsByNumber = {
             connection.id: _channel(connection) for connection in self._reader.connections
         }
         self.start_ns = self._reader.start_time
         self.end_ns = self._reader.end_time - 1
         self.message_count = self._reader.message_count
 
-    def messages(self) -> Iterator[StoredMessage]:
-        """All messages in time order."""
+    def messages(self, channels: ChannelsByNumber) -> Iterator[RecordedMessage]:
+        """All messages in time order, each with its one of ``channels``."""
         delivered = 0
         try:
             for connection, stamp_ns, payload in self._reader.messages():
-                yield connection.id, stamp_ns, payload
+                yield channels[connection.id], stamp_ns, payload
                 delivered += 1
         except Exception as error:  # noqa: BLE001 - see __init__; what is behind the damage is read otherwise
             with closing(self._recover(self._path)) as recovered:
-                yield from islice(recovered.messages(), delivered, None)
+                yield from islice(recovered.messages(channels), delivered, None)
                 self._notices = recovered.notices() or [f"damaged: {error}"]
 
     def notices(self) -> Sequence[str]:

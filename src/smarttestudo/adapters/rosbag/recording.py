@@ -16,7 +16,7 @@ from smarttestudo.adapters.rosbag import zstd_files
 from smarttestudo.adapters.rosbag.channels import key_of, merged_channels
 from smarttestudo.adapters.rosbag.custom_data import declared_bytes_in
 from smarttestudo.adapters.rosbag.metadata import BagMetadata
-from smarttestudo.adapters.rosbag.stored_file import StoredFile, StoredMessage
+from smarttestudo.adapters.rosbag.stored_file import StoredFile
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import Channel, RecordedMessage
 
@@ -50,12 +50,7 @@ class RosbagRecording:
     def messages(self) -> Iterator[RecordedMessage]:
         """All messages in time order; memory does not grow with their number."""
         filled = [part.file for part in self._parts if part.file.message_count]
-        if len(filled) == 1:
-            yield from self._messages_of(filled[0])
-            return
-        for channel, stamp_ns, payload in heapq.merge(*map(self._from_its_start, filled), key=itemgetter(1)):
-            if channel is not None:
-                yield channel, stamp_ns, payload
+        return self._messages_of(filled[0]) if len(filled) == 1 else self._merged(filled)
 
     def notices(self) -> Sequence[str]:
         """What was lost or odd, one line each; complete once all messages were read."""
@@ -66,37 +61,33 @@ class RosbagRecording:
         ]
         return [*self._notices, *lost, *broken]
 
+    def _merged(self, files: Sequence[StoredFile]) -> Iterator[RecordedMessage]:
+        for channel, stamp_ns, payload in heapq.merge(*map(self._from_its_start, files), key=itemgetter(1)):
+            if channel is not None:
+                yield channel, stamp_ns, payload
+
     def _from_its_start(self, file: StoredFile) -> Iterator[tuple[Channel | None, int, bytes]]:
         # The merge takes the first item of all files at once; this one keeps a file unread until it is due.
         yield None, file.start_ns, b""
         yield from self._messages_of(file)
 
     def _messages_of(self, file: StoredFile) -> Iterator[RecordedMessage]:
-        channels: dict[int, Channel] = {
-            number: self._channels[key_of(channel)] for number, channel in file.channels.items()
-        }
-        for number, stamp_ns, payload in self._decompressed(file.messages(), channels):
-            yield channels[number], stamp_ns, payload
-
-    def _decompressed(
-        self, messages: Iterator[StoredMessage], channels: Mapping[int, Channel]
-    ) -> Iterator[StoredMessage]:
-        """Unpack payloads where the first one is packed: rosbag2 packs all of a file's messages or none."""
+        """The messages of ``file``, unpacked if the first is packed: rosbag2 packs all of a file or none."""
+        channels = {number: self._channels[key_of(channel)] for number, channel in file.channels.items()}
+        messages = file.messages(channels)
         first = next(messages, None)
         if first is None:
-            return iter(())
+            return messages
         stored = chain((first,), messages)
-        return self._unpack_each(stored, channels) if first[2].startswith(zstd_files.MAGIC) else stored
+        return self._unpacked(stored) if first[2].startswith(zstd_files.MAGIC) else stored
 
-    def _unpack_each(
-        self, messages: Iterator[StoredMessage], channels: Mapping[int, Channel]
-    ) -> Iterator[StoredMessage]:
-        for number, stamp_ns, packed in messages:
+    def _unpacked(self, messages: Iterator[RecordedMessage]) -> Iterator[RecordedMessage]:
+        for channel, stamp_ns, packed in messages:
             payload = zstd_files.unpack_message(packed)
             if payload is None:
-                self._broken[channels[number].topic] += 1
+                self._broken[channel.topic] += 1
             else:
-                yield number, stamp_ns, payload
+                yield channel, stamp_ns, payload
 
     def _declared_bytes(self) -> Mapping[str, int]:
         try:

@@ -16,10 +16,10 @@ from mcap.records import McapRecord, Message, Schema
 from smarttestudo.adapters.rosbag.definitions import normal_definition
 from smarttestudo.adapters.rosbag.mcap_records import RecordReader
 from smarttestudo.adapters.rosbag.qos import QosColumn, is_transient_local
-from smarttestudo.adapters.rosbag.stored_file import StoredMessage, read_so_far
+from smarttestudo.adapters.rosbag.stored_file import ChannelsByNumber, read_so_far
 from smarttestudo.adapters.rosbag.time_index import TimeIndex
 from smarttestudo.domain.errors import RecordingError
-from smarttestudo.domain.recording import Channel
+from smarttestudo.domain.recording import Channel, RecordedMessage
 
 _IDL_ENCODINGS = frozenset({"ros2idl", "omgidl"})
 _DEFINED_ENCODINGS = frozenset({"ros2msg"}) | _IDL_ENCODINGS
@@ -43,21 +43,21 @@ class RecoveredMcapFile:
             self._resources = opened.pop_all()
         self.message_count = sum(self._counts[number] for number in self.channels)
 
-    def messages(self) -> Iterator[StoredMessage]:
-        """Every message that is whole, in time order."""
+    def messages(self, channels: ChannelsByNumber) -> Iterator[RecordedMessage]:
+        """Every message that is whole, in time order, each with its one of ``channels``."""
         pending: list[tuple[int, int, int, bytes]] = []
         order = 0
         for start_ns, offset in self._index.places():
             while pending and pending[0][0] < start_ns:
                 stamp_ns, _, number, payload = heapq.heappop(pending)
-                yield number, stamp_ns, payload
+                yield channels[number], stamp_ns, payload
             for record in self._records.at(offset):
                 if isinstance(record, Message) and record.channel_id in self.channels:
                     heapq.heappush(pending, (record.log_time, order, record.channel_id, record.data))
                     order += 1
         while pending:
             stamp_ns, _, number, payload = heapq.heappop(pending)
-            yield number, stamp_ns, payload
+            yield channels[number], stamp_ns, payload
 
     def notices(self) -> Sequence[str]:
         """Whether the file is cut off or damaged, and how much of it was read."""

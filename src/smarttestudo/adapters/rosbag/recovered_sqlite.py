@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import sqlite3
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, closing, suppress
 from pathlib import Path
 from urllib.parse import quote
@@ -13,10 +13,10 @@ from urllib.parse import quote
 from smarttestudo.adapters.rosbag.definitions import normal_definition
 from smarttestudo.adapters.rosbag.qos import QosColumn, is_transient_local
 from smarttestudo.adapters.rosbag.sqlite_pages import DamagedRowError, Row, SqlitePages
-from smarttestudo.adapters.rosbag.stored_file import StoredMessage, read_so_far
+from smarttestudo.adapters.rosbag.stored_file import ChannelsByNumber, read_so_far
 from smarttestudo.adapters.rosbag.time_index import TimeIndex
 from smarttestudo.domain.errors import RecordingError
-from smarttestudo.domain.recording import Channel
+from smarttestudo.domain.recording import Channel, RecordedMessage
 
 
 class RecoveredSqliteFile:
@@ -31,18 +31,19 @@ class RecoveredSqliteFile:
             except DamagedRowError as error:
                 raise RecordingError("not a SQLite file", place=str(path)) from error
             self._index = opened.enter_context(closing(TimeIndex()))
-            self.channels: Mapping[int, Channel] = _read_channels(path, self._qos)
+            self.channels: ChannelsByNumber = _read_channels(path, self._qos)
             self.start_ns = self.end_ns = self.message_count = self._damaged = 0
             self._find_messages()
             self._resources = opened.pop_all()
         self._cut_off = self._pages.file_bytes < self._pages.promised_bytes
 
-    def messages(self) -> Iterator[StoredMessage]:
-        """Every message that is whole, in time order."""
+    def messages(self, channels: ChannelsByNumber) -> Iterator[RecordedMessage]:
+        """Every message that is whole, in time order, each with its one of ``channels``."""
         for _, offset in self._index.places():
             message = _as_message(self._pages.row_at(offset))
             if message is not None:
-                yield message
+                number, stamp_ns, payload = message
+                yield channels[number], stamp_ns, payload
 
     def notices(self) -> Sequence[str]:
         """Whether the file is cut off or damaged, and how much of it was read."""
@@ -75,8 +76,8 @@ class RecoveredSqliteFile:
                 self.message_count += 1
 
 
-def _as_message(row: Row) -> StoredMessage | None:
-    """The message in ``row`` if it has the columns of rosbag2's table ``messages``."""
+def _as_message(row: Row) -> tuple[int, int, bytes] | None:
+    """Channel, stamp and payload in ``row`` if it has the columns of rosbag2's table ``messages``."""
     match row.values:
         case (_, int() as channel, int() as stamp_ns, bytes() as payload):
             return channel, stamp_ns, payload

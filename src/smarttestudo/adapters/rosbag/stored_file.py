@@ -7,18 +7,18 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Protocol
 
-from smarttestudo.domain.recording import Channel
+from smarttestudo.domain.recording import Channel, RecordedMessage
 from smarttestudo.domain.units import NS_PER_S
 
-StoredMessage = tuple[int, int, bytes]
-"""The file's own number of the channel, stamp in ns, payload as stored."""
+ChannelsByNumber = Mapping[int, Channel]
+"""Channels by the number that a file gives each."""
 
 
 class StoredFile(Protocol):
-    """An opened storage file. Channels go by the numbers that the file gives them."""
+    """An opened storage file."""
 
     @property
-    def channels(self) -> Mapping[int, Channel]:
+    def channels(self) -> ChannelsByNumber:
         """The channels that the file announces."""
 
     @property
@@ -33,8 +33,8 @@ class StoredFile(Protocol):
     def message_count(self) -> int:
         """Messages that can be read."""
 
-    def messages(self) -> Iterator[StoredMessage]:
-        """All messages in time order."""
+    def messages(self, channels: ChannelsByNumber) -> Iterator[RecordedMessage]:
+        """All messages in time order, with their payloads as stored, each with its one of ``channels``."""
 
     def notices(self) -> Sequence[str]:
         """What was lost, one line each."""

@@ -35,7 +35,7 @@ class Propagation:
 
     def __init__(self, graph: Graph, block_changed: BlockChanged) -> None:
         self.touched = 0
-        """Joins, literals and groups looked at so far: what a step's cost is proportional to."""
+        """Nodes, groups and blocks looked at so far: what a step's cost is proportional to."""
         self._nodes = graph.nodes
         self._live_groups: set[Group] = set(graph.groups)
         self._block_changed = block_changed
@@ -75,6 +75,7 @@ class Propagation:
                 self._enqueue(join)
             if truth == FALSE:
                 self._leave(literal)
+        self.touched += len(literal.blocks)
         for block in literal.blocks:
             self._block_changed(block, before, truth)
 

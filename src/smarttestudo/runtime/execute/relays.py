@@ -97,6 +97,9 @@ class Relays:
             relay.statistics.target.account(now_ns)
             relay.pacer.finish()
             self._arm(relay)
+        return self._remaining(now_ns)
+
+    def _remaining(self, now_ns: int) -> Iterator[Relayed]:
         while (at_ns := self._alarms.next_ns) is not None:
             yield from self.wake(max(at_ns, now_ns))
 

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 from smarttestudo.adirf.properties import Reader, value_reader
 from smarttestudo.domain.profile import LevelUnit
@@ -44,15 +44,11 @@ class Fields:
         """The last message could not be read."""
         self._values.clear()
 
-    def read(self, message: object) -> Iterator[Signal]:
-        """Take the fields of ``message``; yields the signals that it leaves unknown."""
-        self._values.clear()
-        for signal, reader in self._readers:
-            value = reader(message)
-            if math.isnan(value):
-                yield signal
-            else:
-                self._values[signal] = value
+    def read(self, message: object) -> list[Signal]:
+        """Take the fields of ``message``; returns the signals that it leaves unknown."""
+        values = [(signal, reader(message)) for signal, reader in self._readers]
+        self._values = {signal: value for signal, value in values if not math.isnan(value)}
+        return [signal for signal, value in values if math.isnan(value)]
 
     def readings(self) -> list[Reading]:
         """The last values."""

@@ -14,6 +14,7 @@ from smarttestudo.visualizer.rule_timeline import deciding_block
 from smarttestudo.visualizer.table import format_number
 
 MAX_DECISIONS = 500
+_DIGITS = 5
 _HEADINGS = ("Time", "Topic", "Rate", "Decided by", "Values read")
 _NOTES = {
     Reason.UNKNOWN: "unknown",
@@ -67,7 +68,7 @@ def _values(decision: Decision) -> str:
         topic, _, property_name = signal.partition(" ")
         shown = property_name if topic == last_topic else signal
         last_topic = topic
-        parts.append(f"{shown} = {'unknown' if value is None else label(value)}")
+        parts.append(f"{shown} = {'unknown' if value is None else label(value, _DIGITS)}")
     return ", ".join(parts)
 
 

@@ -32,7 +32,7 @@ def chart_legend(names: RunNames, styles: Iterable[RuleStyle]) -> Markup:
 
 
 def _rule(style: RuleStyle, seconds: float, total_s: float) -> Markup:
-    share = f"{seconds:.0f} s · {100 * seconds / total_s:.0f} %" if total_s > 0 else f"{seconds:.0f} s"
+    share = f"{seconds:,.0f} s · {100 * seconds / total_s:.0f} %" if total_s > 0 else f"{seconds:,.0f} s"
     sample = _sample(tag("path", class_=f"path {style.css_class}", d="M1 6H33"))
     return _entry(sample, style.name, tag("span", share, class_="quiet"))
 

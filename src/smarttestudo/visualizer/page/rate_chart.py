@@ -23,6 +23,7 @@ _BREAK_AT = 2.5
 _LOWER_TOP, _UPPER_FOOT = _TOP + 38.0, _TOP + 22.0
 _HEADROOM = 1.15
 _BEFORE_POINTS = 50
+_TIME_TOLERANCE = 1.005
 _Span = TypeVar("_Span", RuleSpan, TargetSpan)
 _THINNEST = 0.5
 
@@ -94,7 +95,7 @@ def _axes(x: Scale, y: Scale, series: TopicSeries) -> Iterator[Markup]:
         for at in (middle - 2, middle + 2):
             yield tag("line", class_="gap", x1=_LEFT - 5, x2=_LEFT + 5, y1=at + 2, y2=at - 2)
     yield tag("text", "Hz", class_="tick", x=_LEFT - 5, y=10.0, text_anchor="end")
-    times_s = multiples(round_step(x.values[1] / 5), 0.0, x.values[1])
+    times_s = multiples(round_step(x.values[1] / 5), 0.0, x.values[1] * _TIME_TOLERANCE)
     for value in times_s:
         unit = " s" if value == times_s[-1] else ""
         yield tag("text", label(value) + unit, class_="tick", x=x(value), y=_HEIGHT - 8, text_anchor="middle")

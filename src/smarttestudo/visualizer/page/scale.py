@@ -48,6 +48,6 @@ def round_step(wanted: float) -> float:
     return power * next(step for step in _ROUND_STEPS if step * power >= wanted * (1 - 1e-9))
 
 
-def label(value: float) -> str:
-    """``value`` in at most six digits, with a true minus."""
-    return f"{value + 0.0:.6g}".replace("-", "−")
+def label(value: float, digits: int = 6) -> str:
+    """``value`` in at most ``digits`` significant digits, with a true minus."""
+    return f"{value + 0.0:.{digits}g}".replace("-", "−")

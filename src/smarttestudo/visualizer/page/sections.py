@@ -16,6 +16,7 @@ from smarttestudo.visualizer.rule_timeline import by_topic, deciding_spans
 from smarttestudo.visualizer.table import format_number
 from smarttestudo.visualizer.targets import target_spans
 
+MAX_RULE_LINES = 1000
 MAX_RULE_CHARACTERS = 100_000
 
 
@@ -64,12 +65,13 @@ def _caption(topic: str, pair: TopicComparison | None) -> Markup:
 
 
 def _rule_file(rule: RuleText) -> Iterator[Markup]:
-    shown = rule.text[:MAX_RULE_CHARACTERS]
-    lines = (
-        tag("span", tag("span", f"{number:>4}  ", class_="number"), line, "\n")
-        for number, line in enumerate(shown.splitlines(), start=1)
+    lines = rule.text[:MAX_RULE_CHARACTERS].splitlines()
+    numbered = (
+        part
+        for number, line in enumerate(lines[:MAX_RULE_LINES], start=1)
+        for part in (tag("span", f"{number:>4}  ", class_="number"), line, "\n")
     )
     yield tag("h3", rule.path, class_="words name")
-    yield tag("pre", *lines)
-    if len(shown) < len(rule.text):
-        yield tag("p", f"… and {len(rule.text) - len(shown):,} characters more.", class_="note")
+    yield tag("pre", *numbered)
+    if len(rule.text) > MAX_RULE_CHARACTERS or len(lines) > MAX_RULE_LINES:
+        yield tag("p", "The file goes on; this is its beginning.", class_="note")

@@ -1,0 +1,67 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""``testudo fmt``: rule files in the house style."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from smarttestudo.adapters.files.rule_files import find_rule_files, read_rule_text, write_rule_text
+from smarttestudo.adirf.formatter import first_line_end, format_file
+from smarttestudo.adirf.parser import parse
+from smarttestudo.cli.finding_text import print_findings
+from smarttestudo.domain.errors import RuleFileError
+
+EXIT_ERROR = 1
+
+
+def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add ``fmt`` to the subcommands."""
+    parser = commands.add_parser(
+        "fmt",
+        help="format rule files in place",
+        description="Format rule files in place: comments, order and meaning stay. "
+        "A file with errors is left as it is.",
+    )
+    parser.add_argument("files", metavar="FILE", nargs="+", type=Path, help="a rule file or a folder of them")
+    parser.add_argument(
+        "--check", action="store_true", help="write nothing; list the files that would change"
+    )
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Format every file that can be; 1 if one could not, or would change with ``--check``."""
+    is_check: bool = arguments.check
+    code = 0
+    for path in arguments.files:
+        try:
+            files = find_rule_files([path])
+        except RuleFileError as error:
+            sys.stderr.write(f"{error}\n")
+            code = EXIT_ERROR
+            continue
+        for file in files:
+            code = max(code, _format(file, is_check=is_check))
+    return code
+
+
+def _format(path: Path, *, is_check: bool) -> int:
+    try:
+        text = read_rule_text(path)
+        result = parse(text, str(path))
+        if not result.is_valid:
+            print_findings(result.findings, {str(path): text}, sys.stderr)
+            return EXIT_ERROR
+        formatted = format_file(result.file, line_end=first_line_end(text))
+        if formatted == text:
+            return 0
+        if not is_check:
+            write_rule_text(path, formatted)
+    except RuleFileError as error:
+        sys.stderr.write(f"{error}\n")
+        return EXIT_ERROR
+    sys.stdout.write(f"{path}\n" if is_check else f"formatted {path}\n")
+    return EXIT_ERROR if is_check else 0

@@ -1,0 +1,317 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Hypothesis strategies of rule files: syntax trees, and their texts in any layout with comments anywhere.
+
+``rule_files()`` gives trees, ``written_files()`` texts with what they must mean. ``bare`` strips a tree of
+all that is not meaning, for comparison.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from enum import Enum
+from itertools import zip_longest
+from random import Random
+
+from hypothesis import strategies as st
+
+from smarttestudo.adirf.syntax import (
+    And,
+    Block,
+    Check,
+    Collection,
+    Condition,
+    Group,
+    KeepAtLeast,
+    Not,
+    Operator,
+    Or,
+    RateExpression,
+    RateWord,
+    RuleFile,
+    SetFrequency,
+    Statement,
+    TopicName,
+)
+from smarttestudo.domain.source import Span
+from smarttestudo.domain.tier import Tier
+
+NOWHERE = Span(line=1, column=1, end_line=1, end_column=1)
+TOPICS = ("/odom", "/cmd_vel", "/scan", "/camera/image_raw", "imu", "~/status", "/robot_1/joint_states")
+PROPERTIES = (
+    "pose_x",
+    "speed",
+    "rate",
+    "age",
+    "level",
+    "pose.pose.position.x",
+    "ranges[0]",
+    "msg.rate",
+    "a.b[12].c",
+)
+RATE_TEXTS = ("0", "10", "5.0", "007", "2.5", ".5", "7.", "+3", "1e3", "1E-2", "1e6")
+NUMBER_TEXTS = (*RATE_TEXTS, "-13", "-0.5", "+.25e+1", "-1e300")
+NOT_MEANING = frozenset({"span", "property_span", "label", "path"})
+
+
+def bare(node: object) -> object:
+    """The meaning of a tree: nested tuples without places, comments and labels."""
+    if dataclasses.is_dataclass(node) and not isinstance(node, type):
+        kept = [
+            field.name
+            for field in dataclasses.fields(node)
+            if field.compare and field.name not in NOT_MEANING
+        ]
+        return (type(node).__name__, *(bare(getattr(node, name)) for name in kept))
+    return tuple(bare(part) for part in node) if isinstance(node, tuple) else node
+
+
+def rates() -> st.SearchStrategy[RateExpression]:
+    named = st.sampled_from([*Tier, *RateWord]).map(
+        lambda value: RateExpression(value=value, text="", span=NOWHERE)
+    )
+    return st.one_of(hertz(), named)
+
+
+def hertz() -> st.SearchStrategy[RateExpression]:
+    return st.builds(
+        lambda text, has_unit: RateExpression(value=float(text), text=text, span=NOWHERE, has_unit=has_unit),
+        st.sampled_from(RATE_TEXTS),
+        st.booleans(),
+    )
+
+
+def topic_names(topics: Sequence[str] = TOPICS) -> st.SearchStrategy[TopicName]:
+    return st.sampled_from(topics).map(lambda text: TopicName(text=text, span=NOWHERE))
+
+
+def checks(
+    topics: Sequence[str] = TOPICS, properties: Sequence[str] = PROPERTIES
+) -> st.SearchStrategy[Check]:
+    return st.builds(
+        lambda topic, name, operator, text: Check(
+            topic=topic,
+            property=name,
+            property_span=NOWHERE,
+            operator=operator,
+            value=float(text),
+            text=text,
+            span=NOWHERE,
+        ),
+        topic_names(topics),
+        st.sampled_from(properties),
+        st.sampled_from(Operator),
+        st.sampled_from(NUMBER_TEXTS),
+    )
+
+
+def conditions(
+    topics: Sequence[str] = TOPICS, properties: Sequence[str] = PROPERTIES, *, max_checks: int = 6
+) -> st.SearchStrategy[Condition]:
+    """What may stand behind ``If``: a check, a group or a ``Not``, as the parser would build it."""
+    return st.recursive(
+        checks(topics, properties),
+        lambda inner: st.one_of(
+            inner.map(lambda operand: Not(operand=operand, span=NOWHERE)),
+            _expressions(inner).map(lambda operand: Group(operand=operand, span=NOWHERE)),
+        ),
+        max_leaves=max_checks,
+    )
+
+
+def _expressions(factor: st.SearchStrategy[Condition]) -> st.SearchStrategy[Condition]:
+    terms = st.lists(factor, min_size=1, max_size=3).map(
+        lambda parts: parts[0] if len(parts) == 1 else And(operands=tuple(parts), span=NOWHERE)
+    )
+    return st.lists(terms, min_size=1, max_size=3).map(
+        lambda parts: parts[0] if len(parts) == 1 else Or(operands=tuple(parts), span=NOWHERE)
+    )
+
+
+def set_frequencies(topics: Sequence[str] = TOPICS) -> st.SearchStrategy[SetFrequency]:
+    return st.builds(SetFrequency, topic=topic_names(topics), rate=rates(), span=st.just(NOWHERE))
+
+
+def keep_at_leasts(topics: Sequence[str] = TOPICS) -> st.SearchStrategy[KeepAtLeast]:
+    return st.builds(KeepAtLeast, topic=topic_names(topics), rate=hertz(), span=st.just(NOWHERE))
+
+
+@st.composite
+def blocks(draw: st.DrawFn, topics: Sequence[str] = TOPICS, properties: Sequence[str] = PROPERTIES) -> Block:
+    """A block, with or without name, priority, ``Else`` and ``EndIf``; no topic twice in a branch."""
+    name = draw(st.none() | st.text("abc \"\\é'//", min_size=1, max_size=8).filter(str.strip))
+    sets = st.lists(
+        set_frequencies(topics), min_size=1, max_size=3, unique_by=lambda one: one.topic.text
+    ).map(tuple)
+    return Block(
+        name=name,
+        priority=draw(st.none() | st.integers(-5, 100)) if name is not None else None,
+        label=name or "",
+        condition=draw(conditions(topics, properties)),
+        then=draw(sets),
+        otherwise=draw(st.just(()) | sets),
+        has_end_if=draw(st.booleans()),
+        span=NOWHERE,
+    )
+
+
+@st.composite
+def rule_files(
+    draw: st.DrawFn,
+    topics: Sequence[str] = TOPICS,
+    properties: Sequence[str] = PROPERTIES,
+    *,
+    max_statements: int = 5,
+    max_collections: int = 2,
+) -> RuleFile:
+    """A syntax tree that some text parses to."""
+    statement = st.one_of(set_frequencies(topics), keep_at_leasts(topics), blocks(topics, properties))
+    lists = draw(st.lists(st.lists(statement, max_size=max_statements), min_size=1, max_size=max_collections))
+    collections = tuple(
+        Collection(statements=tuple(_separable(statements)), span=NOWHERE) for statements in lists
+    )
+    return RuleFile(path="rules.adirf", collections=collections)
+
+
+def _separable(statements: Sequence[Statement]) -> Iterator[Statement]:
+    """What follows a block without ``EndIf`` would belong to it: give it one."""
+    for statement, following in zip_longest(statements, statements[1:]):
+        if isinstance(statement, Block) and following is not None and not isinstance(following, Block):
+            yield dataclasses.replace(statement, has_end_if=True)
+        else:
+            yield statement
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Word:
+    """A word of a rule file; ``owner`` numbers the statement it is in."""
+
+    text: str
+    owner: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WrittenFile:
+    """A text, the tree it must parse to, its words, and the owner of each of its comments."""
+
+    text: str
+    tree: RuleFile
+    words: tuple[Word, ...]
+    comment_owners: dict[str, int]
+
+
+@st.composite
+def written_files(draw: st.DrawFn, *, max_statements: int = 5) -> WrittenFile:
+    """A rule file in any layout, with comments anywhere."""
+    tree = draw(rule_files(max_statements=max_statements))
+    words = words_of(tree)
+    text, owners = lay_out(words, Random(draw(seeds())))
+    return WrittenFile(text=text, tree=tree, words=words, comment_owners=owners)
+
+
+def words_of(file: RuleFile) -> tuple[Word, ...]:
+    """The words of a tree in order, owned by the collection or the innermost statement around them."""
+    return tuple(_Speller().file(file))
+
+
+class _Speller:
+    def __init__(self) -> None:
+        self._owners = 0
+
+    def file(self, file: RuleFile) -> Iterator[Word]:
+        for collection in file.collections:
+            owner = self._next_owner()
+            yield Word(text="begin", owner=owner)
+            for statement in collection.statements:
+                yield from self._statement(statement)
+            yield Word(text="end", owner=owner)
+
+    def _next_owner(self) -> int:
+        self._owners += 1
+        return self._owners
+
+    def _statement(self, statement: Statement) -> Iterator[Word]:
+        owner = self._next_owner()
+        if isinstance(statement, Block):
+            yield from self._block(statement, owner)
+        else:
+            keyword = type(statement).__name__
+            unit = ["Hz"] if statement.rate.has_unit else []
+            value = statement.rate.value
+            rate = value.value if isinstance(value, Enum) else statement.rate.text
+            yield from _owned([keyword, statement.topic.text, rate, *unit], owner)
+
+    def _block(self, block: Block, owner: int) -> Iterator[Word]:
+        if block.name is not None:
+            escaped = block.name.replace("\\", "\\\\").replace('"', '\\"')
+            yield from _owned(["Rule", f'"{escaped}"'], owner)
+        if block.priority is not None:
+            yield from _owned(["Priority", str(block.priority)], owner)
+        yield from _owned(["If", *_condition_words(block.condition), "Then"], owner)
+        for statement in block.then:
+            yield from self._statement(statement)
+        if block.otherwise:
+            yield Word(text="Else", owner=owner)
+        for statement in block.otherwise:
+            yield from self._statement(statement)
+        if block.has_end_if:
+            yield Word(text="EndIf", owner=owner)
+
+
+def _owned(texts: Sequence[str], owner: int) -> Iterator[Word]:
+    return (Word(text=text, owner=owner) for text in texts)
+
+
+def _condition_words(condition: Condition) -> list[str]:
+    match condition:
+        case Check():
+            name, operator = condition.property, condition.operator.value
+            return ["CheckValue", condition.topic.text, name, operator, condition.text]
+        case Not():
+            return ["Not", *_condition_words(condition.operand)]
+        case Group():
+            return ["(", *_condition_words(condition.operand), ")"]
+        case And() | Or():
+            connective = "AND" if isinstance(condition, And) else "OR"
+            parts = [[connective, *_condition_words(operand)] for operand in condition.operands]
+            return [word for part in parts for word in part][1:]
+
+
+def seeds() -> st.SearchStrategy[int]:
+    """Of layouts: a draw for each blank would take Hypothesis minutes to shrink."""
+    return st.integers(0, 2**32)
+
+
+_BLANKS = (" ", " ", " ", "  ", "\t", "\n", "\n", "\r\n", "\n\n", "\n  \n\n", "\r", "\u00a0")
+
+
+def lay_out(words: Sequence[Word], random: Random) -> tuple[str, dict[str, int]]:
+    """The words with random blanks, line ends and comments between them, and who owns each comment.
+
+    A comment on a line of its own belongs to what follows it, another to what is before it; after the last
+    word it belongs to nobody, which is owner 0.
+    """
+    pieces: list[str] = []
+    owners: dict[str, int] = {}
+    for index, word in enumerate([*words, Word(text="", owner=0)]):
+        before = words[index - 1] if index else None
+        blank = random.choice(_BLANKS)
+        if before is not None and _may_touch(before.text, word.text) and random.random() < 0.5:
+            blank = ""
+        while random.random() < 0.15:
+            comment = f"// c{len(owners)} {random.choice(('', 'If // x', 'end', 'é “”'))}".rstrip()
+            is_own_line = before is None or "\n" in blank or "\r" in blank
+            owners[comment] = word.owner if is_own_line or before is None else before.owner
+            blank += comment + random.choice(("\n", "\r\n", " \n\n"))
+        pieces.append(blank + word.text)
+    return "".join(pieces), owners
+
+
+def _may_touch(first: str, second: str) -> bool:
+    return not (_is_of_word(first[-1:]) and _is_of_word(second[:1])) or second == "Hz"
+
+
+def _is_of_word(character: str) -> bool:
+    return character.isalnum() or (character != "" and character in "_~/.+-[]")

@@ -1,0 +1,85 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""``testudo fmt``."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from pathlib import Path
+
+import pytest
+
+from smarttestudo.cli import fmt
+
+UGLY = "begin SetFrequency /odom 10 end"
+NICE = "begin\n    SetFrequency /odom 10\nend\n"
+BROKEN = "begin\n  SetFrequncy /odom 10\nend\n"
+
+
+def run(*arguments: str | Path) -> int:
+    parser = argparse.ArgumentParser()
+    fmt.add_parser(parser.add_subparsers())
+    parsed = parser.parse_args(["fmt", *map(str, arguments)])
+    code: int = parsed.run(parsed)
+    return code
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    for name, text in (("ugly", UGLY), ("nice", NICE), ("broken", BROKEN)):
+        Path(f"{name}.adirf").write_bytes(text.encode())
+    return tmp_path
+
+
+def test_a_file_is_formatted_in_place(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("ugly.adirf", "nice.adirf") == 0
+    assert Path("ugly.adirf").read_text() == NICE
+    assert capsys.readouterr() == ("formatted ugly.adirf\n", "")
+
+
+def test_a_formatted_file_is_not_written(folder: Path) -> None:
+    os.utime("nice.adirf", ns=(1, 1))
+    before = Path("nice.adirf").stat()
+    assert run("nice.adirf") == 0
+    after = Path("nice.adirf").stat()
+    assert (after.st_mtime_ns, after.st_ino) == (before.st_mtime_ns, before.st_ino)
+
+
+def test_check_lists_what_would_change_and_writes_nothing(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run("--check", "ugly.adirf", "nice.adirf") == 1
+    assert capsys.readouterr() == ("ugly.adirf\n", "")
+    assert Path("ugly.adirf").read_text() == UGLY
+    assert run("--check", "nice.adirf") == 0
+
+
+def test_a_file_with_errors_is_left_and_explained_and_the_others_are_formatted(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run("missing.adirf", "broken.adirf", "ugly.adirf") == 1
+    assert Path("broken.adirf").read_text() == BROKEN
+    assert Path("ugly.adirf").read_text() == NICE
+    out, err = capsys.readouterr()
+    assert out == "formatted ugly.adirf\n"
+    assert err.splitlines() == [
+        "missing.adirf: error: there is no such file; check the path",
+        "broken.adirf:2:3: error[expected-statement]: expected a statement "
+        "('SetFrequency', 'KeepAtLeast', 'Rule' or 'If') or 'end', found 'SetFrequncy'",
+        "    SetFrequncy /odom 10",
+        "    ^^^^^^^^^^^",
+        "    hint: did you mean 'SetFrequency'?",
+    ]
+
+
+def test_a_folder_stands_for_its_files(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(".") == 1
+    assert Path("ugly.adirf").read_text() == NICE
+
+
+def test_line_ends_stay(folder: Path) -> None:
+    Path("ugly.adirf").write_bytes(b"begin\r\nSetFrequency /odom 10 end\r\n")
+    assert run("ugly.adirf") == 0
+    assert Path("ugly.adirf").read_bytes() == NICE.replace("\n", "\r\n").encode()

@@ -1,0 +1,52 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Demos run as a user runs them, and their bags read with another library than ours."""
+
+from __future__ import annotations
+
+import io
+from collections import Counter, defaultdict
+from contextlib import redirect_stderr, redirect_stdout
+from dataclasses import dataclass
+from pathlib import Path
+
+from rosbags.rosbag2 import Reader
+
+from smarttestudo.cli.main import main
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ran:
+    """What a command printed and how it ended."""
+
+    code: int
+    stdout: str
+    stderr: str
+
+
+def run_testudo(*arguments: object) -> Ran:
+    stdout, stderr = io.StringIO(), io.StringIO()
+    with redirect_stdout(stdout), redirect_stderr(stderr):
+        try:
+            code = main([str(argument) for argument in arguments])
+        except SystemExit as exit_:
+            code = int(exit_.code or 0)
+    return Ran(code=code, stdout=stdout.getvalue(), stderr=stderr.getvalue())
+
+
+Messages = dict[str, list[tuple[int, bytes]]]
+
+
+def messages_of(bag: Path) -> Messages:
+    """Stamps and payloads by topic, as rosbags reads them."""
+    found: Messages = defaultdict(list)
+    with Reader(bag) as reader:
+        for connection, stamp_ns, payload in reader.messages():
+            found[connection.topic].append((stamp_ns, bytes(payload)))
+    return dict(found)
+
+
+def binned_hz(messages: list[tuple[int, bytes]]) -> float:
+    """The thesis's frequency: the mean count of the epoch's seconds from the first to the last message."""
+    per_second = Counter(stamp_ns // 10**9 for stamp_ns, _ in messages)
+    return sum(per_second.values()) / (max(per_second) - min(per_second) + 1)

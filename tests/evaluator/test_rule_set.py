@@ -1,0 +1,83 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What rule files mean together, before any value is known."""
+
+from __future__ import annotations
+
+import pytest
+
+from smarttestudo.adirf.parser import parse
+from smarttestudo.adirf.rule_set import RuleSet, compile_rules
+from smarttestudo.adirf.syntax import RuleFile
+from smarttestudo.domain.errors import RuleFileError
+from smarttestudo.domain.names import resolve_topic
+from smarttestudo.domain.rate import Rate
+from smarttestudo.domain.signal import Signal
+
+
+def file(text: str, path: str = "rules.adirf") -> RuleFile:
+    parsed = parse(text, path)
+    assert not parsed.findings
+    return parsed.file
+
+
+def rules(*texts: str) -> RuleSet:
+    return compile_rules([file(text) for text in texts], resolve_topic)
+
+
+def test_the_last_default_and_the_highest_floor_of_a_topic_count_across_files() -> None:
+    rule_set = rules(
+        "begin SetFrequency /a 1 KeepAtLeast /a 3 end",
+        "begin\nSetFrequency /a 2 KeepAtLeast /a 2 end",
+    )
+    assert rule_set.defaults == {"/a": Rate(2.0)}
+    assert rule_set.default_lines == {"/a": 2}
+    assert rule_set.floors_hz == {"/a": 3.0}
+
+
+def test_topics_of_defaults_floors_and_blocks_are_relayed_and_those_of_checks_only_read() -> None:
+    rule_set = rules(
+        """
+        begin
+        KeepAtLeast /floor 1
+        SetFrequency /default 3
+        If CheckValue /read x > 1 Then SetFrequency /set 2
+        end
+        """
+    )
+    assert rule_set.relayed == ("/default", "/floor", "/set")
+    assert rule_set.signals == {Signal("/read", "x")}
+
+
+def test_an_else_is_a_block_of_its_own_at_the_same_line() -> None:
+    rule_set = rules(
+        "begin\n"
+        'Rule "near" Priority 3 If CheckValue /scan x < 1 Then SetFrequency /a 2 Else SetFrequency /b 4\n'
+        "end"
+    )
+    near, far = rule_set.blocks
+    assert (near.order, near.label, near.priority, near.line) == (0, "near", 3, 2)
+    assert (far.order, far.label, far.priority, far.line) == (1, "near (Else)", 3, 2)
+    assert (near.rates, far.rates) == ({"/a": Rate(2.0)}, {"/b": Rate(4.0)})
+
+
+def test_relative_names_are_resolved_in_checks_and_settings_alike() -> None:
+    parsed = file("begin SetFrequency odom 1 If CheckValue odom x > 1 Then SetFrequency /scan 2 end")
+    rule_set = compile_rules([parsed], lambda name: resolve_topic(name, namespace="/tb3"))
+    assert rule_set.relayed == ("/tb3/odom", "/scan")
+    assert rule_set.signals == {Signal("/tb3/odom", "x")}
+
+
+def test_a_tier_without_a_profile_is_refused_with_its_place() -> None:
+    with pytest.raises(RuleFileError) as refused:
+        rules("begin\n  SetFrequency /a Desirable\nend")
+    assert str(refused.value) == (
+        "rules.adirf:2:3: error: Desirable has no rate without a profile; "
+        "give a number, or a profile with --profile"
+    )
+
+
+def test_a_tier_is_the_rate_that_was_given_to_its_statement() -> None:
+    parsed = file("begin SetFrequency /a Desirable SetFrequency /b 3 end", "tiers.adirf")
+    rates = compile_rules([parsed], resolve_topic, lambda one, path: Rate(len(path) + one.span.line))
+    assert rates.defaults == {"/a": Rate(12.0), "/b": Rate(3.0)}
