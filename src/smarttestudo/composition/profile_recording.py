@@ -16,12 +16,12 @@ def profile_of_recording(recording: RecordingReader, *, name: str) -> str:
 
     Where the recording declares sizes, they count as the messages' sizes.
     """
+    declared_bytes = recording.declared_bytes
     measures = {
-        channel.topic: TopicMeasure(channel.type_name)
+        channel.topic: TopicMeasure(channel.type_name, is_declared=channel.topic in declared_bytes)
         for channel in recording.channels
         if is_topic_name(channel.topic)
     }
-    declared_bytes = recording.declared_bytes
     for channel, stamp_ns, payload in recording.messages():
         measure = measures.get(channel.topic)
         if measure is not None:

@@ -10,7 +10,10 @@ from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
 
 
 class TopicMeasure:
-    """Sizes and intervals of one topic's messages, counted one by one in constant memory."""
+    """Sizes and intervals of one topic's messages, counted one by one in constant memory.
+
+    ``is_declared`` says that the sizes are not those of the messages but what the recording declares.
+    """
 
     __slots__ = (
         "_bytes",
@@ -18,13 +21,15 @@ class TopicMeasure:
         "_last_ns",
         "_mean_ns",
         "_squares_ns2",
+        "is_declared",
         "largest_bytes",
         "messages",
         "type_name",
     )
 
-    def __init__(self, type_name: str) -> None:
+    def __init__(self, type_name: str, *, is_declared: bool = False) -> None:
         self.type_name = type_name
+        self.is_declared = is_declared
         self.messages = 0
         self.largest_bytes = 0
         self._bytes = 0

@@ -42,15 +42,17 @@ def _entries(measure: TopicMeasure) -> Iterator[str]:
         yield "# no messages: no size, no rate"
         return
     plural = "message" if measure.messages == 1 else "messages"
+    declared = ", declared by the recording" if measure.is_declared else ""
     yield (
         f"message_kb = {_number(measure.message_kb)}  # mean of {measure.messages} {plural}, "
-        f"the largest {_number(measure.largest_kb)}"
+        f"the largest {_number(measure.largest_kb)}{declared}"
     )
     if measure.source_hz is None:
         yield "# one message or one stamp only: no rate, no tiers"
         return
-    yield f"source_hz = {_number(_rounded(measure.source_hz))}  # {_intervals(measure)}"
-    tiers = ", ".join(_number(rate) for rate in proposed_tiers_hz(measure.source_hz))
+    source_hz = _rounded(measure.source_hz)
+    yield f"source_hz = {_number(source_hz)}  # {_intervals(measure)}"
+    tiers = ", ".join(_number(rate) for rate in proposed_tiers_hz(source_hz))
     shares = ", ".join(f"{100 * share:g}" for share in TIER_SHARES)
     yield f"tiers_hz = [{tiers}]  # {shares} % of source_hz"
 
