@@ -98,3 +98,10 @@ def test_a_character_that_cannot_be_seen_is_named() -> None:
     (finding,) = parse(text, "rules.adirf").findings
     assert finding.message.endswith("found the character U+200B (zero width space)")
     assert finding.span.column == text.index("\u200b") + 1
+
+
+@pytest.mark.parametrize("character", ["\t", "\x1b", "\u2028", "\u202e"])
+def test_a_name_holds_nothing_that_cannot_be_shown(character: str) -> None:
+    text = f'begin Rule "a{character}b" If CheckValue /odom speed > 1 Then SetFrequency /odom 1 end'
+    (finding,) = parse(text, "rules.adirf").findings
+    assert finding.message == "the name holds a tab or a character that cannot be seen"

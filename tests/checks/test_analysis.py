@@ -10,7 +10,7 @@ from hypothesis import given, settings
 
 from checks.naive_rules import VALUES, all_states, applies, completions, decider, holds, rule_files
 from smarttestudo.adirf.checks import CheckContext
-from smarttestudo.adirf.checks.analysis.analyse import MAX_CLASHES_SHOWN
+from smarttestudo.adirf.checks.analysis.interval_analysis import MAX_CLASHES_SHOWN
 from smarttestudo.adirf.checks.rule_book import RuleBook, read_rule_book
 from smarttestudo.adirf.checks.written import Branch
 from smarttestudo.adirf.parser import parse

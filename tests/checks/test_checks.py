@@ -79,6 +79,24 @@ def test_a_fix_removes_its_finding(check: RuleCheck) -> None:
             assert of_example(mended) == []
 
 
+def test_parentheses_are_offered_around_the_and_and_keep_its_meaning() -> None:
+    text = ONE_BLOCK.format(
+        "(CheckValue /a x > 1 AND Not CheckValue /b x > 1 OR CheckValue /c x > 1 AND (CheckValue /d x > 1))"
+    )
+    once = applied(text, findings_of(text)[0])
+    assert "((CheckValue /a x > 1 AND Not CheckValue /b x > 1) OR" in once
+    twice = applied(once, findings_of(once)[0])
+    assert "OR (CheckValue /c x > 1 AND (CheckValue /d x > 1)))" in twice
+    assert codes_of(twice) == []
+
+
+def test_parentheses_are_not_offered_where_they_could_lose_a_comment() -> None:
+    (finding,) = findings_of(
+        ONE_BLOCK.format("(CheckValue /a x > 1 // why\n AND CheckValue /b x > 1 OR CheckValue /c x > 1)")
+    )
+    assert finding.fix is None
+
+
 def test_codes_are_unique_kebab_case() -> None:
     codes = [check.code for check in CHECKS]
     assert len(set(codes)) == len(codes)
@@ -146,7 +164,18 @@ def test_blocks_that_only_together_cover_another_shadow_it() -> None:
       Rule "North" If CheckValue /odom pose_y > 5 Then SetFrequency /odom 20 EndIf end"""
     (shadow,) = findings_of(text)
     assert shadow.code == "block-shadowed"
-    assert '"West" (line 2) and "East" (line 3) win' in shadow.message
+    assert shadow.message == (
+        '"North" never decides a rate: wherever it holds, "West" (line 2) and "East" (line 3) win by priority'
+    )
+
+
+def test_only_the_blocks_that_are_needed_to_shadow_another_are_named() -> None:
+    text = """begin SetFrequency /odom 10
+      Rule "West" If CheckValue /odom pose_x < 5 Then SetFrequency /odom 20 EndIf
+      Rule "All" If CheckValue /odom pose_x < 9 Then SetFrequency /odom 20 EndIf
+      Rule "Low" If CheckValue /odom pose_x < 6 Then SetFrequency /odom 4 EndIf end"""
+    messages = [one.message for one in findings_of(text) if one.code == "block-shadowed"]
+    assert messages == ['"Low" never decides a rate: wherever it holds, "All" (line 3) wins by rate']
 
 
 @pytest.mark.parametrize(

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import re
+import unicodedata
 from dataclasses import dataclass
 
 from smarttestudo.adirf.cursor import SAFE_PLACES, BrokenStatementError, Cursor
@@ -81,12 +82,14 @@ def _plain_name(cursor: Cursor, token: Token) -> str:
     name = _ESCAPE.sub(r"\1", text)
     if not name.strip():
         cursor.report("invalid-name", "the name is empty", hint="leave out 'Rule' for a block without a name")
-    elif not all(character.isprintable() or character.isspace() for character in name) or "\t" in name:
-        cursor.report(
-            "invalid-name", "the name holds a character that cannot be shown", hint="a tab counts as one"
-        )
+    elif not all(_can_be_shown(character) for character in name):
+        cursor.report("invalid-name", "the name holds a tab or a character that cannot be seen")
     cursor.advance()
     return name
+
+
+def _can_be_shown(character: str) -> bool:
+    return character.isprintable() or unicodedata.category(character) == "Zs"
 
 
 def _bare_name(cursor: Cursor) -> str:

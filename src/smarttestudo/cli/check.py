@@ -57,7 +57,7 @@ def run(arguments: argparse.Namespace) -> int:
         print(json.dumps([_to_json(finding) for finding in findings], indent=2))  # noqa: T201
     else:
         print_findings(findings, texts, sys.stdout)
-        write_lines([summary(findings, files=len(texts))], sys.stdout)
+        write_lines([summary(findings, files=len(texts))] if texts else [], sys.stdout)
     sys.stdout.flush()
     for error in unreadable:
         print(error, file=sys.stderr)  # noqa: T201

@@ -9,8 +9,11 @@ from collections.abc import Iterator
 from smarttestudo.adirf.checks.rule_book import RuleBook
 from smarttestudo.adirf.checks.rule_check import Example, Found, RuleCheck
 from smarttestudo.adirf.checks.written import conditions_in
+from smarttestudo.adirf.comments import COMMENT_START
+from smarttestudo.adirf.formatter_conditions import write_condition
+from smarttestudo.adirf.formatter_lines import LineWriter
 from smarttestudo.adirf.syntax import And, Or
-from smarttestudo.domain.finding import Severity
+from smarttestudo.domain.finding import Fix, Severity
 
 
 def _find(book: RuleBook) -> Iterator[Found]:
@@ -24,7 +27,18 @@ def _find(book: RuleBook) -> Iterator[Found]:
                         span=bare[0].span,
                         message="AND binds tighter than OR: this AND is one side of the OR",
                         hint="put parentheses around the part that belongs together",
+                        fix=_fix(bare[0]),
                     )
+
+
+def _fix(condition: And) -> Fix | None:
+    """Parentheses around the AND, which change nothing; comments inside are left to a person."""
+    writer = LineWriter()
+    write_condition(writer, 0, "", condition)
+    text = writer.text().strip()
+    if COMMENT_START in text:
+        return None
+    return Fix(span=condition.span, replacement=text, title="put parentheses around the AND")
 
 
 CHECK = RuleCheck(

@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from smarttestudo.adirf.checks import wording
-from smarttestudo.adirf.checks.analysis import Shadow
+from smarttestudo.adirf.checks.analysis import Shadow, wins_over
 from smarttestudo.adirf.checks.rule_book import RuleBook
 from smarttestudo.adirf.checks.rule_check import Example, Found, RuleCheck
 from smarttestudo.domain.finding import Severity
@@ -21,13 +21,31 @@ def _found(shadow: Shadow) -> Found:
     branch = shadow.branch
     path = branch.block.path
     rivals = [wording.branch_with_place(rival, seen_from=path) for rival in shadow.rivals]
+    verb = "wins" if len(rivals) == 1 else "win"
     return Found(
         path=path,
         span=branch.written[0].span.to(branch.written[-1].span),
         message=f"{wording.branch_name(branch)} never decides a rate: wherever it holds, "
-        f"{wording.listed(rivals)} {'wins' if len(rivals) == 1 else 'win'} by priority, rate or order",
+        f"{wording.listed(rivals)} {verb} by {wording.listed(_reasons(shadow))}",
         hint="give it a higher Priority, or remove it",
     )
+
+
+def _reasons(shadow: Shadow) -> list[str]:
+    """What makes the rivals win: a higher priority, else a higher rate, else the place in the file."""
+    loser = shadow.branch
+    reasons: set[str] = set()
+    for rival in shadow.rivals:
+        topics = [topic for topic in loser.settings if topic in rival.settings]
+        if rival.block.priority > loser.block.priority:
+            reasons.add("priority")
+        elif any(
+            rival.rate(topic) != loser.rate(topic) for topic in topics if wins_over(rival, loser, topic)
+        ):
+            reasons.add("rate")
+        else:
+            reasons.add("order")
+    return [reason for reason in ("priority", "rate", "order") if reason in reasons]
 
 
 CHECK = RuleCheck(

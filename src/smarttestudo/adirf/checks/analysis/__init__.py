@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the conditions of all blocks mean beside each other."""
 
-from smarttestudo.adirf.checks.analysis.analyse import analyse
+from smarttestudo.adirf.checks.analysis.interval_analysis import analyse, wins_over
 from smarttestudo.adirf.checks.analysis.results import Analysis, Clash, Gap, Meeting, Shadow
 
-__all__ = ["Analysis", "Clash", "Gap", "Meeting", "Shadow", "analyse"]
+__all__ = ["Analysis", "Clash", "Gap", "Meeting", "Shadow", "analyse", "wins_over"]

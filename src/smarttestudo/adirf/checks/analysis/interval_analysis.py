@@ -10,17 +10,17 @@ from typing import TypeVar
 
 from smarttestudo.adirf.boxes import Domain, Effort, TooComplexError, find_box
 from smarttestudo.adirf.checks.analysis.atlas import Atlas, Territory, territory_of
-from smarttestudo.adirf.checks.analysis.cover import Coverage, coverage
+from smarttestudo.adirf.checks.analysis.cover import Covers
 from smarttestudo.adirf.checks.analysis.encounters import Encounters
 from smarttestudo.adirf.checks.analysis.results import Analysis, Clash, Gap, Meeting, Shadow
 from smarttestudo.adirf.checks.context import CheckContext
 from smarttestudo.adirf.checks.written import Branch, WrittenBlock
-from smarttestudo.adirf.normal_form import Form, negation
+from smarttestudo.adirf.normal_form import negation
 from smarttestudo.domain.signal import Signal, Truth
 
 _T = TypeVar("_T")
 
-LOOKS_IN_ALL = 20_000_000
+LOOKS_IN_ALL = 5_000_000
 LOOKS_AT_A_QUESTION = 50_000
 MAX_CLASHES_SHOWN = 3
 
@@ -40,14 +40,15 @@ def analyse(
     territories = {branch.order: analyst.territory(branch) for branch in branches}
     possible = [branch for branch in branches if territories[branch.order].boxes]
     atlas = Atlas(branches, territories)
+    covers = Covers(atlas, analyst.domain)
     without_default = {topic for branch in branches for topic in branch.settings}.difference(defaults)
-    gaps = (analyst.gap(topic, atlas) for topic in sorted(without_default))
+    gaps = (analyst.gap(topic, covers) for topic in sorted(without_default))
     encounters = [found for branch in possible for found in analyst.encounters(branch, atlas)]
     return Analysis(
         truths=truths,
         clashes=tuple(found for found in encounters if isinstance(found, Clash)),
         meetings=tuple(found for found in encounters if isinstance(found, Meeting)),
-        shadows=tuple(shadow for branch in possible for shadow in analyst.shadows(branch, atlas)),
+        shadows=tuple(shadow for branch in possible for shadow in analyst.shadows(branch, covers)),
         gaps=tuple(gap for gap in gaps if gap is not None),
         unfinished=analyst.unfinished,
     )
@@ -60,7 +61,7 @@ class _Analyst:
         self, blocks: Sequence[WrittenBlock], *, domain: Domain, wavers: Callable[[Signal], bool]
     ) -> None:
         self._blocks = blocks
-        self._domain = domain
+        self.domain = domain
         self._wavers = wavers
         self._effort = Effort(LOOKS_IN_ALL)
         self._unfinished: set[int] = set()
@@ -71,49 +72,43 @@ class _Analyst:
 
     def truth(self, block: WrittenBlock) -> Truth:
         try:
-            if find_box([block.form], self._domain, self._question()) is None:
+            if find_box([block.form], self.domain, self._question()) is None:
                 return Truth.FALSE
-            if find_box([negation(block.form)], self._domain, self._question()) is None:
+            if find_box([negation(block.form)], self.domain, self._question()) is None:
                 return Truth.TRUE
         except TooComplexError:
             self._unfinished.add(block.order)
         return Truth.UNKNOWN
 
     def territory(self, branch: Branch) -> Territory:
-        return territory_of(branch.form, self._domain, self._question())
+        return territory_of(branch.form, self.domain, self._question())
 
     def encounters(self, branch: Branch, atlas: Atlas) -> Iterator[Clash | Meeting]:
-        encounters = Encounters(atlas, domain=self._domain, wavers=self._wavers, effort=self._question())
+        encounters = Encounters(atlas, domain=self.domain, wavers=self._wavers, effort=self._question())
         for count, found in enumerate(self._until_too_complex(branch, encounters.of(branch)), start=1):
             yield found
             if isinstance(found, Meeting) or count == MAX_CLASHES_SHOWN:
                 return
 
-    def shadows(self, branch: Branch, atlas: Atlas) -> Iterator[Shadow]:
-        return self._until_too_complex(branch, self._shadows(branch, atlas))
+    def shadows(self, branch: Branch, covers: Covers) -> Iterator[Shadow]:
+        return self._until_too_complex(branch, self._shadows(branch, covers))
 
-    def gap(self, topic: str, atlas: Atlas) -> Gap | None:
+    def gap(self, topic: str, covers: Covers) -> Gap | None:
         try:
-            cover = self._coverage((), topic, lambda _: True, atlas)
+            cover = covers.of((), topic, lambda _: True, self._question())
         except TooComplexError:
             return Gap(topic=topic, state=None)
         return None if cover.gap is None else Gap(topic=topic, state=cover.gap)
 
-    def _shadows(self, branch: Branch, atlas: Atlas) -> Iterator[Shadow]:
+    def _shadows(self, branch: Branch, covers: Covers) -> Iterator[Shadow]:
         rivals: dict[int, Branch] = {}
         for topic in branch.settings:
-            cover = self._coverage(
-                (branch.form,), topic, partial(wins_over, loser=branch, topic=topic), atlas
-            )
+            is_rival = partial(wins_over, loser=branch, topic=topic)
+            cover = covers.of((branch.form,), topic, is_rival, self._question())
             if cover.gap is not None:
                 return
             rivals.update((rival.order, rival) for rival in cover.branches)
         yield Shadow(branch=branch, rivals=tuple(rivals[order] for order in sorted(rivals)))
-
-    def _coverage(
-        self, forms: Sequence[Form], topic: str, is_counted: Callable[[Branch], bool], atlas: Atlas
-    ) -> Coverage:
-        return coverage(forms, topic, is_counted, atlas=atlas, domain=self._domain, effort=self._question())
 
     def _question(self) -> Effort:
         return Effort(LOOKS_AT_A_QUESTION, self._effort)

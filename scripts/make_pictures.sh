@@ -1,0 +1,12 @@
+#!/bin/sh
+# Redraws docs/images from the demo, with Debian's Chromium and no network.
+set -eu
+testudo=${TESTUDO:-.venv/bin/testudo}
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT INT TERM
+
+"$testudo" demo --out "$folder/demo-out" >/dev/null
+mkdir -p docs/images
+chromium --headless --no-sandbox --disable-gpu --no-first-run --disable-background-networking \
+    --user-data-dir="$folder/chromium" --hide-scrollbars --window-size=1280,1640 \
+    --screenshot=docs/images/demo-report.png "file://$folder/demo-out/report.html" >/dev/null 2>&1
