@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import sys
 from collections.abc import Callable, Iterable
 from contextlib import ExitStack
@@ -56,6 +57,12 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 
 def _add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
+        "--budget",
+        metavar="N",
+        type=budget_kb_per_s,
+        help="KB/s that all relayed topics together may take; rates are cut by priority, not below floors",
+    )
+    parser.add_argument(
         "--when-slow",
         choices=[mode.value for mode in WhenSlow],
         default=WhenSlow.PASS.value,
@@ -77,6 +84,17 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
         "--decisions", metavar="FILE", type=Path, help="write the decisions here (JSON Lines)"
     )
     parser.add_argument("--json", action="store_true", help="print one JSON object instead of a table")
+
+
+def budget_kb_per_s(text: str) -> float:
+    """A budget from the command line; ``ArgumentTypeError`` for anything but a number of KB/s."""
+    try:
+        number = float(text)
+    except ValueError:
+        number = math.nan
+    if not 0 <= number < math.inf:
+        raise argparse.ArgumentTypeError(f"a budget is a number of KB/s from 0 on, not {text!r}")
+    return number
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -113,6 +131,7 @@ def _replay(
             when_slow=WhenSlow(arguments.when_slow),
             storage=Storage(arguments.storage),
             output_topic=arguments.output_topic,
+            budget_kb_per_s=arguments.budget,
             decided=decided,
             report=opened.enter_context(progress(f"Replaying {arguments.bag}")),
         )

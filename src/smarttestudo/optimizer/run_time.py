@@ -82,7 +82,7 @@ class BudgetKeeper:
     def __init__(self, budget_kb_per_s: float) -> None:
         self._budget_kb_per_s = budget_kb_per_s
         self._plan = BudgetPlan(cut_hz={}, floors_fit=True)
-        self._planned_ns: int | None = None
+        self._checked_ns: int | None = None
         self._is_stale = True
 
     @property
@@ -103,22 +103,20 @@ class BudgetKeeper:
     @property
     def next_check_ns(self) -> int | None:
         """When the use is next looked at; ``None`` before the first plan."""
-        return None if self._planned_ns is None else self._planned_ns + REPLAN_AFTER_NS
+        return None if self._checked_ns is None else self._checked_ns + REPLAN_AFTER_NS
+
+    def is_due(self, now_ns: int) -> bool:
+        """Whether ``update`` has something to look at, though no wish changed."""
+        return self._is_stale or self._checked_ns is None or now_ns >= self._checked_ns + REPLAN_AFTER_NS
 
     def update(self, loads: Sequence[TopicLoad], now_ns: int, *, wishes_changed: bool) -> BudgetPlan:
         """The plan for ``loads`` at ``now_ns``; the same object as before where none was needed."""
-        if wishes_changed or self._is_stale or self._planned_ns is None:
-            return self._replan(loads, now_ns)
-        if now_ns >= self._planned_ns + REPLAN_AFTER_NS:
-            self._planned_ns = now_ns
-            if self._is_off_target(loads):
-                return self._replan(loads, now_ns)
-        return self._plan
-
-    def _replan(self, loads: Sequence[TopicLoad], now_ns: int) -> BudgetPlan:
-        self._plan = plan_within(loads, self._budget_kb_per_s)
-        self._planned_ns = now_ns
-        self._is_stale = False
+        if not wishes_changed and not self.is_due(now_ns):
+            return self._plan
+        self._checked_ns = now_ns
+        if wishes_changed or self._is_stale or self._is_off_target(loads):
+            self._plan = plan_within(loads, self._budget_kb_per_s)
+            self._is_stale = False
         return self._plan
 
     def _is_off_target(self, loads: Sequence[TopicLoad]) -> bool:
