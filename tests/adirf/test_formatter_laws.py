@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from adirf.comment_owners import comments_by_owner
 from adirf.rule_strategies import NOWHERE, WrittenFile, bare, blocks, checks, rule_files, written_files
 from smarttestudo.adirf.formatter import format_file, format_rules
-from smarttestudo.adirf.formatter_conditions import MAX_WIDTH
+from smarttestudo.adirf.formatter.conditions import MAX_WIDTH
 from smarttestudo.adirf.normal_form import normal_form
 from smarttestudo.adirf.parser import parse
 from smarttestudo.adirf.syntax import And, Block, Collection, Condition, Not, Or, RuleFile

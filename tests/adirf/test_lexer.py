@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from smarttestudo.adirf.lexer import tokenize
-from smarttestudo.adirf.tokens import TokenKind
+from smarttestudo.adirf.parser.lexer import tokenize
+from smarttestudo.adirf.parser.tokens import TokenKind
 
 
 def words(text: str) -> list[str]:

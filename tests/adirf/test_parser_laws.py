@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from adirf.comment_owners import comments_by_owner
 from adirf.rule_strategies import Word, WrittenFile, bare, lay_out, rule_files, seeds, words_of, written_files
-from smarttestudo.adirf.parse_result import ParseResult
 from smarttestudo.adirf.parser import parse
+from smarttestudo.adirf.parser.result import ParseResult
 from smarttestudo.adirf.syntax import RuleFile
 from smarttestudo.domain.names import is_topic_name
 

@@ -13,10 +13,12 @@ from pathlib import Path
 
 import pytest
 
+from smarttestudo.adapters.rosbag import create_recording
 from smarttestudo.cli import check
 from smarttestudo.cli.finding_text import finding_lines, print_findings, summary, write_lines
 from smarttestudo.domain.errors import ProfileError
 from smarttestudo.domain.finding import Finding, Severity
+from smarttestudo.domain.recording import Channel
 from smarttestudo.domain.source import Span
 
 GOOD = "begin\n  SetFrequency /odom 10\nend\n"
@@ -123,6 +125,19 @@ def test_a_broken_profile_is_an_error(folder: Path) -> None:
     (folder / "profile.toml").write_text("budget = 3\n")
     with pytest.raises(ProfileError, match="unknown key"):
         run_check("good.adirf", "--profile", "profile.toml")
+
+
+def test_a_recording_tells_which_topics_it_lacks_and_what_types_it_has(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with create_recording(folder / "bag") as recording:
+        recording.write(Channel(topic="/odom", type_name="nav_msgs/msg/Odometry"), 1, b"\0\1\0\0")
+    (folder / "robot.adirf").write_text(
+        "begin\n  SetFrequency /odm 10\n  If CheckValue /odom pose_X > 1 Then SetFrequency /odm 4\nend\n"
+    )
+    assert run_check("robot.adirf", "--bag", "bag", "--format", "json") == 0
+    found = {one["code"]: one["hint"] for one in json.loads(capsys.readouterr().out)}
+    assert found == {"absent-from-bag": "did you mean '/odom'?", "unknown-property": "did you mean 'pose_x'?"}
 
 
 def test_an_unknown_format_is_wrong_usage(folder: Path) -> None:

@@ -235,6 +235,16 @@ def test_blocks_that_leave_a_strip_between_them_or_differ_in_a_count_do_not_flic
     assert codes_of(template.format("/dock state", 2)) == []
 
 
+def test_a_border_that_many_blocks_share_is_reported_once() -> None:
+    blocks = [
+        f"If (CheckValue /odom pose_x {side} 5 AND CheckValue /odom pose_y > {y}.1 "
+        f"AND CheckValue /odom pose_y < {y}.9) Then SetFrequency /odom {rate} EndIf"
+        for y in range(3)
+        for side, rate in ((">", 4), ("<", 20))
+    ]
+    assert codes_of("\n".join(["begin SetFrequency /odom 10", *blocks, "end"])) == ["no-margin"]
+
+
 def test_the_cost_of_a_missing_default_is_told_when_the_profile_knows_it() -> None:
     profile = Profile(topics={"/camera/image_raw": TopicProfile(message_kb=6220, source_hz=29)})
     text = "begin If CheckValue /odom pose_x > 6 Then SetFrequency /camera/image_raw 3 end"

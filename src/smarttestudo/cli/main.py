@@ -32,9 +32,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     except ModuleNotFoundError as error:
         if (error.name or "").partition(".")[0] not in STUDIO_PACKAGES:
             raise
-        return _fail(
-            f"error: this command needs the package {error.name}; pip install 'smarttestudo[studio]'", EXIT_ERROR
-        )
+        remedy = "pip install 'smarttestudo[studio]'"
+        return _fail(f"error: this command needs the package {error.name}; {remedy}", EXIT_ERROR)
     except BrokenPipeError:
         # The reader of our output has gone; whatever Python still flushes at exit must not complain.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -47,8 +46,8 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="testudo",
-        description="Adaptive monitoring for ROS 2 robots: each topic at the rate that your rules give it now.",
-        epilog="'testudo demo' needs no robot and shows what it does. 'testudo COMMAND --help' explains a command.",
+        description="Adaptive monitoring for ROS 2 robots: each topic at the rate your rules give it now.",
+        epilog="'testudo demo' needs no robot. 'testudo COMMAND --help' explains a command.",
     )
     parser.add_argument("--version", action="version", version=f"testudo {__version__}")
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)

@@ -9,10 +9,13 @@ counted from the end of that header (OMG DDS-XTYPES 1.3, 7.4.1 and 7.6.2). Nothi
 from __future__ import annotations
 
 import struct
+from contextlib import suppress
+from typing import NamedTuple
 
 HEADER_BYTES = 4
 STAMP_BYTES = 8
 MAX_TRANSFORMS = 10_000
+MAX_KNOWN_LAYOUTS = 64
 
 _BIG_ENDIAN = b"\x00\x00"
 _LITTLE_ENDIAN = b"\x00\x01"
@@ -36,13 +39,40 @@ def header_stamp(payload: Payload) -> bytes | None:
 
 def child_frames(payload: Payload) -> tuple[str, ...]:
     """The child frames of a tf2_msgs/msg/TFMessage, each once, in their order; none if it cannot be one."""
-    order = _byte_order(payload)
-    if order is None:
-        return ()
-    try:
-        return _child_frames(payload, struct.Struct(f"{order}I"))
-    except struct.error:
-        return ()
+    return _read_transforms(payload).frames
+
+
+class FrameReader:
+    """``child_frames`` for one message of a topic after the other, at once where the frames stay the same.
+
+    The messages of a broadcaster differ in stamps and transforms only: what lies between those is compared
+    with the last message of the same length in one go.
+    """
+
+    __slots__ = ("_known",)
+
+    def __init__(self) -> None:
+        self._known: dict[int, _Transforms] = {}
+
+    def child_frames(self, payload: Payload) -> tuple[str, ...]:
+        """What ``child_frames`` gives for ``payload``."""
+        known = self._known.get(len(payload))
+        if known is not None and known.layout.unpack(payload) == known.constant:
+            return known.frames
+        transforms = _read_transforms(payload)
+        if transforms.frames:
+            if len(self._known) >= MAX_KNOWN_LAYOUTS:
+                self._known.clear()
+            self._known[len(payload)] = transforms
+        return transforms.frames
+
+
+class _Transforms(NamedTuple):
+    """The frames of a TFMessage, and the bytes that decide them: ``constant``, as ``layout`` unpacks them."""
+
+    frames: tuple[str, ...]
+    layout: struct.Struct
+    constant: tuple[bytes, ...]
 
 
 def _byte_order(payload: Payload) -> str | None:
@@ -52,19 +82,36 @@ def _byte_order(payload: Payload) -> str | None:
     return ">" if encapsulation == _BIG_ENDIAN else None
 
 
-def _child_frames(payload: Payload, uint32: struct.Struct) -> tuple[str, ...]:
+_NO_TRANSFORMS = _Transforms((), struct.Struct(""), ())
+
+
+def _read_transforms(payload: Payload) -> _Transforms:
+    order = _byte_order(payload)
+    if order is not None:
+        with suppress(struct.error):
+            return _transforms(payload, struct.Struct(f"{order}I"))
+    return _NO_TRANSFORMS
+
+
+def _transforms(payload: Payload, uint32: struct.Struct) -> _Transforms:
     (count,) = uint32.unpack_from(payload, HEADER_BYTES)
     if count > MAX_TRANSFORMS:
-        return ()
+        return _NO_TRANSFORMS
     frames: dict[str, None] = {}
     end = HEADER_BYTES + uint32.size
+    fields = [f"{end}s"]
     for _ in range(count):
         frame_id_at = _aligned(end, 4) + STAMP_BYTES
         child_at = _aligned(_string_end(payload, frame_id_at, uint32), 4)
         child_end = _string_end(payload, child_at, uint32)
         frames[_text(payload, child_at + uint32.size, child_end)] = None
+        fields.append(f"{frame_id_at - end}x{child_end - frame_id_at}s")
         end = _aligned(child_end, 8) + _TRANSFORM_BYTES
-    return tuple(frames) if end <= len(payload) else ()
+        fields.append(f"{end - child_end}x")
+    if end > len(payload):
+        return _NO_TRANSFORMS
+    layout = struct.Struct("".join((*fields, f"{len(payload) - end}x")))
+    return _Transforms(tuple(frames), layout, layout.unpack(payload))
 
 
 def _aligned(offset: int, size: int) -> int:

@@ -38,6 +38,7 @@ class RelayLoop:
     ) -> None:
         self._knowledge = Knowledge(rule_set, profile, start_ns, budget_kb_per_s)
         self._relays = Relays(rule_set.relayed, profile, when_slow, start_ns)
+        self._observed = self._knowledge.observed
         self._decisions: list[Decision] = []
         self._now_ns = start_ns
         self._step_ns: int | None = None
@@ -100,14 +101,18 @@ class RelayLoop:
 
         ``message`` is its decoded form, or ``Undecodable``, where ``reads`` asks for it.
         """
-        restarted = self._restarted(now_ns)
-        if self._knowledge.observes(topic):
+        # This runs for every message of a robot, so what is seldom needed is asked for without a call.
+        freed = self._restarted(now_ns) if now_ns < self._now_ns else ()
+        self._now_ns = now_ns
+        if topic in self._observed:
             self._step((Arrival(topic=topic, size_bytes=size_bytes, message=message),), now_ns)
         elif self._step_ns is not None and self._step_ns <= now_ns:
             self._step((), now_ns)
-        woken = self._woken(now_ns)
+        wake_ns = self._relays.next_wake_ns
+        if wake_ns is not None and wake_ns <= now_ns:
+            freed = [*freed, *self._relays.wake(now_ns)]
         relayed = self._relays.offer(topic, payload, size_bytes, publisher, now_ns)
-        return [*restarted, *woken, *relayed] if restarted or woken else relayed
+        return [*freed, *relayed] if freed else relayed
 
     def on_source(self, change: SourceChanged, now_ns: int) -> Sequence[Relayed]:
         """The publishers, the durability or the type of a topic changed."""
@@ -119,6 +124,7 @@ class RelayLoop:
         """The link carries another budget."""
         restarted = self._restarted(now_ns)
         self._step((budget,), now_ns)
+        self._observed = self._knowledge.observed
         return [*restarted, *self._woken(now_ns)]
 
     def on_wake(self, now_ns: int) -> Sequence[Relayed]:

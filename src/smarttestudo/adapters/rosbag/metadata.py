@@ -17,7 +17,7 @@ from ruamel.yaml import YAML
 from ruamel.yaml.error import YAMLError
 
 from smarttestudo.adapters.rosbag.mcap_records import BROKEN
-from smarttestudo.adapters.rosbag.qos import is_transient_local, read_qos
+from smarttestudo.adapters.rosbag.qos import QosReader, is_transient_local
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import Channel, Storage
 
@@ -97,18 +97,19 @@ def _text_in_sqlite(path: Path) -> str | None:
 
 
 def _metadata(values: Mapping[str, Any]) -> BagMetadata:
+    qos = QosReader()
+    topics = [entry["topic_metadata"] for entry in values["topics_with_message_count"]]
     return BagMetadata(
         # Up to version 3, the names began with the bag's folder.
         file_names=tuple(PurePosixPath(str(name)).name for name in values["relative_file_paths"]),
-        channels=tuple(_channel(entry["topic_metadata"]) for entry in values["topics_with_message_count"]),
+        channels=tuple(_channel(topic, qos.read(topic.get("offered_qos_profiles"))) for topic in topics),
         custom_data={str(key): str(value) for key, value in (values.get("custom_data") or {}).items()},
         storage=str(values["storage_identifier"]),
         compression=str(values.get("compression_format") or "").lower(),
     )
 
 
-def _channel(entry: Mapping[str, Any]) -> Channel:
-    qos = read_qos(entry.get("offered_qos_profiles"))
+def _channel(entry: Mapping[str, Any], qos: tuple[object, ...]) -> Channel:
     return Channel(
         topic=str(entry["name"]),
         type_name=str(entry["type"]),

@@ -12,30 +12,42 @@ from rosbags.rosbag2.errors import ReaderError
 from rosbags.rosbag2.metadata import parse_qos
 
 
-def read_qos(stored: Any) -> tuple[Qos, ...]:
-    """The profiles in an ``offered_qos_profiles`` entry: YAML text up to version 8, a list from 9 on.
+class QosReader:
+    """Reads ``offered_qos_profiles`` entries: YAML text up to version 8 of the metadata, a list from 9 on.
 
-    Raises ``ValueError`` for an entry that holds something else.
+    Topics mostly share a few texts, and YAML is slow, so each text is parsed once.
     """
+
+    def __init__(self) -> None:
+        self.notices: list[str] = []
+        """A line for each topic whose entry ``read_or_note`` could not read."""
+        self._parsed: dict[str, tuple[Qos, ...]] = {}
+
+    def read(self, stored: Any) -> tuple[Qos, ...]:
+        """The profiles in an entry.
+
+        Raises ``ValueError`` where it holds something else.
+        """
+        if not isinstance(stored, str):
+            return _parse(stored)
+        if stored not in self._parsed:
+            self._parsed[stored] = _parse(stored)
+        return self._parsed[stored]
+
+    def read_or_note(self, topic: str, stored: Any) -> tuple[Qos, ...]:
+        """The profiles in the entry of ``topic``; none, and a notice, where it makes no sense."""
+        try:
+            return self.read(stored)
+        except ValueError:
+            self.notices.append(f"the QoS profiles of {topic} cannot be read and were left out")
+            return ()
+
+
+def _parse(stored: Any) -> tuple[Qos, ...]:
     try:
         return tuple(parse_qos(stored or []))
     except (ReaderError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise ValueError("these are no QoS profiles") from error
-
-
-class QosColumn:
-    """Reads the profiles of one topic after the other; what makes no sense costs a notice."""
-
-    def __init__(self) -> None:
-        self.notices: list[str] = []
-
-    def read(self, topic: str, stored: Any) -> tuple[Qos, ...]:
-        """The profiles of ``topic``, none where they cannot be read."""
-        try:
-            return read_qos(stored)
-        except ValueError:
-            self.notices.append(f"the QoS profiles of {topic} cannot be read and were left out")
-            return ()
 
 
 def is_transient_local(profiles: Iterable[object]) -> bool:

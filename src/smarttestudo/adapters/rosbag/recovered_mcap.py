@@ -15,7 +15,7 @@ from mcap.records import McapRecord, Message, Schema
 
 from smarttestudo.adapters.rosbag.definitions import normal_definition
 from smarttestudo.adapters.rosbag.mcap_records import RecordReader
-from smarttestudo.adapters.rosbag.qos import QosColumn, is_transient_local
+from smarttestudo.adapters.rosbag.qos import QosReader, is_transient_local
 from smarttestudo.adapters.rosbag.stored_file import ChannelsByNumber, read_so_far
 from smarttestudo.adapters.rosbag.time_index import TimeIndex
 from smarttestudo.domain.errors import RecordingError
@@ -31,7 +31,7 @@ class RecoveredMcapFile:
     def __init__(self, path: Path) -> None:
         self._schemas: dict[int, Schema] = {}
         self._counts: Counter[int] = Counter()
-        self._qos = QosColumn()
+        self._qos = QosReader()
         self.channels: dict[int, Channel] = {}
         self.start_ns = self.end_ns = 0
         with ExitStack() as opened:
@@ -100,7 +100,7 @@ class RecoveredMcapFile:
 
     def _channel(self, record: ChannelRecord, schema: Schema) -> Channel:
         metadata: Mapping[str, str] = record.metadata
-        qos = self._qos.read(record.topic, metadata.get("offered_qos_profiles"))
+        qos = self._qos.read_or_note(record.topic, metadata.get("offered_qos_profiles"))
         definition = schema.data.decode("utf-8", "replace") if schema.encoding in _DEFINED_ENCODINGS else ""
         return Channel(
             topic=record.topic,

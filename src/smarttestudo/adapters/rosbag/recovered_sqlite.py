@@ -11,7 +11,7 @@ from pathlib import Path
 from urllib.parse import quote
 
 from smarttestudo.adapters.rosbag.definitions import normal_definition
-from smarttestudo.adapters.rosbag.qos import QosColumn, is_transient_local
+from smarttestudo.adapters.rosbag.qos import QosReader, is_transient_local
 from smarttestudo.adapters.rosbag.sqlite_pages import DamagedRowError, Row, SqlitePages
 from smarttestudo.adapters.rosbag.stored_file import ChannelsByNumber, read_so_far
 from smarttestudo.adapters.rosbag.time_index import TimeIndex
@@ -23,7 +23,7 @@ class RecoveredSqliteFile:
     """Takes the topics from SQLite itself, and the messages from the leaf pages that are still there."""
 
     def __init__(self, path: Path) -> None:
-        self._qos = QosColumn()
+        self._qos = QosReader()
         with ExitStack() as opened:
             file = opened.enter_context(path.open("rb"))
             try:
@@ -85,7 +85,7 @@ def _as_message(row: Row) -> tuple[int, int, bytes] | None:
             return None
 
 
-def _read_channels(path: Path, qos: QosColumn) -> dict[int, Channel]:
+def _read_channels(path: Path, qos: QosReader) -> dict[int, Channel]:
     """The channels that SQLite can still read.
 
     ``writable_schema`` makes it open a file that is shorter than its header says.
@@ -100,13 +100,13 @@ def _read_channels(path: Path, qos: QosColumn) -> dict[int, Channel]:
         raise RecordingError("no rosbag2 topics can be found in it", place=str(path)) from error
 
 
-def _channels(database: sqlite3.Connection, qos: QosColumn) -> Iterator[tuple[int, Channel]]:
+def _channels(database: sqlite3.Connection, qos: QosReader) -> Iterator[tuple[int, Channel]]:
     definitions = _definitions(database)
     rows = database.execute("SELECT * FROM topics ORDER BY id")
     with suppress(sqlite3.Error):
         for row in rows:
             columns = dict(row)
-            profiles = qos.read(columns["name"], columns.get("offered_qos_profiles"))
+            profiles = qos.read_or_note(columns["name"], columns.get("offered_qos_profiles"))
             yield (
                 columns["id"],
                 Channel(

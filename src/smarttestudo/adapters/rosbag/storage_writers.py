@@ -86,3 +86,11 @@ class RosbagWriter(Writer):
         )
         self.connections[-1] = _without_unknown(connection)
         return self.connections[-1]
+
+    def write(self, connection: Connection, timestamp: int, data: bytes | memoryview) -> None:
+        """Append a message of a connection of ours; rosbags would look for it among all of them each time."""
+        assert self.storage is not None
+        self.storage.write(connection, timestamp, data)
+        self.counts[connection.id] += 1
+        self.min_timestamp = min(self.min_timestamp, timestamp)
+        self.max_timestamp = max(self.max_timestamp, timestamp)

@@ -9,7 +9,7 @@ from collections.abc import Collection, Iterator
 
 from smarttestudo.adirf.checks.rule_book import RuleBook
 from smarttestudo.adirf.checks.rule_check import Example, Found, RuleCheck
-from smarttestudo.adirf.suggestions import did_you_mean
+from smarttestudo.adirf.parser.suggestions import did_you_mean
 from smarttestudo.domain.finding import Severity
 
 

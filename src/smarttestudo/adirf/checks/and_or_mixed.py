@@ -10,8 +10,8 @@ from smarttestudo.adirf.checks.rule_book import RuleBook
 from smarttestudo.adirf.checks.rule_check import Example, Found, RuleCheck
 from smarttestudo.adirf.checks.written import conditions_in
 from smarttestudo.adirf.comments import COMMENT_START
-from smarttestudo.adirf.formatter_conditions import write_condition
-from smarttestudo.adirf.formatter_lines import LineWriter
+from smarttestudo.adirf.formatter.conditions import write_condition
+from smarttestudo.adirf.formatter.lines import LineWriter
 from smarttestudo.adirf.syntax import And, Or
 from smarttestudo.domain.finding import Fix, Severity
 

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from smarttestudo.adirf.checks.context import CheckContext
 from smarttestudo.adirf.checks.registry import CHECKS
 from smarttestudo.adirf.checks.rule_book import read_rule_book
-from smarttestudo.adirf.parse_result import ParseResult
+from smarttestudo.adirf.parser.result import ParseResult
 from smarttestudo.domain.finding import Finding
 
 

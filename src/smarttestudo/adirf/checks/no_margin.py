@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from smarttestudo.adirf.boxes import Border
 from smarttestudo.adirf.checks import wording
 from smarttestudo.adirf.checks.analysis import Meeting
 from smarttestudo.adirf.checks.rule_book import RuleBook
@@ -16,7 +17,10 @@ from smarttestudo.domain.profile import Profile
 
 def _find(book: RuleBook) -> Iterator[Found]:
     settle_s = (book.context.profile or Profile()).settle_s
-    return (_found(meeting, settle_s) for meeting in book.analysis.meetings)
+    borders: dict[Border, Meeting] = {}
+    for meeting in book.analysis.meetings:
+        borders.setdefault(meeting.border, meeting)
+    return (_found(meeting, settle_s) for meeting in borders.values())
 
 
 def _found(meeting: Meeting, settle_s: float) -> Found:
@@ -42,8 +46,8 @@ CHECK = RuleCheck(
     why="A robot that stands on the border is now in the one block and now in the other, because a "
     "measurement has noise. The loop raises a rate at once and lowers it only after settle_s, so that "
     "it does not flicker while the noise is faster than that. Where the robot lingers on the border, a "
-    "longer settle_s helps, or a strip between the blocks that is left to the default. One border is "
-    "shown for each block.",
+    "longer settle_s helps, or a strip between the blocks that is left to the default. Each "
+    "border is shown once.",
     bad=Example(
         rules="""\
 begin

@@ -11,8 +11,8 @@ from smarttestudo.adirf.checks.message_fields import has_field
 from smarttestudo.adirf.checks.rule_book import RuleBook
 from smarttestudo.adirf.checks.rule_check import Example, Found, RuleCheck
 from smarttestudo.adirf.checks.written import WrittenCheck
+from smarttestudo.adirf.parser.suggestions import closest, did_you_mean
 from smarttestudo.adirf.properties import ARRIVAL_PROPERTIES, known_types, properties_of
-from smarttestudo.adirf.suggestions import closest, did_you_mean
 from smarttestudo.domain.finding import Fix, Severity
 
 

@@ -9,7 +9,7 @@ from collections.abc import Hashable, Sequence
 from typing import NamedTuple, cast
 
 from smarttestudo.domain.observation import SourceChanged
-from smarttestudo.pacing.cdr import child_frames, header_stamp
+from smarttestudo.pacing.cdr import FrameReader, header_stamp
 from smarttestudo.pacing.follower import Follower
 from smarttestudo.pacing.sample import Pass, Sample, StreamKind
 from smarttestudo.pacing.topic_pacer import TopicPacer
@@ -36,7 +36,17 @@ class Relay:
     unless it is Off.
     """
 
-    __slots__ = ("_kind", "_rate_hz", "_type_name", "followers", "leader", "pacer", "statistics", "topic")
+    __slots__ = (
+        "_frames",
+        "_kind",
+        "_rate_hz",
+        "_type_name",
+        "followers",
+        "leader",
+        "pacer",
+        "statistics",
+        "topic",
+    )
 
     def __init__(self, topic: str, pacer: TopicPacer | Follower, type_name: str, now_ns: int) -> None:
         self.topic = topic
@@ -44,6 +54,7 @@ class Relay:
         self.leader: Relay | None = None
         self.followers: list[Relay] = []
         self.statistics = RelayStatistics(now_ns)
+        self._frames = FrameReader()
         self._rate_hz = math.inf
         self._type_name = type_name
         self._kind = StreamKind.of(type_name=type_name, transient_local=False)
@@ -67,7 +78,7 @@ class Relay:
         self.statistics.arrived.record(now_ns, size_bytes)
         sample = Sample(payload=payload, size_bytes=size_bytes, publisher=publisher)
         if self._kind is StreamKind.TRANSFORMS:
-            sample.frames = child_frames(payload)
+            sample.frames = self._frames.child_frames(payload)
         if self.followers or self.leader:
             sample.stamp = header_stamp(payload)
         passes = self.pacer.offer(sample, now_ns)

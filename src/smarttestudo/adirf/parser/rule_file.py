@@ -11,13 +11,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from smarttestudo.adirf.comments import COMMENT_START, NO_TRIVIA
-from smarttestudo.adirf.cursor import STATEMENT_STARTS, Cursor
-from smarttestudo.adirf.finding_log import FindingLog
-from smarttestudo.adirf.lexer import tokenize
-from smarttestudo.adirf.parse_result import ParseResult
-from smarttestudo.adirf.parser_statements import parse_statements
+from smarttestudo.adirf.parser.cursor import STATEMENT_STARTS, Cursor
+from smarttestudo.adirf.parser.finding_log import FindingLog
+from smarttestudo.adirf.parser.lexer import tokenize
+from smarttestudo.adirf.parser.result import ParseResult
+from smarttestudo.adirf.parser.statements import parse_statements
+from smarttestudo.adirf.parser.tokens import Token, TokenKind
 from smarttestudo.adirf.syntax import Collection, RuleFile
-from smarttestudo.adirf.tokens import Token, TokenKind
 from smarttestudo.domain.finding import Fix
 from smarttestudo.domain.source import Span
 

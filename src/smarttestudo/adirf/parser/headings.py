@@ -8,8 +8,8 @@ import re
 import unicodedata
 from dataclasses import dataclass
 
-from smarttestudo.adirf.cursor import SAFE_PLACES, BrokenStatementError, Cursor
-from smarttestudo.adirf.tokens import Token, TokenKind
+from smarttestudo.adirf.parser.cursor import SAFE_PLACES, BrokenStatementError, Cursor
+from smarttestudo.adirf.parser.tokens import Token, TokenKind
 from smarttestudo.domain.finding import Fix
 
 _INTEGER = re.compile(r"[+-]?[0-9]{1,9}")

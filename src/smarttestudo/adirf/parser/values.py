@@ -7,10 +7,10 @@ from __future__ import annotations
 import math
 import re
 
-from smarttestudo.adirf.cursor import Cursor
-from smarttestudo.adirf.suggestions import closest, did_you_mean, hint_on
+from smarttestudo.adirf.parser.cursor import Cursor
+from smarttestudo.adirf.parser.suggestions import closest, did_you_mean, hint_on
+from smarttestudo.adirf.parser.tokens import Token, TokenKind
 from smarttestudo.adirf.syntax import RateExpression, RateWord, TopicName
-from smarttestudo.adirf.tokens import Token, TokenKind
 from smarttestudo.domain.finding import Fix
 from smarttestudo.domain.names import MAX_NAME_LENGTH, is_topic_name
 from smarttestudo.domain.rate import MAX_RATE_HZ

@@ -4,11 +4,11 @@
 
 from __future__ import annotations
 
-from smarttestudo.adirf.formatter_conditions import write_condition
-from smarttestudo.adirf.formatter_lines import LineWriter
-from smarttestudo.adirf.formatter_values import rate_text
+from smarttestudo.adirf.formatter.conditions import write_condition
+from smarttestudo.adirf.formatter.lines import LineWriter
+from smarttestudo.adirf.formatter.values import rate_text
 from smarttestudo.adirf.parser import parse
-from smarttestudo.adirf.parser_headings import quoted
+from smarttestudo.adirf.parser.headings import quoted
 from smarttestudo.adirf.syntax import Block, Collection, KeepAtLeast, RuleFile, SetFrequency, Statement
 
 

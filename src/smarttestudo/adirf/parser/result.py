@@ -6,8 +6,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from smarttestudo.adirf.parser.tokens import Token
 from smarttestudo.adirf.syntax import RuleFile
-from smarttestudo.adirf.tokens import Token
 from smarttestudo.domain.finding import Finding
 
 

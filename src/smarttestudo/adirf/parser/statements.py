@@ -4,11 +4,11 @@
 
 from __future__ import annotations
 
-from smarttestudo.adirf.cursor import SAFE_PLACES, STATEMENT_STARTS, BrokenStatementError, Cursor
-from smarttestudo.adirf.parser_blocks import parse_block, parse_set, parse_sets
-from smarttestudo.adirf.parser_values import parse_hertz, parse_topic
+from smarttestudo.adirf.parser.blocks import parse_block, parse_set, parse_sets
+from smarttestudo.adirf.parser.cursor import SAFE_PLACES, STATEMENT_STARTS, BrokenStatementError, Cursor
+from smarttestudo.adirf.parser.tokens import TokenKind
+from smarttestudo.adirf.parser.values import parse_hertz, parse_topic
 from smarttestudo.adirf.syntax import KeepAtLeast, Statement
-from smarttestudo.adirf.tokens import TokenKind
 from smarttestudo.domain.finding import Fix
 
 _ENDS = frozenset({TokenKind.END, TokenKind.BEGIN, TokenKind.END_OF_FILE})

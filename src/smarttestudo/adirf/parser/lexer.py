@@ -8,7 +8,7 @@ import re
 from dataclasses import replace
 
 from smarttestudo.adirf.comments import Comment
-from smarttestudo.adirf.tokens import CONNECTIVES, KEYWORDS, Token, TokenKind
+from smarttestudo.adirf.parser.tokens import CONNECTIVES, KEYWORDS, Token, TokenKind
 from smarttestudo.domain.source import Span
 
 BYTE_ORDER_MARK = "\ufeff"

@@ -7,12 +7,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from smarttestudo.adirf.comments import NO_TRIVIA, Comment, Trivia, label_in
-from smarttestudo.adirf.cursor import SAFE_PLACES, BrokenStatementError, Cursor
-from smarttestudo.adirf.parser_conditions import parse_condition
-from smarttestudo.adirf.parser_headings import RuleLine, parse_rule_line
-from smarttestudo.adirf.parser_values import parse_rate, parse_topic
+from smarttestudo.adirf.parser.conditions import parse_condition
+from smarttestudo.adirf.parser.cursor import SAFE_PLACES, BrokenStatementError, Cursor
+from smarttestudo.adirf.parser.headings import RuleLine, parse_rule_line
+from smarttestudo.adirf.parser.tokens import CONNECTIVES, Token, TokenKind
+from smarttestudo.adirf.parser.values import parse_rate, parse_topic
 from smarttestudo.adirf.syntax import And, Block, Condition, Not, Or, SetFrequency
-from smarttestudo.adirf.tokens import CONNECTIVES, Token, TokenKind
 from smarttestudo.domain.finding import Fix
 
 _SETS_END = SAFE_PLACES - {TokenKind.SET_FREQUENCY, TokenKind.THEN}

@@ -8,7 +8,7 @@ import unicodedata
 from collections.abc import Iterable, Mapping
 from types import MappingProxyType
 
-from smarttestudo.adirf.tokens import Token, TokenKind
+from smarttestudo.adirf.parser.tokens import Token, TokenKind
 
 SYNONYMS: Mapping[str, str] = MappingProxyType(
     {

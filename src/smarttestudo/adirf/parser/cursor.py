@@ -8,9 +8,9 @@ from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 from smarttestudo.adirf.comments import Comment, Trivia
-from smarttestudo.adirf.finding_log import FindingLog
-from smarttestudo.adirf.suggestions import closest, described, did_you_mean, hint_on
-from smarttestudo.adirf.tokens import KEYWORDS, Token, TokenKind
+from smarttestudo.adirf.parser.finding_log import FindingLog
+from smarttestudo.adirf.parser.suggestions import closest, described, did_you_mean, hint_on
+from smarttestudo.adirf.parser.tokens import KEYWORDS, Token, TokenKind
 from smarttestudo.domain.finding import Fix
 from smarttestudo.domain.source import Span
 

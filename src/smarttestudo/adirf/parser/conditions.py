@@ -5,12 +5,12 @@
 from __future__ import annotations
 
 from smarttestudo.adirf.comments import Trivia
-from smarttestudo.adirf.cursor import BrokenStatementError, Cursor
-from smarttestudo.adirf.parser_values import parse_number, parse_topic
+from smarttestudo.adirf.parser.cursor import BrokenStatementError, Cursor
+from smarttestudo.adirf.parser.suggestions import closest, did_you_mean
+from smarttestudo.adirf.parser.tokens import CONNECTIVES, Token, TokenKind
+from smarttestudo.adirf.parser.values import parse_number, parse_topic
 from smarttestudo.adirf.properties.field_path import is_field_path
-from smarttestudo.adirf.suggestions import closest, did_you_mean
 from smarttestudo.adirf.syntax import And, Check, Condition, Group, Not, Operator, Or
-from smarttestudo.adirf.tokens import CONNECTIVES, Token, TokenKind
 from smarttestudo.domain.finding import Fix
 
 MAX_NESTING = 100

@@ -7,8 +7,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from smarttestudo.adirf.comments import Comment
-from smarttestudo.adirf.formatter_lines import INDENT, LineWriter
-from smarttestudo.adirf.formatter_values import number_text
+from smarttestudo.adirf.formatter.lines import INDENT, LineWriter
+from smarttestudo.adirf.formatter.values import number_text
 from smarttestudo.adirf.syntax import And, Check, Condition, Group, Not, Or
 
 MAX_WIDTH = 100

@@ -1,0 +1,7 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Syntax tree to text: the house style of rule files."""
+
+from smarttestudo.adirf.formatter.rule_file import first_line_end, format_file, format_rules
+
+__all__ = ["first_line_end", "format_file", "format_rules"]
