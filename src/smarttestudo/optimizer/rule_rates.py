@@ -43,7 +43,7 @@ class SolvedPart:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Optimization:
-    """The result for one rule set. Without rates for the defaults there are no solved blocks."""
+    """The result for one rule set; where the defaults do not fit, blocks are solved beside their least."""
 
     model: Model
     budget_kb_per_s: float
@@ -95,14 +95,15 @@ def optimize_rules(
 def solve_asks(asks: RuleAsks, budget_kb_per_s: float, *, model: Model, solver: Solver) -> Optimization:
     """The defaults, then each block's topics with all others at their default."""
     defaults = solve_part(asks.defaults, 0.0, budget_kb_per_s, model=model, solver=solver)
+    rates_hz = defaults.rates_hz
+    loads = {
+        topic: ask.needs.size_kb * (ask.bounds_hz(model)[0] if rates_hz is None else rates_hz[topic])
+        for topic, ask in asks.defaults.asks.items()
+    }
     blocks: list[SolvedPart] = []
-    if defaults.rates_hz is not None:
-        loads = {
-            topic: ask.needs.size_kb * defaults.rates_hz[topic] for topic, ask in asks.defaults.asks.items()
-        }
-        for part in asks.blocks:
-            others = defaults.used_kb_per_s - math.fsum(loads.get(topic, 0.0) for topic in part.asks)
-            blocks.append(solve_part(part, others, budget_kb_per_s, model=model, solver=solver))
+    for part in asks.blocks:
+        others = defaults.used_kb_per_s - math.fsum(loads.get(topic, 0.0) for topic in part.asks)
+        blocks.append(solve_part(part, others, budget_kb_per_s, model=model, solver=solver))
     solved = (defaults, *blocks)
     return Optimization(
         model=model,
