@@ -11,7 +11,7 @@ from smarttestudo.adirf.checks import wording
 from smarttestudo.adirf.normal_form import Resolve
 from smarttestudo.adirf.rule_set import RuleBlock, RuleSet, compile_rules, refuse_tier
 from smarttestudo.adirf.syntax import Block, RuleFile
-from smarttestudo.composition.optimize_changes import infeasible_parts
+from smarttestudo.composition.optimize_changes import infeasible_parts, lowered_where_too_much
 from smarttestudo.composition.optimize_tiers import has_tiers, optimize_tiers
 from smarttestudo.domain.errors import ProfileError
 from smarttestudo.domain.finding import Finding, Severity
@@ -19,9 +19,10 @@ from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.source import Span
 from smarttestudo.optimizer.joint.check import JointCheck, Situation, Unproven, check_together
 from smarttestudo.optimizer.joint.loads import loads_of, missing_entries
+from smarttestudo.optimizer.joint.mending import Setting
 from smarttestudo.optimizer.problem import fits
 from smarttestudo.optimizer.rule_rates import budget_of
-from smarttestudo.optimizer.wording import kb_text
+from smarttestudo.optimizer.wording import hz_text, kb_text
 
 _MISSING_NAMED = 3
 
@@ -51,7 +52,9 @@ def budget_findings(
     missing = missing_entries(rule_set, loads)
     if missing:
         return [reporter.unknown_loads(missing)]
-    return list(reporter.joint(rule_set, check_together(rule_set, loads, budget_of(profile), domain)))
+    checked = check_together(rule_set, loads, budget_of(profile), domain)
+    lowered = lowered_where_too_much(rule_set, loads, checked, profile)
+    return list(reporter.joint(rule_set, checked, lowered))
 
 
 class _Reporter:
@@ -78,8 +81,13 @@ class _Reporter:
         hint = "testudo profile measures them in a bag"
         return self._finding("budget-not-proven", Severity.WARNING, message, hint=hint)
 
-    def joint(self, rule_set: RuleSet, checked: JointCheck) -> Iterator[Finding]:
-        yield from (self._over_budget(one) for one in checked.breaking)
+    def joint(
+        self, rule_set: RuleSet, checked: JointCheck, lowered: Mapping[Setting, float]
+    ) -> Iterator[Finding]:
+        hint = "lower a rate, or run with --budget, which cuts rates by priority"
+        if lowered:
+            hint = f"all situations fit with {_settings(lowered, rule_set)}; {hint}"
+        yield from (self._over_budget(one, hint) for one in checked.breaking)
         if checked.has_more:
             shown = len(checked.breaking)
             yield self._finding(
@@ -94,12 +102,11 @@ class _Reporter:
         if not checked.breaking and not checked.unproven:
             yield self._fits(checked.worst)
 
-    def _over_budget(self, situation: Situation) -> Finding:
+    def _over_budget(self, situation: Situation, hint: str) -> Finding:
         message = (
             f"{_blocks_hold(situation)}the topics take {kb_text(situation.kb_per_s)} KB/s, "
             f"{self._over(situation.kb_per_s)}"
         )
-        hint = "lower a rate, or run with --budget, which cuts rates by priority"
         return self._finding(
             "situation-over-budget", Severity.WARNING, message, hint=hint, blocks=situation.blocks
         )
@@ -154,6 +161,16 @@ class _Reporter:
 
 
 _FIRST = Span(line=1, column=1, end_line=1, end_column=1)
+
+
+def _settings(lowered: Mapping[Setting, float], rule_set: RuleSet) -> str:
+    """``/imu at 152 Hz in "far" (line 6)``, listed."""
+    names = []
+    for setting, rate_hz in lowered.items():
+        block = rule_set.blocks[setting.order] if setting.order >= 0 else None
+        where = "by default" if block is None else f'in "{block.label}" (line {block.line})'
+        names.append(f"{setting.topic} at {hz_text(rate_hz)} Hz {where}")
+    return wording.listed(names)
 
 
 def _blocks_hold(situation: Situation) -> str:
