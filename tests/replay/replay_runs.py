@@ -36,8 +36,8 @@ def replay_bag(
     rule_file = folder / "rules.adirf"
     rule_file.write_text(f"begin\n{rules}\nend\n")
     profile = profile or Profile()
-    rule_set = load_rules([rule_file], profile=profile).rule_set
-    assert rule_set is not None
+    rules_loaded = load_rules([rule_file], profile=profile)
+    assert rules_loaded.errors == ()
     decisions: list[Decision] = []
     shares: list[float] = []
     output = folder / "monitored"
@@ -45,7 +45,7 @@ def replay_bag(
         outcome = replay(
             ReplayRequest(
                 recording=recording,
-                rule_set=rule_set,
+                rule_set=rules_loaded.rule_set,
                 profile=profile,
                 output=output,
                 decided=decisions.extend,

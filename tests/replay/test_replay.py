@@ -29,6 +29,8 @@ from bags.bag_factory import (
 from bags.bag_reading import read_with_mcap, read_with_rosbags
 from replay.replay_runs import replay_bag, replay_content
 from smarttestudo.adapters.rosbag import create_recording, open_recording
+from smarttestudo.composition.replay import ReplayRequest, replay
+from smarttestudo.composition.rule_sets import load_rules
 from smarttestudo.domain.decision import Reason
 from smarttestudo.domain.errors import RecordingError, UsageError
 from smarttestudo.domain.profile import Profile, TopicProfile
@@ -217,7 +219,9 @@ def test_messages_that_do_not_decode_and_values_that_are_nan_are_counted_and_nam
 
 
 def test_topics_that_the_recording_does_not_hold_are_named(tmp_path: Path) -> None:
-    rules = "SetFrequency /imu 5\nSetFrequency /scan 1\nIf (CheckValue /wheel speed > 1) Then SetFrequency /scan 2"
+    rules = (
+        "SetFrequency /imu 5\nSetFrequency /scan 1\nIf (CheckValue /wheel a > 1) Then SetFrequency /scan 2"
+    )
     run = replay_content(MISSION, rules, tmp_path)
     assert run.outcome.notices == (
         "/imu: not in the recording, so nothing of it is relayed",
@@ -236,7 +240,8 @@ def test_of_a_topic_with_two_types_the_second_is_left_out_and_counted(tmp_path: 
     (bag / "metadata.yaml").unlink()
     run = replay_bag(bag, "SetFrequency /odom Full", tmp_path)
     assert len(run.messages) == 1
-    assert "/odom: recorded with two types; left out of the second: 1 message" in run.outcome.notices
+    notice = "/odom: recorded with two types; left out of the second: 1 message"
+    assert notice in run.outcome.notices
 
 
 def test_a_type_that_nobody_defines_is_refused_where_a_check_reads_it_and_passed_elsewhere(
@@ -271,6 +276,24 @@ def test_relayed_topics_are_renamed_as_asked(tmp_path: Path) -> None:
     run = replay_content(MISSION, "SetFrequency /odom Full", tmp_path, output_topic="/operator{topic}/slow")
     assert {message.topic for message in run.messages} == {"/operator/odom/slow"}
     assert list(run.outcome.topics) == ["/odom"]
+
+
+def test_a_replay_that_is_interrupted_leaves_nothing(tmp_path: Path) -> None:
+    def interrupt(share: float) -> None:
+        if share > 0.5:
+            raise KeyboardInterrupt
+
+    bag = write_bag(tmp_path / "bag", MISSION)
+    (tmp_path / "rules.adirf").write_text("begin SetFrequency /odom 1 end")
+    before = sorted(tmp_path.rglob("*"))
+    rule_set = load_rules([tmp_path / "rules.adirf"]).rule_set
+    with open_recording(bag) as recording, pytest.raises(KeyboardInterrupt):
+        replay(
+            ReplayRequest(
+                recording=recording, rule_set=rule_set, output=tmp_path / "monitored", report=interrupt
+            )
+        )
+    assert sorted(tmp_path.rglob("*")) == before
 
 
 def test_progress_rises_from_none_to_all(tmp_path: Path) -> None:

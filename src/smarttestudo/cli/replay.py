@@ -8,13 +8,14 @@ import argparse
 import json
 import math
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from smarttestudo.adapters.files.decision_log import decision_log
 from smarttestudo.adapters.files.profile import load_profile
+from smarttestudo.adapters.files.whole_file import whole_file
 from smarttestudo.cli.finding_text import print_findings
 from smarttestudo.cli.progress import progress
 from smarttestudo.cli.tables import print_table
@@ -72,7 +73,7 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
         "--storage",
         choices=[storage.value for storage in Storage],
         default=Storage.SQLITE3.value,
-        help="file format of the new recording (default: sqlite3)",
+        help="file format of the new recording (default: %(default)s)",
     )
     parser.add_argument(
         "--output-topic",
@@ -80,8 +81,9 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
         default="{topic}",
         help="names of the relayed topics, as in '/testudo{topic}' (default: as they are)",
     )
+    parser.add_argument("--decisions", metavar="FILE", type=Path, help="write the decisions (JSON Lines)")
     parser.add_argument(
-        "--decisions", metavar="FILE", type=Path, help="write the decisions here (JSON Lines)"
+        "--report", metavar="FILE", type=Path, help="write a page that shows the replay (HTML)"
     )
     parser.add_argument("--json", action="store_true", help="print one JSON object instead of a table")
 
@@ -101,54 +103,82 @@ def run(arguments: argparse.Namespace) -> int:
     """Replay; 1 if the rules have an error."""
     from smarttestudo.adapters.rosbag import open_recording  # noqa: PLC0415  needs packages a robot lacks
 
-    profile = Profile() if arguments.profile is None else load_profile(arguments.profile)
+    profile = None if arguments.profile is None else load_profile(arguments.profile)
     with open_recording(arguments.bag) as recording:
         bag_topics = {channel.topic: channel.type_name for channel in recording.channels}
         rules = load_rules(arguments.rules, profile=profile, bag_topics=bag_topics)
-        if rules.rule_set is None:
+        if rules.errors:
             print_findings(rules.errors, rules.texts, sys.stderr)
             return EXIT_ERROR
-        outcome = _replay(arguments, recording, rules, profile)
+        outcome = _replay(arguments, recording, profile or Profile(), rules)
     _print(outcome, as_json=arguments.json)
     return 0
 
 
 def _replay(
-    arguments: argparse.Namespace, recording: RecordingReader, rules: LoadedRules, profile: Profile
+    arguments: argparse.Namespace, recording: RecordingReader, profile: Profile, rules: LoadedRules
 ) -> ReplayOutcome:
     from smarttestudo.composition.replay import ReplayRequest, replay  # noqa: PLC0415  see run
 
-    assert rules.rule_set is not None
+    decisions: list[Decision] = []
     with ExitStack() as opened:
-        decided: Callable[[Iterable[Decision]], None] = _forget
+        sinks: list[Callable[[Sequence[Decision]], None]] = []
         if arguments.decisions is not None:
-            decided = opened.enter_context(decision_log(arguments.decisions))
-        request = ReplayRequest(
-            recording=recording,
-            rule_set=rules.rule_set,
-            profile=profile,
-            output=arguments.output,
-            when_slow=WhenSlow(arguments.when_slow),
-            storage=Storage(arguments.storage),
-            output_topic=arguments.output_topic,
-            budget_kb_per_s=arguments.budget,
-            decided=decided,
-            report=opened.enter_context(progress(f"Replaying {arguments.bag}")),
+            sinks.append(opened.enter_context(decision_log(arguments.decisions)))
+        if arguments.report is not None:
+            write_report = opened.enter_context(whole_file(arguments.report, "the report"))
+            sinks.append(decisions.extend)
+
+        def decided(new: Sequence[Decision]) -> None:
+            for sink in sinks:
+                sink(new)
+
+        with progress(f"Replaying {arguments.bag}") as report:
+            outcome = replay(
+                ReplayRequest(
+                    recording=recording,
+                    rule_set=rules.rule_set,
+                    profile=profile,
+                    output=arguments.output,
+                    when_slow=WhenSlow(arguments.when_slow),
+                    storage=Storage(arguments.storage),
+                    output_topic=arguments.output_topic,
+                    budget_kb_per_s=arguments.budget,
+                    decided=decided,
+                    report=report,
+                )
+            )
+        if arguments.report is not None:
+            write_report(_report(arguments, outcome, decisions, rules))
+        return outcome
+
+
+def _report(
+    arguments: argparse.Namespace, outcome: ReplayOutcome, decisions: Sequence[Decision], rules: LoadedRules
+) -> str:
+    from smarttestudo.composition.replay_report import ReportRequest, replay_report  # noqa: PLC0415  see run
+
+    with progress("Measuring both recordings") as report:
+        return replay_report(
+            ReportRequest(
+                bag=arguments.bag,
+                output=arguments.output,
+                monitored={name: topic.monitored_topic for name, topic in outcome.topics.items()},
+                decisions=decisions,
+                rule_texts=rules.texts,
+                report=report,
+            )
         )
-        return replay(request)
-
-
-def _forget(_: object) -> None:
-    """Nobody wants the decisions."""
 
 
 def _print(outcome: ReplayOutcome, *, as_json: bool) -> None:
-    from smarttestudo.cli.replay_table import replay_table  # noqa: PLC0415
+    from smarttestudo.cli.replay_table import replay_table  # noqa: PLC0415  see run
 
     if as_json:
         print(json.dumps(outcome.to_json(), allow_nan=False))  # noqa: T201
     else:
         print_table(replay_table(outcome))
-        print(f"{outcome.decisions:,} decisions in {outcome.wall_seconds:.1f} s")  # noqa: T201
+        decisions = "decision" if outcome.decisions == 1 else "decisions"
+        print(f"{outcome.decisions:,} {decisions} in {outcome.wall_seconds:.1f} s")  # noqa: T201
     for notice in outcome.notices:
         print(f"note: {notice}", file=sys.stderr)  # noqa: T201

@@ -96,7 +96,11 @@ def replay(request: ReplayRequest) -> ReplayOutcome:
         run.drive()
     return ReplayOutcome(
         topics={
-            topic: topic_outcome(statistics, declared=topic in recording.declared_bytes)
+            topic: topic_outcome(
+                statistics,
+                monitored_topic=topics.monitored[topic],
+                declared=topic in recording.declared_bytes,
+            )
             for topic, statistics in loop.topics.items()
         },
         decisions=run.decisions,

@@ -13,7 +13,7 @@ from smarttestudo.runtime.execute.statistics import RelayStatistics
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TopicOutcome:
-    """What one relayed topic carried in and out.
+    """What one relayed topic carried in, and out on ``monitored_topic``.
 
     ``messages_out`` includes ``repeated``. ``source_hz`` and ``mean_hz`` are (n − 1) / (last − first) of what
     came in and went out. ``target_hz`` is weighted by time, with Full as the source's rate; ``error_percent``
@@ -22,6 +22,7 @@ class TopicOutcome:
     is ``None``.
     """
 
+    monitored_topic: str
     messages_in: int
     messages_out: int
     repeated: int
@@ -36,6 +37,7 @@ class TopicOutcome:
     def to_json(self) -> dict[str, object]:
         """The topic's entry in ``--json``."""
         return {
+            "monitored_topic": self.monitored_topic,
             "in": self.messages_in,
             "out": self.messages_out,
             "repeated": self.repeated,
@@ -76,7 +78,7 @@ class ReplayOutcome:
         }
 
 
-def topic_outcome(statistics: RelayStatistics, *, declared: bool) -> TopicOutcome:
+def topic_outcome(statistics: RelayStatistics, *, monitored_topic: str, declared: bool) -> TopicOutcome:
     """The numbers of a topic from what its relay counted."""
     arrived, relayed = statistics.arrived, statistics.relayed
     source_hz, mean_hz = arrived.mean_hz, relayed.mean_hz
@@ -85,6 +87,7 @@ def topic_outcome(statistics: RelayStatistics, *, declared: bool) -> TopicOutcom
         target_hz = statistics.target.mean_hz(source_hz)
         attainable_hz = statistics.target.attainable_hz(source_hz)
     return TopicOutcome(
+        monitored_topic=monitored_topic,
         messages_in=arrived.messages,
         messages_out=relayed.messages,
         repeated=statistics.repeated,

@@ -37,9 +37,10 @@ def topics_decoded(rule_set: RuleSet) -> frozenset[str]:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ReplayTopics:
-    """The channel of each topic that is recorded, and those that relayed topics are written to."""
+    """By source: the channel of each recorded topic, what relayed ones are called, where they are written."""
 
     sources: Mapping[str, Channel]
+    monitored: Mapping[str, str]
     outputs: Mapping[str, Channel]
 
 
@@ -55,7 +56,7 @@ def replay_topics(channels: Sequence[Channel], rule_set: RuleSet, output_topic: 
     outputs = {
         topic: replace(sources[topic], topic=name) for topic, name in names.items() if topic in sources
     }
-    return ReplayTopics(sources=sources, outputs=outputs)
+    return ReplayTopics(sources=sources, monitored=names, outputs=outputs)
 
 
 def output_name(topic: str, pattern: str) -> str:

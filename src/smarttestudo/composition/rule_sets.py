@@ -20,13 +20,13 @@ from smarttestudo.domain.profile import Profile
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LoadedRules:
-    """What rule files mean together; ``rule_set`` is ``None`` where a finding is an error.
+    """What the checker says about rule files, and what they mean together; ``texts`` are the files by path.
 
-    ``texts`` are the files as written, by path.
+    ``rule_set`` is empty where a finding is an error.
     """
 
     findings: tuple[Finding, ...]
-    rule_set: RuleSet | None
+    rule_set: RuleSet
     texts: Mapping[str, str]
 
     @property
@@ -52,9 +52,9 @@ def load_rules(
     results = [parse(text, path) for path, text in texts.items()]
     context = CheckContext(resolve=resolve_topic, profile=profile, bag_topics=bag_topics)
     findings = tuple(check_rules(results, context))
-    is_usable = all(finding.severity is not Severity.ERROR for finding in findings)
-    rule_set = None
-    if is_usable:
-        files = [result.file for result in results]
-        rule_set = compile_rules(files, resolve_topic, tier_rates_for(files, profile, resolve_topic))
-    return LoadedRules(findings=findings, rule_set=rule_set, texts=texts)
+    has_error = any(finding.severity is Severity.ERROR for finding in findings)
+    usable = [] if has_error else [result.file for result in results]
+    tier_rates = tier_rates_for(usable, profile, resolve_topic)
+    return LoadedRules(
+        findings=findings, rule_set=compile_rules(usable, resolve_topic, tier_rates), texts=texts
+    )
