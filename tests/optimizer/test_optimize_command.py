@@ -203,3 +203,21 @@ def test_a_negative_budget_and_an_unreadable_profile_are_refused(
     )
     assert main(["optimize", str(rules), "--profile", str(tmp_path)]) == 1
     assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_where_the_defaults_do_not_fit_only_they_are_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    rules, profile = tmp_path / "rules.adirf", write_profile(tmp_path, 3000.0)
+    rules.write_text(
+        "begin SetFrequency /camera/image_raw Marginal "
+        "If CheckValue /odom vel > 1 Then SetFrequency /imu Desirable EndIf end"
+    )
+    assert main(["optimize", str(rules), "--profile", str(profile)]) == 1
+    error, *hints = capsys.readouterr().err.splitlines()
+    assert "error[infeasible]: the defaults need at least 12 440 KB/s" in error
+    assert hints[0] == "    hint: /camera/image_raw Unacceptable fits with 0 KB/s"
+    assert main(["optimize", str(rules), "--profile", str(profile), "--json"]) == 1
+    answer = json.loads(capsys.readouterr().out)
+    assert answer["defaults"] is None
+    assert [block["rates"] for block in answer["blocks"]] == [None]

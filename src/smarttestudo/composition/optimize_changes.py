@@ -17,10 +17,14 @@ from smarttestudo.optimizer.rule_rates import Optimization, SolvedPart, budget_o
 
 
 def infeasible_parts(done: Optimization) -> tuple[Infeasibility, ...]:
-    """What does not fit, each with the smallest changes that would."""
+    """What does not fit, each with the smallest changes that would.
+
+    Where the defaults do not fit, they are to be mended first, and only they are named.
+    """
+    parts = done.blocks if done.defaults.feasible else (done.defaults,)
     return tuple(
         infeasibility(solved, done.budget_kb_per_s, _changes(solved, done), model=done.model)
-        for solved in done.parts
+        for solved in parts
         if not solved.feasible
     )
 
