@@ -34,11 +34,12 @@ class LoopDriver:
         profile: Profile | None = None,
         when_slow: WhenSlow = WhenSlow.PASS,
         types: dict[str, str] | None = None,
+        budget_kb_per_s: float | None = None,
     ) -> None:
         parsed = parse(rules, "rules.adirf")
         assert not parsed.findings
         rule_set = compile_rules([parsed.file], lambda name: name)
-        self.loop = RelayLoop(rule_set, profile or Profile(), 0, when_slow)
+        self.loop = RelayLoop(rule_set, profile or Profile(), 0, when_slow, budget_kb_per_s)
         self.relayed: list[Relayed] = []
         self.decisions: list[Decision] = []
         self.now_ns = 0

@@ -17,6 +17,7 @@ from smarttestudo.adapters.files.rule_files import find_rule_files, read_rule_te
 from smarttestudo.adirf.checks import CheckContext, check_rules
 from smarttestudo.adirf.parser import parse
 from smarttestudo.cli.finding_text import print_findings, summary, write_lines
+from smarttestudo.composition.optimize_check import budget_findings
 from smarttestudo.domain.errors import RuleFileError
 from smarttestudo.domain.finding import Finding, Severity
 from smarttestudo.domain.source import Span
@@ -47,7 +48,11 @@ def run(arguments: argparse.Namespace) -> int:
     bag_topics = None if arguments.bag is None else _topics_of(arguments.bag)
     texts, unreadable = _read(arguments.files)
     context = CheckContext(profile=profile, bag_topics=bag_topics, has_all_files=not unreadable)
-    findings = check_rules([parse(text, path) for path, text in texts.items()], context)
+    results = [parse(text, path) for path, text in texts.items()]
+    findings = check_rules(results, context)
+    if profile is not None and texts and not unreadable and not _has_error(findings):
+        files = [result.file for result in results]
+        findings += budget_findings(files, profile, context.resolve, context.domain)
     if arguments.format == "json":
         print(json.dumps([_to_json(finding) for finding in findings], indent=2))  # noqa: T201
     else:
@@ -56,8 +61,11 @@ def run(arguments: argparse.Namespace) -> int:
     sys.stdout.flush()
     for error in unreadable:
         print(error, file=sys.stderr)  # noqa: T201
-    has_error = any(finding.severity is Severity.ERROR for finding in findings)
-    return EXIT_ERROR if has_error or unreadable else 0
+    return EXIT_ERROR if _has_error(findings) or unreadable else 0
+
+
+def _has_error(findings: Iterable[Finding]) -> bool:
+    return any(finding.severity is Severity.ERROR for finding in findings)
 
 
 def _read(paths: Iterable[Path]) -> tuple[dict[str, str], Sequence[RuleFileError]]:

@@ -10,13 +10,15 @@ import sys
 from collections.abc import Sequence
 
 from smarttestudo import __version__
-from smarttestudo.cli import check, demo, fmt, replay
+from smarttestudo.cli import check, demo, fmt, optimize, profile, replay
 from smarttestudo.domain.errors import TestudoError, UsageError
 
 EXIT_ERROR = 1
 EXIT_USAGE = 2
 EXIT_INTERRUPTED = 130
-STUDIO_PACKAGES = frozenset({"apsw", "lz4", "mcap", "numpy", "PIL", "rich", "rosbags", "ruamel", "zstandard"})
+STUDIO_PACKAGES = frozenset(
+    {"apsw", "highspy", "lz4", "mcap", "numpy", "PIL", "rich", "rosbags", "ruamel", "zstandard"}
+)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -51,7 +53,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"testudo {__version__}")
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    for command in (demo, check, fmt, replay):
+    for command in (demo, check, fmt, replay, profile, optimize):
         command.add_parser(commands)
     return parser
 

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import sys
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
@@ -57,6 +58,12 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 
 def _add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
+        "--budget",
+        metavar="N",
+        type=budget_kb_per_s,
+        help="KB/s that all relayed topics together may take; rates are cut by priority, not below floors",
+    )
+    parser.add_argument(
         "--when-slow",
         choices=[mode.value for mode in WhenSlow],
         default=WhenSlow.PASS.value,
@@ -79,6 +86,17 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
         "--report", metavar="FILE", type=Path, help="write a page that shows the replay (HTML)"
     )
     parser.add_argument("--json", action="store_true", help="print one JSON object instead of a table")
+
+
+def budget_kb_per_s(text: str) -> float:
+    """A budget from the command line; ``ArgumentTypeError`` for anything but a number of KB/s."""
+    try:
+        number = float(text)
+    except ValueError:
+        number = math.nan
+    if not 0 <= number < math.inf:
+        raise argparse.ArgumentTypeError(f"a budget is a number of KB/s from 0 on, not {text!r}")
+    return number
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -125,6 +143,7 @@ def _replay(
                     when_slow=WhenSlow(arguments.when_slow),
                     storage=Storage(arguments.storage),
                     output_topic=arguments.output_topic,
+                    budget_kb_per_s=arguments.budget,
                     decided=decided,
                     report=report,
                 )

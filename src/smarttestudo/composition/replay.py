@@ -59,6 +59,7 @@ class ReplayRequest:
     when_slow: WhenSlow = WhenSlow.PASS
     storage: Storage = Storage.SQLITE3
     output_topic: str = TOPIC_PLACEHOLDER
+    budget_kb_per_s: float | None = None
     decided: Callable[[Sequence[Decision]], None] = _ignore
     report: Callable[[float], None] = _ignore
 
@@ -75,7 +76,9 @@ def replay(request: ReplayRequest) -> ReplayOutcome:
     decoder = RosbagDecoder()
     require_decodable(recording.channels, rule_set, decoder)
     topics = replay_topics(recording.channels, rule_set, request.output_topic)
-    loop = RelayLoop(rule_set, request.profile, recording.start_ns, request.when_slow)
+    loop = RelayLoop(
+        rule_set, request.profile, recording.start_ns, request.when_slow, request.budget_kb_per_s
+    )
     declared_bytes = {
         topics.outputs[topic].topic: size
         for topic, size in recording.declared_bytes.items()
@@ -145,6 +148,8 @@ class _Run:
 
     def notices(self) -> Iterator[str]:
         """What was lost or odd, one line each."""
+        if self._loop.floors_broke_budget:
+            yield "the floors alone took more than the budget at times; floors win"
         for topic, count in self._second_types.items():
             yield f"{topic}: recorded with two types; left out of the second: {counted(count, 'message')}"
         for topic, count in self._loop.undecodable.items():

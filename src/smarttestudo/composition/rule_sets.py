@@ -12,6 +12,7 @@ from smarttestudo.adapters.files.rule_files import find_rule_files, read_rule_te
 from smarttestudo.adirf.checks import CheckContext, check_rules
 from smarttestudo.adirf.parser import parse
 from smarttestudo.adirf.rule_set import RuleSet, compile_rules
+from smarttestudo.composition.optimize_tiers import tier_rates_for
 from smarttestudo.domain.finding import Finding, Severity
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.profile import Profile
@@ -41,8 +42,11 @@ def load_rules(
 
     Topics resolve in the root namespace; ``bag_topics`` are the types of a recording's topics.
 
+    Quality levels get the rates that the optimizer finds for them in the profile's budget.
+
     Raises:
-        RuleFileError: a file cannot be read at all.
+        RuleFileError: a file cannot be read at all, or its levels do not fit the budget.
+        ProfileError: the profile lacks what its levels need.
     """
     texts = {str(path): read_rule_text(path) for path in find_rule_files(paths)}
     results = [parse(text, path) for path, text in texts.items()]
@@ -50,4 +54,7 @@ def load_rules(
     findings = tuple(check_rules(results, context))
     has_error = any(finding.severity is Severity.ERROR for finding in findings)
     usable = [] if has_error else [result.file for result in results]
-    return LoadedRules(findings=findings, rule_set=compile_rules(usable, resolve_topic), texts=texts)
+    tier_rates = tier_rates_for(usable, profile, resolve_topic)
+    return LoadedRules(
+        findings=findings, rule_set=compile_rules(usable, resolve_topic, tier_rates), texts=texts
+    )

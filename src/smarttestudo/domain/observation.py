@@ -38,4 +38,11 @@ class SourceChanged:
     type_name: str = ""
 
 
-Observation = Arrival | SourceChanged
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LinkBudget:
+    """The link now carries ``link_kb_per_s`` for the relayed topics together."""
+
+    link_kb_per_s: float
+
+
+Observation = Arrival | SourceChanged | LinkBudget

@@ -8,7 +8,7 @@ from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 
 from smarttestudo.adirf.rule_set import RuleSet
 from smarttestudo.domain.decision import Decision, PlannedRate
-from smarttestudo.domain.observation import Arrival, Observation, SourceChanged
+from smarttestudo.domain.observation import Arrival, LinkBudget, Observation, SourceChanged
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.signal import Signal
 from smarttestudo.pacing.sample import WhenSlow
@@ -29,11 +29,16 @@ class RelayLoop:
     """
 
     def __init__(
-        self, rule_set: RuleSet, profile: Profile, start_ns: int, when_slow: WhenSlow = WhenSlow.PASS
+        self,
+        rule_set: RuleSet,
+        profile: Profile,
+        start_ns: int,
+        when_slow: WhenSlow = WhenSlow.PASS,
+        budget_kb_per_s: float | None = None,
     ) -> None:
-        self._knowledge = Knowledge(rule_set, profile, start_ns)
+        self._knowledge = Knowledge(rule_set, profile, start_ns, budget_kb_per_s)
         self._relays = Relays(rule_set.relayed, profile, when_slow, start_ns)
-        self._watched = self._knowledge.watched
+        self._observed = self._knowledge.observed
         self._decisions: list[Decision] = []
         self._now_ns = start_ns
         self._step_ns: int | None = None
@@ -68,6 +73,11 @@ class RelayLoop:
         return self._knowledge.unknown_values
 
     @property
+    def floors_broke_budget(self) -> bool:
+        """Whether the floors alone were ever more than the budget; they won."""
+        return self._knowledge.link is not None and self._knowledge.link.floors_broke_budget
+
+    @property
     def discarded(self) -> Mapping[str, int]:
         """Messages of topics paced with another one that met no decision of it."""
         return self._relays.discarded
@@ -94,7 +104,7 @@ class RelayLoop:
         # This runs for every message of a robot, so what is seldom needed is asked for without a call.
         freed = self._restarted(now_ns) if now_ns < self._now_ns else ()
         self._now_ns = now_ns
-        if topic in self._watched:
+        if topic in self._observed:
             self._step((Arrival(topic=topic, size_bytes=size_bytes, message=message),), now_ns)
         elif self._step_ns is not None and self._step_ns <= now_ns:
             self._step((), now_ns)
@@ -109,6 +119,13 @@ class RelayLoop:
         restarted = self._restarted(now_ns)
         self._step((change,), now_ns)
         return [*restarted, *self._woken(now_ns), *self._relays.change_source(change, now_ns)]
+
+    def on_budget(self, budget: LinkBudget, now_ns: int) -> Sequence[Relayed]:
+        """The link carries another budget."""
+        restarted = self._restarted(now_ns)
+        self._step((budget,), now_ns)
+        self._observed = self._knowledge.observed
+        return [*restarted, *self._woken(now_ns)]
 
     def on_wake(self, now_ns: int) -> Sequence[Relayed]:
         """Time passed."""

@@ -82,7 +82,7 @@ def _decoded(data: bytes, path: Path) -> str:
 
 
 def write_rule_text(path: Path, text: str) -> None:
-    """Replace the rule file at ``path`` in one step, its permissions kept; a link stays a link.
+    """Write or replace the rule file at ``path`` in one step, its permissions kept; a link stays a link.
 
     Raises ``RuleFileError`` where that is not possible; the file is then as it was.
     """
@@ -94,12 +94,22 @@ def write_rule_text(path: Path, text: str) -> None:
     try:
         with os.fdopen(handle, "wb") as file:
             file.write(text.encode("utf-8"))
-        shutil.copymode(target, name)
+        _set_mode(Path(name), target)
         Path(name).replace(target)
     except OSError as error:
         with contextlib.suppress(OSError):
             Path(name).unlink()
         raise _not_written(path, error) from error
+
+
+def _set_mode(file: Path, target: Path) -> None:
+    """Give ``file`` the permissions of ``target``, or those of any new file where there is none yet."""
+    if target.exists():
+        shutil.copymode(target, file)
+        return
+    mask = os.umask(0)
+    os.umask(mask)
+    file.chmod(0o666 & ~mask)
 
 
 def _not_written(path: Path, error: OSError) -> RuleFileError:

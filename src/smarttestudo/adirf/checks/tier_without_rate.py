@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""A tier where no optimizer gave it a rate."""
+"""A tier without a profile that gives it a rate."""
 
 from __future__ import annotations
 
@@ -13,23 +13,23 @@ from smarttestudo.domain.tier import Tier
 
 
 def _find(book: RuleBook) -> Iterator[Found]:
-    has_profile = book.context.profile is not None
-    lacking = "the optimizer, testudo optimize" if has_profile else "a profile"
+    if book.context.profile is not None:
+        return
     for one in book.settings:
         tier = one.statement.rate.value
         if isinstance(tier, Tier):
             yield Found(
                 path=one.path,
                 span=one.statement.rate.span,
-                message=f"{tier.value} has no rate without {lacking}",
-                hint="write a rate in Hz",
+                message=f"{tier.value} has no rate without a profile",
+                hint="write a rate in Hz, or give a profile with --profile",
             )
 
 
 CHECK = RuleCheck(
     code="tier-without-rate",
     severity=Severity.ERROR,
-    meaning="A tier stands where no optimizer has given it a rate.",
+    meaning="A tier stands where no profile gives it a rate.",
     why="A tier stands for the rate that the optimizer finds for it within the budget, from the profile's "
     "sizes and tiers. Without that, nobody knows how many Hz it is.",
     bad=Example(

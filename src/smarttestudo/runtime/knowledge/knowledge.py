@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping
+from collections.abc import Set as AbstractSet
 
 from smarttestudo.adirf.evaluator import Evaluator, Wish
 from smarttestudo.adirf.rule_set import RuleSet
@@ -14,6 +15,7 @@ from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.signal import Signal
 from smarttestudo.domain.units import ns_from_s
 from smarttestudo.runtime.knowledge.alarm_clock import AlarmClock
+from smarttestudo.runtime.knowledge.link_use import LinkUse
 from smarttestudo.runtime.knowledge.settling import Settling
 from smarttestudo.runtime.knowledge.steady_time import SteadyTime
 from smarttestudo.runtime.knowledge.watched_topic import WatchedTopic
@@ -23,11 +25,18 @@ class Knowledge:
     """Rules, profile and everything remembered about the robot; the loop owns one and changes it in ``step``.
 
     Times inside are steady times. ``effective`` and ``plan`` hold the relayed topics, ``watched`` those that
-    checks read. ``unknown_values`` counts messages that left a signal unknown, ``undecodable`` those that
+    checks read; ``settled`` are the wishes that settled, before ``link`` cuts them to a budget, if there is
+    one. ``unknown_values`` counts messages that left a signal unknown, ``undecodable`` those that
     could not be decoded, by topic.
     """
 
-    def __init__(self, rule_set: RuleSet, profile: Profile, start_ns: int) -> None:
+    def __init__(
+        self,
+        rule_set: RuleSet,
+        profile: Profile,
+        start_ns: int,
+        budget_kb_per_s: float | None = None,
+    ) -> None:
         self.rule_set = rule_set
         self.profile = profile
         self.start_ns = start_ns
@@ -40,11 +49,27 @@ class Knowledge:
             self.watch_alarms.set(topic, start_ns)
         self.settling: dict[str, Settling] = {}
         self.settle_alarms = AlarmClock()
+        self.settled: dict[str, Wish] = {}
+        self.link: LinkUse | None = None
+        if budget_kb_per_s is not None:
+            self.set_budget(budget_kb_per_s)
         self.effective: dict[str, Wish] = {}
         self.plan: dict[str, PlannedRate] = {}
         self.order_of = {topic: place for place, topic in enumerate(rule_set.relayed)}
         self.unknown_values: Counter[Signal] = Counter()
         self.undecodable: Counter[str] = Counter()
+
+    def set_budget(self, budget_kb_per_s: float) -> None:
+        """The relayed topics may take ``budget_kb_per_s`` from now on."""
+        if self.link is None:
+            self.link = LinkUse(self.rule_set, self.profile, budget_kb_per_s)
+        else:
+            self.link.set_budget(budget_kb_per_s)
+
+    @property
+    def observed(self) -> AbstractSet[str]:
+        """The topics of which the loop wants to know each message: more of them once there is a budget."""
+        return self.watched.keys() if self.link is None else {*self.watched, *self.order_of}
 
     def values_of(self, block: int | None, now_ns: int) -> dict[str, float | None]:
         """What the condition of the block of that order reads at ``now_ns``, by signal name."""
@@ -61,7 +86,8 @@ class Knowledge:
     @property
     def next_wake_ns(self) -> int | None:
         """When, on the clock, time alone may next change the plan; it may come early, never late."""
-        times_ns = (self.watch_alarms.next_ns, self.settle_alarms.next_ns)
+        check_ns = None if self.link is None else self.link.next_check_ns
+        times_ns = (self.watch_alarms.next_ns, self.settle_alarms.next_ns, check_ns)
         earliest_ns = min((at_ns for at_ns in times_ns if at_ns is not None), default=None)
         return None if earliest_ns is None else self.time.on_clock(earliest_ns)
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from smarttestudo.domain.observation import Arrival, Observation, SourceChanged, Undecodable
+from smarttestudo.domain.observation import Arrival, LinkBudget, Observation, SourceChanged, Undecodable
 from smarttestudo.runtime.knowledge.fields import Reading
 from smarttestudo.runtime.knowledge.knowledge import Knowledge
 from smarttestudo.runtime.knowledge.watched_topic import WatchedTopic
@@ -19,6 +19,11 @@ def monitor(knowledge: Knowledge, observations: Iterable[Observation], now_ns: i
     """
     touched: dict[str, WatchedTopic] = {}
     for observation in observations:
+        if isinstance(observation, LinkBudget):
+            knowledge.set_budget(observation.link_kb_per_s)
+            continue
+        if knowledge.link is not None and isinstance(observation, Arrival):
+            knowledge.link.record(observation.topic, now_ns, observation.size_bytes)
         watched = knowledge.watched.get(observation.topic)
         if watched is not None:
             touched[observation.topic] = watched
@@ -32,7 +37,9 @@ def monitor(knowledge: Knowledge, observations: Iterable[Observation], now_ns: i
     return readings
 
 
-def _take(knowledge: Knowledge, watched: WatchedTopic, observation: Observation, now_ns: int) -> None:
+def _take(
+    knowledge: Knowledge, watched: WatchedTopic, observation: Arrival | SourceChanged, now_ns: int
+) -> None:
     match observation:
         case Arrival():
             watched.source.record(now_ns)

@@ -21,6 +21,9 @@ def plan(knowledge: Knowledge, changed: Iterable[str], now_ns: int) -> tuple[Dec
     for topic in changed:
         _take_wish(knowledge, topic, now_ns)
     topics = {*changed, *knowledge.settle_alarms.take_due(now_ns)}
+    has_changed = [_settle(knowledge, topic, now_ns) for topic in topics]
+    if knowledge.link is not None:
+        topics |= knowledge.link.update(knowledge.settled, now_ns, wishes_changed=any(has_changed))
     return tuple(_decisions(knowledge, sorted(topics, key=knowledge.order_of.__getitem__), now_ns))
 
 
@@ -33,11 +36,20 @@ def _take_wish(knowledge: Knowledge, topic: str, now_ns: int) -> None:
         settling.take(wish, now_ns)
 
 
+def _settle(knowledge: Knowledge, topic: str, now_ns: int) -> bool:
+    """Whether another rate has settled for ``topic``."""
+    settling = knowledge.settling[topic]
+    before, after = knowledge.settled.get(topic), settling.effective(now_ns)
+    knowledge.settle_alarms.set(topic, settling.next_change_ns)
+    knowledge.settled[topic] = after
+    return before is None or before.planned.rate != after.planned.rate
+
+
 def _decisions(knowledge: Knowledge, topics: Iterable[str], now_ns: int) -> Iterator[Decision]:
     for topic in topics:
-        settling = knowledge.settling[topic]
-        before, after = knowledge.effective.get(topic), settling.effective(now_ns)
-        knowledge.settle_alarms.set(topic, settling.next_change_ns)
+        before, after = knowledge.effective.get(topic), knowledge.settled[topic]
+        if knowledge.link is not None:
+            after = knowledge.link.within(topic, after)
         knowledge.effective[topic] = after
         knowledge.plan[topic] = after.planned
         if before is None or _differs(before, after):

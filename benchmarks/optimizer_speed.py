@@ -1,0 +1,134 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""How fast OBI is, against the thesis's way (PuLP with CBC, one solve a block) in the same run.
+
+Run it with ``python benchmarks/optimizer_speed.py``.
+"""
+
+from __future__ import annotations
+
+import random
+import statistics
+import time
+import warnings
+from collections.abc import Callable
+
+from smarttestudo.domain.profile import Profile, TopicProfile
+from smarttestudo.domain.source import Span
+from smarttestudo.domain.tier import Tier
+from smarttestudo.optimizer.greedy import GreedySolver
+from smarttestudo.optimizer.model import Ask, Model, needs_of
+from smarttestudo.optimizer.rule_asks import Part, RuleAsks
+from smarttestudo.optimizer.rule_rates import solve_asks
+from smarttestudo.optimizer.run_time import TopicLoad, plan_within
+
+TOPICS = 1000
+BLOCKS = 1000
+TOPICS_A_BLOCK = 10
+RUN_TIME_TOPICS = 50
+PULP_BLOCKS = 50
+"""How many blocks PuLP solves; the time of all is that of these, scaled."""
+
+_HERE = Span(line=1, column=1, end_line=1, end_column=2)
+
+
+def profile_of(generator: random.Random) -> Profile:
+    """Topics of 50 B to 5 MB with random tiers."""
+    topics = {}
+    for index in range(TOPICS):
+        tiers = tuple(sorted(round(generator.uniform(0.5, 100), 1) for _ in Tier))
+        size_kb = round(0.05 * 100_000 ** generator.random(), 3)
+        topics[f"/topic_{index}"] = TopicProfile(message_kb=size_kb, tiers_hz=tiers)
+    return Profile(topics=topics)
+
+
+def asks_of(profile: Profile, generator: random.Random) -> RuleAsks:
+    """Every topic Unacceptable by default, and blocks that ask more of ten each."""
+    needs = {topic: needs_of(topic, profile) for topic in profile.topics}
+    defaults = {topic: Ask(needs=needs[topic], wanted=Tier.UNACCEPTABLE) for topic in needs}
+    blocks = [
+        {
+            topic: Ask(needs=needs[topic], wanted=generator.choice(list(Tier)))
+            for topic in generator.sample(list(needs), TOPICS_A_BLOCK)
+        }
+        for _ in range(BLOCKS)
+    ]
+    return RuleAsks(
+        defaults=_part(None, defaults),
+        blocks=tuple(_part(f"block {index}", asks) for index, asks in enumerate(blocks)),
+        appended=(),
+    )
+
+
+def _part(label: str | None, asks: dict[str, Ask]) -> Part:
+    return Part(label=label, path="benchmark.adirf", span=_HERE, asks=asks, tier_statements=())
+
+
+def pulp_seconds(asks: RuleAsks, budget_kb_per_s: float) -> float | None:
+    """Seconds for one PuLP solve a block; ``None`` where PuLP is not installed."""
+    try:
+        import pulp  # noqa: PLC0415  a benchmark's guest
+    except ModuleNotFoundError:
+        return None
+    warnings.simplefilter("ignore", DeprecationWarning)
+    solver = pulp.PULP_CBC_CMD(msg=False)
+    started = time.perf_counter()
+    for block in asks.blocks[:PULP_BLOCKS]:
+        problem = pulp.LpProblem("block", pulp.LpMaximize)
+        bounds = {topic: ask.bounds_hz(Model.QUPER) for topic, ask in block.asks.items()}
+        rates = {
+            topic: pulp.LpVariable(f"f{index}", *bounds[topic]) for index, topic in enumerate(block.asks)
+        }
+        problem += pulp.lpSum(rates.values())
+        problem += (
+            pulp.lpSum(ask.needs.size_kb * rates[topic] for topic, ask in block.asks.items())
+            <= budget_kb_per_s
+        )
+        problem.solve(solver)
+    return (time.perf_counter() - started) * len(asks.blocks) / PULP_BLOCKS
+
+
+def best_seconds(run: Callable[[], object], *, number: int, repeats: int = 5) -> float:
+    """The median over repeats of the mean time of one call."""
+    times = []
+    for _ in range(repeats):
+        started = time.perf_counter()
+        for _ in range(number):
+            run()
+        times.append((time.perf_counter() - started) / number)
+    return statistics.median(times)
+
+
+def main() -> None:
+    """Print the times and the ratio."""
+    generator = random.Random(1)
+    profile = profile_of(generator)
+    asks = asks_of(profile, generator)
+    budget = 2 * sum((one.message_kb or 0) * (one.tiers_hz or (0,))[0] for one in profile.topics.values())
+    ours = best_seconds(lambda: solve_asks(asks, budget, model=Model.QUPER, solver=GreedySolver()), number=1)
+    theirs = pulp_seconds(asks, budget)
+    print(f"{TOPICS} topics, {BLOCKS} blocks of {TOPICS_A_BLOCK}: {ours:.3f} s")
+    if theirs is None:
+        print("PuLP is not installed: no ratio")
+    else:
+        print(f"PuLP, one solve a block: {theirs:.1f} s ({PULP_BLOCKS} solved, scaled)")
+        print(f"PuLP takes {theirs / ours:.0f} times as long")
+    loads = [
+        TopicLoad(
+            topic=f"/topic_{index}",
+            wish_hz=generator.uniform(1, 50),
+            floor_hz=generator.choice((0.0, 1.0)),
+            priority=generator.choice((1.0, 2.0, 5.0)),
+            size_kb=generator.uniform(0.05, 100),
+            source_hz=60.0,
+        )
+        for index in range(RUN_TIME_TOPICS)
+    ]
+    half = sum(load.size_kb * load.wanted_hz for load in loads) / 2
+    replan = best_seconds(lambda: plan_within(loads, half), number=500)
+    print(f"re-plan of {RUN_TIME_TOPICS} topics: {1e6 * replan:.0f} µs", end="")
+    print("" if theirs is None else f", one PuLP solve takes {theirs / BLOCKS / replan:.0f} times as long")
+
+
+if __name__ == "__main__":
+    main()

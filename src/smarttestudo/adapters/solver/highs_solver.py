@@ -1,0 +1,64 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Best rates for any number of budgets."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from smarttestudo.adapters.solver.linear_program import LinearProgram, Row, maximise
+from smarttestudo.optimizer.problem import Allocation, Budget, Demand, fits
+
+
+class HighsSolver:
+    """The linear program as it stands: any number of budgets, each over any topics."""
+
+    def allocate(self, demands: Sequence[Demand], budgets: Sequence[Budget]) -> Allocation | None:
+        """As ``Solver``."""
+        columns = [
+            (index, piece)
+            for index, demand in enumerate(demands)
+            for piece in demand.pieces
+            if piece.width_hz > 0
+        ]
+        limits = [_left_of(budget, demands) for budget in budgets]
+        if any(left is None for left in limits):
+            return None
+        rows: list[Row] = [
+            (
+                {
+                    column: demands[index].size_kb
+                    for column, (index, _) in enumerate(columns)
+                    if budget.covers(demands[index].topic)
+                },
+                -math.inf,
+                left or 0.0,
+            )
+            for budget, left in zip(budgets, limits, strict=True)
+        ]
+        solved = maximise(
+            LinearProgram(
+                costs=[piece.gain_per_hz for _, piece in columns],
+                upper=[piece.width_hz for _, piece in columns],
+                rows=rows,
+            )
+        )
+        if solved is None:
+            return None
+        rates = [demand.least_hz for demand in demands]
+        for (index, _), value in zip(columns, solved.values, strict=True):
+            rates[index] += max(0.0, value)
+        return Allocation(
+            rates_hz={demand.topic: rate for demand, rate in zip(demands, rates, strict=True)},
+            gain=solved.objective,
+            price=max(0.0, solved.duals[0]) if solved.duals else 0.0,
+        )
+
+
+def _left_of(budget: Budget, demands: Sequence[Demand]) -> float | None:
+    """What a budget has left above everyone's lowest rate, ``None`` where it is broken already."""
+    least = math.fsum(demand.least_kb_per_s for demand in demands if budget.covers(demand.topic))
+    if not fits(least, budget.limit_kb_per_s):
+        return None
+    return max(0.0, budget.limit_kb_per_s - least)

@@ -1,0 +1,137 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""``testudo optimize``: quality levels to rates within the budget."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TextIO
+
+from smarttestudo.adapters.files.rule_files import write_rule_text
+from smarttestudo.cli.tables import print_table
+from smarttestudo.composition.optimize import OptimizeOutcome, OptimizeRequest, RefusedRulesError, optimize
+from smarttestudo.composition.optimize_json import optimize_json
+from smarttestudo.domain.finding import Finding
+from smarttestudo.optimizer.explanation import PartExplanation
+from smarttestudo.optimizer.model import Model
+from smarttestudo.optimizer.rule_rates import SolvedPart
+from smarttestudo.optimizer.wording import kb_text, wanted_text
+from smarttestudo.visualizer.table import Align, Column, Number, Row, Table, Text
+
+EXIT_ERROR = 1
+
+
+def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add ``optimize`` to the subcommands."""
+    parser = commands.add_parser(
+        "optimize",
+        help="turn quality levels into rates within the budget",
+        description="Turn the quality levels of a rule file into rates that fit the profile's budget. "
+        "Without -o the new rule file goes to standard output.",
+    )
+    parser.add_argument("file", metavar="FILE", type=Path, help="a rule file")
+    parser.add_argument(
+        "--profile", metavar="P", type=Path, required=True, help="sizes, tiers and the budget"
+    )
+    parser.add_argument(
+        "--model",
+        choices=[model.value for model in Model],
+        default=Model.QUPER.value,
+        help="what to maximise (default: quper, the rates within the intervals of their levels)",
+    )
+    parser.add_argument("-o", "--output", metavar="OUT", type=Path, help="where to write the rule file")
+    parser.add_argument(
+        "--only-named", action="store_true", help="leave out topics that only the profile names"
+    )
+    parser.add_argument("--explain", action="store_true", help="say what holds each rate where it is")
+    parser.add_argument("--json", action="store_true", help="print one JSON object with everything")
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Solve and write; 1 where something does not fit or the file has errors."""
+    request = OptimizeRequest(
+        rules=arguments.file,
+        profile=arguments.profile,
+        model=Model(arguments.model),
+        only_named=arguments.only_named,
+    )
+    try:
+        outcome = optimize(request)
+    except RefusedRulesError as error:
+        for finding in error.findings:
+            _print_finding(finding, [finding.hint] if finding.hint else [])
+        return EXIT_ERROR
+    if outcome.rewritten is not None and arguments.output is not None:
+        write_rule_text(arguments.output, outcome.rewritten)
+    if arguments.json:
+        print(json.dumps(optimize_json(outcome), indent=2, ensure_ascii=False))  # noqa: T201
+    elif outcome.rewritten is not None and arguments.output is None:
+        sys.stdout.write(outcome.rewritten)
+    if arguments.explain and not arguments.json:
+        # Standard output stays a rule file where it is one.
+        _print_explanations(outcome, sys.stderr if arguments.output is None else sys.stdout)
+    if not arguments.json:
+        for one in outcome.infeasible:
+            _print_finding(one.finding(), one.remedies)
+    return EXIT_ERROR if outcome.infeasible else 0
+
+
+def _print_finding(finding: Finding, hints: Sequence[str]) -> None:
+    print(finding.line_of_text(), file=sys.stderr)  # noqa: T201
+    for hint in hints:
+        print(f"    hint: {hint}", file=sys.stderr)  # noqa: T201
+
+
+def _print_explanations(outcome: OptimizeOutcome, stream: TextIO) -> None:
+    for solved, explanation in outcome.explained():
+        print_table(_table(solved, explanation, outcome.optimization.budget_kb_per_s), stream)
+        for sentence in (explanation.price, *explanation.what_ifs, *explanation.notes):
+            print(f"  {sentence}", file=stream)
+        print(file=stream)
+
+
+def _table(solved: SolvedPart, explanation: PartExplanation, budget_kb_per_s: float) -> Table:
+    rows = [
+        Row(
+            cells=(
+                Text(row.topic),
+                Text(wanted_text(row.wanted)),
+                Text(row.level.value if row.level else ""),
+                Number(row.rate_hz, 3),
+                Number(row.kb_per_s),
+                Number(100 * row.share, 1),
+                Text(row.binding.value),
+            )
+        )
+        for row in explanation.rows
+    ]
+    used = solved.used_kb_per_s
+    if solved.part.label is not None:
+        rows.append(_sum_row("other topics", solved.others_kb_per_s, budget_kb_per_s))
+    rows.append(_sum_row("all topics", used, budget_kb_per_s))
+    title = "Defaults" if solved.part.label is None else f'"{solved.part.label}" ({solved.part.place})'
+    return Table(
+        title=f"{title}: {kb_text(used)} of {kb_text(budget_kb_per_s)} KB/s",
+        columns=(
+            Column(heading="Topic", align=Align.LEFT),
+            Column(heading="Asked for", align=Align.LEFT),
+            Column(heading="Level", align=Align.LEFT),
+            Column(heading="Rate", unit="Hz"),
+            Column(heading="Load", unit="KB/s"),
+            Column(heading="Share", unit="%"),
+            Column(heading="Held by", align=Align.LEFT),
+        ),
+        rows=tuple(rows),
+    )
+
+
+def _sum_row(name: str, kb_per_s: float, budget_kb_per_s: float) -> Row:
+    share = 100 * kb_per_s / budget_kb_per_s if budget_kb_per_s else None
+    blank = Text("")
+    cells = (Text(name), blank, blank, blank, Number(kb_per_s), Number(share, 1), blank)
+    return Row(cells=cells, is_total=True)

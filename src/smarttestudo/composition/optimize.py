@@ -1,0 +1,115 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""From a rule file with quality levels to one with rates."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+
+from smarttestudo.adapters.files.digest import sha256_of
+from smarttestudo.adapters.files.profile import load_profile
+from smarttestudo.adapters.files.rule_files import read_rule_text
+from smarttestudo.adirf.checks import CheckContext, check_rules
+from smarttestudo.adirf.parser import parse
+from smarttestudo.composition.optimize_changes import infeasible_parts
+from smarttestudo.domain.errors import TestudoError
+from smarttestudo.domain.finding import Finding, Severity
+from smarttestudo.domain.names import resolve_topic
+from smarttestudo.optimizer.explanation import PartExplanation, explain_part
+from smarttestudo.optimizer.greedy import GreedySolver
+from smarttestudo.optimizer.infeasibility import Infeasibility
+from smarttestudo.optimizer.model import Ask, Model
+from smarttestudo.optimizer.rewriting import rewrite
+from smarttestudo.optimizer.rule_asks import Undecided
+from smarttestudo.optimizer.rule_rates import Optimization, SolvedPart, optimize_rules, solve_part
+from smarttestudo.optimizer.wording import kb_text
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OptimizeRequest:
+    """One call of ``testudo optimize``; ``only_named`` leaves out what only the profile names."""
+
+    rules: Path
+    profile: Path
+    model: Model = Model.QUPER
+    only_named: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OptimizeOutcome:
+    """The rates, and the rule file with them: ``rewritten`` is ``None`` where not everything fits."""
+
+    optimization: Optimization
+    infeasible: tuple[Infeasibility, ...]
+    rewritten: str | None
+
+    def explained(self) -> list[tuple[SolvedPart, PartExplanation]]:
+        """Every part that fits, with its explanation."""
+        done = self.optimization
+        return [
+            (
+                solved,
+                explain_part(
+                    solved,
+                    done.budget_kb_per_s,
+                    model=done.model,
+                    solve_again=partial(_solve_again, solved, done),
+                ),
+            )
+            for solved in done.parts
+            if solved.feasible
+        ]
+
+
+class RefusedRulesError(TestudoError):
+    """A rule file with errors, which are in ``findings``."""
+
+    def __init__(self, findings: Sequence[Finding]) -> None:
+        super().__init__("the rule file has errors", place=findings[0].path, remedy="mend them first")
+        self.findings = tuple(findings)
+
+
+def optimize(request: OptimizeRequest) -> OptimizeOutcome:
+    """Solve ``request``.
+
+    Raises ``RefusedRulesError`` for a file with errors, other ``TestudoError`` for files that cannot be read
+    and for what the profile lacks.
+    """
+    text = read_rule_text(request.rules)
+    profile = load_profile(request.profile)
+    result = parse(text, str(request.rules))
+    findings = check_rules([result], CheckContext(profile=profile))
+    errors = [finding for finding in findings if finding.severity is Severity.ERROR]
+    if errors:
+        raise RefusedRulesError(errors)
+    done = optimize_rules(
+        [result.file],
+        profile,
+        resolve_topic,
+        model=request.model,
+        solver=GreedySolver(),
+        undecided=Undecided.LEFT_OUT if request.only_named else Undecided.APPENDED,
+    )
+    rewritten = None
+    if done.feasible:
+        rewritten = rewrite(text, result.file, done, provenance=_provenance(request, done.budget_kb_per_s))
+    return OptimizeOutcome(optimization=done, infeasible=infeasible_parts(done), rewritten=rewritten)
+
+
+def _provenance(request: OptimizeRequest, budget_kb_per_s: float) -> str:
+    digest = sha256_of(request.profile)
+    return (
+        f"model {request.model.value}, budget {kb_text(budget_kb_per_s)} KB/s, "
+        f"profile {request.profile.name} (sha256 {digest})"
+    )
+
+
+def _solve_again(
+    solved: SolvedPart, done: Optimization, changed: dict[str, Ask], more_kb_per_s: float
+) -> SolvedPart:
+    part = replace(solved.part, asks={**solved.part.asks, **changed})
+    budget = done.budget_kb_per_s + more_kb_per_s
+    return solve_part(part, solved.others_kb_per_s, budget, model=done.model, solver=GreedySolver())

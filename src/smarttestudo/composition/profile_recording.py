@@ -1,0 +1,30 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""A profile from a recording."""
+
+from __future__ import annotations
+
+from smarttestudo.domain.names import is_topic_name
+from smarttestudo.domain.recording import RecordingReader
+from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.optimizer.profiling.measure import TopicMeasure
+from smarttestudo.optimizer.profiling.text import profile_text
+
+
+def profile_of_recording(recording: RecordingReader, *, name: str) -> str:
+    """The text of a profile of the topics of ``recording``, which is called ``name``.
+
+    Where the recording declares sizes, they count as the messages' sizes.
+    """
+    declared_bytes = recording.declared_bytes
+    measures = {
+        channel.topic: TopicMeasure(channel.type_name, is_declared=channel.topic in declared_bytes)
+        for channel in recording.channels
+        if is_topic_name(channel.topic)
+    }
+    for channel, stamp_ns, payload in recording.messages():
+        measure = measures.get(channel.topic)
+        if measure is not None:
+            measure.record(stamp_ns, declared_bytes.get(channel.topic, len(payload)))
+    duration_s = (recording.end_ns - recording.start_ns) / NS_PER_S
+    return profile_text(dict(sorted(measures.items())), duration_s=duration_s, measured_in=name)

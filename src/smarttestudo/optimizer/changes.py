@@ -1,0 +1,90 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What to ask less of, where not everything fits: the smallest changes, ranked."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+from smarttestudo.domain.tier import Tier
+from smarttestudo.optimizer.allocation import round_down
+from smarttestudo.optimizer.model import Ask, Model
+from smarttestudo.optimizer.rule_rates import SolvedPart
+
+CHANGES_SHOWN = 3
+_NUMBER_STEPS = 5
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Reduction:
+    """One topic asked for less: at ``wanted``, ``steps`` levels (or fifths of a number) lower."""
+
+    topic: str
+    wanted: Tier | float
+    steps: int
+    saved_kb_per_s: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Change:
+    """Reductions that fit together, and the least that all topics can then do with."""
+
+    reductions: tuple[Reduction, ...]
+    needs_kb_per_s: float
+
+
+class ChangeFinder(Protocol):
+    """Finds the smallest sets of reductions that save enough."""
+
+    def smallest(
+        self, reductions: Sequence[Reduction], excess_kb_per_s: float, count: int
+    ) -> Sequence[tuple[Reduction, ...]]:
+        """Up to ``count`` sets, at most one reduction of a topic in each, that save ``excess`` or more.
+
+        Fewest topics first, then the mildest (the least sum of squared steps); no set's topics hold all
+        topics of an earlier set.
+        """
+
+
+def smallest_changes(
+    solved: SolvedPart, budget_kb_per_s: float, *, model: Model, finder: ChangeFinder
+) -> list[Change]:
+    """The smallest changes of what one part asks for that make it fit, best first; none where none do."""
+    excess = solved.needs_kb_per_s - budget_kb_per_s
+    reductions = [
+        reduction
+        for topic in sorted(solved.part.asks)
+        for reduction in _reductions(solved.part.asks[topic], excess, model)
+    ]
+    return [
+        Change(
+            reductions=chosen,
+            needs_kb_per_s=math.fsum([solved.needs_kb_per_s, *(-one.saved_kb_per_s for one in chosen)]),
+        )
+        for chosen in finder.smallest(reductions, excess, CHANGES_SHOWN)
+    ]
+
+
+def _reductions(ask: Ask, excess_kb_per_s: float, model: Model) -> Iterator[Reduction]:
+    """The ways to ask less of one topic that save anything, the smallest first."""
+    size_kb = ask.needs.size_kb
+    asked_hz = ask.bounds_hz(model)[0]
+    for steps, wanted in enumerate(_lower(ask.wanted, excess_kb_per_s / size_kb), start=1):
+        lower_hz = Ask(needs=ask.needs, wanted=wanted).bounds_hz(model)[0]
+        if ask.needs.floor_hz <= lower_hz < asked_hz:
+            saved = size_kb * (asked_hz - lower_hz)
+            yield Reduction(topic=ask.needs.topic, wanted=wanted, steps=steps, saved_kb_per_s=saved)
+
+
+def _lower(wanted: Tier | float, excess_hz: float) -> Iterator[Tier | float]:
+    if isinstance(wanted, Tier):
+        yield from reversed(list(Tier)[: wanted.level])
+        return
+    enough = round_down(wanted - excess_hz)
+    for fifths in range(_NUMBER_STEPS - 1, 0, -1):
+        lower, higher = wanted * fifths / _NUMBER_STEPS, wanted * (fifths + 1) / _NUMBER_STEPS
+        # Where less than a whole step is enough, the rate that just fits stands for the step.
+        yield enough if lower <= enough < higher else round_down(lower)

@@ -1,0 +1,83 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The exact answer for one budget: the most gain per KB first."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from smarttestudo.optimizer.problem import Allocation, Budget, Demand, fits
+
+_SIGNIFICANT_DIGITS = 12
+
+Stretch = tuple[float, int, float, float]
+"""The gain for each KB, the index of the topic, the width in Hz, the cost in KB/s."""
+
+
+class GreedySolver:
+    """Fills the pieces of best gain per KB first; exact for concave worths and one budget.
+
+    Pieces of equal gain per KB are filled by the same share, so neither names nor order decide.
+    """
+
+    def allocate(self, demands: Sequence[Demand], budgets: Sequence[Budget]) -> Allocation | None:
+        """As ``Solver``; ``ValueError`` for other than one budget over all topics."""
+        if len(budgets) != 1 or budgets[0].topics is not None:
+            raise ValueError("the greedy solver takes one budget over all topics")
+        return allocate(demands, budgets[0].limit_kb_per_s)
+
+
+def allocate(demands: Sequence[Demand], budget_kb_per_s: float) -> Allocation | None:
+    """The rates of the greatest gain with ``Σ size·rate`` within the budget, ``None`` where none fit."""
+    least_kb_per_s = math.fsum(demand.size_kb * demand.least_hz for demand in demands)
+    if not fits(least_kb_per_s, budget_kb_per_s):
+        return None
+    rates = [demand.least_hz for demand in demands]
+    stretches = [
+        (_density(piece.gain_per_hz, demand.size_kb), index, piece.width_hz, piece.width_hz * demand.size_kb)
+        for index, demand in enumerate(demands)
+        for piece in demand.pieces
+        if piece.gain_per_hz > 0 and piece.width_hz > 0
+    ]
+    price = fill(rates, stretches, max(0.0, budget_kb_per_s - least_kb_per_s))
+    return Allocation(
+        rates_hz={demand.topic: rate for demand, rate in zip(demands, rates, strict=True)},
+        gain=math.fsum(_gain(demand, rate) for demand, rate in zip(demands, rates, strict=True)),
+        price=price,
+    )
+
+
+def fill(rates_hz: list[float], stretches: list[Stretch], left_kb_per_s: float) -> float:
+    """Raise ``rates_hz`` along ``stretches`` while KB/s are left, best gain first, equal gains by one share.
+
+    Returns the price: the gain of the next KB, 0 where all stretches are filled.
+    """
+    groups: dict[float, list[Stretch]] = {}
+    for stretch in stretches:
+        groups.setdefault(stretch[0], []).append(stretch)
+    for density in sorted(groups, reverse=True):
+        cost = math.fsum(stretch[3] for stretch in groups[density])
+        share = 1.0 if fits(cost, left_kb_per_s) else left_kb_per_s / cost
+        for _, index, width_hz, _ in groups[density]:
+            rates_hz[index] += share * width_hz
+        if share < 1.0:
+            return density
+        left_kb_per_s = max(0.0, left_kb_per_s - cost)
+    return 0.0
+
+
+def _gain(demand: Demand, rate_hz: float) -> float:
+    """What ``rate_hz`` is worth above the lowest rate."""
+    gain, above_hz = 0.0, rate_hz - demand.least_hz
+    for piece in demand.pieces:
+        gain += piece.gain_per_hz * min(piece.width_hz, above_hz)
+        above_hz = max(0.0, above_hz - piece.width_hz)
+    return gain
+
+
+def _density(gain_per_hz: float, size_kb: float) -> float:
+    """Gain per KB, so rounded that equal quotients of different numbers are equal."""
+    if size_kb <= 0:
+        return math.inf
+    return float(f"{gain_per_hz / size_kb:.{_SIGNIFICANT_DIGITS}g}")

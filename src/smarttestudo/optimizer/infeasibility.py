@@ -1,0 +1,84 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What is said of a part that does not fit."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from smarttestudo.domain.finding import Finding, Severity
+from smarttestudo.optimizer.changes import Change
+from smarttestudo.optimizer.model import Ask, Model
+from smarttestudo.optimizer.rule_rates import SolvedPart
+from smarttestudo.optimizer.wording import kb_text, listed, wanted_text
+
+CODE = "infeasible"
+_TOPICS_NAMED = 4
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Infeasibility:
+    """A part that does not fit: what it lacks, in a sentence, and what would do, in sentences."""
+
+    solved: SolvedPart
+    changes: Sequence[Change]
+    message: str
+    remedies: tuple[str, ...]
+
+    def finding(self) -> Finding:
+        """As the checker says it."""
+        return Finding(
+            code=CODE,
+            severity=Severity.ERROR,
+            message=self.message,
+            path=self.solved.part.path,
+            span=self.solved.part.span,
+            hint="; ".join(self.remedies),
+        )
+
+
+def infeasibility(
+    solved: SolvedPart, budget_kb_per_s: float, changes: Sequence[Change] | None, *, model: Model
+) -> Infeasibility:
+    """What to say of ``solved``, which does not fit, and of the ``changes`` that would make it fit.
+
+    ``changes`` are ``None`` where they were not looked for.
+    """
+    name = f'"{solved.part.label}" needs' if solved.part.label is not None else "the defaults need"
+    over = solved.needs_kb_per_s - budget_kb_per_s
+    message = (
+        f"{name} at least {kb_text(solved.needs_kb_per_s)} KB/s, {kb_text(over)} more than the budget of "
+        f"{kb_text(budget_kb_per_s)}: {_takers(solved, model)}"
+    )
+    remedies = [_change_text(change) for change in changes or ()]
+    if changes is not None and not changes:
+        remedies.append("no lower levels of these topics fit")
+    remedies.append(f"a budget of {kb_text(solved.needs_kb_per_s)} KB/s would do")
+    return Infeasibility(solved=solved, changes=changes or (), message=message, remedies=tuple(remedies))
+
+
+def _takers(solved: SolvedPart, model: Model) -> str:
+    """What takes how much, the largest first."""
+    takes = {topic: _least_kb_per_s(ask, model) for topic, ask in solved.part.asks.items()}
+    named = sorted((topic for topic in takes if takes[topic] > 0), key=lambda topic: (-takes[topic], topic))
+    parts = [
+        f"{topic} {wanted_text(solved.part.asks[topic].wanted)} takes {kb_text(takes[topic])}"
+        for topic in named[:_TOPICS_NAMED]
+    ]
+    unnamed = sum(takes[topic] for topic in named[_TOPICS_NAMED:])
+    if unnamed:
+        parts.append(f"{len(named) - _TOPICS_NAMED} more take {kb_text(unnamed)}")
+    if solved.others_kb_per_s > 0:
+        parts.append(f"the other topics' defaults {kb_text(solved.others_kb_per_s)}")
+    return listed(parts) if parts else "nothing is asked for"
+
+
+def _least_kb_per_s(ask: Ask, model: Model) -> float:
+    return ask.needs.size_kb * ask.bounds_hz(model)[0]
+
+
+def _change_text(change: Change) -> str:
+    names = listed([f"{one.topic} {wanted_text(one.wanted)}" for one in change.reductions])
+    verb = "fits" if len(change.reductions) == 1 else "together fit"
+    return f"{names} {verb} with {kb_text(change.needs_kb_per_s)} KB/s"

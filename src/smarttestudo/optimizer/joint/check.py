@@ -1,0 +1,175 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Whether rules fit a budget in every situation that they allow."""
+
+from __future__ import annotations
+
+import heapq
+import itertools
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from smarttestudo.adirf.boxes import Domain, Effort, TooComplexError
+from smarttestudo.adirf.evaluator import Evaluator
+from smarttestudo.adirf.rule_set import RuleBlock, RuleSet
+from smarttestudo.domain.signal import ArrivalProperty, Signal
+from smarttestudo.optimizer.joint.cells import axes_of, cell_count, holding_together
+from smarttestudo.optimizer.joint.clusters import Cluster, clusters_of
+from smarttestudo.optimizer.joint.loads import Loads
+from smarttestudo.optimizer.problem import fits
+
+MAX_CELLS = 100_000
+MAX_SITUATIONS = 100
+_LOOKS = 5_000_000
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Situation:
+    """The blocks that hold while no other does, a state in which they do, and what all topics then take."""
+
+    blocks: tuple[RuleBlock, ...]
+    state: Mapping[Signal, float]
+    kb_per_s: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Unproven:
+    """A cluster that was not searched: too many ``cells``, or (``None``) too complex conditions."""
+
+    blocks: tuple[RuleBlock, ...]
+    cells: int | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JointCheck:
+    """What the rules take in the worst case.
+
+    ``worst`` is the situation of the greatest load, ``breaking`` those above the budget, worst first, and
+    ``has_more`` says that the list was cut. What clusters in ``unproven`` set is left out of all of them.
+    ``start_up_kb_per_s`` is the load while nothing is known, which no other state exceeds, unless a check
+    reads a rate, bandwidth or age.
+    """
+
+    worst: Situation
+    breaking: tuple[Situation, ...]
+    has_more: bool
+    unproven: tuple[Unproven, ...]
+    start_up_kb_per_s: float
+
+
+def check_together(
+    rule_set: RuleSet,
+    loads: Loads,
+    budget_kb_per_s: float,
+    domain: Domain,
+    *,
+    max_situations: int = MAX_SITUATIONS,
+) -> JointCheck:
+    """Every situation of ``rule_set`` against the budget; all loads must be known."""
+    meter = _Meter(rule_set, loads)
+    unproven: list[Unproven] = []
+    searched: list[list[_Choice]] = []
+    effort = Effort(_LOOKS)
+    for cluster in clusters_of(rule_set.blocks):
+        found = _search(cluster, meter, domain, effort)
+        if isinstance(found, Unproven):
+            unproven.append(found)
+        else:
+            searched.append(found)
+    situations = _worst_first(searched, meter.unconditional(), rule_set.blocks)
+    worst = next(situations)
+    over = itertools.takewhile(
+        lambda one: not fits(one.kb_per_s, budget_kb_per_s), itertools.chain([worst], situations)
+    )
+    breaking = tuple(itertools.islice(over, max_situations + 1))
+    return JointCheck(
+        worst=worst,
+        breaking=breaking[:max_situations],
+        has_more=len(breaking) > max_situations,
+        unproven=tuple(unproven),
+        start_up_kb_per_s=meter.start_up_kb_per_s,
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Choice:
+    """One way in which the blocks of a cluster hold, and what the cluster's topics then take."""
+
+    orders: tuple[int, ...]
+    state: Mapping[Signal, float]
+    kb_per_s: float
+
+
+def _search(cluster: Cluster, meter: _Meter, domain: Domain, effort: Effort) -> list[_Choice] | Unproven:
+    """The ways in which the blocks of ``cluster`` hold, by falling load."""
+    axes = axes_of(cluster, domain)
+    cells = cell_count(axes)
+    if cells > MAX_CELLS:
+        return Unproven(blocks=cluster.blocks, cells=cells)
+    try:
+        found = holding_together(cluster, axes, domain, effort)
+    except TooComplexError:
+        return Unproven(blocks=cluster.blocks, cells=None)
+    choices = [
+        _Choice(orders=tuple(sorted(orders)), state=state, kb_per_s=meter.measure(cluster, state))
+        for orders, state in found.items()
+    ]
+    return sorted(choices, key=lambda one: (-one.kb_per_s, one.orders))
+
+
+class _Meter:
+    """Reads the loads of states off the one evaluator."""
+
+    def __init__(self, rule_set: RuleSet, loads: Loads) -> None:
+        self._rule_set = rule_set
+        self._loads = loads
+        self._evaluator = Evaluator(rule_set)
+        for signal in rule_set.signals:
+            # Rates, bandwidths and ages are never unknown: they start at 0.
+            if ArrivalProperty.named(signal.property) is not None:
+                self._evaluator.set(signal, 0.0)
+        self.start_up_kb_per_s = self._sum(rule_set.relayed)
+
+    def measure(self, cluster: Cluster, state: Mapping[Signal, float]) -> float:
+        for signal, value in state.items():
+            self._evaluator.set(signal, value)
+        return self._sum(cluster.topics)
+
+    def unconditional(self) -> float:
+        """What the topics take that no block sets."""
+        conditional = {topic for block in self._rule_set.blocks for topic in block.rates}
+        return self._sum(topic for topic in self._rule_set.relayed if topic not in conditional)
+
+    def _sum(self, topics: Iterable[str]) -> float:
+        return math.fsum(self._loads.kb_per_s(topic, self._evaluator.wish(topic).rate) for topic in topics)
+
+
+def _worst_first(
+    clusters: Sequence[Sequence[_Choice]], constant_kb_per_s: float, blocks: Sequence[RuleBlock]
+) -> Iterator[Situation]:
+    """One choice of each cluster, in all combinations, by falling load.
+
+    Each combination but the first comes from one before it by taking the next choice of one cluster; taking
+    it only of clusters from the last one changed on gives each once.
+    """
+    first = (0,) * len(clusters)
+    heap = [(-_load(clusters, first, constant_kb_per_s), first, 0)]
+    while heap:
+        load, picks, changed = heapq.heappop(heap)
+        chosen = [cluster[pick] for cluster, pick in zip(clusters, picks, strict=True)]
+        orders = sorted(order for choice in chosen for order in choice.orders)
+        yield Situation(
+            blocks=tuple(blocks[order] for order in orders),
+            state={signal: value for choice in chosen for signal, value in choice.state.items()},
+            kb_per_s=-load,
+        )
+        for index in range(changed, len(clusters)):
+            if picks[index] + 1 < len(clusters[index]):
+                after = (*picks[:index], picks[index] + 1, *picks[index + 1 :])
+                heapq.heappush(heap, (-_load(clusters, after, constant_kb_per_s), after, index))
+
+
+def _load(clusters: Sequence[Sequence[_Choice]], picks: Sequence[int], constant_kb_per_s: float) -> float:
+    loads = (cluster[pick].kb_per_s for cluster, pick in zip(clusters, picks, strict=True))
+    return math.fsum([constant_kb_per_s, *loads])

@@ -1,0 +1,86 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The problem that every model of OBI comes down to: rates worth most, within budgets."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+_RELATIVE_SLACK = 1e-9
+
+
+@dataclass(frozen=True, slots=True)
+class Piece:
+    """A stretch of a topic's rates, ``width_hz`` wide, in which one Hz more gains ``gain_per_hz``."""
+
+    width_hz: float
+    gain_per_hz: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Demand:
+    """What one topic asks for: at least ``least_hz``, and what more is worth.
+
+    ``pieces`` follow each other from ``least_hz`` up to the highest rate that may be given; their gain never
+    rises (a concave worth). ``size_kb`` is the mean message size in KB.
+    """
+
+    topic: str
+    size_kb: float
+    least_hz: float
+    pieces: tuple[Piece, ...]
+
+    @property
+    def most_hz(self) -> float:
+        """The highest rate that may be given."""
+        return self.least_hz + sum(piece.width_hz for piece in self.pieces)
+
+    @property
+    def least_kb_per_s(self) -> float:
+        """What the topic takes at its lowest rate."""
+        return self.size_kb * self.least_hz
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Budget:
+    """``Σ size·rate <= limit_kb_per_s`` over ``topics``, or over all topics where that is ``None``."""
+
+    limit_kb_per_s: float
+    topics: frozenset[str] | None = None
+
+    def covers(self, topic: str) -> bool:
+        """Whether ``topic`` counts towards this budget."""
+        return self.topics is None or topic in self.topics
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Allocation:
+    """The best rates in Hz by topic.
+
+    ``gain`` is what they are worth above everyone's lowest rate. ``price`` is what one KB/s more of the
+    first budget would gain, 0 where it would gain nothing.
+    """
+
+    rates_hz: Mapping[str, float]
+    gain: float
+    price: float
+
+
+class Solver(Protocol):
+    """Finds the best rates."""
+
+    def allocate(self, demands: Sequence[Demand], budgets: Sequence[Budget]) -> Allocation | None:
+        """The rates of the greatest gain within every budget; ``None`` where no rates fit."""
+
+
+def used_kb_per_s(loads: Iterable[tuple[float, float]]) -> float:
+    """``Σ size·rate`` over pairs of KB and Hz; the order of the pairs does not matter."""
+    return math.fsum(size_kb * rate_hz for size_kb, rate_hz in loads)
+
+
+def fits(needed_kb_per_s: float, limit_kb_per_s: float) -> bool:
+    """Whether ``needed`` is within ``limit``, where sums of decimal numbers may be off by float noise."""
+    return needed_kb_per_s <= limit_kb_per_s + _RELATIVE_SLACK * max(1.0, abs(limit_kb_per_s))

@@ -1,0 +1,75 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Measurements as the text of a profile, every number with where it comes from."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+
+from smarttestudo.optimizer.profiling.measure import TopicMeasure
+from smarttestudo.optimizer.wording import kb_text
+
+TIER_SHARES = (0.05, 0.1, 0.25, 0.5, 0.8, 1.0)
+"""τ0 … τ5 as shares of the source's rate: a first guess that only an engineer can replace by a better one."""
+
+_DIGITS = 3
+_MS_PER_S = 1000.0
+
+
+def proposed_tiers_hz(source_hz: float) -> tuple[float, ...]:
+    """Six rising thresholds for a source of ``source_hz``, in three significant digits."""
+    return tuple(_rounded(share * source_hz) for share in TIER_SHARES)
+
+
+def profile_text(measures: Mapping[str, TopicMeasure], *, duration_s: float, measured_in: str) -> str:
+    """A profile in TOML of the topics measured in ``duration_s`` seconds."""
+    total_kb_per_s = sum(one.kb for one in measures.values()) / duration_s if duration_s > 0 else 0.0
+    lines = [
+        f"# Measured by testudo profile in {measured_in}: {duration_s:.1f} s, {len(measures)} topics,"
+        f" {kb_text(total_kb_per_s)} KB/s in all.",
+        "# The tiers are guesses from the rates; docs/quality-levels.md says how to choose them.",
+        "# budget_kb_per_s = 1000.0  # what your link carries; the optimizer needs it",
+    ]
+    for topic, measure in measures.items():
+        lines += ["", f"[topics.{json.dumps(topic)}]", *_entries(measure)]
+    return "\n".join([*lines, ""])
+
+
+def _entries(measure: TopicMeasure) -> Iterator[str]:
+    yield f"type = {json.dumps(measure.type_name)}"
+    if measure.message_kb is None:
+        yield "# no messages: no size, no rate"
+        return
+    plural = "message" if measure.messages == 1 else "messages"
+    declared = ", declared by the recording" if measure.is_declared else ""
+    yield (
+        f"message_kb = {_number(measure.message_kb)}  # mean of {measure.messages} {plural}, "
+        f"the largest {_number(measure.largest_kb)}{declared}"
+    )
+    if measure.source_hz is None:
+        yield "# one message or one stamp only: no rate, no tiers"
+        return
+    source_hz = _rounded(measure.source_hz)
+    yield f"source_hz = {_number(source_hz)}  # {_intervals(measure)}"
+    tiers = ", ".join(_number(rate) for rate in proposed_tiers_hz(source_hz))
+    shares = ", ".join(f"{100 * share:g}" for share in TIER_SHARES)
+    yield f"tiers_hz = [{tiers}]  # {shares} % of source_hz"
+
+
+def _intervals(measure: TopicMeasure) -> str:
+    mean_s = 1 / measure.source_hz if measure.source_hz else 0.0
+    text = f"(n - 1) / (last - first); intervals of {_MS_PER_S * mean_s:.1f} ms"
+    return (
+        text
+        if measure.jitter_s is None
+        else f"{text}, jitter (standard deviation) {_MS_PER_S * measure.jitter_s:.1f} ms"
+    )
+
+
+def _rounded(number: float) -> float:
+    return float(f"{number:.{_DIGITS}g}")
+
+
+def _number(number: float) -> str:
+    return f"{round(number, 6)!r}"

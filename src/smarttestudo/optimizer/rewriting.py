@@ -1,0 +1,91 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""A rule file with numbers in the place of its levels, everything else as it was."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from itertools import accumulate
+
+from smarttestudo.adirf.syntax import Block, RateExpression, RuleFile, SetFrequency
+from smarttestudo.domain.source import Span
+from smarttestudo.domain.tier import Tier
+from smarttestudo.optimizer.rule_rates import Optimization
+from smarttestudo.optimizer.wording import hz_text
+
+PROVENANCE = "// Rates by testudo optimize: "
+APPENDED = "// Topics of the profile without a default"
+_LINE = re.compile(r"[^\r\n]*(?:\r\n|\r|\n|\Z)")
+_DEFAULT_INDENT = "    "
+_BEGIN = "begin"
+
+_Edit = tuple[int, int, str]
+"""From one offset to another, what stands there instead."""
+
+
+def rewrite(text: str, file: RuleFile, optimization: Optimization, *, provenance: str) -> str:
+    """``text``, which parsed to ``file``, with the rates of a feasible ``optimization``.
+
+    Each level becomes its rate. The topics that the optimization appended become defaults, after the last
+    one of the file, or at its start. A first line says ``provenance``, in the place of one that did.
+    """
+    starts = list(accumulate((len(line) for line in _LINE.findall(text)), initial=0))
+    line_end = "\r\n" if "\r\n" in text else "\n"
+    edits = [
+        (
+            _start(rate.span, starts),
+            _end(rate.span, starts),
+            hz_text(optimization.tier_rates_hz[file.path, rate.span]),
+        )
+        for rate in _levels(file)
+    ]
+    if optimization.appended and optimization.defaults.rates_hz is not None:
+        rates_hz = {topic: optimization.defaults.rates_hz[topic] for topic in optimization.appended}
+        edits.append(_appended(text, file, rates_hz, starts, line_end))
+    edits.append((0, _old_provenance(text), f"{PROVENANCE}{provenance}{line_end}"))
+    for start, end, replacement in sorted(edits, reverse=True):
+        text = text[:start] + replacement + text[end:]
+    return text
+
+
+def _levels(file: RuleFile) -> Iterator[RateExpression]:
+    for statement in file.statements:
+        sets = (*statement.then, *statement.otherwise) if isinstance(statement, Block) else (statement,)
+        yield from (one.rate for one in sets if isinstance(one.rate.value, Tier))
+
+
+def _appended(
+    text: str, file: RuleFile, rates_hz: Mapping[str, float], starts: list[int], line_end: str
+) -> _Edit:
+    defaults = [one for one in file.statements if isinstance(one, SetFrequency)]
+    if defaults:
+        at = _end(defaults[-1].span, starts)
+        line = text[starts[defaults[-1].span.line - 1] :]
+        indent = line[: len(line) - len(line.lstrip(" \t"))]
+    else:
+        at = _start(file.collections[0].span, starts) + len(_BEGIN)
+        indent = _DEFAULT_INDENT
+    rest_of_line = _LINE.match(text, at)
+    rest = rest_of_line.group().strip() if rest_of_line else ""
+    lines = [f"{indent}{APPENDED}"]
+    lines += [f"{indent}SetFrequency {topic} {hz_text(rate)} Hz" for topic, rate in rates_hz.items()]
+    if not rest or rest.startswith("//"):
+        at += len((rest_of_line.group() if rest_of_line else "").rstrip("\r\n"))
+        blank = "" if defaults else line_end
+        return at, at, line_end + line_end.join(lines) + blank
+    return at, at, line_end + line_end.join(lines) + line_end + indent
+
+
+def _old_provenance(text: str) -> int:
+    """Where the first line ends, if it is a provenance; else 0."""
+    first = _LINE.match(text)
+    return first.end() if first and text.startswith(PROVENANCE) else 0
+
+
+def _start(span: Span, starts: list[int]) -> int:
+    return starts[span.line - 1] + span.column - 1
+
+
+def _end(span: Span, starts: list[int]) -> int:
+    return starts[span.end_line - 1] + span.end_column - 1

@@ -1,0 +1,153 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""OBI over rule files: the defaults once, then each block's topics with the others at their default."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from smarttestudo.adirf.normal_form import Resolve
+from smarttestudo.adirf.syntax import RuleFile, SetFrequency
+from smarttestudo.domain.errors import ProfileError
+from smarttestudo.domain.profile import Profile
+from smarttestudo.domain.rate import Rate
+from smarttestudo.optimizer.allocation import best_rates, rounded_down
+from smarttestudo.optimizer.model import Model
+from smarttestudo.optimizer.problem import Solver, fits, used_kb_per_s
+from smarttestudo.optimizer.rule_asks import Part, RuleAsks, StatementKey, Undecided, collect_asks
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SolvedPart:
+    """The rates of one part in Hz by topic, ``None`` where it does not fit.
+
+    ``others_kb_per_s`` is what the other topics take at their default, ``needs_kb_per_s`` the least that all
+    topics together can do with, ``used_kb_per_s`` what they take (where nothing fits: the same least).
+    ``price`` is what one KB/s more would gain in the model's own unit, 0 where it would gain nothing.
+    """
+
+    part: Part
+    rates_hz: Mapping[str, float] | None
+    others_kb_per_s: float
+    needs_kb_per_s: float
+    used_kb_per_s: float
+    price: float = 0.0
+
+    @property
+    def feasible(self) -> bool:
+        """Whether the part fits."""
+        return self.rates_hz is not None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Optimization:
+    """The result for one rule set; where the defaults do not fit, blocks are solved beside their least."""
+
+    model: Model
+    budget_kb_per_s: float
+    defaults: SolvedPart
+    blocks: tuple[SolvedPart, ...]
+    appended: tuple[str, ...]
+    tier_rates_hz: Mapping[StatementKey, float] = field(default_factory=dict)
+
+    @property
+    def feasible(self) -> bool:
+        """Whether every part fits."""
+        return all(part.feasible for part in self.parts)
+
+    @property
+    def parts(self) -> tuple[SolvedPart, ...]:
+        """The defaults and the blocks."""
+        return (self.defaults, *self.blocks)
+
+    def tier_rate(self, statement: SetFrequency, path: str) -> Rate:
+        """The ``TierRates`` of these rule files; ``KeyError`` for a part that does not fit."""
+        return Rate(self.tier_rates_hz[path, statement.rate.span])
+
+
+def budget_of(profile: Profile) -> float:
+    """The profile's budget in KB/s; ``ProfileError`` where it has none."""
+    if profile.budget_kb_per_s is None:
+        raise ProfileError(
+            "the profile has no budget_kb_per_s",
+            place=profile.path or None,
+            remedy="add budget_kb_per_s, what the link carries in KB/s",
+        )
+    return profile.budget_kb_per_s
+
+
+def optimize_rules(
+    files: Sequence[RuleFile],
+    profile: Profile,
+    resolve: Resolve,
+    *,
+    model: Model,
+    solver: Solver,
+    undecided: Undecided = Undecided.APPENDED,
+) -> Optimization:
+    """The rates of every level in ``files``, which have no errors; ``ProfileError`` for what is missing."""
+    asks = collect_asks(files, profile, resolve, undecided)
+    return solve_asks(asks, budget_of(profile), model=model, solver=solver)
+
+
+def solve_asks(asks: RuleAsks, budget_kb_per_s: float, *, model: Model, solver: Solver) -> Optimization:
+    """The defaults, then each block's topics with all others at their default."""
+    defaults = solve_part(asks.defaults, 0.0, budget_kb_per_s, model=model, solver=solver)
+    rates_hz = defaults.rates_hz
+    loads = {
+        topic: ask.needs.size_kb * (ask.bounds_hz(model)[0] if rates_hz is None else rates_hz[topic])
+        for topic, ask in asks.defaults.asks.items()
+    }
+    blocks: list[SolvedPart] = []
+    for part in asks.blocks:
+        others = defaults.used_kb_per_s - math.fsum(loads.get(topic, 0.0) for topic in part.asks)
+        blocks.append(solve_part(part, others, budget_kb_per_s, model=model, solver=solver))
+    solved = (defaults, *blocks)
+    return Optimization(
+        model=model,
+        budget_kb_per_s=budget_kb_per_s,
+        defaults=defaults,
+        blocks=tuple(blocks),
+        appended=asks.appended,
+        tier_rates_hz={
+            key: one.rates_hz[topic]
+            for one in solved
+            if one.rates_hz is not None
+            for key, topic in one.part.tier_statements
+        },
+    )
+
+
+def solve_part(
+    part: Part, others_kb_per_s: float, budget_kb_per_s: float, *, model: Model, solver: Solver
+) -> SolvedPart:
+    """The rates of one part, where all other topics take ``others_kb_per_s`` of the budget."""
+    asks = part.asks
+    least_hz = {topic: ask.bounds_hz(model)[0] for topic, ask in asks.items()}
+    own_least = used_kb_per_s((ask.needs.size_kb, least_hz[topic]) for topic, ask in asks.items())
+    needs = others_kb_per_s + own_least
+    found = None
+    if fits(needs, budget_kb_per_s):
+        # What is left may be below the least by float noise, which must not make it infeasible.
+        own_budget = max(budget_kb_per_s - others_kb_per_s, own_least)
+        found = best_rates(model, list(asks.values()), own_budget, solver)
+    if found is None:
+        return SolvedPart(
+            part=part,
+            rates_hz=None,
+            others_kb_per_s=others_kb_per_s,
+            needs_kb_per_s=needs,
+            used_kb_per_s=needs,
+        )
+    rates_hz = rounded_down(found.rates_hz, least_hz)
+    own = used_kb_per_s((ask.needs.size_kb, rates_hz[topic]) for topic, ask in asks.items())
+    return SolvedPart(
+        part=part,
+        rates_hz=rates_hz,
+        others_kb_per_s=others_kb_per_s,
+        needs_kb_per_s=needs,
+        used_kb_per_s=others_kb_per_s + own,
+        price=found.price,
+    )

@@ -1,0 +1,129 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Rates cut to a budget while the robot runs: lowest priority first, never below the floors."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from smarttestudo.optimizer.allocation import round_down
+from smarttestudo.optimizer.greedy import fill
+from smarttestudo.optimizer.problem import fits, used_kb_per_s
+
+_NS_PER_S = 1_000_000_000
+REPLAN_AFTER_NS = _NS_PER_S
+LOWEST_USE = 0.9
+
+
+@dataclass(slots=True)
+class TopicLoad:
+    """What one topic would take: the rate that the rules ask for, and what was measured.
+
+    ``wish_hz`` is infinite for Full. ``floor_hz`` is what no cut goes below; ``source_hz`` the source's rate,
+    beyond which a wish costs nothing; ``size_kb`` the mean message size in KB.
+    """
+
+    topic: str
+    wish_hz: float
+    floor_hz: float
+    priority: float
+    size_kb: float
+    source_hz: float
+
+    @property
+    def wanted_hz(self) -> float:
+        """The rate that the wish would really have."""
+        return min(self.wish_hz, self.source_hz)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BudgetPlan:
+    """The rates in Hz of the topics that are cut; not ``floors_fit`` where the floors alone are too much."""
+
+    cut_hz: Mapping[str, float]
+    floors_fit: bool
+
+
+def plan_within(loads: Sequence[TopicLoad], budget_kb_per_s: float) -> BudgetPlan:
+    """Cut rates until ``Σ size·rate`` is within the budget; floors win over the budget.
+
+    A KB delivered is worth its topic's priority, so a topic is cut only once all of lower priority are at
+    their floors, and topics of one priority lose the same share of what lies above their floors.
+    """
+    wanted_hz = [load.wanted_hz for load in loads]
+    least_hz = [min(load.floor_hz, wanted) for load, wanted in zip(loads, wanted_hz, strict=True)]
+    least = used_kb_per_s((load.size_kb, rate) for load, rate in zip(loads, least_hz, strict=True))
+    stretches = [
+        (load.priority, index, wanted - rate, load.size_kb * (wanted - rate))
+        for index, (load, wanted, rate) in enumerate(zip(loads, wanted_hz, least_hz, strict=True))
+        if wanted > rate
+    ]
+    rates_hz = list(least_hz)
+    floors_fit = fits(least, budget_kb_per_s)
+    if floors_fit:
+        fill(rates_hz, stretches, max(0.0, budget_kb_per_s - least))
+    # A rate that float noise alone keeps from its wish is not cut.
+    cut_hz = {
+        load.topic: max(round_down(rate), floor)
+        for load, rate, wanted, floor in zip(loads, rates_hz, wanted_hz, least_hz, strict=True)
+        if rate < wanted * (1 - 1e-9)
+    }
+    return BudgetPlan(cut_hz=cut_hz, floors_fit=floors_fit)
+
+
+class BudgetKeeper:
+    """Decides when to plan anew: when wishes change, and at most once a second when the use of the link does.
+
+    The use is right between 90 and 100 % of the budget; below that only if something is cut. The budget may
+    be set anew at any time.
+    """
+
+    def __init__(self, budget_kb_per_s: float) -> None:
+        self._budget_kb_per_s = budget_kb_per_s
+        self._plan = BudgetPlan(cut_hz={}, floors_fit=True)
+        self._checked_ns: int | None = None
+        self._is_stale = True
+
+    @property
+    def budget_kb_per_s(self) -> float:
+        """The budget in KB/s."""
+        return self._budget_kb_per_s
+
+    @budget_kb_per_s.setter
+    def budget_kb_per_s(self, budget_kb_per_s: float) -> None:
+        self._is_stale = self._is_stale or budget_kb_per_s != self._budget_kb_per_s
+        self._budget_kb_per_s = budget_kb_per_s
+
+    @property
+    def plan(self) -> BudgetPlan:
+        """The newest plan."""
+        return self._plan
+
+    @property
+    def next_check_ns(self) -> int | None:
+        """When the use is next looked at; ``None`` before the first plan."""
+        return None if self._checked_ns is None else self._checked_ns + REPLAN_AFTER_NS
+
+    def is_due(self, now_ns: int) -> bool:
+        """Whether ``update`` has something to look at, though no wish changed."""
+        return self._is_stale or self._checked_ns is None or now_ns >= self._checked_ns + REPLAN_AFTER_NS
+
+    def update(self, loads: Sequence[TopicLoad], now_ns: int, *, wishes_changed: bool) -> BudgetPlan:
+        """The plan for ``loads`` at ``now_ns``; the same object as before where none was needed."""
+        if not wishes_changed and not self.is_due(now_ns):
+            return self._plan
+        self._checked_ns = now_ns
+        if wishes_changed or self._is_stale or self._is_off_target(loads):
+            self._plan = plan_within(loads, self._budget_kb_per_s)
+            self._is_stale = False
+        return self._plan
+
+    def _is_off_target(self, loads: Sequence[TopicLoad]) -> bool:
+        cut_hz = self._plan.cut_hz
+        used = used_kb_per_s(
+            (load.size_kb, min(load.wanted_hz, cut_hz.get(load.topic, load.wanted_hz))) for load in loads
+        )
+        if not fits(used, self._budget_kb_per_s):
+            return True
+        return bool(cut_hz) and used < LOWEST_USE * self._budget_kb_per_s

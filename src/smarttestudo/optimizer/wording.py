@@ -1,0 +1,33 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""How the optimizer's answers spell numbers and asks."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from smarttestudo.domain.tier import Tier
+
+
+def kb_text(kb_per_s: float) -> str:
+    """``157 665.72``: at most two decimals, thousands apart."""
+    return _without_zeros(f"{kb_per_s:,.2f}".replace(",", " "))
+
+
+def hz_text(rate_hz: float) -> str:
+    """``12.345``: what a rule file writes; all digits of a rate that is no multiple of 0.001 Hz."""
+    return _without_zeros(f"{rate_hz:.3f}") if round(rate_hz, 3) == rate_hz else repr(rate_hz)
+
+
+def wanted_text(wanted: Tier | float) -> str:
+    """A level's name, or a rate with its unit."""
+    return wanted.value if isinstance(wanted, Tier) else f"{hz_text(wanted)} Hz"
+
+
+def listed(parts: Sequence[str]) -> str:
+    """``a, b and c``."""
+    return parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} and {parts[-1]}"
+
+
+def _without_zeros(number: str) -> str:
+    return number.rstrip("0").rstrip(".")

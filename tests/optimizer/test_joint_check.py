@@ -1,0 +1,192 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Situations that break the budget: those that brute force finds, no more and no less."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+from dataclasses import replace
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from smarttestudo.adapters.solver.highs_solver import HighsSolver
+from smarttestudo.adirf.normal_form import holds
+from smarttestudo.adirf.parser import parse
+from smarttestudo.adirf.region import Region
+from smarttestudo.adirf.rule_set import RuleSet, compile_rules
+from smarttestudo.domain.names import resolve_topic
+from smarttestudo.domain.rate import Rate
+from smarttestudo.domain.signal import Signal
+from smarttestudo.optimizer.joint.check import JointCheck, check_together
+from smarttestudo.optimizer.joint.loads import Loads
+from smarttestudo.optimizer.joint.mending import lowered_rates
+from smarttestudo.optimizer.problem import fits
+
+TOPICS = ("/a", "/b", "/c")
+SIGNALS = ("/x p", "/x q", "/y p")
+LOADS = Loads(size_kb={"/a": 0.1, "/b": 1.0, "/c": 30.0}, source_hz={"/a": 200.0, "/b": 30.0, "/c": 25.0})
+
+checks = st.builds(
+    "CheckValue {} {} {}".format,
+    st.sampled_from(SIGNALS),
+    st.sampled_from([">", "<", ">=", "<=", "=", "!="]),
+    st.integers(-2, 2),
+)
+conditions = st.recursive(
+    checks,
+    lambda inner: (
+        st.builds("({} {} {})".format, inner, st.sampled_from(["AND", "OR"]), inner)
+        | st.builds("Not {}".format, inner)
+    ),
+    max_leaves=4,
+)
+rates = st.sampled_from(["0", "1", "2.5", "10", "Full", "Off"])
+sets = st.dictionaries(st.sampled_from(TOPICS), rates, min_size=1).map(
+    lambda chosen: " ".join(f"SetFrequency {topic} {rate}" for topic, rate in chosen.items())
+)
+blocks = st.builds(
+    'Rule "r" Priority {} If {} Then {} {} EndIf'.format,
+    st.integers(0, 1),
+    conditions,
+    sets,
+    st.just("") | sets.map("Else {}".format),
+)
+files = st.builds(
+    "begin {} {} {} end".format,
+    sets,
+    st.just("") | st.just("KeepAtLeast /b 2"),
+    st.lists(blocks, max_size=4).map(" ".join),
+)
+
+
+def compiled(text: str) -> RuleSet:
+    result = parse(text, "rules.adirf")
+    assert result.findings == ()
+    return compile_rules([result.file], resolve_topic)
+
+
+def checked(text: str, budget: float) -> JointCheck:
+    return check_together(compiled(text), LOADS, budget, lambda _: Region.everything(), max_situations=10_000)
+
+
+def naive_load(rule_set: RuleSet, holding: frozenset[int]) -> float:
+    total = 0.0
+    for topic in rule_set.relayed:
+        setting = [block for block in rule_set.blocks if block.order in holding and topic in block.rates]
+        wish = max(((one.priority, one.rates[topic]) for one in setting), default=None)
+        rate = rule_set.defaults.get(topic, Rate.full()) if wish is None else wish[1]
+        rate = rate.at_least(rule_set.floors_hz.get(topic, 0.0))
+        total += LOADS.size_kb[topic] * (LOADS.source_hz[topic] if rate.is_full else rate.hz)
+    return total
+
+
+def every_state(rule_set: RuleSet) -> Iterator[dict[Signal, float]]:
+    """Every threshold, the midpoints between, and beyond: thresholds are whole numbers from -2 to 2."""
+    signals = sorted(rule_set.signals)
+    values = [half / 2 for half in range(-6, 7)]
+    for chosen in itertools.product(values, repeat=len(signals)):
+        yield dict(zip(signals, chosen, strict=True))
+
+
+def holding_in(rule_set: RuleSet, state: dict[Signal, float]) -> frozenset[int]:
+    return frozenset(block.order for block in rule_set.blocks if holds(block.form, state))
+
+
+@given(text=files, budget=st.sampled_from([0.0, 10.0, 50.0, 100.0, 330.0, 760.0, 800.0]))
+@settings(max_examples=300)
+def test_the_breaking_situations_are_those_that_brute_force_finds(text: str, budget: float) -> None:
+    rule_set, result = compiled(text), checked(text, budget)
+    possible = {holding_in(rule_set, state) for state in every_state(rule_set)}
+    expected = {one for one in possible if not fits(naive_load(rule_set, one), budget)}
+    found = {frozenset(block.order for block in one.blocks) for one in result.breaking}
+    assert found == expected
+    assert len(found) == len(result.breaking)
+    assert result.worst.kb_per_s == pytest.approx(max(naive_load(rule_set, one) for one in possible))
+    for situation in result.breaking:
+        holding = holding_in(rule_set, dict(situation.state))
+        assert holding == {block.order for block in situation.blocks}
+        assert situation.kb_per_s == pytest.approx(naive_load(rule_set, holding))
+
+
+@given(text=files)
+@settings(max_examples=50)
+def test_no_situation_takes_more_than_the_start_up(text: str) -> None:
+    result = checked(text, 0.0)
+    assert result.start_up_kb_per_s >= result.worst.kb_per_s - 1e-9
+
+
+TWO_ZONES = """\
+begin
+  SetFrequency /a 1 SetFrequency /b 1
+  Rule "near" If (CheckValue /x p > 1) Then SetFrequency /a 100 EndIf
+  Rule "far" If (CheckValue /x p < {far}) Then SetFrequency /b 10 EndIf
+end
+"""
+
+
+def test_blocks_that_fit_alone_but_not_together_are_found_with_a_state() -> None:
+    (situation,) = checked(TWO_ZONES.format(far=3), 15.0).breaking
+    assert [block.label for block in situation.blocks] == ["near", "far"]
+    assert situation.state == {Signal("/x", "p"): 2.0}
+    assert situation.kb_per_s == pytest.approx(20.0)
+
+
+def test_blocks_that_exclude_each_other_are_not_added_up() -> None:
+    result = checked(TWO_ZONES.format(far=1), 15.0)
+    assert result.breaking == ()
+    assert result.worst.kb_per_s == pytest.approx(11.0)
+
+
+def test_blocks_over_different_signals_add_up() -> None:
+    (situation,) = checked(TWO_ZONES.format(far=1).replace("/x p <", "/y p <"), 15.0).breaking
+    assert [block.label for block in situation.blocks] == ["near", "far"]
+
+
+def test_a_possible_value_is_needed() -> None:
+    text = "begin SetFrequency /a 1 If CheckValue /x p > 120 Then SetFrequency /a 100 EndIf end"
+    percent = Region.between(0, 100)
+    result = check_together(compiled(text), LOADS, 5.0, lambda _: percent)
+    assert result.breaking == ()
+
+
+def test_more_than_100000_cells_are_not_searched() -> None:
+    bounds = " AND ".join(f"Not CheckValue {signal} = {value}" for signal in SIGNALS for value in range(24))
+    text = f"begin SetFrequency /a 1 If ({bounds}) Then SetFrequency /a 2 EndIf end"
+    result = checked(text, 1e9)
+    assert [(one.cells, len(one.blocks)) for one in result.unproven] == [(49**3, 1)]
+
+
+def test_the_one_zone_of_hundreds_that_takes_too_much_is_found() -> None:
+    zones = " ".join(
+        f"If (CheckValue /x p > {x} AND CheckValue /x p < {x + 1} AND CheckValue /x q > {y} "
+        f"AND CheckValue /x q < {y + 1}) Then SetFrequency /a {x + y} EndIf"
+        for x in range(30)
+        for y in range(30)
+    )
+    result = checked(f"begin SetFrequency /a 1 {zones} end", 5.7)
+    assert [one.kb_per_s for one in result.breaking] == pytest.approx([5.8])
+
+
+@given(text=files, budget=st.sampled_from([10.0, 50.0, 100.0, 330.0, 760.0]))
+@settings(max_examples=100)
+def test_with_the_lowered_rates_every_situation_fits(text: str, budget: float) -> None:
+    rule_set, result = compiled(text), checked(text, budget)
+    lowered = lowered_rates(
+        rule_set, LOADS, result.breaking, rule_set.relayed, budget, priorities={}, solver=HighsSolver()
+    )
+    if lowered is None:
+        return
+    assert bool(lowered) == bool(result.breaking)
+    rates = {(setting.order, setting.topic): Rate(rate) for setting, rate in lowered.items()}
+    blocks = [
+        replace(one, rates={topic: rates.get((one.order, topic), rate) for topic, rate in one.rates.items()})
+        for one in rule_set.blocks
+    ]
+    defaults = {topic: rates.get((-1, topic), rate) for topic, rate in rule_set.defaults.items()}
+    defaults |= {topic: rate for (order, topic), rate in rates.items() if order == -1}
+    mended = replace(rule_set, blocks=tuple(blocks), defaults=defaults)
+    again = check_together(mended, LOADS, budget, lambda _: Region.everything())
+    assert again.breaking == ()

@@ -1,0 +1,94 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Profiles measured in a recording."""
+
+from __future__ import annotations
+
+import statistics
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from smarttestudo.adapters.files.profile import load_profile
+from smarttestudo.adapters.rosbag import create_recording
+from smarttestudo.cli.main import main
+from smarttestudo.domain.recording import Channel, Storage
+from smarttestudo.optimizer.profiling.measure import TopicMeasure
+from smarttestudo.optimizer.profiling.text import proposed_tiers_hz
+
+S = 1_000_000_000
+SCAN = Channel(topic="/scan", type_name="sensor_msgs/msg/LaserScan")
+MAP = Channel(topic="/map", type_name="nav_msgs/msg/OccupancyGrid")
+IMAGE = Channel(topic="/image", type_name="sensor_msgs/msg/Image")
+EMPTY = Channel(topic="/empty", type_name="std_msgs/msg/Empty")
+
+
+@pytest.fixture
+def bag(tmp_path: Path) -> Path:
+    """Five scans a second of 2 and 4 KB, one map, an image every second that stands for 6 MB."""
+    path = tmp_path / "bag"
+    with create_recording(path, storage=Storage.MCAP, declared_bytes={"/image": 6_000_000}) as writer:
+        writer.add(EMPTY)
+        writer.write(MAP, S, bytes(1000))
+        for number in range(11):
+            writer.write(SCAN, S + number * S // 5, bytes(2000 if number % 2 else 4000))
+            if number % 5 == 0:
+                writer.write(IMAGE, S + number * S // 5, bytes(10))
+    return path
+
+
+def test_what_is_measured_reads_back_as_a_profile(bag: Path, tmp_path: Path) -> None:
+    output = tmp_path / "profile.toml"
+    assert main(["profile", "--bag", str(bag), "-o", str(output)]) == 0
+    profile = load_profile(output)
+    scan = profile.topic("/scan")
+    assert scan.type_name == "sensor_msgs/msg/LaserScan"
+    assert scan.message_kb == pytest.approx((6 * 4 + 5 * 2) / 11, abs=1e-6)
+    assert scan.source_hz == 5
+    assert scan.tiers_hz == (0.25, 0.5, 1.25, 2.5, 4, 5)
+    assert profile.topic("/map").message_kb == 1
+    assert profile.topic("/map").source_hz is None
+    assert profile.topic("/image").message_kb == 6000
+    assert profile.topic("/empty").message_kb is None
+
+
+def test_every_number_says_where_it_comes_from(bag: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["profile", "--bag", str(bag)]) == 0
+    printed = capsys.readouterr().out
+    assert "# Measured by testudo profile in bag: 2.0 s, 4 topics, " in printed
+    assert "# mean of 11 messages, the largest 4.0\n" in printed
+    assert "# mean of 3 messages, the largest 6000.0, declared by the recording\n" in printed
+    assert (
+        "# (n - 1) / (last - first); intervals of 200.0 ms, jitter (standard deviation) 0.0 ms\n" in printed
+    )
+    assert "# 5, 10, 25, 50, 80, 100 % of source_hz\n" in printed
+    assert "# one message or one stamp only: no rate, no tiers\n" in printed
+
+
+def test_a_profile_that_exists_is_not_overwritten(
+    bag: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    output = tmp_path / "profile.toml"
+    output.write_text("mine")
+    assert main(["profile", "--bag", str(bag), "-o", str(output)]) == 1
+    assert capsys.readouterr().err == f"{output}: error: the file exists already; give another name\n"
+    assert output.read_text() == "mine"
+
+
+@given(intervals_ns=st.lists(st.integers(1, 10 * S), min_size=2, max_size=30))
+def test_jitter_is_the_standard_deviation_of_the_intervals(intervals_ns: list[int]) -> None:
+    measure, stamp_ns = TopicMeasure("type"), 5
+    measure.record(stamp_ns, 100)
+    for interval_ns in intervals_ns:
+        stamp_ns += interval_ns
+        measure.record(stamp_ns, 100)
+    assert measure.jitter_s == pytest.approx(statistics.pstdev(intervals_ns) / S, rel=1e-6, abs=1e-9)
+    assert measure.source_hz == pytest.approx(len(intervals_ns) * S / sum(intervals_ns))
+
+
+@given(source_hz=st.floats(1e-3, 1e5))
+def test_proposed_tiers_never_fall(source_hz: float) -> None:
+    tiers = proposed_tiers_hz(source_hz)
+    assert list(tiers) == sorted(tiers)

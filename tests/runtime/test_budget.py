@@ -1,0 +1,145 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Running within a budget, by the sizes that are really measured."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from runtime.loop_driver import SECOND, LoopDriver
+from smarttestudo.domain.decision import Reason
+from smarttestudo.domain.observation import LinkBudget
+from smarttestudo.domain.profile import Profile, TopicProfile
+
+RULES = """\
+begin
+    SetFrequency /image Full
+    SetFrequency /scan 10
+    {floor}
+    Rule "near" If (CheckValue /odom pose_x < 3) Then SetFrequency /scan 40 EndIf
+end
+"""
+
+
+def profile(**priorities: float) -> Profile:
+    topics = {f"/{name}": TopicProfile(priority=priority) for name, priority in priorities.items()}
+    return Profile(topics=topics, settle_s=0.0)
+
+
+def driver(budget: float, *, floor: str = "", known: Profile | None = None) -> LoopDriver:
+    return LoopDriver(RULES.format(floor=floor), known or profile(), budget_kb_per_s=budget)
+
+
+def stream(robot: LoopDriver, sizes: Mapping[str, int], start_s: int, end_s: int, *, hz: int = 50) -> None:
+    """Messages of every topic at ``hz``, interleaved."""
+    for number in range(start_s * hz, end_s * hz):
+        for topic, size_bytes in sizes.items():
+            robot.send(topic, number * SECOND // hz, size_bytes=size_bytes)
+
+
+def kb_per_s(robot: LoopDriver, start_s: int, end_s: int) -> float:
+    inside = [one for one in robot.relayed if start_s * SECOND <= one.stamp_ns < end_s * SECOND]
+    return sum(one.size_bytes for one in inside) / 1000 / (end_s - start_s)
+
+
+def test_what_is_relayed_stays_within_the_budget_once_sizes_are_measured() -> None:
+    robot = driver(100.0)
+    stream(robot, {"/image": 10_000, "/scan": 1000}, 0, 12)
+    assert 90 <= kb_per_s(robot, 2, 12) <= 102
+
+
+def test_nothing_is_cut_while_everything_fits() -> None:
+    robot = driver(1000.0)
+    robot.drive(0, 5.0, 0.0)
+    stream(robot, {"/image": 10_000, "/scan": 1000}, 0, 5)
+    assert robot.rates() == {"/image": None, "/scan": 10}
+    assert all(one.planned.reason is not Reason.BUDGET for one in robot.decisions)
+
+
+def test_every_cut_is_a_decision_that_still_names_the_block() -> None:
+    robot = driver(20.0, known=profile(image=2, scan=1))
+    robot.drive(0, 1.0, 0.0)
+    stream(robot, {"/scan": 1000}, 0, 3)
+    cut = robot.decisions[-1]
+    assert (cut.topic, cut.planned.reason, cut.planned.rule) == ("/scan", Reason.BUDGET, "near")
+    assert cut.planned.rate.hz == pytest.approx(20, rel=0.03)
+    assert cut.to_json()["reason"] == "budget"
+
+
+def test_the_lower_priority_is_cut_to_its_floor_before_the_higher_one_is_touched() -> None:
+    robot = driver(42.0, floor="KeepAtLeast /scan 2", known=profile(image=1, scan=5))
+    robot.drive(0, 1.0, 0.0)
+    stream(robot, {"/image": 10_000, "/scan": 1000}, 0, 4)
+    rates = robot.rates()
+    assert rates["/scan"] == 40
+    assert rates["/image"] == pytest.approx(0.2, abs=0.01)
+
+
+def test_floors_win_over_the_budget_and_that_is_known() -> None:
+    robot = driver(1.0, floor="KeepAtLeast /scan 8")
+    robot.drive(0, 5.0, 0.0)
+    stream(robot, {"/image": 10_000, "/scan": 1000}, 0, 3)
+    assert robot.rates() == {"/image": 0, "/scan": 8}
+    assert robot.loop.floors_broke_budget
+
+
+def test_the_profile_s_sizes_count_until_there_are_messages() -> None:
+    known = Profile(topics={"/scan": TopicProfile(message_kb=1.0, source_hz=50.0)}, settle_s=0.0)
+    robot = driver(5.0, known=known)
+    assert robot.rates()["/scan"] == 5
+
+
+def test_grown_messages_are_noticed_with_at_most_one_decision_of_a_topic_a_second() -> None:
+    robot = driver(20.0)
+    robot.drive(0, 1.0, 0.0)
+    stream(robot, {"/scan": 1000}, 0, 10)
+    before = len(robot.decisions)
+    stream(robot, {"/scan": 2000}, 10, 25)
+    assert robot.rates()["/scan"] == pytest.approx(10, rel=0.05)
+    assert len(robot.decisions) - before <= 15
+
+
+def test_a_raised_budget_gives_rates_back_and_a_lowered_one_takes_them_at_once() -> None:
+    robot = driver(20.0)
+    robot.drive(0, 1.0, 0.0)
+    stream(robot, {"/scan": 1000}, 0, 5)
+    robot.keep(robot.loop.on_budget(LinkBudget(link_kb_per_s=100.0), robot.now_ns))
+    assert robot.log()[-1][1:] == ("/scan", 40, "block", "near")
+    robot.keep(robot.loop.on_budget(LinkBudget(link_kb_per_s=10.0), robot.now_ns))
+    assert robot.rates()["/scan"] == pytest.approx(10, rel=0.03)
+
+
+def test_a_budget_can_be_set_on_a_loop_that_had_none() -> None:
+    robot = LoopDriver(RULES.format(floor=""), profile())
+    robot.keep(robot.loop.on_budget(LinkBudget(link_kb_per_s=10.0), 0))
+    stream(robot, {"/scan": 1000}, 0, 3)
+    assert robot.rates()["/scan"] == pytest.approx(10, rel=0.05)
+
+
+def test_a_source_that_falls_silent_leaves_its_share_to_the_others() -> None:
+    robot = driver(100.0)
+    robot.drive(0, 5.0, 0.0)
+    stream(robot, {"/image": 10_000, "/scan": 1000}, 0, 5)
+    assert (robot.rates()["/scan"] or 0) < 10
+    stream(robot, {"/scan": 1000}, 5, 20)
+    assert robot.rates()["/scan"] == 10
+
+
+@given(
+    image_bytes=st.integers(100, 50_000),
+    scan_bytes=st.integers(100, 50_000),
+    budget=st.floats(5, 500),
+    image_priority=st.sampled_from([0.5, 1.0, 3.0]),
+)
+@settings(max_examples=20)
+def test_a_steady_stream_never_takes_more_than_the_budget_and_two_messages_of_each_topic(
+    image_bytes: int, scan_bytes: int, budget: float, image_priority: float
+) -> None:
+    robot = driver(budget, known=profile(image=image_priority))
+    stream(robot, {"/image": image_bytes, "/scan": scan_bytes}, 0, 10)
+    burst_kb = 2 * (image_bytes + scan_bytes) / 1000
+    assert kb_per_s(robot, 2, 10) <= budget * 1.02 + burst_kb / 8
