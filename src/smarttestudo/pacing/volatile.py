@@ -23,8 +23,8 @@ class VolatileStream(Stream):
     def offer(self, sample: Sample, now_ns: int) -> bool:
         """Whether ``sample`` passes now; if not, it is held."""
         self.source.record(now_ns)
-        if self.grid.take(now_ns):
-            self.held = None
+        if now_ns >= self.grid.due_ns:
+            self.settle(now_ns)
             return True
         self.hold(sample, now_ns)
         return False
