@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """What holds for all tests.
 
-In continuous integration nothing is skipped, and Hypothesis tries the same examples each time, so that a commit
-has one verdict; on a developer's machine it tries new ones. It is never timed.
+In continuous integration nothing is skipped, and Hypothesis tries the same examples each time, so that a
+commit has one verdict; on a developer's machine it tries new ones. It is never timed.
 """
 
 from __future__ import annotations
