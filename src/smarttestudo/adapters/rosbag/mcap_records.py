@@ -88,7 +88,7 @@ class RecordReader:
                 yield record
             return
         try:
-            records = _chunk_content(content, is_whole=len(content) == place.size_bytes)
+            records = chunk_content(content, is_whole=len(content) == place.size_bytes)
         except BROKEN:
             self.damaged_chunks += 1
             return
@@ -104,7 +104,7 @@ class RecordReader:
         return self._file.read(size)
 
 
-def _chunk_content(chunk: bytes, *, is_whole: bool) -> bytes:
+def chunk_content(chunk: bytes, *, is_whole: bool) -> bytes:
     """The records in ``chunk``, decompressed as far as it goes."""
     name_bytes = int.from_bytes(chunk[28:32], "little")
     if len(chunk) < _CHUNK_FIXED_BYTES + name_bytes:

@@ -16,7 +16,7 @@ from mcap.records import McapRecord, Message, Schema
 from smarttestudo.adapters.rosbag.definitions import normal_definition
 from smarttestudo.adapters.rosbag.mcap_records import RecordReader
 from smarttestudo.adapters.rosbag.qos import QosReader, is_transient_local
-from smarttestudo.adapters.rosbag.stored_file import ChannelsByNumber, read_so_far
+from smarttestudo.adapters.rosbag.stored_file import ChannelsByNumber, Outline, outlines_of, read_so_far
 from smarttestudo.adapters.rosbag.time_index import TimeIndex
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import Channel, RecordedMessage
@@ -58,6 +58,10 @@ class RecoveredMcapFile:
         while pending:
             stamp_ns, _, number, payload = heapq.heappop(pending)
             yield channels[number], stamp_ns, payload
+
+    def outlines(self, channels: ChannelsByNumber, head_bytes: int) -> Iterator[Outline]:
+        """The outlines of ``messages``."""
+        return outlines_of(self.messages(channels), head_bytes)
 
     def notices(self) -> Sequence[str]:
         """Whether the file is cut off or damaged, and how much of it was read."""
