@@ -257,6 +257,16 @@ def test_what_is_lost_of_a_cut_bag_is_said_beside_the_table(desk: Desk, tmp_path
     assert desk.bag("info", "bag", "--json").json["notices"] == [ran.err.removeprefix("note: ").rstrip("\n")]
 
 
+def test_a_cut_bag_of_which_no_message_is_left_says_why(desk: Desk, tmp_path: Path) -> None:
+    path = next(write_bag(tmp_path / "bag", MISSION).glob("*.db3"))
+    path.write_bytes(path.read_bytes()[: 8 * 4096])
+    why = "cut off at 11 % of its length: no message could be read"
+    assert (
+        desk.refuses("info", "bag")
+        == f"bag: error: the bag holds no message; {Path('bag', path.name)}: {why}"
+    )
+
+
 def test_bags_that_cannot_be_shown_are_refused_in_one_line(desk: Desk, tmp_path: Path) -> None:
     (tmp_path / "notes.db3").write_text("dear diary, today")
     (tmp_path / "notes.txt").write_text("dear diary, today")

@@ -31,7 +31,8 @@ def measure_bag(path: Path, report: Callable[[float], None]) -> BagSummary:
     """
     with open_recording(path) as recording:
         if not recording.message_count:
-            raise RecordingError("the bag holds no message", place=str(path))
+            lost = "; ".join(recording.notices())
+            raise RecordingError("the bag holds no message", place=str(path), remedy=lost or None)
         span = RecordingSpan(start_ns=recording.start_ns, end_ns=recording.end_ns)
         counters = {channel.topic: _TopicCounter() for channel in recording.channels}
         _count(recording, counters, report)
