@@ -92,21 +92,13 @@ class RosbagRecording:
         is_packed = _is_packed(first)
         delivered = 0
         try:
-            for channel, stamp_ns, stored_bytes, head in file.outlines(
-                channels, zstd_files.HEADER_BYTES if is_packed else 0
-            ):
-                size_bytes = zstd_files.unpacked_bytes(head) if is_packed else stored_bytes
-                if size_bytes is None:
-                    break
-                yield channel, stamp_ns, size_bytes
+            for size in _unpacked_sizes(file, channels) if is_packed else _stored_sizes(file, channels):
+                yield size
                 delivered += 1
-            else:
-                return
         except OutlineError:
-            pass
-        rest = islice(file.messages(channels), delivered, None)
-        for channel, stamp_ns, payload in self._unpacked(rest) if is_packed else rest:
-            yield channel, stamp_ns, len(payload)
+            rest = islice(file.messages(channels), delivered, None)
+            for channel, stamp_ns, payload in self._unpacked(rest) if is_packed else rest:
+                yield channel, stamp_ns, len(payload)
 
     def _channels_of(self, file: StoredFile) -> ChannelsByNumber:
         return {number: self._channels[key_of(channel)] for number, channel in file.channels.items()}
@@ -143,6 +135,19 @@ def _from_its_start(
     yield file.start_ns, None
     for entry in read(file):
         yield entry[1], entry
+
+
+def _stored_sizes(file: StoredFile, channels: ChannelsByNumber) -> Iterator[RecordedSize]:
+    return (outline[:3] for outline in file.outlines(channels, 0))
+
+
+def _unpacked_sizes(file: StoredFile, channels: ChannelsByNumber) -> Iterator[RecordedSize]:
+    """Raises ``OutlineError`` at a message whose beginning does not tell its size."""
+    for channel, stamp_ns, _, head in file.outlines(channels, zstd_files.HEADER_BYTES):
+        size_bytes = zstd_files.unpacked_bytes(head)
+        if size_bytes is None:
+            raise OutlineError("a packed message does not tell its size")
+        yield channel, stamp_ns, size_bytes
 
 
 def _is_packed(message: RecordedMessage) -> bool:

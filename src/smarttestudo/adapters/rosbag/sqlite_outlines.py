@@ -13,11 +13,11 @@ from urllib.parse import quote
 from smarttestudo.adapters.rosbag.stored_file import ChannelsByNumber, Outline, OutlineError
 
 # SQLite knows the length of a blob from the head of its row, and leaves the pages that hold the rest alone.
-_LENGTHS = "SELECT topic_id, timestamp, length(data), typeof(data), x'' FROM messages ORDER BY timestamp, id"
-_HEADS = (
-    "SELECT topic_id, timestamp, length(data), typeof(data), substr(data, 1, ?) "
-    "FROM messages ORDER BY timestamp, id"
-)
+_LENGTHS = """
+SELECT topic_id, timestamp, CASE typeof(data) WHEN 'blob' THEN length(data) END, x''
+FROM messages ORDER BY timestamp, id
+"""
+_HEADS = _LENGTHS.replace("x''", "substr(data, 1, ?)")
 
 
 def sqlite_outlines(path: Path, channels: ChannelsByNumber, head_bytes: int) -> Iterator[Outline]:
@@ -29,8 +29,8 @@ def sqlite_outlines(path: Path, channels: ChannelsByNumber, head_bytes: int) -> 
     try:
         with closing(sqlite3.connect(address, uri=True)) as database:
             rows = database.execute(_HEADS, (head_bytes,)) if head_bytes else database.execute(_LENGTHS)
-            for number, stamp_ns, size_bytes, kind, head in rows:
-                if kind != "blob" or not isinstance(stamp_ns, int):
+            for number, stamp_ns, size_bytes, head in rows:
+                if size_bytes is None or not isinstance(stamp_ns, int):
                     raise OutlineError("a row without stamp or payload")
                 if number in channels:
                     yield channels[number], stamp_ns, size_bytes, head
