@@ -100,7 +100,11 @@ def _read_channels(path: Path, qos: QosReader) -> dict[int, Channel]:
             database.execute("PRAGMA writable_schema=ON")
             database.row_factory = sqlite3.Row
             return dict(_channels(database, qos))
-    except sqlite3.Error as error:
+    except (
+        sqlite3.Error,
+        UnicodeError,
+        LookupError,
+    ) as error:  # the latter two where column names are damaged
         raise RecordingError("no rosbag2 topics can be found in it", place=str(path)) from error
 
 
