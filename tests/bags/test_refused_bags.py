@@ -97,6 +97,13 @@ def test_a_bag_that_needs_a_plugin(tmp_path: Path, entry: str, changed: str, ref
     assert refusal(folder) == f"unknown {refused} with `ros2 bag convert`"
 
 
+@pytest.mark.parametrize("damage", [(b"offered_qos", b"\x80ffered_qos"), (b"name TEXT", b"nmae TEXT")])
+def test_a_database_whose_column_names_are_damaged(tmp_path: Path, damage: tuple[bytes, bytes]) -> None:
+    path = write_bag(tmp_path / "bag", small_mission(0.2)) / "bag.db3"
+    path.write_bytes(path.read_bytes().replace(*damage))
+    assert refusal(path) == "no rosbag2 topics can be found in it"
+
+
 def test_a_folder_with_two_storages_and_no_metadata(tmp_path: Path) -> None:
     (tmp_path / "a.db3").write_bytes(b"x")
     (tmp_path / "a.mcap").write_bytes(b"x")

@@ -38,9 +38,16 @@ class Channel:
 RecordedMessage = tuple[Channel, int, bytes]
 """Channel, receive stamp in ns, serialized message."""
 
+RecordedSize = tuple[Channel, int, int]
+"""Channel, receive stamp in ns, bytes of the serialized message."""
+
 
 class RecordingReader(Protocol):
     """Reads a recording from its first message to its last."""
+
+    @property
+    def storage(self) -> Storage:
+        """The format of its files."""
 
     @property
     def channels(self) -> Sequence[Channel]:
@@ -69,8 +76,14 @@ class RecordingReader(Protocol):
     def messages(self) -> Iterator[RecordedMessage]:
         """All messages in time order; memory does not grow with their number."""
 
+    def sizes(self) -> Iterator[RecordedSize]:
+        """What ``messages`` gives, with each payload's size in its place and as far as possible unread.
+
+        Damage within a payload is not seen then: the message counts with the size that it was written with.
+        """
+
     def notices(self) -> Sequence[str]:
-        """What was lost or odd, one line each; complete once all messages were read."""
+        """What was lost or odd, one line each; complete once all messages or sizes were read."""
 
 
 class RecordingWriter(Protocol):

@@ -22,12 +22,13 @@ def change_percent(before: float | None, after: float | None) -> float | None:
 class TopicComparison:
     """One topic in both runs; ``None`` where a run does not have it.
 
-    ``target`` is what was planned for it in the second run.
+    ``after_topic`` is its name in the second run, ``target`` what was planned for it there.
     """
 
     topic: str
     before: TopicStatistics | None
     after: TopicStatistics | None
+    after_topic: str | None = None
     target: Target | None = None
 
     @property
@@ -78,26 +79,37 @@ def compare(
     before: Mapping[str, TopicStatistics],
     after: Mapping[str, TopicStatistics],
     targets: Mapping[str, Target | None] | None = None,
+    *,
+    mapping: Mapping[str, str] | None = None,
 ) -> Comparison:
     """Pair the topics of two runs, in the order of the first, then what only the second has.
 
-    With the first run's ``/odom`` pairs the second's ``/testudo/odom`` or ``/odom_receive``, else its
-    ``/odom``. ``targets`` go by the first run's topic names.
+    With the first run's ``/odom`` pairs what ``mapping`` names for it, else the second's ``/testudo/odom`` or
+    ``/odom_receive``, else its ``/odom``. ``targets`` go by the first run's topic names.
     """
-    targets = targets or {}
+    targets, mapping = targets or {}, mapping or {}
     pairs = []
     alone = dict(after)
+    mapped = {name: alone.pop(name) for name in mapping.values() if name in alone}
     for topic, statistics in before.items():
-        partner = next((name for name in _partners(topic) if name in alone), None)
+        if topic in mapping:
+            partner: str | None = mapping[topic]
+            other = mapped.get(mapping[topic])
+        else:
+            partner = next((name for name in _partners(topic) if name in alone), None)
+            other = alone.pop(partner) if partner else None
         pairs.append(
             TopicComparison(
                 topic=topic,
                 before=statistics,
-                after=alone.pop(partner) if partner else None,
+                after=other,
+                after_topic=None if other is None else partner,
                 target=targets.get(topic),
             )
         )
-    pairs += [TopicComparison(topic=topic, before=None, after=alone[topic]) for topic in alone]
+    pairs += [
+        TopicComparison(topic=topic, before=None, after=alone[topic], after_topic=topic) for topic in alone
+    ]
     return Comparison(topics=tuple(pairs))
 
 

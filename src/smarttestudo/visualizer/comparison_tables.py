@@ -13,12 +13,13 @@ from smarttestudo.visualizer.table import Align, Column, Number, Row, Table, Tex
 DECLARED = "declared"
 _TOPIC = Column(heading="Topic", align=Align.LEFT)
 _CHANGE = Column(heading="Change", unit="%")
-_FREQUENCY_NOTE = (
-    "Hz: mean count of the 1 s bins from first to last message. Target: planned rate, weighted by time. "
+_RATE_NOTE = "Hz: mean count of the 1 s bins from first to last message."
+_TARGET_NOTE = (
+    " Target: planned rate, weighted by time. "
     "Error: mean rate (n − 1) / (last − first) against the target, or the source where that is slower."
 )
-_BANDWIDTH_NOTE = "1 KB is 1000 bytes; 1 KB/s is 8 kbit/s."
-_DECLARED_NOTE = "declared: the size that the recording declares for its messages, not the one it holds."
+BANDWIDTH_NOTE = "1 KB is 1000 bytes; 1 KB/s is 8 kbit/s."
+DECLARED_NOTE = "declared: the size that the recording declares for its messages, not the one it holds."
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -30,8 +31,10 @@ class RunNames:
 
 
 def frequency_table(comparison: Comparison, names: RunNames | None = None) -> Table:
-    """Each topic's rate in both runs, its change, and how near it came to its target."""
+    """Each topic's rate in both runs, its change, and how near it came to its target if there is any."""
     names = names or RunNames()
+    has_targets = any(pair.target is not None for pair in comparison.topics)
+    target_columns = (Column(heading="Target", unit="Hz"), Column(heading="Error", unit="%"))
     return Table(
         title="Frequency",
         columns=(
@@ -39,11 +42,10 @@ def frequency_table(comparison: Comparison, names: RunNames | None = None) -> Ta
             Column(heading=names.before, unit="Hz"),
             Column(heading=names.after, unit="Hz"),
             _CHANGE,
-            Column(heading="Target", unit="Hz"),
-            Column(heading="Error", unit="%"),
+            *(target_columns if has_targets else ()),
         ),
-        rows=tuple(_frequency_row(pair) for pair in comparison.topics),
-        footnotes=(_FREQUENCY_NOTE,),
+        rows=tuple(_frequency_row(pair, has_targets=has_targets) for pair in comparison.topics),
+        footnotes=(_RATE_NOTE + _TARGET_NOTE if has_targets else _RATE_NOTE,),
     )
 
 
@@ -63,19 +65,22 @@ def bandwidth_table(comparison: Comparison, names: RunNames | None = None) -> Ta
         title="Bandwidth",
         columns=columns,
         rows=rows,
-        footnotes=(_BANDWIDTH_NOTE, _DECLARED_NOTE) if declared else (_BANDWIDTH_NOTE,),
+        footnotes=(BANDWIDTH_NOTE, DECLARED_NOTE) if declared else (BANDWIDTH_NOTE,),
     )
 
 
-def _frequency_row(pair: TopicComparison) -> Row:
+def _frequency_row(pair: TopicComparison, *, has_targets: bool) -> Row:
+    target = (
+        Number(None if pair.target is None else pair.target.planned_hz),
+        Number(pair.error_percent, signed=True),
+    )
     return Row(
         cells=(
             Text(pair.topic),
             _frequency(pair.before),
             _frequency(pair.after),
             Number(pair.change_percent, decimals=1, signed=True),
-            Number(None if pair.target is None else pair.target.planned_hz),
-            Number(pair.error_percent, signed=True),
+            *(target if has_targets else ()),
         )
     )
 

@@ -15,17 +15,23 @@ from rosbags.rosbag2 import Reader
 
 from smarttestudo.adapters.rosbag.definitions import normal_definition
 from smarttestudo.adapters.rosbag.qos import is_transient_local
-from smarttestudo.adapters.rosbag.stored_file import ChannelsByNumber, StoredFile
+from smarttestudo.adapters.rosbag.stored_file import ChannelsByNumber, Outline, StoredFile
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import Channel, RecordedMessage
 
+OutlineReader = Callable[[Path, ChannelsByNumber, int], Iterator[Outline]]
+
 
 class IntactFile:
-    """Reads with rosbags; where that fails half-way, ``recover`` reopens the file and reading goes on."""
+    """Reads with rosbags; where that fails half-way, ``recover`` reopens the file and reading goes on.
 
-    def __init__(self, path: Path, recover: Callable[[Path], StoredFile]) -> None:
+    ``outline`` reads the outlines of the messages in the file, as ``StoredFile.outlines`` does.
+    """
+
+    def __init__(self, path: Path, recover: Callable[[Path], StoredFile], outline: OutlineReader) -> None:
         self._path = path
         self._recover = recover
+        self._outline = outline
         self._notices: Sequence[str] = ()
         try:
             self._reader = Reader(path)
@@ -52,6 +58,10 @@ class IntactFile:
             with closing(self._recover(self._path)) as recovered:
                 yield from islice(recovered.messages(channels), delivered, None)
                 self._notices = recovered.notices() or [f"damaged: {error}"]
+
+    def outlines(self, channels: ChannelsByNumber, head_bytes: int) -> Iterator[Outline]:
+        """The outlines of ``messages``, without reading payloads."""
+        return self._outline(self._path, channels, head_bytes)
 
     def notices(self) -> Sequence[str]:
         """What was lost, once all messages were read."""

@@ -21,6 +21,7 @@ from mcap.records import Channel, Chunk, McapRecord, Message, Schema
 
 MAGIC = b"\x89MCAP0\r\n"
 _FRAME = struct.Struct("<BQ")
+_MESSAGE_HEADER = struct.Struct("<HIQQ")
 _CHUNK_FIXED_BYTES = 40
 _CONTENT = frozenset({Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE, Opcode.CHUNK})
 BROKEN = (
@@ -44,6 +45,16 @@ class RecordPlace:
     opcode: int
     offset: int
     size_bytes: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MessageHeader:
+    """A message without its payload, of which ``head`` are the first bytes."""
+
+    channel_id: int
+    log_time: int
+    payload_bytes: int
+    head: bytes
 
 
 class RecordReader:
@@ -88,7 +99,7 @@ class RecordReader:
                 yield record
             return
         try:
-            records = _chunk_content(content, is_whole=len(content) == place.size_bytes)
+            records = chunk_content(content, is_whole=len(content) == place.size_bytes)
         except BROKEN:
             self.damaged_chunks += 1
             return
@@ -96,15 +107,33 @@ class RecordReader:
 
     def at(self, offset: int) -> Iterator[McapRecord]:
         """What ``read`` gave for the record whose content starts at ``offset``."""
+        return self.read(self._place_at(offset))
+
+    def header(self, place: RecordPlace, head_bytes: int = 0) -> MessageHeader | None:
+        """The message at ``place`` without its payload; ``None`` if it is another record, or not whole."""
+        payload_bytes = place.size_bytes - _MESSAGE_HEADER.size
+        is_whole = place.offset + place.size_bytes <= self.file_bytes
+        if place.opcode != Opcode.MESSAGE or payload_bytes < 0 or not is_whole:
+            return None
+        content = self._read_at(place.offset, _MESSAGE_HEADER.size + min(head_bytes, payload_bytes))
+        channel_id, _, log_time, _ = _MESSAGE_HEADER.unpack_from(content)
+        head = content[_MESSAGE_HEADER.size :]
+        return MessageHeader(channel_id=channel_id, log_time=log_time, payload_bytes=payload_bytes, head=head)
+
+    def header_at(self, offset: int, head_bytes: int) -> MessageHeader | None:
+        """What ``header`` gives for the record whose content starts at ``offset``."""
+        return self.header(self._place_at(offset), head_bytes)
+
+    def _place_at(self, offset: int) -> RecordPlace:
         opcode, size_bytes = _FRAME.unpack(self._read_at(offset - _FRAME.size, _FRAME.size))
-        return self.read(RecordPlace(opcode=opcode, offset=offset, size_bytes=size_bytes))
+        return RecordPlace(opcode=opcode, offset=offset, size_bytes=size_bytes)
 
     def _read_at(self, offset: int, size: int) -> bytes:
         self._file.seek(offset)
         return self._file.read(size)
 
 
-def _chunk_content(chunk: bytes, *, is_whole: bool) -> bytes:
+def chunk_content(chunk: bytes, *, is_whole: bool) -> bytes:
     """The records in ``chunk``, decompressed as far as it goes."""
     name_bytes = int.from_bytes(chunk[28:32], "little")
     if len(chunk) < _CHUNK_FIXED_BYTES + name_bytes:

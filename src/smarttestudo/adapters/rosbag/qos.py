@@ -5,9 +5,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from enum import Enum
 from typing import Any
 
-from rosbags.interfaces import Qos, QosDurability
+from rosbags.interfaces import Qos, QosDurability, QosHistory
 from rosbags.rosbag2.errors import ReaderError
 from rosbags.rosbag2.metadata import parse_qos
 
@@ -56,3 +57,20 @@ def is_transient_local(profiles: Iterable[object]) -> bool:
         isinstance(profile, Qos) and profile.durability is QosDurability.TRANSIENT_LOCAL
         for profile in profiles
     )
+
+
+def qos_in_words(profiles: Iterable[object]) -> str:
+    """The offered ``profiles`` as in ``reliable, volatile, keep last 10``, each kind once."""
+    words = (_in_words(profile) for profile in profiles if isinstance(profile, Qos))
+    return " or ".join(dict.fromkeys(words))
+
+
+def _in_words(profile: Qos) -> str:
+    history = _word(profile.history)
+    if profile.history is QosHistory.KEEP_LAST and profile.depth:
+        history += f" {profile.depth}"
+    return f"{_word(profile.reliability)}, {_word(profile.durability)}, {history}"
+
+
+def _word(policy: Enum) -> str:
+    return policy.name.lower().replace("_", " ")

@@ -6,19 +6,22 @@ from __future__ import annotations
 
 import heapq
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import chain
+from itertools import chain, islice
 from operator import itemgetter
 from pathlib import Path
+from typing import TypeVar
 
 from smarttestudo.adapters.rosbag import zstd_files
 from smarttestudo.adapters.rosbag.channels import key_of, merged_channels
 from smarttestudo.adapters.rosbag.custom_data import declared_bytes_in
 from smarttestudo.adapters.rosbag.metadata import BagMetadata
-from smarttestudo.adapters.rosbag.stored_file import StoredFile
+from smarttestudo.adapters.rosbag.stored_file import ChannelsByNumber, OutlineError, StoredFile
 from smarttestudo.domain.errors import RecordingError
-from smarttestudo.domain.recording import Channel, RecordedMessage
+from smarttestudo.domain.recording import Channel, RecordedMessage, RecordedSize, Storage
+
+_T = TypeVar("_T")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -37,6 +40,7 @@ class RosbagRecording:
         self._parts = parts
         self._notices = list(notices)
         self._broken: Counter[str] = Counter()
+        self.storage = Storage.MCAP if parts[0].storage_path.suffix == ".mcap" else Storage.SQLITE3
         announced = (channel for part in parts for channel in part.file.channels.values())
         self._channels = merged_channels(chain(metadata.channels, announced))
         self.channels: Sequence[Channel] = tuple(self._channels.values())
@@ -49,8 +53,11 @@ class RosbagRecording:
 
     def messages(self) -> Iterator[RecordedMessage]:
         """All messages in time order; memory does not grow with their number."""
-        filled = [part.file for part in self._parts if part.file.message_count]
-        return self._messages_of(filled[0]) if len(filled) == 1 else self._merged(filled)
+        return self._in_time_order(self._messages_of)
+
+    def sizes(self) -> Iterator[RecordedSize]:
+        """What ``messages`` gives, with each payload's size in its place and as far as possible unread."""
+        return self._in_time_order(self._sizes_of)
 
     def notices(self) -> Sequence[str]:
         """What was lost or odd, one line each; complete once all messages were read."""
@@ -61,25 +68,40 @@ class RosbagRecording:
         ]
         return [*self._notices, *lost, *broken]
 
-    def _merged(self, files: Sequence[StoredFile]) -> Iterator[RecordedMessage]:
-        for channel, stamp_ns, payload in heapq.merge(*map(self._from_its_start, files), key=itemgetter(1)):
-            if channel is not None:
-                yield channel, stamp_ns, payload
-
-    def _from_its_start(self, file: StoredFile) -> Iterator[tuple[Channel | None, int, bytes]]:
-        # The merge takes the first item of all files at once; this one keeps a file unread until it is due.
-        yield None, file.start_ns, b""
-        yield from self._messages_of(file)
+    def _in_time_order(
+        self, read: Callable[[StoredFile], Iterator[tuple[Channel, int, _T]]]
+    ) -> Iterator[tuple[Channel, int, _T]]:
+        """What ``read`` gives of all files, merged."""
+        filled = [part.file for part in self._parts if part.file.message_count]
+        return read(filled[0]) if len(filled) == 1 else _merged(filled, read)
 
     def _messages_of(self, file: StoredFile) -> Iterator[RecordedMessage]:
         """The messages of ``file``, unpacked if the first is packed: rosbag2 packs all of a file or none."""
-        channels = {number: self._channels[key_of(channel)] for number, channel in file.channels.items()}
-        messages = file.messages(channels)
+        messages = file.messages(self._channels_of(file))
         first = next(messages, None)
         if first is None:
             return messages
         stored = chain((first,), messages)
-        return self._unpacked(stored) if first[2].startswith(zstd_files.MAGIC) else stored
+        return self._unpacked(stored) if _is_packed(first) else stored
+
+    def _sizes_of(self, file: StoredFile) -> Iterator[RecordedSize]:
+        channels = self._channels_of(file)
+        first = next(file.messages(channels), None)
+        if first is None:
+            return
+        is_packed = _is_packed(first)
+        delivered = 0
+        try:
+            for size in _unpacked_sizes(file, channels) if is_packed else _stored_sizes(file, channels):
+                yield size
+                delivered += 1
+        except OutlineError:
+            rest = islice(file.messages(channels), delivered, None)
+            for channel, stamp_ns, payload in self._unpacked(rest) if is_packed else rest:
+                yield channel, stamp_ns, len(payload)
+
+    def _channels_of(self, file: StoredFile) -> ChannelsByNumber:
+        return {number: self._channels[key_of(channel)] for number, channel in file.channels.items()}
 
     def _unpacked(self, messages: Iterator[RecordedMessage]) -> Iterator[RecordedMessage]:
         for channel, stamp_ns, packed in messages:
@@ -95,3 +117,38 @@ class RosbagRecording:
         except RecordingError as error:
             self._notices.append(f"{error.cause}; the sizes in the bag are used")
             return {}
+
+
+def _merged(
+    files: Sequence[StoredFile], read: Callable[[StoredFile], Iterator[tuple[Channel, int, _T]]]
+) -> Iterator[tuple[Channel, int, _T]]:
+    starts = (_from_its_start(file, read) for file in files)
+    for _, entry in heapq.merge(*starts, key=itemgetter(0)):
+        if entry is not None:
+            yield entry
+
+
+def _from_its_start(
+    file: StoredFile, read: Callable[[StoredFile], Iterator[tuple[Channel, int, _T]]]
+) -> Iterator[tuple[int, tuple[Channel, int, _T] | None]]:
+    # The merge takes the first item of all files at once; this one keeps a file unread until it is due.
+    yield file.start_ns, None
+    for entry in read(file):
+        yield entry[1], entry
+
+
+def _stored_sizes(file: StoredFile, channels: ChannelsByNumber) -> Iterator[RecordedSize]:
+    return (outline[:3] for outline in file.outlines(channels, 0))
+
+
+def _unpacked_sizes(file: StoredFile, channels: ChannelsByNumber) -> Iterator[RecordedSize]:
+    """Raises ``OutlineError`` at a message whose beginning does not tell its size."""
+    for channel, stamp_ns, _, head in file.outlines(channels, zstd_files.HEADER_BYTES):
+        size_bytes = zstd_files.unpacked_bytes(head)
+        if size_bytes is None:
+            raise OutlineError("a packed message does not tell its size")
+        yield channel, stamp_ns, size_bytes
+
+
+def _is_packed(message: RecordedMessage) -> bool:
+    return message[2].startswith(zstd_files.MAGIC)

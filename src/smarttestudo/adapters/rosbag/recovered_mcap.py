@@ -6,23 +6,30 @@ from __future__ import annotations
 
 import heapq
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing
+from functools import partial
 from pathlib import Path
+from typing import TypeVar
 
 from mcap.records import Channel as ChannelRecord
 from mcap.records import McapRecord, Message, Schema
 
 from smarttestudo.adapters.rosbag.definitions import normal_definition
-from smarttestudo.adapters.rosbag.mcap_records import RecordReader
+from smarttestudo.adapters.rosbag.mcap_records import MessageHeader, RecordReader
 from smarttestudo.adapters.rosbag.qos import QosReader, is_transient_local
-from smarttestudo.adapters.rosbag.stored_file import ChannelsByNumber, read_so_far
+from smarttestudo.adapters.rosbag.stored_file import ChannelsByNumber, Outline, read_so_far
 from smarttestudo.adapters.rosbag.time_index import TimeIndex
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import Channel, RecordedMessage
 
 _IDL_ENCODINGS = frozenset({"ros2idl", "omgidl"})
 _DEFINED_ENCODINGS = frozenset({"ros2msg"}) | _IDL_ENCODINGS
+_T = TypeVar("_T")
+_Found = tuple[int, int, _T]
+"""Number of the channel, stamp in ns, content."""
+_Ordered = tuple[int, int, int, _T]
+"""Stamp in ns, place among the messages found, number of the channel, content."""
 
 
 class RecoveredMcapFile:
@@ -45,19 +52,14 @@ class RecoveredMcapFile:
 
     def messages(self, channels: ChannelsByNumber) -> Iterator[RecordedMessage]:
         """Every message that is whole, in time order, each with its one of ``channels``."""
-        pending: list[tuple[int, int, int, bytes]] = []
-        order = 0
-        for start_ns, offset in self._index.places():
-            while pending and pending[0][0] < start_ns:
-                stamp_ns, _, number, payload = heapq.heappop(pending)
-                yield channels[number], stamp_ns, payload
-            for record in self._records.at(offset):
-                if isinstance(record, Message) and record.channel_id in self.channels:
-                    heapq.heappush(pending, (record.log_time, order, record.channel_id, record.data))
-                    order += 1
-        while pending:
-            stamp_ns, _, number, payload = heapq.heappop(pending)
+        for stamp_ns, _, number, payload in self._in_time_order(self._payloads_at):
             yield channels[number], stamp_ns, payload
+
+    def outlines(self, channels: ChannelsByNumber, head_bytes: int) -> Iterator[Outline]:
+        """The outlines of ``messages``; chunks are unpacked, messages outside of them are not read."""
+        read = partial(self._heads_at, head_bytes=head_bytes)
+        for stamp_ns, _, number, (size_bytes, head) in self._in_time_order(read):
+            yield channels[number], stamp_ns, size_bytes, head
 
     def notices(self) -> Sequence[str]:
         """Whether the file is cut off or damaged, and how much of it was read."""
@@ -75,9 +77,38 @@ class RecoveredMcapFile:
         """Let go of the file."""
         self._resources.close()
 
+    def _in_time_order(self, read: Callable[[int], Iterator[_Found[_T]]]) -> Iterator[_Ordered[_T]]:
+        """What ``read`` finds at each place of the index."""
+        pending: list[_Ordered[_T]] = []
+        order = 0
+        for start_ns, offset in self._index.places():
+            while pending and pending[0][0] < start_ns:
+                yield heapq.heappop(pending)
+            for number, stamp_ns, content in read(offset):
+                if number in self.channels:
+                    heapq.heappush(pending, (stamp_ns, order, number, content))
+                    order += 1
+        while pending:
+            yield heapq.heappop(pending)
+
+    def _payloads_at(self, offset: int) -> Iterator[_Found[bytes]]:
+        for record in self._records.at(offset):
+            if isinstance(record, Message):
+                yield record.channel_id, record.log_time, record.data
+
+    def _heads_at(self, offset: int, *, head_bytes: int) -> Iterator[_Found[tuple[int, bytes]]]:
+        header = self._records.header_at(offset, head_bytes)
+        if header is not None:
+            yield header.channel_id, header.log_time, (header.payload_bytes, header.head)
+            return
+        for number, stamp_ns, payload in self._payloads_at(offset):
+            yield number, stamp_ns, (len(payload), payload[:head_bytes])
+
     def _find_messages(self) -> None:
         for place in self._records.places():
-            stamps = [stamp_ns for record in self._records.read(place) for stamp_ns in self._note(record)]
+            header = self._records.header(place)
+            records = self._records.read(place) if header is None else (header,)
+            stamps = [stamp_ns for record in records for stamp_ns in self._note(record)]
             if not stamps:
                 continue
             first_ns, last_ns = min(stamps), max(stamps)
@@ -85,7 +116,7 @@ class RecoveredMcapFile:
             self.end_ns = max(self.end_ns, last_ns)
             self._index.add(key=place.offset, stamp_ns=first_ns, offset=place.offset)
 
-    def _note(self, record: McapRecord) -> Iterator[int]:
+    def _note(self, record: McapRecord | MessageHeader) -> Iterator[int]:
         """Take in ``record``; gives its stamp if it is a message."""
         match record:
             case Schema():
@@ -94,7 +125,7 @@ class RecoveredMcapFile:
                 schema = self._schemas.get(record.schema_id)
                 if schema is not None:
                     self.channels[record.id] = self._channel(record, schema)
-            case Message():
+            case Message() | MessageHeader():
                 self._counts[record.channel_id] += 1
                 yield record.log_time
 

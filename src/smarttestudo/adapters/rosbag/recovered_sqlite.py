@@ -13,7 +13,7 @@ from urllib.parse import quote
 from smarttestudo.adapters.rosbag.definitions import normal_definition
 from smarttestudo.adapters.rosbag.qos import QosReader, is_transient_local
 from smarttestudo.adapters.rosbag.sqlite_pages import DamagedRowError, Row, SqlitePages
-from smarttestudo.adapters.rosbag.stored_file import ChannelsByNumber, read_so_far
+from smarttestudo.adapters.rosbag.stored_file import ChannelsByNumber, Outline, outlines_of, read_so_far
 from smarttestudo.adapters.rosbag.time_index import TimeIndex
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import Channel, RecordedMessage
@@ -44,6 +44,10 @@ class RecoveredSqliteFile:
             if message is not None:
                 number, stamp_ns, payload = message
                 yield channels[number], stamp_ns, payload
+
+    def outlines(self, channels: ChannelsByNumber, head_bytes: int) -> Iterator[Outline]:
+        """The outlines of ``messages``."""
+        return outlines_of(self.messages(channels), head_bytes)
 
     def notices(self) -> Sequence[str]:
         """Whether the file is cut off or damaged, and how much of it was read."""
@@ -96,7 +100,11 @@ def _read_channels(path: Path, qos: QosReader) -> dict[int, Channel]:
             database.execute("PRAGMA writable_schema=ON")
             database.row_factory = sqlite3.Row
             return dict(_channels(database, qos))
-    except sqlite3.Error as error:
+    except (
+        sqlite3.Error,
+        UnicodeError,
+        LookupError,
+    ) as error:  # the latter two where column names are damaged
         raise RecordingError("no rosbag2 topics can be found in it", place=str(path)) from error
 
 

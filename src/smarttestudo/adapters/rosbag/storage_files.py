@@ -9,9 +9,11 @@ from pathlib import Path
 from mcap.reader import make_reader
 
 from smarttestudo.adapters.rosbag.intact_file import IntactFile
+from smarttestudo.adapters.rosbag.mcap_outlines import mcap_outlines
 from smarttestudo.adapters.rosbag.mcap_records import BROKEN
 from smarttestudo.adapters.rosbag.recovered_mcap import RecoveredMcapFile
 from smarttestudo.adapters.rosbag.recovered_sqlite import RecoveredSqliteFile
+from smarttestudo.adapters.rosbag.sqlite_outlines import sqlite_outlines
 from smarttestudo.adapters.rosbag.stored_file import StoredFile
 from smarttestudo.domain.errors import RecordingError
 
@@ -29,7 +31,8 @@ def open_storage_file(path: Path) -> StoredFile:
     if path.suffix == ".db3" and _MEANS_SOMETHING_IN_AN_ADDRESS & set(str(path)):
         return RecoveredSqliteFile(path)
     try:
-        return IntactFile(path, recover=_recover)
+        outline = mcap_outlines if path.suffix == ".mcap" else sqlite_outlines
+        return IntactFile(path, recover=_recover, outline=outline)
     except RecordingError:
         return _recover(path)
 

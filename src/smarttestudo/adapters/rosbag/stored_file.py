@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Protocol
 
 from smarttestudo.domain.recording import Channel, RecordedMessage
@@ -12,6 +12,13 @@ from smarttestudo.domain.units import NS_PER_S
 
 ChannelsByNumber = Mapping[int, Channel]
 """Channels by the number that a file gives each."""
+
+Outline = tuple[Channel, int, int, bytes]
+"""A message without its payload: channel, stamp in ns, stored bytes, and the first of them if asked for."""
+
+
+class OutlineError(Exception):
+    """The rest of a file must be read in full."""
 
 
 class StoredFile(Protocol):
@@ -36,6 +43,12 @@ class StoredFile(Protocol):
     def messages(self, channels: ChannelsByNumber) -> Iterator[RecordedMessage]:
         """All messages in time order, with their payloads as stored, each with its one of ``channels``."""
 
+    def outlines(self, channels: ChannelsByNumber, head_bytes: int) -> Iterator[Outline]:
+        """What ``messages`` gives, in the same order, each with the first ``head_bytes`` of its payload.
+
+        Raises ``OutlineError`` where only ``messages`` can go on.
+        """
+
     def notices(self) -> Sequence[str]:
         """What was lost, one line each."""
 
@@ -49,3 +62,9 @@ def read_so_far(file: StoredFile) -> str:
         return "no message could be read"
     span_s = (file.end_ns - file.start_ns) / NS_PER_S
     return f"{file.message_count} messages over {span_s:.1f} s could be read"
+
+
+def outlines_of(messages: Iterable[RecordedMessage], head_bytes: int) -> Iterator[Outline]:
+    """The outlines of ``messages`` that were read in full."""
+    for channel, stamp_ns, payload in messages:
+        yield channel, stamp_ns, len(payload), payload[:head_bytes]

@@ -12,6 +12,8 @@ import zstandard
 
 MAGIC = b"\x28\xb5\x2f\xfd"
 SUFFIX = ".zstd"
+HEADER_BYTES = 18
+"""The longest header of a frame (RFC 8878, 3.1.1)."""
 _READ_BYTES = 1 << 20
 
 
@@ -29,6 +31,15 @@ def unpack_message(packed: bytes) -> bytes | None:
     except (zstandard.ZstdError, MemoryError):
         return None
     return payload if frame.eof else None
+
+
+def unpacked_bytes(head: bytes) -> int | None:
+    """The size of the payload whose packed form begins with ``head``, ``None`` where that does not say it."""
+    try:
+        size_bytes = zstandard.frame_content_size(head)
+    except zstandard.ZstdError:
+        return None
+    return size_bytes if size_bytes >= 0 else None
 
 
 def _copy(packed: BinaryIO, unpacked: BinaryIO) -> bool:

@@ -4,8 +4,7 @@
 
 from __future__ import annotations
 
-import math
-
+from smarttestudo.domain.intervals import Intervals
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
 
 
@@ -18,9 +17,8 @@ class TopicMeasure:
     __slots__ = (
         "_bytes",
         "_first_ns",
+        "_intervals",
         "_last_ns",
-        "_mean_ns",
-        "_squares_ns2",
         "is_declared",
         "largest_bytes",
         "messages",
@@ -35,8 +33,7 @@ class TopicMeasure:
         self._bytes = 0
         self._first_ns = 0
         self._last_ns = 0
-        self._mean_ns = 0.0
-        self._squares_ns2 = 0.0
+        self._intervals = Intervals()
 
     def record(self, stamp_ns: int, size_bytes: int) -> None:
         """Count a message."""
@@ -45,15 +42,8 @@ class TopicMeasure:
         self.largest_bytes = max(self.largest_bytes, size_bytes)
         if self.messages == 1:
             self._first_ns = stamp_ns
-        else:
-            self._record_interval(stamp_ns - self._last_ns)
         self._last_ns = stamp_ns
-
-    def _record_interval(self, interval_ns: int) -> None:
-        """B. P. Welford, "Note on a method for calculating corrected sums of squares", Technometrics 1962."""
-        distance = interval_ns - self._mean_ns
-        self._mean_ns += distance / (self.messages - 1)
-        self._squares_ns2 += distance * (interval_ns - self._mean_ns)
+        self._intervals.record(stamp_ns)
 
     @property
     def message_kb(self) -> float | None:
@@ -79,5 +69,4 @@ class TopicMeasure:
     @property
     def jitter_s(self) -> float | None:
         """The standard deviation of the intervals in seconds; ``None`` below two intervals."""
-        intervals = self.messages - 1
-        return math.sqrt(self._squares_ns2 / intervals) / NS_PER_S if intervals > 1 else None
+        return self._intervals.jitter_s

@@ -1,0 +1,176 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""``testudo bag``: what is in recordings, how fast and how much, and one against another."""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import json
+import sys
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from smarttestudo.cli.progress import progress
+from smarttestudo.cli.tables import print_table
+from smarttestudo.domain.errors import UsageError
+from smarttestudo.visualizer import bag_tables, comparison_tables
+from smarttestudo.visualizer.bag_comparison import BagComparison, compare_bags
+from smarttestudo.visualizer.table import Table
+from smarttestudo.visualizer.topic_selection import select_topics
+
+if TYPE_CHECKING:
+    from smarttestudo.visualizer.bag_summary import BagSummary
+
+_TABLES: Mapping[str, tuple[str, Callable[[BagSummary], Table]]] = {
+    "info": ("when it was recorded, its topics with type, size and QoS", bag_tables.info_table),
+    "rates": ("how fast and how evenly each topic came", bag_tables.rates_table),
+    "bandwidth": ("how much each topic carried, and the sum", bag_tables.bandwidth_table),
+}
+
+
+def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add ``bag`` to the subcommands."""
+    parser = commands.add_parser(
+        "bag",
+        help="show what recordings hold: rates, bandwidth, one against another",
+        description="Show what recordings hold. Payloads are not read, so that a large bag takes seconds.",
+    )
+    actions = parser.add_subparsers(title="actions", metavar="ACTION", required=True)
+    for name, (purpose, table) in _TABLES.items():
+        action = actions.add_parser(name, help=purpose, description=f"Show {purpose}.")
+        action.add_argument(
+            "bags", metavar="BAG", nargs="+", type=Path, help="a rosbag2 folder, a .db3 or an .mcap file"
+        )
+        _add_options(action)
+        action.set_defaults(run=_run_summary, table=table)
+    _add_compare(actions)
+
+
+def _add_compare(actions: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    purpose = "the rates and the bandwidth of two recordings, and how much they differ"
+    action = actions.add_parser(
+        "compare",
+        help=purpose,
+        description=f"Show {purpose}. With A's /odom pairs B's /testudo/odom or /odom_receive, "
+        "else its /odom.",
+    )
+    action.add_argument("a", metavar="A", type=Path, help="the recording that changes are counted from")
+    action.add_argument("b", metavar="B", type=Path, help="the recording beside it")
+    action.add_argument(
+        "--map",
+        metavar="/a=/b",
+        action="append",
+        default=[],
+        type=_topic_pair,
+        help="pair A's /a with B's /b; may be given several times",
+    )
+    _add_options(action)
+    action.set_defaults(run=_run_compare)
+
+
+def _add_options(action: argparse.ArgumentParser) -> None:
+    action.add_argument(
+        "--topics",
+        metavar="NAME",
+        nargs="+",
+        action="extend",
+        default=[],
+        help="only these topics, by name or pattern ('/camera/*')",
+    )
+    form = action.add_mutually_exclusive_group()
+    form.add_argument("--json", action="store_true", help="print one JSON object instead of tables")
+    form.add_argument("--csv", action="store_true", help="print comma-separated values instead of tables")
+
+
+def _topic_pair(text: str) -> tuple[str, str]:
+    a, separator, b = text.partition("=")
+    if not (a and separator and b):
+        raise argparse.ArgumentTypeError(f"two topics are paired as in /a=/b, not {text!r}")
+    return a, b
+
+
+def _run_summary(arguments: argparse.Namespace) -> int:
+    summaries = [_measure(path) for path in arguments.bags]
+    if arguments.topics:
+        known = {topic.name for summary in summaries for topic in summary.topics}
+        place = ", ".join(summary.name for summary in summaries)
+        chosen = select_topics(arguments.topics, known, place=place)
+        summaries = [summary.only(chosen) for summary in summaries]
+    if arguments.json:
+        objects = [summary.to_json() for summary in summaries]
+        _print_json(objects[0] if len(objects) == 1 else {"bags": objects})
+    elif arguments.csv:
+        _print_csv(row for summary in summaries for row in summary.rows())
+    else:
+        _print_tables([arguments.table(summary) for summary in summaries])
+    _print_notices(summaries)
+    return 0
+
+
+def _run_compare(arguments: argparse.Namespace) -> int:
+    mapping = _mapping(arguments.map)
+    a, b = _measure(arguments.a), _measure(arguments.b)
+    select_topics(tuple(mapping), a.statistics, place=a.name)
+    select_topics(tuple(mapping.values()), b.statistics, place=b.name)
+    compared = compare_bags(a, b, mapping)
+    if arguments.topics:
+        place = f"{a.name}, {b.name}"
+        compared = compared.only(select_topics(arguments.topics, compared.names, place=place))
+    if arguments.json:
+        _print_json(compared.to_json())
+    elif arguments.csv:
+        _print_csv(compared.rows())
+    else:
+        print(f"A: {a.name}\nB: {b.name}\n")  # noqa: T201
+        _print_tables(_compare_tables(compared))
+    _print_notices((a, b))
+    return 0
+
+
+def _mapping(pairs: Sequence[tuple[str, str]]) -> dict[str, str]:
+    mapping = dict(pairs)
+    if len(mapping) < len(pairs) or len(set(mapping.values())) < len(mapping):
+        raise UsageError("a topic is paired twice", place="--map", remedy="give each topic once")
+    return mapping
+
+
+def _compare_tables(compared: BagComparison) -> list[Table]:
+    names = comparison_tables.RunNames(before="A", after="B")
+    tables = (comparison_tables.frequency_table, comparison_tables.bandwidth_table)
+    return [build(compared.comparison, names) for build in tables]
+
+
+def _measure(path: Path) -> BagSummary:
+    from smarttestudo.composition.bag_measure import measure_bag  # noqa: PLC0415  needs packages a robot lacks
+
+    with progress(f"Reading {path}") as report:
+        return measure_bag(path, report)
+
+
+def _print_tables(tables: Iterable[Table]) -> None:
+    for number, table in enumerate(tables):
+        if number:
+            print()  # noqa: T201
+        print_table(table)
+
+
+def _print_json(value: object) -> None:
+    print(json.dumps(value, allow_nan=False))  # noqa: T201
+
+
+def _print_csv(rows: Iterable[Mapping[str, object]]) -> None:
+    writer: csv.DictWriter[str] | None = None
+    for row in rows:
+        if writer is None:
+            writer = csv.DictWriter(sys.stdout, fieldnames=list(row), lineterminator="\n")
+            writer.writeheader()
+        writer.writerow(row)
+
+
+def _print_notices(summaries: Iterable[BagSummary]) -> None:
+    sys.stdout.flush()
+    for summary in summaries:
+        for notice in summary.notices:
+            print(f"note: {notice}", file=sys.stderr)  # noqa: T201

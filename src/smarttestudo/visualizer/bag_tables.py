@@ -1,0 +1,144 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a recording holds, how fast and how much, as tables."""
+
+from __future__ import annotations
+
+from smarttestudo.domain.units import BYTES_PER_KB
+from smarttestudo.visualizer.bag_summary import BagSummary, BagTopic, utc_time
+from smarttestudo.visualizer.comparison_tables import BANDWIDTH_NOTE, DECLARED, DECLARED_NOTE
+from smarttestudo.visualizer.table import Align, Cell, Column, Number, Row, Table, Text
+
+_MS_PER_S = 1000
+_TOPIC = Column(heading="Topic", align=Align.LEFT)
+_SIZES = Column(heading="Sizes", align=Align.LEFT)
+_RATES_NOTE = (
+    "Mean: (n − 1) / (last − first). Binned: mean count of the 1 s bins from first to last message. "
+    "Longest gap: between two messages. Jitter: standard deviation of the intervals."
+)
+
+
+def info_table(bag: BagSummary) -> Table:
+    """When and how the bag was recorded, and each topic with its type and quality of service."""
+    rows = tuple(
+        Row(
+            cells=(
+                Text(topic.name),
+                Text(topic.type_name),
+                Number(topic.statistics.messages, decimals=0),
+                Number(_message_kb(topic)),
+                *_sizes(topic, bag),
+                Text(topic.qos),
+            )
+        )
+        for topic in bag.topics
+    )
+    span = bag.span
+    return Table(
+        title=f"{bag.name}: {bag.storage.value}, {span.duration_s:,.3f} s, {bag.total.messages:,} messages\n"
+        f"from {utc_time(span.start_ns)} to {utc_time(span.end_ns)}",
+        columns=(
+            _TOPIC,
+            Column(heading="Type", align=Align.LEFT),
+            Column(heading="Messages"),
+            Column(heading="Mean size", unit="KB"),
+            *_sizes_column(bag),
+            Column(heading="QoS", align=Align.LEFT),
+        ),
+        rows=rows,
+        footnotes=_notes(bag),
+    )
+
+
+def rates_table(bag: BagSummary) -> Table:
+    """How fast and how evenly each topic came."""
+    return Table(
+        title=f"{bag.name}: rates",
+        columns=(
+            _TOPIC,
+            Column(heading="Messages"),
+            Column(heading="Mean", unit="Hz"),
+            Column(heading="Binned", unit="Hz"),
+            Column(heading="Longest gap", unit="s"),
+            Column(heading="Jitter", unit="ms"),
+        ),
+        rows=tuple(
+            Row(
+                cells=(
+                    Text(topic.name),
+                    Number(topic.statistics.messages, decimals=0),
+                    Number(topic.statistics.mean_hz),
+                    Number(topic.statistics.binned_hz),
+                    Number(topic.longest_gap_s, decimals=3),
+                    Number(None if topic.jitter_s is None else topic.jitter_s * _MS_PER_S),
+                )
+            )
+            for topic in bag.topics
+        ),
+        footnotes=(_RATES_NOTE,),
+    )
+
+
+def bandwidth_table(bag: BagSummary) -> Table:
+    """How much each topic carried, and the sum; declared sizes are labelled."""
+    total = bag.total
+    sum_row = Row(
+        cells=(
+            Text("All topics"),
+            Number(total.size_bytes / BYTES_PER_KB),
+            Number(total.kb_per_s),
+            Number(total.kbit_per_s),
+            *((Text(_total_label(bag)),) if _has_declared(bag) else ()),
+        ),
+        is_total=True,
+    )
+    rows = tuple(
+        Row(
+            cells=(
+                Text(topic.name),
+                Number(topic.statistics.size_bytes / BYTES_PER_KB),
+                Number(topic.statistics.kb_per_s),
+                Number(topic.statistics.kbit_per_s),
+                *_sizes(topic, bag),
+            )
+        )
+        for topic in bag.topics
+    )
+    return Table(
+        title=f"{bag.name}: bandwidth",
+        columns=(
+            _TOPIC,
+            Column(heading="Volume", unit="KB"),
+            Column(heading="Mean", unit="KB/s"),
+            Column(heading="Mean", unit="kbit/s"),
+            *_sizes_column(bag),
+        ),
+        rows=(*rows, sum_row),
+        footnotes=(BANDWIDTH_NOTE, *_notes(bag)),
+    )
+
+
+def _message_kb(topic: BagTopic) -> float | None:
+    statistics = topic.statistics
+    return statistics.size_bytes / statistics.messages / BYTES_PER_KB if statistics.messages else None
+
+
+def _has_declared(bag: BagSummary) -> bool:
+    return any(topic.statistics.declared for topic in bag.topics)
+
+
+def _total_label(bag: BagSummary) -> str:
+    return DECLARED if all(topic.statistics.declared for topic in bag.topics) else "mixed"
+
+
+def _sizes_column(bag: BagSummary) -> tuple[Column, ...]:
+    return (_SIZES,) if _has_declared(bag) else ()
+
+
+def _sizes(topic: BagTopic, bag: BagSummary) -> tuple[Cell, ...]:
+    label = DECLARED if topic.statistics.declared else "recorded"
+    return (Text(label),) if _has_declared(bag) else ()
+
+
+def _notes(bag: BagSummary) -> tuple[str, ...]:
+    return (DECLARED_NOTE,) if _has_declared(bag) else ()

@@ -1,0 +1,30 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Topics chosen by name or pattern."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from difflib import get_close_matches
+from fnmatch import fnmatchcase
+
+from smarttestudo.domain.errors import RecordingError
+
+
+def select_topics(patterns: Sequence[str], known: Collection[str], *, place: str) -> frozenset[str]:
+    """The ``known`` topics that ``patterns`` name, in which ``*``, ``?`` and ``[…]`` match as in a shell.
+
+    Raises ``RecordingError`` at ``place`` for a pattern that names none.
+    """
+    chosen: set[str] = set()
+    for pattern in patterns:
+        named = {topic for topic in known if topic == pattern or fnmatchcase(topic, pattern)}
+        if not named:
+            raise RecordingError(f"no topic {pattern}", place=place, remedy=_remedy(pattern, known))
+        chosen |= named
+    return frozenset(chosen)
+
+
+def _remedy(pattern: str, known: Collection[str]) -> str:
+    close = get_close_matches(pattern, sorted(known), n=1)
+    return f"did you mean {close[0]}?" if close else "`testudo bag info` lists them"
