@@ -1,0 +1,86 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What an operator receives of a running robot."""
+
+from __future__ import annotations
+
+import json
+from itertools import pairwise
+from typing import Any
+
+import pytest
+
+from ros.ros_processes import SmallRobot
+
+IMU = "sensor_msgs/msg/Imu"
+ODOMETRY = "nav_msgs/msg/Odometry"
+SCAN = "sensor_msgs/msg/LaserScan"
+TWIST = "geometry_msgs/msg/Twist"
+
+SOURCES = {
+    "imu": {"type": IMU, "hz": 195},
+    "odom": {"type": ODOMETRY, "hz": 25.5},
+    "scan": {"type": SCAN, "hz": 30},
+    "cmd_vel": {"type": TWIST, "hz": 30},
+}
+TARGETS_HZ = {"imu": 50, "odom": 20, "scan": 20, "cmd_vel": 7}
+SPAN_S = 10.0
+ATTEMPTS = 3
+
+
+def rules(rates_hz: dict[str, float]) -> str:
+    return (
+        "begin\n" + "\n".join(f"SetFrequency /{name} {rate}" for name, rate in rates_hz.items()) + "\nend\n"
+    )
+
+
+def mean_hz(arrivals: list[tuple[float, Any]]) -> float:
+    return (len(arrivals) - 1) / (arrivals[-1][0] - arrivals[0][0])
+
+
+def run_once(robot: SmallRobot) -> tuple[dict[str, float], dict[str, float]]:
+    """The rates in Hz at which the sources sent and the operator received."""
+    operator = robot.operator(span_s=SPAN_S, **SOURCES)
+    runtime = robot.runtime(rules(TARGETS_HZ))
+    source = robot.source(**SOURCES)
+    operator.line_with("heard 1")
+    received = operator.result()
+    sent = source.result()
+    runtime.end()
+    return sent, {name: mean_hz(arrivals) for name, arrivals in received.items()}
+
+
+def test_every_topic_arrives_at_its_rate_within_one_percent(robot: SmallRobot) -> None:
+    for _ in range(ATTEMPTS):
+        sent_hz, received_hz = run_once(robot)
+        if all(sent_hz[name] >= 0.98 * topic["hz"] for name, topic in SOURCES.items()):
+            assert received_hz == pytest.approx(TARGETS_HZ, rel=0.01)
+            return
+    pytest.fail(f"machine too slow: the sources sent at {sent_hz}")
+
+
+def test_a_robot_that_enters_a_zone_raises_the_rate_of_another_topic(robot: SmallRobot) -> None:
+    topics = {"odom": {"type": ODOMETRY, "hz": 20}, "imu": {"type": IMU, "hz": 200}}
+    decisions = robot.folder / "decisions.jsonl"
+    operator = robot.operator(span_s=3.0, **topics)
+    robot.runtime(
+        "begin SetFrequency /odom Full SetFrequency /imu 5 "
+        'Rule "Zone" If (CheckValue /odom pose_x > 3) Then SetFrequency /imu 50 EndIf end',
+        "--decisions",
+        str(decisions),
+    )
+    source = robot.source(**topics)
+    operator.line_with("heard 1")
+    source.say("move")
+    operator.line_with("heard 2")
+    arrivals = operator.result()
+
+    entered_s = next(at_s for at_s, x in arrivals["odom"] if x == 5)
+    imu_s = [at_s for at_s, _ in arrivals["imu"]]
+    before = [late - early for early, late in pairwise(imu_s) if entered_s - 1.5 < early < entered_s - 0.5]
+    after = [at_s for at_s in imu_s if at_s > entered_s]
+    assert sum(before) / len(before) == pytest.approx(1 / 5, rel=0.1)
+    assert (len(after) - 1) / (after[-1] - after[0]) == pytest.approx(50, rel=0.05)
+    last = json.loads(decisions.read_text(encoding="utf-8").splitlines()[-1])
+    assert (last["topic"], last["from_hz"], last["to_hz"], last["rule"]) == ("/imu", 5.0, 50.0, "Zone")
+    assert last["values"] == {"/odom pose_x": 5.0}
