@@ -60,7 +60,7 @@ class LiveTopics:
     def decoded(self, topic: str, payload: bytes) -> object:
         """The message of a payload that just came, or ``Undecodable``."""
         try:
-            return self._robot.data_path.decode(self._sources[topic].type_name, payload)
+            return self._robot.data_path.decode(topic, self._sources[topic].type_name, payload)
         except RosError:
             self._warn_once(f"{topic}: a message could not be decoded; what checks read is unknown then")
             return Undecodable()

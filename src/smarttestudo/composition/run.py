@@ -112,8 +112,11 @@ class _Run:
         self._publish(self._loop.on_message(topic, now_ns, payload, len(payload), message=message))
 
     def _look(self) -> None:
+        # What is due goes out before a topic is opened anew, perhaps with another type.
+        now_ns = self._robot.now_ns()
+        self._publish(self._loop.on_wake(now_ns))
         for change in self._topics.look():
-            self._publish(self._loop.on_source(change, self._robot.now_ns()))
+            self._publish(self._loop.on_source(change, now_ns))
 
     def _publish(self, relayed: Iterable[Relayed]) -> None:
         for one in relayed:

@@ -57,8 +57,8 @@ class DataPath(Protocol):
     def advertise(self, topic: str, type_name: str, qos: Qos) -> Outlet:
         """Publish on ``topic``. Raises ``RosError``."""
 
-    def decode(self, type_name: str, payload: bytes) -> object:
-        """The message of a payload. Raises ``RosError``."""
+    def decode(self, topic: str, type_name: str, payload: bytes) -> object:
+        """The message of a payload that came on ``topic``. Raises ``RosError``."""
 
 
 class RobotLog(Protocol):

@@ -89,6 +89,8 @@ class RosNode:
 
     def publishers(self, topic: str) -> Sequence[Endpoint]:
         """Who publishes ``topic`` now, as far as discovered."""
+        with ros_errors(topic):
+            found = self._node.get_publishers_info_by_topic(topic)
         return [
             Endpoint(
                 node=f"{one.node_namespace.rstrip('/')}/{one.node_name}",
@@ -96,12 +98,12 @@ class RosNode:
                 reliable=is_reliable(one.qos_profile),
                 transient_local=is_transient_local(one.qos_profile),
             )
-            for one in self._node.get_publishers_info_by_topic(topic)
+            for one in found
         ]
 
     def text_publisher(self, topic: str, qos: Qos) -> Callable[[str], None]:
         """What sends a std_msgs/msg/String on ``topic``; both may raise ``RosError``."""
-        text_type = message_type("std_msgs/msg/String")
+        text_type = message_type("std_msgs/msg/String", topic)
         with ros_errors(topic):
             publisher = self._node.create_publisher(text_type, topic, qos_profile(qos))
 

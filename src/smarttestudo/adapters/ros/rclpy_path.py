@@ -26,20 +26,20 @@ class RclpyPath:
         """Have ``receive`` called with each message. Raises ``RosError``."""
         with ros_errors(topic):
             handle = self._node.create_subscription(
-                message_type(type_name), topic, receive, qos_profile(qos), raw=True
+                message_type(type_name, topic), topic, receive, qos_profile(qos), raw=True
             )
         return _Inlet(self._node, handle)
 
     def advertise(self, topic: str, type_name: str, qos: Qos) -> Outlet:
         """Publish on ``topic``. Raises ``RosError``."""
         with ros_errors(topic):
-            handle = self._node.create_publisher(message_type(type_name), topic, qos_profile(qos))
+            handle = self._node.create_publisher(message_type(type_name, topic), topic, qos_profile(qos))
         return _Outlet(self._node, handle, topic)
 
-    def decode(self, type_name: str, payload: bytes) -> object:
-        """The message of a payload. Raises ``RosError``."""
-        with ros_errors(type_name):
-            message: object = deserialize_message(payload, message_type(type_name))
+    def decode(self, topic: str, type_name: str, payload: bytes) -> object:
+        """The message of a payload that came on ``topic``. Raises ``RosError``."""
+        with ros_errors(topic):
+            message: object = deserialize_message(payload, message_type(type_name, topic))
         return message
 
 
