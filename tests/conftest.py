@@ -1,6 +1,10 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What holds for all tests: nothing is skipped in continuous integration, and Hypothesis is never timed."""
+"""What holds for all tests.
+
+In continuous integration nothing is skipped, and Hypothesis tries the same examples each time, so that a commit
+has one verdict; on a developer's machine it tries new ones. It is never timed.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +15,11 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 settings.register_profile(
-    "default", deadline=None, suppress_health_check=[HealthCheck.too_slow], print_blob=True
+    "default",
+    deadline=None,
+    suppress_health_check=[HealthCheck.too_slow],
+    print_blob=True,
+    derandomize=os.environ.get("CI") == "true",
 )
 settings.load_profile("default")
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import itertools
+import sqlite3
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -189,6 +191,36 @@ def test_a_message_that_does_not_decompress_costs_itself(tmp_path: Path) -> None
 def read_stored(path: Path) -> list[BagMessage]:
     with Reader(path) as reader:
         return [BagMessage(connection.topic, stamp, data) for connection, stamp, data in reader.messages()]
+
+
+def test_messages_left_in_a_log_beside_the_database_are_named(tmp_path: Path) -> None:
+    path = storage_file(write_bag(tmp_path / "bag", MISSION))
+    with closing(sqlite3.connect(path)) as database:
+        database.execute("PRAGMA journal_mode = WAL")
+        database.execute("PRAGMA wal_autocheckpoint = 0")
+        database.execute("INSERT INTO messages (topic_id, timestamp, data) VALUES (1, 1, x'00')")
+        database.commit()
+        read = read_bag(path)
+    assert read.messages == list(MISSION.messages)
+    assert read.notices == [
+        f"{path}: bag.db3-wal beside it holds what is not in it yet, and was left out; "
+        "`sqlite3 bag.db3 'PRAGMA wal_checkpoint'` takes it in"
+    ]
+
+
+@pytest.mark.parametrize("values", ["1, 'noon', x'00'", "1, 5, NULL", "1, 5, 'text'"])
+def test_rows_of_the_wrong_types_cost_themselves(tmp_path: Path, values: str) -> None:
+    path = storage_file(write_bag(tmp_path / "bag", MISSION))
+    with closing(sqlite3.connect(path)) as database:
+        database.execute("ALTER TABLE messages RENAME TO strict")
+        database.execute("CREATE TABLE messages (id INTEGER PRIMARY KEY, topic_id, timestamp, data)")
+        database.execute("INSERT INTO messages SELECT * FROM strict WHERE id % 2 = 0")
+        database.execute("DROP TABLE strict")
+        database.execute(f"INSERT INTO messages (topic_id, timestamp, data) VALUES ({values})")
+        database.commit()
+    read = read_bag(path)
+    assert read.messages == list(MISSION.messages[1::2])
+    assert len(read.notices) == 1
 
 
 @pytest.fixture(scope="module", params=StoragePlugin, ids=str)

@@ -56,6 +56,27 @@ def test_the_pages_hold_the_rows_that_sqlite_reads(
 
 
 @settings(max_examples=40)
+@given(rows=ROWS, gone=st.sets(st.integers(1, 40)), drops=st.booleans())
+def test_rows_that_were_deleted_stay_deleted(
+    rows: list[tuple[int, int, bytes]],
+    gone: set[int],
+    drops: bool,
+    tmp_path_factory: pytest.TempPathFactory,
+) -> None:
+    path = tmp_path_factory.getbasetemp() / "deleted.db3"
+    database_file(path, rows, 512)
+    with closing(sqlite3.connect(path)) as database:
+        database.execute("PRAGMA synchronous = OFF")
+        if drops:
+            database.execute("DROP TABLE messages")
+        else:
+            database.executemany("DELETE FROM messages WHERE id = ?", [(number,) for number in gone])
+        database.commit()
+    kept = {} if drops else {n: row for n, row in enumerate(rows, start=1) if n not in gone}
+    assert rows_in(path.read_bytes()) == kept
+
+
+@settings(max_examples=40)
 @given(rows=ROWS, share=st.floats(0, 1))
 def test_what_is_left_of_a_cut_file_holds_whole_rows_only(
     rows: list[tuple[int, int, bytes]], share: float, tmp_path_factory: pytest.TempPathFactory

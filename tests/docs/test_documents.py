@@ -112,3 +112,9 @@ def test_the_makefile_has_every_target_that_documents_name() -> None:
     assert {
         target for target in named if not re.search(rf"^{target}:", makefile, flags=re.MULTILINE)
     } == set()
+
+
+def test_the_readme_shows_what_the_throttle_benchmark_prints() -> None:
+    benchmark = ROOT / "benchmarks" / "throttle_accuracy.py"
+    done = subprocess.run([sys.executable, benchmark], capture_output=True, encoding="utf-8", check=True)
+    assert done.stdout.strip() in (ROOT / "README.md").read_text(encoding="utf-8")

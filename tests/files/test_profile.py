@@ -83,6 +83,10 @@ def test_an_empty_profile_knows_nothing(tmp_path: Path) -> None:
             '[topics."/a"]\nlevel_unit = "volt"',
             ':2:1: error: topics."/a".level_unit must be "percent" or "fraction"',
         ),
+        (
+            '[topics."/a"]\nmin_hz = 1e-9',
+            ':2:1: error: topics."/a".min_hz must be 0, or from 0.001 to 1e+06 Hz, it is 1e-09',
+        ),
         ('topics = "x"', ':1:1: error: topics must be tables such as [topics."/odom"]'),
     ],
 )

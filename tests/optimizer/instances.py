@@ -80,7 +80,7 @@ def demands(draw: st.DrawFn) -> list[Demand]:
 def entries(draw: st.DrawFn) -> TopicProfile:
     """A topic's profile with all that any model reads."""
     tiers = sorted(
-        draw(st.lists(st.sampled_from([0.0, 1.0, 2.5, 10.0]) | st.floats(0, 200), min_size=6, max_size=6))
+        draw(st.lists(st.sampled_from([0.0, 1.0, 2.5, 10.0]) | st.floats(0.001, 200), min_size=6, max_size=6))
     )
     source_hz = draw(st.floats(0.1, 300))
     return TopicProfile(

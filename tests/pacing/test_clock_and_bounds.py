@@ -58,6 +58,16 @@ def test_repeating_waits_for_a_message_after_a_jump_back() -> None:
     assert pacer.wake_ns is None
 
 
+def test_a_message_never_sent_is_sent_once_after_a_jump_back() -> None:
+    pacer = paced(1, when_slow=WhenSlow.REPEAT)
+    held = sample()
+    arrivals = [*samples_at([EPOCH_NS + i * S // 4 for i in range(30)]), (EPOCH_NS + 30 * S // 4, held)]
+    relay(pacer, arrivals, drain=False)
+    at_once = pacer.wake(EPOCH_NS - 1000 * S)
+    assert [(passed.sample, passed.repeated) for passed in at_once] == [(held, False)]
+    assert pacer.wake_ns is None
+
+
 @pytest.mark.parametrize("kind", StreamKind)
 @pytest.mark.parametrize("rate_hz", [0, 0.001, 10, math.inf])
 def test_publishers_and_frames_that_never_return_do_not_pile_up(kind: StreamKind, rate_hz: float) -> None:
@@ -70,6 +80,18 @@ def test_publishers_and_frames_that_never_return_do_not_pile_up(kind: StreamKind
     if rate_hz >= 10:
         assert len(relayed) == count
         assert len(pacer._streams._streams) < 200
+
+
+def test_a_last_word_of_the_shared_stream_is_spoken_once_even_if_its_frame_has_its_own_by_then() -> None:
+    pacer = paced(10, StreamKind.TRANSFORMS)
+    streams = pacer._streams
+    count = 0
+    while len(streams._streams) <= MAX_STREAMS or streams._opens_to_prune > 1:
+        count += 1
+        pacer.offer(sample(frames=(f"f{count}",)), EPOCH_NS)
+    pacer.offer(sample(frames=("prunes",)), EPOCH_NS + 10 * S)
+    assert [passed.sample.frames for passed in pacer.wake(EPOCH_NS + 10 * S)] == [(f"f{count}",)]
+    assert pacer.wake_ns is None
 
 
 def test_keys_beyond_the_limit_share_one_stream_and_still_have_a_last_word() -> None:

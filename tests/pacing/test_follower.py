@@ -83,6 +83,21 @@ def test_a_leader_that_repeats_a_stamp_repeats_its_partner(
     ]
 
 
+def test_a_repeated_stamp_without_a_partner_repeats_nobody_else() -> None:
+    pair = led_at(1, WhenSlow.REPEAT)
+    pair.run([(EPOCH_NS, half, stamp(0)) for half in Half])
+    pair.run([(EPOCH_NS + S // 2, Half.LEADER, stamp(1))])
+    pair.wake(EPOCH_NS + 5 * S)
+    assert stamps(pair.led) == [stamp(0)] + 5 * [stamp(1)]
+    assert stamps(pair.followed) == [stamp(0)]
+
+
+def test_drivers_that_leave_all_stamps_at_zero_have_their_pairs_thinned_alike() -> None:
+    pair = led_at(10)
+    pair.run([(EPOCH_NS + i * S // 30, half, stamp(0)) for i in range(300) for half in Half])
+    assert len(pair.followed) == len(pair.led)
+
+
 def test_a_partner_follows_the_leader_s_last_word_when_it_is_spoken() -> None:
     pair = led_at(1)
     pair.run([(EPOCH_NS + i, half, stamp(i)) for i in range(3) for half in Half])

@@ -152,6 +152,27 @@ def test_each_publisher_has_its_own_grid_and_its_own_last_word() -> None:
     assert [r.sample for r in relay(pacer, arrivals)] == [a[0], b[0], a[2], b[2]]
 
 
+@given(
+    st.lists(st.tuples(gaps_ns, st.sampled_from("abc")), min_size=1, max_size=60),
+    targets_hz,
+    st.sampled_from([StreamKind.VOLATILE, StreamKind.TRANSIENT_LOCAL]),
+    st.sampled_from(WhenSlow),
+)
+def test_publishers_do_not_change_what_is_relayed_of_each_other(
+    steps: list[tuple[int, str]], target_hz: float, kind: StreamKind, when_slow: WhenSlow
+) -> None:
+    times_ns = [EPOCH_NS + sum(gap for gap, _ in steps[: i + 1]) for i in range(len(steps))]
+    arrivals = [(at_ns, sample(publisher)) for at_ns, (_, publisher) in zip(times_ns, steps, strict=True)]
+    together = relay(paced(target_hz, kind, when_slow), arrivals)
+    end_ns = times_ns[-1]
+    for publisher in "abc":
+        own = [arrival for arrival in arrivals if arrival[1].publisher == publisher]
+        pacer = paced(target_hz, kind, when_slow)
+        alone = relay(pacer, own, drain=False) + woken(pacer, end_ns)
+        pacer.finish()
+        assert alone + woken(pacer, None) == [r for r in together if r.sample.publisher == publisher]
+
+
 def test_a_publisher_is_not_starved_by_a_faster_one() -> None:
     fast = [(EPOCH_NS + i * S // 100, sample("fast")) for i in range(1000)]
     slow = [(EPOCH_NS + i * S // 5, sample("slow")) for i in range(50)]

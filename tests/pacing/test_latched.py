@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from itertools import pairwise
 
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from pacing.scenarios import EPOCH_NS, Relayed, S, relay, sample
@@ -38,6 +38,7 @@ def test_all_that_each_publisher_says_in_its_first_two_seconds_passes() -> None:
     assert [r.sample for r in relayed] == [offered for _, offered in arrivals]
 
 
+@example(gaps_ns=[S] * 10, target_hz=0.1)
 @given(st.lists(st.integers(S, 100 * S), min_size=1, max_size=30), st.floats(0.001, 0.5))
 def test_up_to_one_sample_a_second_passes_whatever_the_target(gaps_ns: list[int], target_hz: float) -> None:
     times_ns = [EPOCH_NS + sum(gaps_ns[:i]) for i in range(len(gaps_ns))]
@@ -70,6 +71,22 @@ def test_off_passes_nothing_and_the_newest_of_each_publisher_follows_when_it_end
     assert pacer.wake_ns == EPOCH_NS + S
     assert [passed.sample for passed in pacer.wake(EPOCH_NS + S)] == [arrivals[-2][1], arrivals[-1][1]]
     assert pacer.wake_ns is None
+
+
+def test_off_keeps_the_newest_of_however_many_publishers() -> None:
+    pacer = latched(0)
+    arrivals = [(EPOCH_NS + i * S, sample(str(i))) for i in range(300)]
+    relay(pacer, arrivals)
+    pacer.set_rate(1, EPOCH_NS + 1000 * S)
+    assert len(pacer.wake(EPOCH_NS + 1000 * S)) == 300
+
+
+def test_after_the_clock_jumped_back_each_publisher_begins_anew() -> None:
+    pacer = latched(0.1)
+    relay(pacer, every(0.1, 100, start_s=100), drain=False)
+    again = every(0.1, 50)
+    relayed = [r for r in relay(pacer, again, drain=False) if r.sample in {offered for _, offered in again}]
+    assert [r.at_ns for r in relayed] == [at_ns for at_ns, _ in again[:21]]
 
 
 def test_a_topic_found_to_be_latched_keeps_what_was_held() -> None:

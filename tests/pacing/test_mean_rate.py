@@ -107,6 +107,26 @@ def test_no_window_passes_more_than_the_rate_and_the_slack_allow(gaps: list[int]
             assert last - first + 1 <= (window_s + slack_s) * target_hz + 2
 
 
+def test_after_a_silence_a_quarter_second_is_made_up_for_and_no_more() -> None:
+    burst_ns = [EPOCH_NS + 100 * S] * 1000
+    assert len(thinned([EPOCH_NS, *burst_ns], 100)) == 1 + 25 + 1
+
+
+def test_after_a_silence_a_slow_target_makes_up_for_two_messages_also_when_it_then_rises() -> None:
+    burst = samples_at([EPOCH_NS, *[EPOCH_NS + 100 * S] * 1000])
+    assert len(relay(TopicPacer(), burst, [(EPOCH_NS, 1)], drain=False)) == 1 + 2 + 1
+    raised = [(EPOCH_NS, 1), (EPOCH_NS + 99 * S, 100)]
+    assert len(relay(TopicPacer(), burst, raised, drain=False)) == 1 + 25 + 1
+    raised_late = [(EPOCH_NS, 1), (EPOCH_NS + 100 * S, 100)]
+    assert len(relay(TopicPacer(), burst, raised_late, drain=False)) == 1 + 2 + 1
+
+
+def test_full_earns_no_credit() -> None:
+    burst = samples_at([EPOCH_NS, *[EPOCH_NS + 100 * S] * 1000])
+    changes = [(EPOCH_NS, math.inf), (EPOCH_NS + 100 * S, 100)]
+    assert len(relay(TopicPacer(), burst, changes, drain=False)) == 1 + 1
+
+
 def changing(rng: random.Random, seconds: float, rates_hz: list[float]) -> list[tuple[int, float]]:
     """Changes at random times, the first before the first message; often several between two messages."""
     count = int(rng.expovariate(1 / 20)) + 1

@@ -72,9 +72,10 @@ def test_it_stops_when_the_source_is_stale_and_begins_anew_with_the_next_message
 
 
 def test_the_profile_decides_when_a_source_is_stale() -> None:
-    pacer = repeating(1, stale_after_ns=5 * S)
-    relay(pacer, samples_at([EPOCH_NS]), drain=False)
-    assert [r.at_ns - EPOCH_NS for r in woken(pacer, None)] == [S * i for i in range(1, 6)]
+    for stale_after_ns, last_s in ((5 * S, 5), (5 * S - 1, 4)):
+        pacer = repeating(1, stale_after_ns)
+        relay(pacer, samples_at([EPOCH_NS]), drain=False)
+        assert [r.at_ns - EPOCH_NS for r in woken(pacer, None)] == [S * i for i in range(1, last_s + 1)]
 
 
 def test_a_message_that_waits_for_its_time_is_sent_even_if_its_source_is_stale_by_then() -> None:

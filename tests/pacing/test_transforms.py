@@ -55,11 +55,12 @@ def test_no_frame_gets_less_than_its_rate_nor_all_of_them_more_than_theirs(
 
 
 @settings(max_examples=50)
-@given(st.floats(1, 100), st.floats(0.1, 100), seeds)
+@given(st.lists(st.integers(0, S), min_size=1, max_size=60), st.floats(0.1, 100))
 def test_one_broadcaster_of_many_frames_is_thinned_like_a_topic_of_one_stream(
-    source_hz: float, target_hz: float, seed: int
+    gaps_ns: list[int], target_hz: float
 ) -> None:
-    arrivals = broadcast([(source_hz, ("a", "b", "c"))], seed)
+    times_ns = [EPOCH_NS + sum(gaps_ns[:i]) for i in range(len(gaps_ns))]
+    arrivals = [(at_ns, sample(frames=("a", "b", "c"))) for at_ns in times_ns]
     single = TopicPacer()
     single.set_rate(target_hz, EPOCH_NS - S)
     assert relay(transforms(target_hz), arrivals) == relay(single, arrivals)
@@ -96,6 +97,21 @@ def test_a_last_word_of_several_frames_passes_once() -> None:
     relayed = relay(transforms(1), arrivals)
     assert [r.sample for r in relayed].count(held) == 1
     assert relayed[-1].sample is held
+
+
+def test_a_last_word_waits_until_its_frame_is_due_again() -> None:
+    """b's frame is paid for by a's last word, which holds it too."""
+    word_of_a, word_of_b = sample(frames=("a", "b")), sample(frames=("b",))
+    arrivals = [
+        (EPOCH_NS, sample(frames=("a", "b"))),
+        (EPOCH_NS + S // 10, word_of_a),
+        (EPOCH_NS + S // 5, word_of_b),
+    ]
+    words = relay(transforms(1), arrivals)[1:]
+    assert [(r.sample, r.at_ns - EPOCH_NS) for r in words] == [
+        (word_of_a, 11 * S // 10),
+        (word_of_b, 3 * S // 2),
+    ]
 
 
 def test_messages_without_frames_are_thinned_as_one_stream() -> None:

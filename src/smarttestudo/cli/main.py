@@ -16,7 +16,9 @@ from smarttestudo.domain.errors import TestudoError, UsageError
 EXIT_ERROR = 1
 EXIT_USAGE = 2
 EXIT_INTERRUPTED = 130
-STUDIO_PACKAGES = frozenset({"apsw", "highspy", "mcap", "numpy", "PIL", "rich", "rosbags", "zstandard"})
+STUDIO_PACKAGES = frozenset(
+    {"apsw", "highspy", "lz4", "mcap", "numpy", "PIL", "rich", "rosbags", "ruamel", "zstandard"}
+)
 
 
 def main(argv: Sequence[str] | None = None) -> int:

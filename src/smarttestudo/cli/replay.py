@@ -172,12 +172,14 @@ def _report(
 
 
 def _print(outcome: ReplayOutcome, *, as_json: bool) -> None:
-    from smarttestudo.cli.replay_table import replay_table  # noqa: PLC0415  see run
+    from smarttestudo.cli.replay_tables import rates_table, volume_table  # noqa: PLC0415  see run
 
     if as_json:
         print(json.dumps(outcome.to_json(), allow_nan=False))  # noqa: T201
     else:
-        print_table(replay_table(outcome))
+        for table in (rates_table(outcome), volume_table(outcome)):
+            print_table(table)
+            print()  # noqa: T201
         decisions = "decision" if outcome.decisions == 1 else "decisions"
         print(f"{outcome.decisions:,} {decisions} in {outcome.wall_seconds:.1f} s")  # noqa: T201
     for notice in outcome.notices:

@@ -8,6 +8,8 @@ import math
 from dataclasses import dataclass
 
 MAX_RATE_HZ = 1e6
+RATE_STEP_HZ = 0.001
+"""Optimized rates are whole steps of this; a profile holds no rate below it but 0."""
 
 
 @dataclass(frozen=True, slots=True, order=True)

@@ -4,13 +4,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import Enum
+from typing import NamedTuple
 
 
-@dataclass(frozen=True, slots=True, order=True)
-class Signal:
-    """One property of one topic, for instance ``/odom pose_x``; ``topic`` is the full resolved name."""
+class Signal(NamedTuple):
+    """One property of one topic, for instance ``/odom pose_x``; ``topic`` is the full resolved name.
+
+    A tuple, because signals are looked up for every message that checks read.
+    """
 
     topic: str
     property: str

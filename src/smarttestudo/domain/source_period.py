@@ -17,32 +17,29 @@ STALE_AT_LEAST_NS = 2 * NS_PER_S
 class SourcePeriod:
     """The mean of a source's last 20 arrival intervals."""
 
-    __slots__ = ("_intervals", "_sum_ns", "last_ns")
+    __slots__ = ("_arrivals_ns",)
 
     def __init__(self) -> None:
-        self.last_ns: int | None = None
-        self._intervals: deque[int] = deque()
-        self._sum_ns = 0
+        self._arrivals_ns: deque[int] = deque(maxlen=INTERVALS_KEPT + 1)
 
     def record(self, now_ns: int) -> None:
         """Count an arrival; a clock that jumped back starts the count anew."""
-        last_ns = self.last_ns
-        self.last_ns = now_ns
-        if last_ns is None:
-            return
-        if now_ns < last_ns:
-            self._intervals.clear()
-            self._sum_ns = 0
-            return
-        self._intervals.append(now_ns - last_ns)
-        self._sum_ns += now_ns - last_ns
-        if len(self._intervals) > INTERVALS_KEPT:
-            self._sum_ns -= self._intervals.popleft()
+        arrivals_ns = self._arrivals_ns
+        if arrivals_ns and now_ns < arrivals_ns[-1]:
+            arrivals_ns.clear()
+        arrivals_ns.append(now_ns)
+
+    @property
+    def last_ns(self) -> int | None:
+        """The last arrival, ``None`` before the first."""
+        return self._arrivals_ns[-1] if self._arrivals_ns else None
 
     @property
     def mean_ns(self) -> int | None:
         """The mean interval in ns, ``None`` before the second arrival."""
-        return self._sum_ns // len(self._intervals) if self._intervals else None
+        arrivals_ns = self._arrivals_ns
+        intervals = len(arrivals_ns) - 1
+        return (arrivals_ns[-1] - arrivals_ns[0]) // intervals if intervals > 0 else None
 
     def stale_from_ns(self, *, stale_after_ns: int | None, transient_local: bool) -> int | None:
         """The first time at which the last arrival counts as stale; ``None`` while it never will.
@@ -50,11 +47,13 @@ class SourcePeriod:
         Stale is older than the larger of 2 s and five periods, not before three intervals were seen, nor
         ever on a transient_local topic. ``stale_after_ns`` replaces all of that.
         """
-        if self.last_ns is None:
+        arrivals_ns = self._arrivals_ns
+        if not arrivals_ns:
             return None
+        last_ns, intervals = arrivals_ns[-1], len(arrivals_ns) - 1
         if stale_after_ns is not None:
-            return self.last_ns + stale_after_ns + 1
-        if transient_local or len(self._intervals) < INTERVALS_NEEDED:
+            return last_ns + stale_after_ns + 1
+        if transient_local or intervals < INTERVALS_NEEDED:
             return None
-        limit_ns = max(STALE_AT_LEAST_NS, STALE_PERIODS * self._sum_ns // len(self._intervals))
-        return self.last_ns + limit_ns + 1
+        limit_ns = max(STALE_AT_LEAST_NS, STALE_PERIODS * (last_ns - arrivals_ns[0]) // intervals)
+        return last_ns + limit_ns + 1

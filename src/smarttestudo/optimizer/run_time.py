@@ -7,12 +7,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.optimizer.allocation import round_down
 from smarttestudo.optimizer.greedy import fill
 from smarttestudo.optimizer.problem import fits, used_kb_per_s
 
-_NS_PER_S = 1_000_000_000
-REPLAN_AFTER_NS = _NS_PER_S
+REPLAN_AFTER_NS = NS_PER_S
 LOWEST_USE = 0.9
 
 

@@ -4,7 +4,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Protocol
 
 from smarttestudo.pacing.follower import Follower
@@ -38,21 +39,25 @@ class Announcer:
 
     def offered(self, sample: Sample, passes: Sequence[Pass], holder: Holder, now_ns: int) -> None:
         """The leader was offered ``sample`` and relays ``passes``."""
-        if not passes:
-            self._held.append(sample)
-            if holder.holds(sample) and sample.stamp is not None:
-                for follower in self.followers:
-                    follower.held(sample.stamp)
         self.woken(passes, holder, now_ns)
+        if passes:
+            return
+        if holder.holds(sample):
+            self._held.append(sample)
+            self._tell(Follower.held, sample)
+        else:
+            self._tell(Follower.decided_against, sample)
 
     def woken(self, passes: Sequence[Pass], holder: Holder, now_ns: int) -> None:
         """The leader relays ``passes``, and may have let go of others."""
-        for sample, repeated in passes:
-            if sample.stamp is not None:
-                for follower in self.followers:
-                    follower.passed(sample.stamp, now_ns, repeated=repeated)
         relayed = [sample for sample, _ in passes]
-        self._let_go([sample for sample in self._held if sample not in relayed], holder)
+        undecided = [sample for sample in self._held if sample not in relayed]
+        self._held = [sample for sample in undecided if holder.holds(sample)]
+        for sample in undecided:
+            if sample not in self._held:
+                self._tell(Follower.decided_against, sample)
+        for sample, repeated in passes:
+            self._tell(partial(Follower.passed, now_ns=now_ns, repeated=repeated), sample)
 
     def pace_changed(self, pace: Pace, holder: Holder, now_ns: int) -> None:
         """The leader's pace changed, and it may have let go of what it held."""
@@ -60,9 +65,7 @@ class Announcer:
             follower.leader_is_full = pace.is_full
         self.woken((), holder, now_ns)
 
-    def _let_go(self, candidates: list[Sample], holder: Holder) -> None:
-        self._held = [sample for sample in candidates if holder.holds(sample)]
-        for sample in candidates:
-            if sample not in self._held and sample.stamp is not None:
-                for follower in self.followers:
-                    follower.decided_against(sample.stamp)
+    def _tell(self, decision: Callable[[Follower, bytes], None], sample: Sample) -> None:
+        if sample.stamp is not None:
+            for follower in self.followers:
+                decision(follower, sample.stamp)

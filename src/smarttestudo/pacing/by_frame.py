@@ -42,7 +42,8 @@ class FrameStreams(Streams[VolatileStream]):
             return (Pass(sample),)
         for stream in streams:
             stream.hold(sample, now_ns)
-        self.wake_ns = min(self.wake_ns, *(stream.release_ns for stream in streams))
+        # What is held waits for a period or longer; wake finds out, and need not be early for each frame.
+        self.wake_ns = min(self.wake_ns, now_ns + self._pace.period_ns)
         return ()
 
     def holds(self, sample: Sample) -> bool:
@@ -53,11 +54,13 @@ class FrameStreams(Streams[VolatileStream]):
         sample = stream.held
         if sample is None:
             return ()
-        for other in self._streams_of(sample, now_ns):
+        for other in {stream, *self._streams_of(sample, now_ns)}:
             other.grid.charge(now_ns)
             if other.held is sample:
                 other.held = None
         return (Pass(sample),)
 
     def _streams_of(self, sample: Sample, now_ns: int) -> list[VolatileStream]:
-        return [self._stream(frame, now_ns) for frame in sample.frames or NO_FRAMES]
+        known = self._streams
+        frames = sample.frames or NO_FRAMES
+        return [known.get(frame) or self._open_stream(frame, now_ns) for frame in frames]

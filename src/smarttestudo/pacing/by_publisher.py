@@ -17,7 +17,7 @@ class PublisherStreams(Streams[AnyStream]):
 
     def offer(self, sample: Sample, now_ns: int) -> Sequence[Pass]:
         """What passes now that ``sample`` arrived: the sample or nothing."""
-        stream = self._stream(sample.publisher, now_ns)
+        stream = self._streams.get(sample.publisher) or self._open_stream(sample.publisher, now_ns)
         passes = stream.offer(sample, now_ns)
         release_ns = stream.release_ns
         self.wake_ns = release_ns if len(self._streams) == 1 else min(self.wake_ns, release_ns)

@@ -12,6 +12,8 @@ import struct
 from contextlib import suppress
 from typing import NamedTuple
 
+from smarttestudo.domain.units import NS_PER_S
+
 HEADER_BYTES = 4
 STAMP_BYTES = 8
 MAX_TRANSFORMS = 10_000
@@ -20,7 +22,6 @@ MAX_KNOWN_LAYOUTS = 64
 _BIG_ENDIAN = b"\x00\x00"
 _LITTLE_ENDIAN = b"\x00\x01"
 _TRANSFORM_BYTES = 7 * 8
-_NS_PER_S = 1_000_000_000
 
 Payload = bytes | bytearray | memoryview
 
@@ -34,7 +35,7 @@ def header_stamp(payload: Payload) -> bytes | None:
     if order is None or len(payload) < HEADER_BYTES + STAMP_BYTES:
         return None
     sec, nanosec = struct.unpack_from(f"{order}iI", payload, HEADER_BYTES)
-    return struct.pack("<iI", sec, nanosec) if nanosec < _NS_PER_S else None
+    return struct.pack("<iI", sec, nanosec) if nanosec < NS_PER_S else None
 
 
 def child_frames(payload: Payload) -> tuple[str, ...]:

@@ -116,7 +116,6 @@ class Follower(Pacer):
 
     def _decide(self, stamp: bytes, *, passed: bool) -> None:
         self._held.discard(stamp)
-        self._verdicts.pop(stamp, None)
         self._verdicts[stamp] = passed
         if len(self._verdicts) > MAX_REMEMBERED:
             del self._verdicts[next(iter(self._verdicts))]

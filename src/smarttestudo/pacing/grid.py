@@ -33,13 +33,6 @@ class Grid:
         pace = self.pace
         self.due_ns = NEVER_NS if pace.is_off else now_ns - pace.period_ns // 2
 
-    def take(self, now_ns: int) -> bool:
-        """Whether a message passes now; if it does, it is paid for."""
-        if now_ns < self.due_ns:
-            return False
-        self.charge(now_ns)
-        return True
-
     def charge(self, now_ns: int) -> None:
         """Pay for a message that passes now, due or not: afterwards, the next is due within one period."""
         pace = self.pace

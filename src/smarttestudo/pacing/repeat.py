@@ -73,7 +73,8 @@ class RepeatStream(Stream):
         return self.release_ns == NEVER_NS and super().is_idle(now_ns)
 
     def _repeats_at(self, due_ns: int) -> bool:
-        if self._newest is None or self.finished or self.grid.pace.is_full:
+        is_silent = self._newest is None or self.source.last_ns is None
+        if is_silent or self.finished or self.grid.pace.is_full:
             return False
         stale_ns = self.source.stale_from_ns(stale_after_ns=self._stale_after_ns, transient_local=False)
         return stale_ns is None or due_ns < stale_ns

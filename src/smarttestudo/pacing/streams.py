@@ -84,10 +84,6 @@ class Streams(ABC, Generic[AnyStream]):
     def _release(self, stream: AnyStream, now_ns: int) -> Sequence[Pass]:
         return stream.release(now_ns)
 
-    def _stream(self, key: Hashable, now_ns: int) -> AnyStream:
-        stream = self._streams.get(key)
-        return self._open_stream(key, now_ns) if stream is None else stream
-
     def _open_stream(self, key: Hashable, now_ns: int) -> AnyStream:
         self._opens_to_prune -= 1
         if self._opens_to_prune == 0:

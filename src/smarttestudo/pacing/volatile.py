@@ -23,8 +23,8 @@ class VolatileStream(Stream):
     def offer(self, sample: Sample, now_ns: int) -> bool:
         """Whether ``sample`` passes now; if not, it is held."""
         self.source.record(now_ns)
-        if self.grid.take(now_ns):
-            self.held = None
+        if now_ns >= self.grid.due_ns:
+            self.settle(now_ns)
             return True
         self.hold(sample, now_ns)
         return False
@@ -40,8 +40,9 @@ class VolatileStream(Stream):
         """When the held sample becomes the last word."""
         if self.held is None:
             return NEVER_NS
-        quiet_ns = max(self.grid.pace.period_ns, QUIET_SOURCE_PERIODS * (self.source.mean_ns or 0))
-        return max(self.held_ns + quiet_ns, self.grid.due_ns)
+        grid = self.grid
+        quiet_ns = max(grid.pace.period_ns, QUIET_SOURCE_PERIODS * (self.source.mean_ns or 0))
+        return max(self.held_ns + quiet_ns, grid.due_ns)
 
     def change_pace(self, pace: Pace, now_ns: int) -> None:
         """Follow another pace from now on; Off lets go of what is held."""

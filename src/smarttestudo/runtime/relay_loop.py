@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 
 from smarttestudo.adirf.rule_set import RuleSet
 from smarttestudo.domain.decision import Decision, PlannedRate
@@ -48,9 +48,9 @@ class RelayLoop:
     def next_wake_ns(self) -> int | None:
         """When time alone may next relay something or change the plan; it may come early."""
         step_ns, relays_ns = self._step_ns, self._relays.next_wake_ns
-        if step_ns is None or relays_ns is None:
-            return relays_ns if step_ns is None else step_ns
-        return min(step_ns, relays_ns)
+        if relays_ns is None:
+            return step_ns
+        return relays_ns if step_ns is None or relays_ns < step_ns else step_ns
 
     @property
     def plan(self) -> Mapping[str, PlannedRate]:
@@ -132,7 +132,8 @@ class RelayLoop:
         restarted = self._restarted(now_ns)
         if self._step_ns is not None and self._step_ns <= now_ns:
             self._step((), now_ns)
-        return [*restarted, *self._woken(now_ns)]
+        woken = self._woken(now_ns)
+        return [*restarted, *woken] if restarted else woken
 
     def take_decisions(self) -> list[Decision]:
         """The decisions since the last call; at first, one for every relayed topic."""
@@ -150,7 +151,7 @@ class RelayLoop:
             self._decisions += result.decisions
             self._relays.apply(result.decisions, now_ns)
 
-    def _woken(self, now_ns: int) -> Iterable[Relayed]:
+    def _woken(self, now_ns: int) -> Sequence[Relayed]:
         wake_ns = self._relays.next_wake_ns
         return () if wake_ns is None or wake_ns > now_ns else self._relays.wake(now_ns)
 

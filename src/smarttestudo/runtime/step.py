@@ -5,8 +5,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from types import MappingProxyType
+from typing import NamedTuple
 
 from smarttestudo.domain.decision import Decision, PlannedRate
 from smarttestudo.domain.observation import Observation
@@ -16,8 +16,7 @@ from smarttestudo.runtime.monitor.monitor import monitor
 from smarttestudo.runtime.plan.plan import plan
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class StepResult:
+class StepResult(NamedTuple):
     """The plan of all relayed topics, what changed in it, and when to step next.
 
     ``plan`` is a live view of the knowledge. ``next_wake_ns`` is when time alone may next change the plan;

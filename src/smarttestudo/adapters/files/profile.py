@@ -16,7 +16,7 @@ from smarttestudo.adapters.files.toml_text import KeyPath, read_toml
 from smarttestudo.domain.errors import ProfileError
 from smarttestudo.domain.names import is_topic_name, resolve_topic
 from smarttestudo.domain.profile import LevelUnit, Profile, TopicProfile
-from smarttestudo.domain.rate import MAX_RATE_HZ
+from smarttestudo.domain.rate import MAX_RATE_HZ, RATE_STEP_HZ
 from smarttestudo.domain.tier import Tier
 
 
@@ -104,8 +104,9 @@ class _ProfileReader:
 
     def _rate(self, at: KeyPath, value: object) -> float:
         number = self._not_negative(at, value)
-        if number > MAX_RATE_HZ:
-            raise self._error(at, f"{_name(at)} must be at most {MAX_RATE_HZ:g} Hz, it is {number:g}")
+        if number != 0 and not RATE_STEP_HZ <= number <= MAX_RATE_HZ:
+            limits = f"0, or from {RATE_STEP_HZ:g} to {MAX_RATE_HZ:g} Hz"
+            raise self._error(at, f"{_name(at)} must be {limits}, it is {number:g}")
         return number
 
     def _tiers(self, at: KeyPath, value: object) -> tuple[float, ...]:

@@ -44,6 +44,8 @@ class IntactFile:
         delivered = 0
         try:
             for connection, stamp_ns, payload in self._reader.messages():
+                if not (isinstance(stamp_ns, int) and isinstance(payload, bytes)):
+                    raise TypeError("a message without stamp or payload")  # noqa: TRY301 - it is damage, too
                 yield channels[connection.id], stamp_ns, payload
                 delivered += 1
         except Exception as error:  # noqa: BLE001 - see __init__; what is behind the damage is read otherwise

@@ -61,6 +61,7 @@ def _open_part(path: Path, opened: ExitStack, notices: list[str]) -> RecordingPa
     except OSError as error:
         raise RecordingError(f"cannot be read: {error.strerror}", place=str(path)) from error
     opened.callback(file.close)
+    notices.extend(_unmerged_log(path))
     return RecordingPart(path=path, storage_path=storage_path, file=file)
 
 
@@ -76,6 +77,16 @@ def _unpacked(path: Path, opened: ExitStack, notices: list[str]) -> Path:
     if not is_whole:
         notices.append(f"{path}: its compressed data end early or are damaged; read as far as they go")
     return target
+
+
+def _unmerged_log(path: Path) -> Iterator[str]:
+    """A notice if SQLite left messages in a log beside the file, as a recorder that crashed does."""
+    log = path.with_name(f"{path.name}-wal")
+    if path.suffix == ".db3" and log.is_file() and log.stat().st_size:
+        yield (
+            f"{path}: {log.name} beside it holds what is not in it yet, and was left out; "
+            f"`sqlite3 {path.name} 'PRAGMA wal_checkpoint'` takes it in"
+        )
 
 
 def _metadata_within(parts: Sequence[RecordingPart]) -> BagMetadata:

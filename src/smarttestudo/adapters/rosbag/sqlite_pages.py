@@ -7,6 +7,7 @@ A cut-off or damaged database still has its leaf pages; SQLite itself stops at t
 
 from __future__ import annotations
 
+import struct
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import BinaryIO
@@ -18,7 +19,7 @@ _LEAF_HEADER_BYTES = 8
 _MAX_VARINT_BYTES = 9
 _INTEGER_BYTES = {0: 0, 1: 1, 2: 2, 3: 3, 4: 4, 5: 6, 6: 8, 8: 0, 9: 0}
 
-Value = int | bytes
+Value = int | bytes | str
 
 
 class DamagedRowError(Exception):
@@ -27,7 +28,7 @@ class DamagedRowError(Exception):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Row:
-    """A row of a table; NULL and 0 are both 0, texts and blobs are bytes."""
+    """A row of a table; NULL and 0 are both 0, reals are their 8 bytes."""
 
     rowid: int
     values: tuple[Value, ...]
@@ -46,12 +47,13 @@ class SqlitePages:
         self._usable_bytes = self.page_bytes - header[20]
         self.file_bytes = file.seek(0, 2)
         self.promised_bytes = int.from_bytes(header[28:32], "big") * self.page_bytes
+        self._free_pages = frozenset(self._read_free_pages(int.from_bytes(header[32:36], "big")))
 
     def rows(self) -> Iterator[int]:
         """The offset of every row in the leaf pages of all tables, in file order."""
-        for page_start in range(0, self.file_bytes, self.page_bytes):
-            page = self._read(page_start, self.page_bytes)
-            yield from self._cells(page, page_start)
+        for number, page_start in enumerate(range(0, self.file_bytes, self.page_bytes), start=1):
+            if number not in self._free_pages:
+                yield from self._cells(self._read(page_start, self.page_bytes), page_start)
 
     def row_at(self, offset: int) -> Row:
         """The row at ``offset``.
@@ -72,6 +74,19 @@ class SqlitePages:
         if len(payload) != payload_bytes:
             raise DamagedRowError("cut off")
         return Row(rowid=rowid, values=_values(payload))
+
+    def _read_free_pages(self, trunk: int) -> Iterator[int]:
+        """The pages that deleted rows have left behind, from the first page of their list on."""
+        seen: set[int] = set()
+        while trunk and trunk not in seen:
+            seen.add(trunk)
+            page = self._read((trunk - 1) * self.page_bytes, self.page_bytes)
+            numbers = struct.unpack_from(f">{len(page) // 4}I", page)
+            if len(numbers) < 2:
+                return
+            yield trunk
+            yield from numbers[2 : 2 + numbers[1]]
+            trunk = numbers[0]
 
     def _cells(self, page: bytes, page_start: int) -> Iterator[int]:
         header = HEADER_BYTES if page_start == 0 else 0
@@ -138,7 +153,8 @@ def _values(payload: bytes) -> tuple[Value, ...]:
         start = end
         if kind >= 12:
             end += (kind - 12) // 2
-            values.append(payload[start:end])
+            is_text = kind % 2 == 1
+            values.append(payload[start:end].decode("utf-8", "replace") if is_text else payload[start:end])
         elif kind in _INTEGER_BYTES:
             end += _INTEGER_BYTES[kind]
             values.append(1 if kind == 9 else int.from_bytes(payload[start:end], "big", signed=True))

@@ -38,7 +38,7 @@ class Relay:
 
     __slots__ = (
         "_frames",
-        "_kind",
+        "_has_frames",
         "_rate_hz",
         "_type_name",
         "followers",
@@ -57,7 +57,7 @@ class Relay:
         self._frames = FrameReader()
         self._rate_hz = math.inf
         self._type_name = type_name
-        self._kind = StreamKind.of(type_name=type_name, transient_local=False)
+        self._has_frames = StreamKind.of(type_name=type_name, transient_local=False) is StreamKind.TRANSFORMS
 
     @property
     def target_hz(self) -> float:
@@ -77,7 +77,7 @@ class Relay:
         """What passes now that a message arrived."""
         self.statistics.arrived.record(now_ns, size_bytes)
         sample = Sample(payload=payload, size_bytes=size_bytes, publisher=publisher)
-        if self._kind is StreamKind.TRANSFORMS:
+        if self._has_frames:
             sample.frames = self._frames.child_frames(payload)
         if self.followers or self.leader:
             sample.stamp = header_stamp(payload)
@@ -93,10 +93,11 @@ class Relay:
         if self._type_name and change.type_name not in ("", self._type_name):
             self.pacer.forget()
         self._type_name = change.type_name or self._type_name
-        self._kind = StreamKind.of(type_name=self._type_name, transient_local=change.transient_local)
+        kind = StreamKind.of(type_name=self._type_name, transient_local=change.transient_local)
+        self._has_frames = kind is StreamKind.TRANSFORMS
         if isinstance(self.pacer, Follower):
             return ()
-        return self._relayed(self.pacer.set_kind(self._kind, now_ns), now_ns)
+        return self._relayed(self.pacer.set_kind(kind, now_ns), now_ns)
 
     def _relayed(self, passes: Sequence[Pass], now_ns: int) -> list[Relayed]:
         statistics = self.statistics

@@ -13,17 +13,16 @@ class AlarmClock:
     Putting an alarm off does not touch the queue: the old entry, when its time comes, moves to the new one.
     """
 
-    __slots__ = ("_entries", "_queued_ns", "_wanted_ns")
+    __slots__ = ("_entries", "_queued_ns", "_wanted_ns", "next_ns")
+
+    next_ns: int | None
+    """A time before which no alarm rings; ``None`` when none is set. It may come early."""
 
     def __init__(self) -> None:
         self._entries: list[tuple[int, str]] = []
         self._queued_ns: dict[str, int] = {}
         self._wanted_ns: dict[str, int] = {}
-
-    @property
-    def next_ns(self) -> int | None:
-        """A time before which no alarm rings; ``None`` when none is set. It may come early."""
-        return self._entries[0][0] if self._entries else None
+        self.next_ns = None
 
     def set(self, topic: str, at_ns: int | None) -> None:
         """Let the alarm of ``topic`` ring at ``at_ns`` only, or not at all."""
@@ -35,6 +34,7 @@ class AlarmClock:
         if queued_ns is None or at_ns < queued_ns:
             self._queued_ns[topic] = at_ns
             heappush(self._entries, (at_ns, topic))
+            self.next_ns = self._entries[0][0]
 
     def take_due(self, now_ns: int) -> list[str]:
         """The topics whose alarm rings by ``now_ns``, earliest queued first; their alarms are off then."""
@@ -49,4 +49,5 @@ class AlarmClock:
                 due.append(topic)
             else:
                 self.set(topic, wanted_ns)
+        self.next_ns = self._entries[0][0] if self._entries else None
         return due

@@ -28,6 +28,10 @@ class Arrivals:
         age_cuts = cuts.get(ArrivalProperty.AGE, ())
         self._ages_ns = sorted({_first_age_ns(cut) for cut in age_cuts if math.isfinite(cut[0])})
 
+    def __bool__(self) -> bool:
+        """Whether any of them is read."""
+        return bool(self._cuts)
+
     def record(self, now_ns: int, size_bytes: int) -> None:
         """Count a message."""
         if self._window_is_read:

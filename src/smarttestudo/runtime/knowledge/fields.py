@@ -16,18 +16,18 @@ Reading = tuple[Signal, float | None]
 
 
 class Fields:
-    """What the last message of one topic said, by signal; NaN and what is missing are left out.
+    """What the last message of one topic said of each signal; NaN and what is missing are unknown.
 
     Until the topic's type is known, properties are plain field paths.
     """
 
-    __slots__ = ("_level_unit", "_readers", "_signals", "_type_name", "_values")
+    __slots__ = ("_level_unit", "_readers", "_readings", "_signals", "_type_name")
 
     def __init__(self, signals: Sequence[Signal], type_name: str, level_unit: LevelUnit | None) -> None:
         self._signals = signals
         self._level_unit = level_unit
         self._type_name = type_name
-        self._values: dict[Signal, float] = {}
+        self._readings = self.unknown_readings()
         self._readers = self._new_readers()
 
     def __bool__(self) -> bool:
@@ -42,17 +42,17 @@ class Fields:
 
     def forget(self) -> None:
         """The last message could not be read."""
-        self._values.clear()
+        self._readings = self.unknown_readings()
 
     def read(self, message: object) -> list[Signal]:
         """Take the fields of ``message``; returns the signals that it leaves unknown."""
         values = [(signal, reader(message)) for signal, reader in self._readers]
-        self._values = {signal: value for signal, value in values if not math.isnan(value)}
-        return [signal for signal, value in values if math.isnan(value)]
+        self._readings = [(signal, None if math.isnan(value) else value) for signal, value in values]
+        return [signal for signal, value in self._readings if value is None]
 
     def readings(self) -> list[Reading]:
         """The last values."""
-        return [(signal, self._values.get(signal)) for signal in self._signals]
+        return self._readings.copy()
 
     def unknown_readings(self) -> list[Reading]:
         """All signals as unknown."""

@@ -88,7 +88,7 @@ class Knowledge:
         """When, on the clock, time alone may next change the plan; it may come early, never late."""
         check_ns = None if self.link is None else self.link.next_check_ns
         times_ns = (self.watch_alarms.next_ns, self.settle_alarms.next_ns, check_ns)
-        earliest_ns = min((at_ns for at_ns in times_ns if at_ns is not None), default=None)
+        earliest_ns = min([at_ns for at_ns in times_ns if at_ns is not None], default=None)
         return None if earliest_ns is None else self.time.on_clock(earliest_ns)
 
 

@@ -42,14 +42,15 @@ class WatchedTopic:
         """The value of every signal at ``now_ns``."""
         is_fresh = self.source.is_fresh(now_ns)
         readings = self.fields.readings() if is_fresh else self.fields.unknown_readings()
-        for kind, value in self.arrivals.values(now_ns, self.source.silent_since_ns):
-            readings.append((self._arrival_signals[kind], value))
+        if self.arrivals:
+            for kind, value in self.arrivals.values(now_ns, self.source.silent_since_ns):
+                readings.append((self._arrival_signals[kind], value))
         return readings
 
     def next_change_ns(self, now_ns: int) -> int | None:
         """When time alone next changes what a check makes of the topic."""
-        changes_ns = list(self.arrivals.changes_ns(now_ns, self.source.silent_since_ns))
-        stale_from_ns = self.source.stale_from_ns
-        if self.fields and stale_from_ns is not None and stale_from_ns > now_ns:
-            changes_ns.append(stale_from_ns)
+        stale_from_ns = self.source.stale_from_ns if self.fields else None
+        changes_ns = [] if stale_from_ns is None or stale_from_ns <= now_ns else [stale_from_ns]
+        if self.arrivals:
+            changes_ns += self.arrivals.changes_ns(now_ns, self.source.silent_since_ns)
         return min(changes_ns, default=None)

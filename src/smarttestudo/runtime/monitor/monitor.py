@@ -55,5 +55,6 @@ def _read(knowledge: Knowledge, watched: WatchedTopic, arrival: Arrival) -> None
     if arrival.message is None or isinstance(arrival.message, Undecodable):
         watched.fields.forget()
         knowledge.undecodable[arrival.topic] += 1
-    else:
-        knowledge.unknown_values.update(watched.fields.read(arrival.message))
+        return
+    for signal in watched.fields.read(arrival.message):
+        knowledge.unknown_values[signal] += 1

@@ -21,6 +21,8 @@ def plan(knowledge: Knowledge, changed: Iterable[str], now_ns: int) -> tuple[Dec
     for topic in changed:
         _take_wish(knowledge, topic, now_ns)
     topics = {*changed, *knowledge.settle_alarms.take_due(now_ns)}
+    if not topics and knowledge.link is None:
+        return ()
     has_changed = [_settle(knowledge, topic, now_ns) for topic in topics]
     if knowledge.link is not None:
         topics |= knowledge.link.update(knowledge.settled, now_ns, wishes_changed=any(has_changed))
