@@ -4,7 +4,8 @@
 
 usage: source.py '{"imu": {"type": "sensor_msgs/msg/Imu", "hz": 195, "reliable": true}, …}'
 A topic without ``hz`` is latched: ``texts`` are published once, each by a publisher of its own. On stdin the
-line ``move`` puts the robot of an Odometry at x = 5, ``stop`` prints the result.
+line ``move`` puts the robot of an Odometry at x = 5, ``stop`` prints the result. With each message, a Clock
+goes on by ``step_ms``.
 """
 
 from __future__ import annotations
@@ -19,6 +20,9 @@ from typing import Any
 import rclpy
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
+NS_PER_MS = 1_000_000
+NS_PER_S = 1_000_000_000
+
 
 class Stream:
     def __init__(self, node: Any, name: str, topic: dict[str, Any]) -> None:
@@ -29,10 +33,14 @@ class Stream:
         )
         self.message = message_type()
         self.period_s = 1.0 / topic["hz"]
+        self.step_ns = topic.get("step_ms", 0) * NS_PER_MS
         self.due_s = time.monotonic()
         self.sent_s: list[float] = []
 
     def send(self) -> None:
+        if self.step_ns:
+            now_ns = (len(self.sent_s) + 1) * self.step_ns
+            self.message.clock.sec, self.message.clock.nanosec = divmod(now_ns, NS_PER_S)
         self.publisher.publish(self.message)
         self.sent_s.append(time.monotonic())
         self.due_s += self.period_s

@@ -84,3 +84,15 @@ def test_a_robot_that_enters_a_zone_raises_the_rate_of_another_topic(robot: Smal
     last = json.loads(decisions.read_text(encoding="utf-8").splitlines()[-1])
     assert (last["topic"], last["from_hz"], last["to_hz"], last["rule"]) == ("/imu", 5.0, 50.0, "Zone")
     assert last["values"] == {"/odom pose_x": 5.0}
+
+
+def test_a_rate_counts_in_simulated_time_where_the_robot_does(robot: SmallRobot) -> None:
+    operator = robot.operator(span_s=4.0, imu={"type": IMU})
+    runtime = robot.runtime(rules({"imu": 10}), "--ros-args", "-p", "use_sim_time:=true")
+    runtime.line_with("Waiting for simulated time on /clock")
+    twice_as_fast = {"type": "rosgraph_msgs/msg/Clock", "hz": 100, "step_ms": 20}
+    source = robot.source(imu={"type": IMU, "hz": 100}, clock=twice_as_fast)
+    operator.line_with("heard 1")
+    received = operator.result()
+    sent_hz = source.result()
+    assert mean_hz(received["imu"]) == pytest.approx(10 * sent_hz["clock"] / 50, rel=0.03)
