@@ -62,5 +62,5 @@ $(VENV)/studio.stamp: pyproject.toml | $(VENV)/bin/python
 
 $(VENV)/dev.stamp: pyproject.toml | $(VENV)/bin/python
 	@echo "Installing SmartTestudo and its development tools into $(VENV)"
-	@$(BIN)/pip install --quiet --editable '.[studio,dev]'
+	@$(BIN)/pip install --quiet --editable '.[studio,ros,dev]'
 	@touch $@ $(VENV)/studio.stamp

@@ -10,7 +10,7 @@ import pytest
 
 from smarttestudo.adapters.files.profile import load_profile
 from smarttestudo.domain.errors import ProfileError
-from smarttestudo.domain.profile import LevelUnit, TopicProfile
+from smarttestudo.domain.profile import LevelUnit, Profile, TopicProfile
 
 WHOLE = """\
 budget_kb_per_s = 15000.0
@@ -117,3 +117,13 @@ def test_a_profile_in_another_encoding_is_refused(tmp_path: Path) -> None:
     path.write_bytes("budget_kb_per_s = 1".encode("utf-16"))
     with pytest.raises(ProfileError, match="not UTF-8 text; save it as UTF-8"):
         load_profile(path)
+
+
+def test_a_profile_is_resolved_as_the_rules_are() -> None:
+    camera_info = TopicProfile(priority=2.0, paced_with="image")
+    profile = Profile(budget_kb_per_s=10.0, topics={"/odom": TopicProfile(), "camera_info": camera_info})
+    resolved = profile.resolved(lambda name: f"/tb3_0/{name.lstrip('/')}")
+    assert resolved.budget_kb_per_s == 10.0
+    assert set(resolved.topics) == {"/tb3_0/odom", "/tb3_0/camera_info"}
+    assert resolved.topic("/tb3_0/camera_info").paced_with == "/tb3_0/image"
+    assert resolved.topic("/tb3_0/camera_info").priority == 2.0

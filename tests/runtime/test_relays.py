@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from runtime.loop_driver import MS, SECOND, LoopDriver
+from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.pacing.sample import Pass, Sample, StreamKind, WhenSlow
 from smarttestudo.pacing.topic_pacer import TopicPacer
 
@@ -74,3 +75,27 @@ def test_what_is_relayed_is_what_each_pacer_passes_alone(
         lone.wait_until(now_ns + 100 * SECOND)
         relayed = [(one.stamp_ns, one.payload, one.repeated) for one in driver.relayed if one.topic == topic]
         assert relayed == lone.passed
+
+
+@pytest.mark.parametrize("when_slow", list(WhenSlow))
+def test_what_was_held_of_another_type_never_goes_out(when_slow: WhenSlow) -> None:
+    driver = LoopDriver("begin SetFrequency /a 1 end", when_slow=when_slow, types={"/a": "old_msgs/msg/Old"})
+    for number in range(13):
+        driver.send("/a", number * 200 * MS, b"old")
+    driver.source("/a", type_name="new_msgs/msg/New")
+    before = len(driver.relayed)
+    driver.wait_until(10 * SECOND)
+    driver.send("/a", 10 * SECOND, b"new")
+    assert {one.payload for one in driver.relayed[before:]} == {b"new"}
+
+
+def test_what_waited_for_its_leader_under_another_type_never_goes_out() -> None:
+    profile = Profile(topics={"/info": TopicProfile(paced_with="/image")})
+    stamped = b"\x00\x01\x00\x00" + b"\x01\x00\x00\x00\x02\x00\x00\x00"
+    driver = LoopDriver(
+        "begin SetFrequency /image 1 SetFrequency /info 1 end", profile, types={"/info": "old_msgs/msg/Old"}
+    )
+    driver.send("/info", 100 * MS, stamped)
+    driver.source("/info", type_name="new_msgs/msg/New")
+    driver.send("/image", 200 * MS, stamped)
+    assert [one.topic for one in driver.relayed] == ["/image"]

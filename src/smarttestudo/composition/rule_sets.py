@@ -10,6 +10,7 @@ from pathlib import Path
 
 from smarttestudo.adapters.files.rule_files import find_rule_files, read_rule_text
 from smarttestudo.adirf.checks import CheckContext, check_rules
+from smarttestudo.adirf.normal_form import Resolve
 from smarttestudo.adirf.parser import parse
 from smarttestudo.adirf.rule_set import RuleSet, compile_rules
 from smarttestudo.composition.optimize_tiers import tier_rates_for
@@ -36,11 +37,16 @@ class LoadedRules:
 
 
 def load_rules(
-    paths: Sequence[Path], *, profile: Profile | None = None, bag_topics: Mapping[str, str] | None = None
+    paths: Sequence[Path],
+    *,
+    profile: Profile | None = None,
+    bag_topics: Mapping[str, str] | None = None,
+    resolve: Resolve = resolve_topic,
 ) -> LoadedRules:
     """Read, check and compile the rule files at ``paths``, which may be folders.
 
-    Topics resolve in the root namespace; ``bag_topics`` are the types of a recording's topics.
+    ``resolve`` gives topics their full names (default: in the root namespace); ``bag_topics`` are the types
+    of a recording's topics.
 
     Quality levels get the rates that the optimizer finds for them in the profile's budget.
 
@@ -50,11 +56,9 @@ def load_rules(
     """
     texts = {str(path): read_rule_text(path) for path in find_rule_files(paths)}
     results = [parse(text, path) for path, text in texts.items()]
-    context = CheckContext(resolve=resolve_topic, profile=profile, bag_topics=bag_topics)
+    context = CheckContext(resolve=resolve, profile=profile, bag_topics=bag_topics)
     findings = tuple(check_rules(results, context))
     has_error = any(finding.severity is Severity.ERROR for finding in findings)
     usable = [] if has_error else [result.file for result in results]
-    tier_rates = tier_rates_for(usable, profile, resolve_topic)
-    return LoadedRules(
-        findings=findings, rule_set=compile_rules(usable, resolve_topic, tier_rates), texts=texts
-    )
+    tier_rates = tier_rates_for(usable, profile, resolve)
+    return LoadedRules(findings=findings, rule_set=compile_rules(usable, resolve, tier_rates), texts=texts)

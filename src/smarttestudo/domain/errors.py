@@ -38,5 +38,9 @@ class RecordingError(TestudoError):
     """A recording that cannot be read or written."""
 
 
+class RosError(TestudoError):
+    """Something that ROS 2 refuses or lacks."""
+
+
 class UsageError(TestudoError):
     """A command line that does not fit together; the program exits with 2."""

@@ -4,8 +4,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from enum import Enum
 
 
@@ -49,3 +49,13 @@ class Profile:
     def topic(self, name: str) -> TopicProfile:
         """The entry of ``name``, or an empty one."""
         return self.topics.get(name) or TopicProfile()
+
+    def resolved(self, resolve: Callable[[str], str]) -> Profile:
+        """This profile with every topic, also those paced with, by the name that ``resolve`` gives it."""
+        topics = {
+            resolve(name): topic
+            if topic.paced_with is None
+            else replace(topic, paced_with=resolve(topic.paced_with))
+            for name, topic in self.topics.items()
+        }
+        return replace(self, topics=topics)

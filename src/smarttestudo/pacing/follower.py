@@ -80,6 +80,12 @@ class Follower(Pacer):
             self._outbox.clear()
             self._latest = self.wake_ns = None
 
+    def forget(self) -> None:
+        """The topic has another type now: what waits is of the old one and must not go out."""
+        self._pending.clear()
+        self._outbox.clear()
+        self._latest = self.wake_ns = None
+
     def finish(self) -> None:
         """The recording ended; what the leader still holds decides over what still waits."""
 

@@ -32,5 +32,8 @@ class Pacer(Protocol):
     def set_rate(self, rate_hz: float, now_ns: int, /) -> None:
         """Aim at another rate from now on: infinite is Full, 0 is Off; ValueError if negative or NaN."""
 
+    def forget(self) -> None:
+        """The topic has another type now: what is held is of the old one and must not go out."""
+
     def finish(self) -> None:
         """The recording ended: repeat nothing; what is held still goes out at its own time, by ``wake``."""

@@ -88,6 +88,10 @@ class TopicPacer(Pacer):
         self._streams = self._make_streams()
         return [passed for sample in held for passed in self.offer(sample, now_ns)]
 
+    def forget(self) -> None:
+        """The topic has another type now: what is held is of the old one and must not go out."""
+        self._streams = self._make_streams()
+
     def finish(self) -> None:
         """The recording ended: repeat nothing; what is held still goes out at its own time, by ``wake``."""
         self._streams.finish()

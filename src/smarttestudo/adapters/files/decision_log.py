@@ -6,10 +6,10 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from smarttestudo.adapters.files.whole_file import whole_file
+from smarttestudo.adapters.files.whole_file import OutputFileError, whole_file
 from smarttestudo.domain.decision import Decision
 
 
@@ -21,6 +21,37 @@ def decision_log(path: Path) -> Iterator[Callable[[Iterable[Decision]], None]]:
     """
     with whole_file(path, "the decision log") as write:
         yield lambda decisions: write("".join(f"{_line(decision)}\n" for decision in decisions))
+
+
+@contextmanager
+def growing_decision_log(path: Path) -> Iterator[Callable[[Iterable[Decision]], None]]:
+    """What the block is given appends decisions to the file at ``path`` at once, so that a crash loses none.
+
+    Raises ``OutputFileError`` where that is not possible.
+    """
+    try:
+        file = path.open("a", encoding="utf-8")
+    except OSError as error:
+        raise _not_writable(path, error) from error
+
+    def append(decisions: Iterable[Decision]) -> None:
+        try:
+            file.write("".join(f"{_line(decision)}\n" for decision in decisions))
+            file.flush()
+        except OSError as error:
+            raise _not_writable(path, error) from error
+
+    try:
+        yield append
+    finally:
+        # What could not be written was said when it failed.
+        with suppress(OSError):
+            file.close()
+
+
+def _not_writable(path: Path, error: OSError) -> OutputFileError:
+    cause = f"the decision log cannot be written: {error.strerror or error}"
+    return OutputFileError(cause, place=str(path), remedy="name another file")
 
 
 def _line(decision: Decision) -> str:

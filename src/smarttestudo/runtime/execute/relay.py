@@ -90,6 +90,8 @@ class Relay:
 
     def change_source(self, change: SourceChanged, now_ns: int) -> Sequence[Relayed]:
         """Take what is said of the source; what was held may pass then."""
+        if self._type_name and change.type_name not in ("", self._type_name):
+            self.pacer.forget()
         self._type_name = change.type_name or self._type_name
         kind = StreamKind.of(type_name=self._type_name, transient_local=change.transient_local)
         self._has_frames = kind is StreamKind.TRANSFORMS

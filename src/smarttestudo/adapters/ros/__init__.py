@@ -1,0 +1,32 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""ROS 2: the only importer of rclpy. It must be installed where this is called, not where it is imported."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+
+from smarttestudo.domain.errors import RosError
+from smarttestudo.domain.robot import Robot
+
+
+@contextmanager
+def open_robot(ros_arguments: Sequence[str] = ()) -> Iterator[Robot]:
+    """A node ``smarttestudo`` on the graph; ``ros_arguments`` are what follows ``--ros-args``.
+
+    Raises:
+        RosError: rclpy is missing, or the node cannot be made.
+        UsageError: the arguments are none of ROS.
+    """
+    try:
+        import rclpy  # noqa: F401, PLC0415  a laptop lacks it
+    except ImportError as error:
+        raise RosError(
+            "this command needs ROS 2 (rclpy)",
+            remedy="source your ROS setup, or, without a ROS 2 installation, pip install 'smarttestudo[ros]'",
+        ) from error
+    from smarttestudo.adapters.ros.node import open_node  # noqa: PLC0415  needs rclpy
+
+    with open_node(ros_arguments) as node:
+        yield node

@@ -1,0 +1,33 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Message types by name."""
+
+from __future__ import annotations
+
+import importlib
+import re
+from typing import Any
+
+from smarttestudo.domain.errors import RosError
+
+_TYPE_NAME = re.compile(r"([a-z][a-z0-9_]*)/msg/([A-Z][A-Za-z0-9]*)\Z")
+
+
+def message_type(type_name: str, topic: str) -> Any:
+    """The class of ``type_name``, as in ``nav_msgs/msg/Odometry``, for use with ``topic``.
+
+    Raises ``RosError`` where it is not installed.
+    """
+    # Names come from the network: what is imported must be the messages of a package.
+    match = _TYPE_NAME.match(type_name)
+    if match is None:
+        raise RosError(f"{type_name!r} is not the name of a message type", place=topic)
+    package, name = match.groups()
+    try:
+        return getattr(importlib.import_module(f"{package}.msg"), name)
+    except (ImportError, AttributeError) as error:
+        raise RosError(
+            f"the message type {type_name} is not installed",
+            place=topic,
+            remedy=f"install the ROS package {package}, or source the workspace that holds it",
+        ) from error

@@ -1,0 +1,126 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The node that stands among the robot's own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+import rclpy
+from rclpy.clock import Clock, ClockType
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+
+from smarttestudo.adapters.ros.message_types import message_type
+from smarttestudo.adapters.ros.qos import is_reliable, is_transient_local, qos_profile
+from smarttestudo.adapters.ros.rclpy_path import RclpyPath, ros_errors
+from smarttestudo.domain.errors import RosError, UsageError
+from smarttestudo.domain.robot import DataPath, Endpoint, Qos, RobotLog
+from smarttestudo.domain.units import NS_PER_S
+
+NODE_NAME = "smarttestudo"
+
+
+@contextmanager
+def open_node(ros_arguments: Sequence[str]) -> Iterator[RosNode]:
+    """A node with a context of its own, both gone at the end; signals are left to the caller."""
+    context = Context()
+    arguments = ["--ros-args", *ros_arguments] if ros_arguments else []
+    try:
+        with ros_errors():
+            rclpy.init(args=arguments, context=context, signal_handler_options=SignalHandlerOptions.NO)
+    except RosError as error:
+        raise UsageError(error.cause, place="--ros-args", remedy="see the ROS 2 manual") from error
+    try:
+        with ros_errors(NODE_NAME):
+            node = Node(NODE_NAME, context=context)
+        executor = SingleThreadedExecutor(context=context)
+        executor.add_node(node)
+        try:
+            yield RosNode(node, executor)
+        finally:
+            executor.shutdown()
+            node.destroy_node()
+    finally:
+        rclpy.try_shutdown(context=context)
+
+
+class RosNode:
+    """An rclpy node with an executor of one thread, as a ``Robot``."""
+
+    def __init__(self, node: Any, executor: Any) -> None:
+        self._node = node
+        self._executor = executor
+        self._clock = node.get_clock()
+        self._steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self._data_path = RclpyPath(node)
+
+    @property
+    def name(self) -> str:
+        """The full name of the node."""
+        name: str = self._node.get_fully_qualified_name()
+        return name
+
+    @property
+    def log(self) -> RobotLog:
+        """The node's log, which also goes to /rosout."""
+        log: RobotLog = self._node.get_logger()
+        return log
+
+    @property
+    def data_path(self) -> DataPath:
+        """Messages in and out."""
+        return self._data_path
+
+    def now_ns(self) -> int:
+        """The node's clock, which is 0 while simulated time has not begun."""
+        nanoseconds: int = self._clock.now().nanoseconds
+        return nanoseconds
+
+    def resolve(self, topic: str) -> str:
+        """The full name of ``topic`` in the node's namespace, remapped."""
+        with ros_errors(topic):
+            name: str = self._node.resolve_topic_name(topic)
+        return name
+
+    def publishers(self, topic: str) -> Sequence[Endpoint]:
+        """Who publishes ``topic`` now, as far as discovered."""
+        with ros_errors(topic):
+            found = self._node.get_publishers_info_by_topic(topic)
+        return [
+            Endpoint(
+                node=f"{one.node_namespace.rstrip('/')}/{one.node_name}",
+                type_name=one.topic_type,
+                reliable=is_reliable(one.qos_profile),
+                transient_local=is_transient_local(one.qos_profile),
+            )
+            for one in found
+        ]
+
+    def text_publisher(self, topic: str, qos: Qos) -> Callable[[str], None]:
+        """What sends a std_msgs/msg/String on ``topic``; both may raise ``RosError``."""
+        text_type = message_type("std_msgs/msg/String", topic)
+        with ros_errors(topic):
+            publisher = self._node.create_publisher(text_type, topic, qos_profile(qos))
+
+        def publish(text: str) -> None:
+            with ros_errors(topic):
+                publisher.publish(text_type(data=text))
+
+        return publish
+
+    def every(self, period_s: float, act: Callable[[], None]) -> None:
+        """Have ``act`` called again and again, in real time."""
+        self._node.create_timer(period_s, act, clock=self._steady)
+
+    def wait(self, wake_ns: int | None, longest_s: float) -> None:
+        """Handle what comes next; return after it, at ``wake_ns`` or after ``longest_s`` in real time."""
+        timeout_s = longest_s
+        # Simulated time moves only with a message on /clock, and that ends the wait.
+        if wake_ns is not None and not self._clock.ros_time_is_active:
+            timeout_s = min(longest_s, max(wake_ns - self.now_ns(), 0) / NS_PER_S)
+        self._executor.spin_once(timeout_sec=timeout_s)

@@ -1,0 +1,105 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What the live runtime needs of a robot's ROS graph."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Qos:
+    """Quality of service of a publisher or subscriber with history KEEP_LAST ``depth``."""
+
+    reliable: bool
+    transient_local: bool
+    depth: int = 10
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Endpoint:
+    """A publisher of a topic, with the full name of its node.
+
+    It has no depth: that cannot be discovered of a remote publisher.
+    """
+
+    node: str
+    type_name: str
+    reliable: bool
+    transient_local: bool
+
+
+class Inlet(Protocol):
+    """A subscription to a source."""
+
+    def close(self) -> None:
+        """Receive nothing more."""
+
+
+class Outlet(Protocol):
+    """A publisher of a monitored topic."""
+
+    def publish(self, payload: bytes) -> None:
+        """Send a serialized message. Raises ``RosError``."""
+
+    def close(self) -> None:
+        """Send nothing more."""
+
+
+class DataPath(Protocol):
+    """How serialized messages come in and go out. Callbacks run within ``Robot.wait``."""
+
+    def subscribe(self, topic: str, type_name: str, qos: Qos, receive: Callable[[bytes], None]) -> Inlet:
+        """Have ``receive`` called with each message. Raises ``RosError``."""
+
+    def advertise(self, topic: str, type_name: str, qos: Qos) -> Outlet:
+        """Publish on ``topic``. Raises ``RosError``."""
+
+    def decode(self, topic: str, type_name: str, payload: bytes) -> object:
+        """The message of a payload that came on ``topic``. Raises ``RosError``."""
+
+
+class RobotLog(Protocol):
+    """The node's log."""
+
+    def info(self, message: str) -> None:
+        """Say what happened."""
+
+    def warning(self, message: str) -> None:
+        """Say what somebody should look at."""
+
+
+class Robot(Protocol):
+    """A node among the robot's own."""
+
+    @property
+    def name(self) -> str:
+        """The full name of the node."""
+
+    @property
+    def log(self) -> RobotLog:
+        """The node's log."""
+
+    @property
+    def data_path(self) -> DataPath:
+        """Messages in and out."""
+
+    def now_ns(self) -> int:
+        """The node's clock, which is 0 while simulated time has not begun."""
+
+    def resolve(self, topic: str) -> str:
+        """The full name of ``topic`` in the node's namespace, remapped."""
+
+    def publishers(self, topic: str) -> Sequence[Endpoint]:
+        """Who publishes ``topic`` now, as far as discovered."""
+
+    def text_publisher(self, topic: str, qos: Qos) -> Callable[[str], None]:
+        """What sends a std_msgs/msg/String on ``topic``; both may raise ``RosError``."""
+
+    def every(self, period_s: float, act: Callable[[], None]) -> None:
+        """Have ``act`` called again and again, in real time."""
+
+    def wait(self, wake_ns: int | None, longest_s: float) -> None:
+        """Handle what comes next; return after it, at ``wake_ns`` or after ``longest_s`` in real time."""

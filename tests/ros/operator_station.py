@@ -1,0 +1,78 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The operator's side: notes when each monitored message arrives.
+
+usage: operator_station.py SPAN_S '{"imu": {"type": "sensor_msgs/msg/Imu", "transient_local": false}, …}'
+Prints ``heard N`` when every topic has been heard for N times SPAN_S, first to last message (0: ``messages``
+of each). The line ``stop`` on stdin prints the result: arrivals as [seconds, value], where the value is the x
+of an Odometry or the text of a String.
+"""
+
+from __future__ import annotations
+
+import importlib
+import json
+import sys
+import threading
+import time
+from typing import Any
+
+import rclpy
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+
+
+class Station:
+    def __init__(self, node: Any, topics: dict[str, dict[str, Any]], span_s: float) -> None:
+        self.arrivals: dict[str, list[tuple[float, Any]]] = {name: [] for name in topics}
+        self.topics = topics
+        self.span_s = span_s
+        self.heard = 0
+        self.subscriptions = [self.subscribe(node, name, topic) for name, topic in topics.items()]
+
+    def subscribe(self, node: Any, name: str, topic: dict[str, Any]) -> Any:
+        package, _, type_name = topic["type"].split("/")
+        latched = topic.get("transient_local", False)
+        qos = QoSProfile(
+            depth=100,
+            reliability=ReliabilityPolicy.RELIABLE if latched else ReliabilityPolicy.BEST_EFFORT,
+            durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
+        )
+        message_type = getattr(importlib.import_module(f"{package}.msg"), type_name)
+        return node.create_subscription(
+            message_type, f"/testudo/{name}", lambda message: self.note(name, message), qos
+        )
+
+    def note(self, name: str, message: Any) -> None:
+        self.arrivals[name].append((time.monotonic(), value_of(message)))
+        if all(self.enough(topic) for topic in self.topics):
+            self.heard += 1
+            sys.stdout.write(f"heard {self.heard}\n")
+
+    def enough(self, name: str) -> bool:
+        arrivals = self.arrivals[name]
+        if not self.span_s:
+            return len(arrivals) >= self.topics[name].get("messages", 1)
+        return bool(arrivals) and arrivals[-1][0] - arrivals[0][0] >= self.span_s * (self.heard + 1)
+
+
+def value_of(message: Any) -> Any:
+    if hasattr(message, "pose"):
+        return message.pose.pose.position.x
+    return getattr(message, "data", None)
+
+
+def main() -> None:
+    rclpy.init()
+    node = rclpy.create_node("operator")
+    station = Station(node, json.loads(sys.argv[2]), float(sys.argv[1]))
+    sys.stdout.write("ready\n")
+    stopped = threading.Event()
+    threading.Thread(target=lambda: (sys.stdin.readline(), stopped.set()), daemon=True).start()
+    while not stopped.is_set():
+        rclpy.spin_once(node, timeout_sec=0.1)
+    sys.stdout.write(f"result {json.dumps(station.arrivals)}\n")
+    node.destroy_node()
+    rclpy.shutdown()
+
+
+main()

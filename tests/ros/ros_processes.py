@@ -1,0 +1,129 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Processes on a ROS domain of their own: a robot's sources, the runtime, an operator who records."""
+
+from __future__ import annotations
+
+import json
+import os
+import queue
+import subprocess
+import sys
+import threading
+from pathlib import Path
+from typing import Any
+
+FOLDER = Path(__file__).parent
+LINE_TIMEOUT_S = 40.0
+TESTUDO = "import sys; from smarttestudo.cli.main import main; sys.exit(main())"
+# A parent of another environment leaves these, and then the ROS of this one does not load.
+NOT_INHERITED = ("_ROS_WHEELS_BOOTSTRAP_COMPLETE", "LD_LIBRARY_PATH")
+
+
+class Process:
+    """A process whose output, stderr included, is read line by line; it never outlives the block."""
+
+    def __init__(self, arguments: list[str], environment: dict[str, str]) -> None:
+        self.output: list[str] = []
+        self._process = subprocess.Popen(
+            [sys.executable, *arguments],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            encoding="utf-8",
+            env=environment,
+        )
+        self._lines: queue.Queue[str | None] = queue.Queue()
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
+
+    def line_with(self, text: str) -> str:
+        """The next line that holds ``text``."""
+        while (line := self._next_line()) is not None:
+            if text in line:
+                return line
+        raise AssertionError(f"ended without {text!r}:\n" + "".join(self.output))
+
+    def say(self, line: str) -> None:
+        assert self._process.stdin is not None
+        self._process.stdin.write(f"{line}\n")
+        self._process.stdin.flush()
+
+    def result(self) -> Any:
+        """What a script of this folder measured."""
+        self.say("stop")
+        return json.loads(self.line_with("result ").removeprefix("result "))
+
+    def signal(self, number: int) -> None:
+        self._process.send_signal(number)
+
+    def exit_code(self) -> int:
+        code = self._process.wait(LINE_TIMEOUT_S)
+        self._reader.join()
+        return code
+
+    def end(self) -> None:
+        self._process.kill()
+        self._process.wait()
+        self._reader.join()
+        for stream in (self._process.stdin, self._process.stdout):
+            assert stream is not None
+            try:
+                stream.close()
+            except BrokenPipeError:
+                continue
+
+    def _next_line(self) -> str | None:
+        try:
+            return self._lines.get(timeout=LINE_TIMEOUT_S)
+        except queue.Empty:
+            raise AssertionError(f"nothing in {LINE_TIMEOUT_S} s:\n" + "".join(self.output)) from None
+
+    def _read(self) -> None:
+        assert self._process.stdout is not None
+        for line in self._process.stdout:
+            self.output.append(line)
+            self._lines.put(line)
+        self._lines.put(None)
+
+
+class SmallRobot:
+    """Starts processes on one ROS domain and ends them."""
+
+    def __init__(self, domain: int, folder: Path) -> None:
+        inherited = {name: value for name, value in os.environ.items() if name not in NOT_INHERITED}
+        self.folder = folder
+        self._environment = {
+            **inherited,
+            "ROS_DOMAIN_ID": str(domain),
+            "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+            "ROS_LOG_DIR": str(folder / "log"),
+            "PYTHONUNBUFFERED": "1",
+        }
+        self._processes: list[Process] = []
+
+    def source(self, **topics: dict[str, Any]) -> Process:
+        """A process that publishes; topics as ``source.py`` wants them, by name without the slash."""
+        return self._start([str(FOLDER / "source.py"), json.dumps(topics)])
+
+    def operator(self, *, span_s: float = 0.0, **topics: dict[str, Any]) -> Process:
+        """A process that records what ``/testudo`` has of the topics; see ``operator_station.py``."""
+        process = self._start([str(FOLDER / "operator_station.py"), str(span_s), json.dumps(topics)])
+        process.line_with("ready")
+        return process
+
+    def runtime(self, rules: str, *arguments: str) -> Process:
+        """``testudo run`` by the rules given as text."""
+        path = self.folder / f"rules{len(self._processes)}.adirf"
+        path.write_text(rules, encoding="utf-8")
+        return self._start(["-c", TESTUDO, "run", "--rules", str(path), *arguments])
+
+    def end(self) -> None:
+        for process in self._processes:
+            process.end()
+
+    def _start(self, arguments: list[str]) -> Process:
+        process = Process(arguments, self._environment)
+        self._processes.append(process)
+        return process

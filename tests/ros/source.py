@@ -1,0 +1,95 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""A robot's sources: publishes each topic on a schedule, and says at the end how well it kept to it.
+
+usage: source.py '{"imu": {"type": "sensor_msgs/msg/Imu", "hz": 195, "reliable": true}, …}'
+A topic without ``hz`` is latched: ``texts`` are published once, each by a publisher of its own. On stdin the
+line ``move`` puts the robot of an Odometry at x = 5, ``stop`` prints the result. With each message, a Clock
+goes on by ``step_ms``.
+"""
+
+from __future__ import annotations
+
+import importlib
+import json
+import sys
+import threading
+import time
+from typing import Any
+
+import rclpy
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+
+NS_PER_MS = 1_000_000
+NS_PER_S = 1_000_000_000
+
+
+class Stream:
+    def __init__(self, node: Any, name: str, topic: dict[str, Any]) -> None:
+        message_type = message_class(topic["type"])
+        policy = ReliabilityPolicy.RELIABLE if topic.get("reliable", True) else ReliabilityPolicy.BEST_EFFORT
+        self.publisher = node.create_publisher(
+            message_type, f"/{name}", QoSProfile(depth=10, reliability=policy)
+        )
+        self.message = message_type()
+        self.period_s = 1.0 / topic["hz"]
+        self.step_ns = topic.get("step_ms", 0) * NS_PER_MS
+        self.due_s = time.monotonic()
+        self.sent_s: list[float] = []
+
+    def send(self) -> None:
+        if self.step_ns:
+            now_ns = (len(self.sent_s) + 1) * self.step_ns
+            self.message.clock.sec, self.message.clock.nanosec = divmod(now_ns, NS_PER_S)
+        self.publisher.publish(self.message)
+        self.sent_s.append(time.monotonic())
+        self.due_s += self.period_s
+
+
+def message_class(type_name: str) -> Any:
+    package, _, name = type_name.split("/")
+    return getattr(importlib.import_module(f"{package}.msg"), name)
+
+
+def latch(node: Any, name: str, topic: dict[str, Any]) -> list[Any]:
+    qos = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    message_type = message_class(topic["type"])
+    publishers = [node.create_publisher(message_type, f"/{name}", qos) for _ in topic["texts"]]
+    for publisher, text in zip(publishers, topic["texts"], strict=True):
+        publisher.publish(message_type(data=text))
+    return publishers
+
+
+def listen(streams: dict[str, Stream], stopped: threading.Event) -> None:
+    for line in sys.stdin:
+        if line.strip() == "move":
+            streams["odom"].message.pose.pose.position.x = 5.0
+        else:
+            break
+    stopped.set()
+
+
+def main() -> None:
+    topics = json.loads(sys.argv[1])
+    rclpy.init()
+    node = rclpy.create_node("source")
+    latched = [latch(node, name, topic) for name, topic in topics.items() if "hz" not in topic]
+    streams = {name: Stream(node, name, topic) for name, topic in topics.items() if "hz" in topic}
+    sys.stdout.write("ready\n")
+    stopped = threading.Event()
+    threading.Thread(target=listen, args=(streams, stopped), daemon=True).start()
+    while not stopped.is_set():
+        now_s = time.monotonic()
+        for stream in streams.values():
+            if stream.due_s <= now_s:
+                stream.send()
+        due_s = min((stream.due_s for stream in streams.values()), default=now_s + 0.1)
+        stopped.wait(max(due_s - time.monotonic(), 0))
+    result = {name: (len(one.sent_s) - 1) / (one.sent_s[-1] - one.sent_s[0]) for name, one in streams.items()}
+    sys.stdout.write(f"result {json.dumps(result)}\n")
+    del latched
+    node.destroy_node()
+    rclpy.shutdown()
+
+
+main()

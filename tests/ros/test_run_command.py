@@ -1,0 +1,75 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""How testudo run starts, refuses and ends."""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from ros.ros_processes import SmallRobot
+
+RULES = "begin SetFrequency /imu 10 end"
+WITHOUT_ROS = (
+    "import sys; sys.modules['rclpy'] = None; from smarttestudo.cli.main import main; sys.exit(main())"
+)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_ends_it_cleanly(robot: SmallRobot, number: signal.Signals) -> None:
+    runtime = robot.runtime(RULES)
+    runtime.line_with("/imu: 10 Hz (default)")
+    runtime.signal(number)
+    assert runtime.exit_code() == 0
+    assert not [line for line in runtime.output if "INFO" not in line]
+
+
+def test_a_prefix_goes_before_every_topic(robot: SmallRobot) -> None:
+    decisions = robot.folder / "decisions.jsonl"
+    runtime = robot.runtime(
+        "begin SetFrequency imu 10 SetFrequency /odom 5 end",
+        *("--topic-prefix", "/tb3_0", "--decisions", str(decisions), "--ros-args", "-r", "__ns:=/arm"),
+    )
+    runtime.line_with("/tb3_0/odom: 5 Hz (default)")
+    topics = [json.loads(line)["topic"] for line in decisions.read_text(encoding="utf-8").splitlines()]
+    assert topics == ["/tb3_0/arm/imu", "/tb3_0/odom"]
+
+
+def test_rules_with_an_error_are_refused_like_testudo_check_does(robot: SmallRobot) -> None:
+    runtime = robot.runtime("begin SetFrequency /imu fast end")
+    assert runtime.exit_code() == 1
+    assert "rules0.adirf:1:25: error[" in runtime.output[0]
+    assert "Traceback" not in "".join(runtime.output)
+
+
+@pytest.mark.parametrize("pattern", ["{topic}", "/odom", "{topic}_receive"])
+def test_an_output_that_is_taken_is_refused(robot: SmallRobot, pattern: str) -> None:
+    rules = "begin SetFrequency /imu 10 SetFrequency /imu_receive 10 end"
+    runtime = robot.runtime(rules, "--output-topic", pattern)
+    assert runtime.exit_code() == 2
+    (line,) = runtime.output
+    assert line.startswith("--output-topic: error: ")
+
+
+def test_arguments_that_ros_does_not_know_are_refused(robot: SmallRobot) -> None:
+    runtime = robot.runtime(RULES, "--ros-args", "--nonsense")
+    assert runtime.exit_code() == 2
+    (line,) = runtime.output
+    assert line.startswith("--ros-args: error: ")
+
+
+def test_without_rclpy_one_line_says_how_to_get_it(tmp_path: Path) -> None:
+    rules = tmp_path / "rules.adirf"
+    rules.write_text(RULES, encoding="utf-8")
+    arguments = [sys.executable, "-c", WITHOUT_ROS, "run", "--rules", str(rules)]
+    done = subprocess.run(arguments, capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    assert done.stderr.splitlines() == [
+        "error: this command needs ROS 2 (rclpy); source your ROS setup, or, without a ROS 2 installation, "
+        "pip install 'smarttestudo[ros]'"
+    ]

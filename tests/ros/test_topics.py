@@ -1,0 +1,49 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Topics that come late, come back otherwise, or are none of the robot's."""
+
+from __future__ import annotations
+
+from ros.ros_processes import SmallRobot
+
+IMU = "sensor_msgs/msg/Imu"
+TEXT = "std_msgs/msg/String"
+
+
+def test_a_late_subscriber_gets_the_latched_message_of_each_publisher(robot: SmallRobot) -> None:
+    latched = {"map_name": {"type": TEXT, "transient_local": True, "messages": 2}}
+    robot.runtime("begin SetFrequency /map_name Full end")
+    robot.source(map_name={"type": TEXT, "texts": ["ground floor", "first floor"]})
+    robot.operator(**latched).line_with("heard")
+    late = robot.operator(**latched)
+    late.line_with("heard")
+    assert sorted(text for _, text in late.result()["map_name"]) == ["first floor", "ground floor"]
+
+
+def test_a_source_that_comes_back_with_another_qos_is_relayed_again(robot: SmallRobot) -> None:
+    operator = robot.operator(imu={"type": IMU})
+    runtime = robot.runtime("begin SetFrequency /imu Full end")
+    source = robot.source(imu={"type": IMU, "hz": 50})
+    operator.line_with("heard")
+    source.end()
+    robot.source(imu={"type": IMU, "hz": 50, "reliable": False})
+    runtime.line_with("/imu: sensor_msgs/msg/Imu, best effort")
+    again = robot.operator(imu={"type": IMU})
+    again.line_with("heard")
+
+
+def test_what_another_smarttestudo_relays_is_not_relayed_again(robot: SmallRobot) -> None:
+    operator = robot.operator(imu={"type": IMU})
+    robot.runtime("begin SetFrequency /imu 10 end")
+    robot.source(imu={"type": IMU, "hz": 50})
+    operator.line_with("heard")
+    second = robot.runtime("begin SetFrequency /testudo/imu 5 end", "--ros-args", "-r", "__node:=second")
+    second.line_with("/testudo/imu: published by SmartTestudo only, so it is not relayed")
+
+
+def test_the_last_decisions_are_there_for_a_late_subscriber(robot: SmallRobot) -> None:
+    robot.runtime("begin SetFrequency /imu 10 end").line_with("/imu: 10 Hz (default)")
+    operator = robot.operator(decisions={"type": TEXT, "transient_local": True})
+    operator.line_with("heard")
+    (_, line), *_ = operator.result()["decisions"]
+    assert '"topic": "/imu"' in line
