@@ -4,8 +4,9 @@
 
 from __future__ import annotations
 
+import fcntl
 import importlib.util
-import os
+import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -13,12 +14,28 @@ import pytest
 
 from ros.ros_processes import SmallRobot
 
+# Domains above have ports that Linux gives to others.
+DOMAINS = range(1, 102)
+
+
+@pytest.fixture(scope="session")
+def domain() -> Iterator[int]:
+    """A domain that no other test run on this machine has."""
+    for number in DOMAINS:
+        with (Path(tempfile.gettempdir()) / f"smarttestudo-test-domain-{number}").open("w") as lock:
+            try:
+                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                continue
+            yield number
+            return
+    pytest.fail("all ROS domains are taken by other test runs")
+
 
 @pytest.fixture
-def robot(tmp_path: Path) -> Iterator[SmallRobot]:
+def robot(domain: int, tmp_path: Path) -> Iterator[SmallRobot]:
     if importlib.util.find_spec("rclpy") is None:
         pytest.skip("ROS 2 (rclpy) is not installed")
-    # Domains up to 101 have ports below those that Linux gives to others.
-    small_robot = SmallRobot(1 + os.getpid() % 101, tmp_path)
+    small_robot = SmallRobot(domain, tmp_path)
     yield small_robot
     small_robot.end()
