@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from smarttestudo.cli.loop_options import add_when_slow
 from smarttestudo.cli.progress import progress
 from smarttestudo.cli.tables import print_table
 from smarttestudo.pacing.sample import WhenSlow
@@ -54,12 +55,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         action="store_true",
         help="write whole camera frames (about 0.2 GB a second) instead of small ones with declared sizes",
     )
-    parser.add_argument(
-        "--when-slow",
-        choices=[mode.value for mode in WhenSlow],
-        default=WhenSlow.PASS.value,
-        help="what to do where a target is above its source: pass what comes (default), or repeat the newest",
-    )
+    add_when_slow(parser)
     parser.set_defaults(run=run)
 
 

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import math
 import sys
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
@@ -17,6 +16,7 @@ from smarttestudo.adapters.files.decision_log import decision_log
 from smarttestudo.adapters.files.profile import load_profile
 from smarttestudo.adapters.files.whole_file import whole_file
 from smarttestudo.cli.finding_text import print_findings
+from smarttestudo.cli.loop_options import add_rules
 from smarttestudo.cli.progress import progress
 from smarttestudo.cli.tables import print_table
 from smarttestudo.composition.rule_sets import LoadedRules, load_rules
@@ -39,36 +39,15 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         description="Run the loop over a recording in virtual time, and write what it relays as a new one.",
     )
     parser.add_argument("bag", metavar="BAG", type=Path, help="a rosbag2 folder, a .db3 or an .mcap file")
-    parser.add_argument(
-        "--rules",
-        metavar="FILE",
-        nargs="+",
-        action="extend",
-        type=Path,
-        required=True,
-        help="rule files, or folders of them; several form one set",
-    )
+    add_rules(parser)
     parser.add_argument(
         "--output", metavar="DIR", type=Path, required=True, help="the new recording's folder"
     )
-    parser.add_argument("--profile", metavar="FILE", type=Path, help="what is known about the topics (TOML)")
     _add_options(parser)
     parser.set_defaults(run=run)
 
 
 def _add_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--budget",
-        metavar="N",
-        type=budget_kb_per_s,
-        help="KB/s that all relayed topics together may take; rates are cut by priority, not below floors",
-    )
-    parser.add_argument(
-        "--when-slow",
-        choices=[mode.value for mode in WhenSlow],
-        default=WhenSlow.PASS.value,
-        help="what to do where a target is above its source: pass what comes (default), or repeat the newest",
-    )
     parser.add_argument(
         "--storage",
         choices=[storage.value for storage in Storage],
@@ -86,17 +65,6 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
         "--report", metavar="FILE", type=Path, help="write a page that shows the replay (HTML)"
     )
     parser.add_argument("--json", action="store_true", help="print one JSON object instead of a table")
-
-
-def budget_kb_per_s(text: str) -> float:
-    """A budget from the command line; ``ArgumentTypeError`` for anything but a number of KB/s."""
-    try:
-        number = float(text)
-    except ValueError:
-        number = math.nan
-    if not 0 <= number < math.inf:
-        raise argparse.ArgumentTypeError(f"a budget is a number of KB/s from 0 on, not {text!r}")
-    return number
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -15,7 +15,7 @@ from smarttestudo.adapters.files.decision_log import growing_decision_log
 from smarttestudo.adapters.files.profile import load_profile
 from smarttestudo.adapters.ros import open_robot
 from smarttestudo.cli.finding_text import print_findings
-from smarttestudo.cli.replay import budget_kb_per_s
+from smarttestudo.cli.loop_options import add_rules
 from smarttestudo.cli.stop_signals import stop_signals
 from smarttestudo.composition.rule_sets import load_rules
 from smarttestudo.composition.run import DEFAULT_OUTPUT_TOPIC, Decided, RunRequest, run_live
@@ -35,27 +35,12 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         description="Relay the topics of a ROS 2 robot, each at the rate that your rules give it now. "
         "Ends on SIGINT (Ctrl-C) and SIGTERM.",
     )
-    parser.add_argument(
-        "--rules",
-        metavar="FILE",
-        nargs="+",
-        action="extend",
-        type=Path,
-        required=True,
-        help="rule files, or folders of them; several form one set",
-    )
-    parser.add_argument("--profile", metavar="FILE", type=Path, help="what is known about the topics (TOML)")
+    add_rules(parser)
     _add_options(parser)
     parser.set_defaults(run=run)
 
 
 def _add_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--budget",
-        metavar="N",
-        type=budget_kb_per_s,
-        help="KB/s that all relayed topics together may take; rates are cut by priority, not below floors",
-    )
     parser.add_argument(
         "--output-topic",
         metavar="NAME",
@@ -68,12 +53,6 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
         type=topic_prefix,
         default="",
         help="what to put before every topic of the rules and the profile, as in /tb3_0",
-    )
-    parser.add_argument(
-        "--when-slow",
-        choices=[mode.value for mode in WhenSlow],
-        default=WhenSlow.PASS.value,
-        help="what to do where a target is above its source: pass what comes (default), or repeat the newest",
     )
     parser.add_argument(
         "--decisions", metavar="FILE", type=Path, help="append the decisions to a file (JSON Lines)"

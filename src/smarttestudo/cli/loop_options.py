@@ -1,0 +1,53 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Options of every command that runs the loop."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from pathlib import Path
+
+from smarttestudo.pacing.sample import WhenSlow
+
+
+def add_rules(parser: argparse.ArgumentParser) -> None:
+    """Add ``--rules``, ``--profile``, ``--budget`` and ``--when-slow``."""
+    parser.add_argument(
+        "--rules",
+        metavar="FILE",
+        nargs="+",
+        action="extend",
+        type=Path,
+        required=True,
+        help="rule files, or folders of them; several form one set",
+    )
+    parser.add_argument("--profile", metavar="FILE", type=Path, help="what is known about the topics (TOML)")
+    parser.add_argument(
+        "--budget",
+        metavar="N",
+        type=budget_kb_per_s,
+        help="KB/s that all relayed topics together may take; rates are cut by priority, not below floors",
+    )
+    add_when_slow(parser)
+
+
+def add_when_slow(parser: argparse.ArgumentParser) -> None:
+    """Add ``--when-slow``."""
+    parser.add_argument(
+        "--when-slow",
+        choices=[mode.value for mode in WhenSlow],
+        default=WhenSlow.PASS.value,
+        help="what to do where a target is above its source: pass what comes (default), or repeat the newest",
+    )
+
+
+def budget_kb_per_s(text: str) -> float:
+    """A budget from the command line; ``ArgumentTypeError`` for anything but a number of KB/s."""
+    try:
+        number = float(text)
+    except ValueError:
+        number = math.nan
+    if not 0 <= number < math.inf:
+        raise argparse.ArgumentTypeError(f"a budget is a number of KB/s from 0 on, not {text!r}")
+    return number
