@@ -99,4 +99,5 @@ def test_a_rate_counts_in_simulated_time_where_the_robot_does(robot: SmallRobot)
     operator.line_with("heard 1")
     received = operator.result()
     sent_hz = source.result()
-    assert mean_hz(received["imu"]) == pytest.approx(10 * sent_hz["clock"] / 50, rel=0.03)
+    # 80 messages, of which a pacer that makes up for late ones may pass five more or fewer.
+    assert mean_hz(received["imu"]) == pytest.approx(10 * sent_hz["clock"] / 50, rel=0.1)
