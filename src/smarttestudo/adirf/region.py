@@ -76,11 +76,6 @@ class Region:
         return not self.pieces
 
     @property
-    def is_everything(self) -> bool:
-        """Whether every number is in it."""
-        return self.pieces == ((_LOWEST, _HIGHEST),)
-
-    @property
     def cuts(self) -> tuple[Bound, ...]:
         """The finite cuts at which membership changes, rising."""
         ends = (cut for piece in self.pieces for cut in piece)

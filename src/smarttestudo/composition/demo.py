@@ -19,7 +19,7 @@ from smarttestudo.adirf.rule_set import compile_rules
 from smarttestudo.composition.demo_folder import MARKER, demo_folder
 from smarttestudo.composition.demo_measure import measure_run
 from smarttestudo.composition.demo_mission import bytes_per_second, record_mission
-from smarttestudo.composition.demo_page import compare_runs, demo_page
+from smarttestudo.composition.demo_page import demo_page
 from smarttestudo.composition.replay import ReplayRequest, replay
 from smarttestudo.composition.replay_outcome import ReplayOutcome
 from smarttestudo.domain.decision import Decision
@@ -29,6 +29,7 @@ from smarttestudo.simulation.readings import Topic
 from smarttestudo.simulation.warehouse import warehouse
 from smarttestudo.visualizer.comparison import Comparison
 from smarttestudo.visualizer.page import Fact, RuleText, render_page
+from smarttestudo.visualizer.run_pair import compare_runs
 
 BASELINE = "baseline"
 ADAPTIVE = "adaptive"
@@ -124,7 +125,9 @@ def _write_report(
         baseline = measure_run(folder / BASELINE, odometry_topic=odometry_topic, report=report)
     with request.progress("Measuring what was received") as report:
         adaptive = measure_run(folder / ADAPTIVE, odometry_topic=odometry_topic, report=report)
-    comparison = compare_runs(baseline, adaptive, decisions)
+    comparison = compare_runs(
+        baseline.statistics, adaptive.statistics, decisions, end_s=baseline.span.duration_s
+    )
     page = demo_page(
         baseline=baseline,
         adaptive=adaptive,

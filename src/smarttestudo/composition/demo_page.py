@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from smarttestudo.composition.demo_measure import MeasuredRun
 from smarttestudo.domain.decision import Decision
 from smarttestudo.simulation import floor_plan
-from smarttestudo.visualizer.comparison import Comparison, compare
+from smarttestudo.visualizer.comparison import Comparison
 from smarttestudo.visualizer.page import (
     Fact,
     FloorPlan,
@@ -18,23 +18,11 @@ from smarttestudo.visualizer.page import (
     PageInput,
     Rectangle,
     RuleText,
-    TopicSeries,
     Zone,
 )
-from smarttestudo.visualizer.rate_series import rate_series
-from smarttestudo.visualizer.rule_timeline import by_topic
-from smarttestudo.visualizer.targets import mean_target, target_spans
+from smarttestudo.visualizer.run_pair import paired_series
 
 _TITLE = "A TurtleBot3 patrols a warehouse"
-
-
-def compare_runs(baseline: MeasuredRun, adaptive: MeasuredRun, decisions: Sequence[Decision]) -> Comparison:
-    """What the robot published against what the operator received, with what was planned in between."""
-    targets = {
-        topic: mean_target(target_spans(own, baseline.span.duration_s), baseline.statistics[topic].mean_hz)
-        for topic, own in by_topic(decisions).items()
-    }
-    return compare(baseline.statistics, adaptive.statistics, targets)
 
 
 def demo_page(
@@ -48,19 +36,11 @@ def demo_page(
     provenance: Sequence[Fact],
 ) -> PageInput:
     """The page of a demo; times count from the start of the baseline."""
-    series = tuple(
-        TopicSeries(
-            topic=topic,
-            before=rate_series(trace, baseline.span),
-            after=rate_series(adaptive.traces[topic], baseline.span),
-        )
-        for topic, trace in baseline.traces.items()
-    )
     return PageInput(
         title=_TITLE,
         duration_s=baseline.span.duration_s,
         comparison=comparison,
-        series=series,
+        series=paired_series(baseline.traces, adaptive.traces, baseline.span),
         decisions=tuple(decisions),
         rules=(rules,),
         provenance=tuple(provenance),

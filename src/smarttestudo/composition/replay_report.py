@@ -11,12 +11,9 @@ from pathlib import Path
 from smarttestudo import __version__
 from smarttestudo.adapters.rosbag import open_recording
 from smarttestudo.domain.decision import Decision
-from smarttestudo.visualizer.comparison import Comparison, compare
-from smarttestudo.visualizer.page import Fact, PageInput, RuleText, TopicSeries, render_page
-from smarttestudo.visualizer.rate_series import rate_series
-from smarttestudo.visualizer.rule_timeline import by_topic
+from smarttestudo.visualizer.page import Fact, PageInput, RuleText, render_page
+from smarttestudo.visualizer.run_pair import compare_runs, paired_series
 from smarttestudo.visualizer.statistics import RecordingSpan, TopicStatistics, topic_statistics
-from smarttestudo.visualizer.targets import mean_target, target_spans
 from smarttestudo.visualizer.trace import TraceAccumulator
 
 _MESSAGES_PER_REPORT = 1000
@@ -62,8 +59,13 @@ def replay_report(request: ReportRequest) -> str:
         PageInput(
             title=f"Replay of {request.bag.resolve().name}",
             duration_s=before.span.duration_s,
-            comparison=_compared(before, after, request.decisions),
-            series=_series(before, after),
+            comparison=compare_runs(
+                before.statistics(before.span),
+                after.statistics(before.span),
+                request.decisions,
+                end_s=before.span.duration_s,
+            ),
+            series=paired_series(before.traces, after.traces, before.span),
             decisions=tuple(request.decisions),
             rules=tuple(RuleText(path=path, text=text) for path, text in request.rule_texts.items()),
             provenance=(
@@ -72,27 +74,6 @@ def replay_report(request: ReportRequest) -> str:
                 Fact(label="Monitored recording", value=str(request.output)),
             ),
         )
-    )
-
-
-def _compared(before: _Measured, after: _Measured, decisions: Sequence[Decision]) -> Comparison:
-    published = before.statistics(before.span)
-    targets = {
-        topic: mean_target(target_spans(own, before.span.duration_s), published[topic].mean_hz)
-        for topic, own in by_topic(decisions).items()
-        if topic in published
-    }
-    return compare(published, after.statistics(before.span), targets)
-
-
-def _series(before: _Measured, after: _Measured) -> tuple[TopicSeries, ...]:
-    return tuple(
-        TopicSeries(
-            topic=topic,
-            before=rate_series(trace, before.span),
-            after=rate_series(after.traces[topic], before.span) if topic in after.traces else (),
-        )
-        for topic, trace in before.traces.items()
     )
 
 
