@@ -17,8 +17,9 @@ from smarttestudo.adapters.ros import open_robot
 from smarttestudo.cli.finding_text import print_findings
 from smarttestudo.cli.loop_options import add_rules
 from smarttestudo.cli.stop_signals import stop_signals
+from smarttestudo.composition.live_decisions import Decided
 from smarttestudo.composition.rule_sets import load_rules
-from smarttestudo.composition.run import DEFAULT_OUTPUT_TOPIC, Decided, RunRequest, run_live
+from smarttestudo.composition.run import DEFAULT_OUTPUT_TOPIC, RunRequest, run_live
 from smarttestudo.domain.names import is_topic_name
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.robot import Robot

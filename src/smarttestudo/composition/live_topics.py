@@ -4,19 +4,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Mapping
 from dataclasses import dataclass
 
+from smarttestudo.composition.live_decisions import DECISIONS_TOPIC
 from smarttestudo.composition.live_source import LiveSource, live_source, suits
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.observation import SourceChanged, Undecodable
 from smarttestudo.domain.robot import Inlet, Outlet, Robot
 from smarttestudo.runtime.execute.relay import Relayed
 
-DECISIONS_TOPIC = "/testudo/decisions"
-
-Receive = Callable[[str, bytes], None]
-"""Takes a message: its topic and its payload."""
+Received = Callable[[str, bytes, Hashable], None]
+"""Takes a message: its topic, its payload, and its publisher where that is known."""
 
 
 @dataclass(slots=True, kw_only=True)
@@ -41,15 +40,26 @@ class LiveTopics:
     """
 
     def __init__(
-        self, robot: Robot, monitored: Mapping[str, str], watched: Sequence[str], receive: Receive
+        self, robot: Robot, monitored: Mapping[str, str], watched: Iterable[str], receive: Received
     ) -> None:
         self._robot = robot
-        self._monitored = monitored
-        self._topics = tuple(dict.fromkeys([*monitored, *watched]))
         self._receive = receive
+        self._monitored: Mapping[str, str] = {}
+        self._topics: tuple[str, ...] = ()
         self._sources: dict[str, LiveSource] = {}
         self._open: dict[str, _Open] = {}
         self._said: set[str] = set()
+        self.follow(monitored, watched)
+
+    def follow(self, monitored: Mapping[str, str], watched: Iterable[str]) -> None:
+        """Serve these topics from now on; what is open for others is closed, or for another output."""
+        before, self._monitored = self._monitored, monitored
+        self._topics = tuple(dict.fromkeys([*monitored, *watched]))
+        for topic in list(self._sources):
+            if topic not in self._topics or monitored.get(topic) != before.get(topic):
+                del self._sources[topic]
+                if topic in self._open:
+                    self._open.pop(topic).close()
 
     def look(self) -> list[SourceChanged]:
         """Follow the graph: what changed since the last look."""
@@ -115,7 +125,10 @@ class LiveTopics:
         outlet = None if output is None else path.advertise(output, source.type_name, source.qos)
         try:
             inlet = path.subscribe(
-                topic, source.type_name, source.qos, lambda payload: self._receive(topic, payload)
+                topic,
+                source.type_name,
+                source.qos,
+                lambda payload, publisher: self._receive(topic, payload, publisher),
             )
         except RosError:
             if outlet is not None:

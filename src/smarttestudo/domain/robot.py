@@ -4,9 +4,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
+
+Receive = Callable[[bytes, Hashable], None]
+"""Takes a serialized message and what tells its publisher from others of the topic, or ``None``."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -51,7 +54,7 @@ class Outlet(Protocol):
 class DataPath(Protocol):
     """How serialized messages come in and go out. Callbacks run within ``Robot.wait``."""
 
-    def subscribe(self, topic: str, type_name: str, qos: Qos, receive: Callable[[bytes], None]) -> Inlet:
+    def subscribe(self, topic: str, type_name: str, qos: Qos, receive: Receive) -> Inlet:
         """Have ``receive`` called with each message. Raises ``RosError``."""
 
     def advertise(self, topic: str, type_name: str, qos: Qos) -> Outlet:

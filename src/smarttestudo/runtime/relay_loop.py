@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Hashable, Iterator, Mapping, Sequence
 
 from smarttestudo.adirf.rule_set import RuleSet
 from smarttestudo.domain.decision import Decision, PlannedRate
@@ -81,6 +81,11 @@ class RelayLoop:
     def discarded(self) -> Mapping[str, int]:
         """Messages of topics paced with another one that met no decision of it."""
         return self._relays.discarded
+
+    @property
+    def watched(self) -> Collection[str]:
+        """The topics that checks read."""
+        return self._knowledge.watched.keys()
 
     def reads(self, topic: str) -> bool:
         """Whether a check reads fields of ``topic``, so that its messages must be decoded."""

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -13,7 +13,7 @@ from rclpy.serialization import deserialize_message
 from smarttestudo.adapters.ros.message_types import message_type
 from smarttestudo.adapters.ros.qos import qos_profile
 from smarttestudo.domain.errors import RosError
-from smarttestudo.domain.robot import Inlet, Outlet, Qos
+from smarttestudo.domain.robot import Inlet, Outlet, Qos, Receive
 
 
 class RclpyPath:
@@ -22,11 +22,15 @@ class RclpyPath:
     def __init__(self, node: Any) -> None:
         self._node = node
 
-    def subscribe(self, topic: str, type_name: str, qos: Qos, receive: Callable[[bytes], None]) -> Inlet:
+    def subscribe(self, topic: str, type_name: str, qos: Qos, receive: Receive) -> Inlet:
         """Have ``receive`` called with each message. Raises ``RosError``."""
+
+        def received(payload: bytes) -> None:
+            receive(payload, None)
+
         with ros_errors(topic):
             handle = self._node.create_subscription(
-                message_type(type_name, topic), topic, receive, qos_profile(qos), raw=True
+                message_type(type_name, topic), topic, received, qos_profile(qos), raw=True
             )
         return _Inlet(self._node, handle)
 
