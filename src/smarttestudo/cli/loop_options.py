@@ -11,7 +11,7 @@ from pathlib import Path
 from smarttestudo.pacing.sample import WhenSlow
 
 
-def add_rules(parser: argparse.ArgumentParser) -> None:
+def add_rules(parser: argparse.ArgumentParser, *, required: bool = True) -> None:
     """Add ``--rules``, ``--profile``, ``--budget`` and ``--when-slow``."""
     parser.add_argument(
         "--rules",
@@ -19,7 +19,7 @@ def add_rules(parser: argparse.ArgumentParser) -> None:
         nargs="+",
         action="extend",
         type=Path,
-        required=True,
+        required=required,
         help="rule files, or folders of them; several form one set",
     )
     parser.add_argument("--profile", metavar="FILE", type=Path, help="what is known about the topics (TOML)")

@@ -48,6 +48,11 @@ def input_log(folder: Path) -> Iterator[Callable[[LoopInput], None]]:
             file.close()
 
 
+def holds_inputs(folder: Path) -> bool:
+    """Whether ``folder`` is one that ``input_log`` wrote."""
+    return (folder / INPUTS_FILE).is_file()
+
+
 def read_inputs(folder: Path) -> Iterator[LoopInput]:
     """The inputs in ``folder``, in order. A last line that was cut off is left out.
 
