@@ -57,13 +57,13 @@ def replay_inputs(folder: Path, decided: Callable[[Sequence[Decision]], None]) -
     first = next(inputs, None)
     if not isinstance(first, RulesInput):
         raise RecordingError("the recorded inputs do not start with rules", place=str(folder))
-    again, taken = _Again(first), 1
+    again = _Again(first)
     decided(again.take_decisions())
-    for taken, given in enumerate(inputs, 2):
+    for given in inputs:
         again.take(given)
         decided(again.take_decisions())
     return InputsOutcome(
-        inputs=taken,
+        inputs=again.inputs,
         decisions=again.decisions,
         duration_s=(again.now_ns - first.stamp_ns) / NS_PER_S,
         notices=tuple(again.notices()),
@@ -77,6 +77,7 @@ class _Again:
         rules, profile = _rules(first)
         self.loop = RelayLoop(rules, profile, first.stamp_ns, first.when_slow, first.budget_kb_per_s)
         self.now_ns = first.stamp_ns
+        self.inputs = 1
         self.decisions = 0
         self._decoder = RosbagDecoder()
         self._channels: dict[str, Channel] = {}
@@ -90,6 +91,7 @@ class _Again:
     def take(self, given: LoopInput) -> None:
         """Give it to the loop; what would be relayed went out in the live run."""
         loop, self.now_ns = self.loop, given.stamp_ns
+        self.inputs += 1
         match given:
             case MessageInput(stamp_ns=now_ns, topic=topic, size_bytes=size_bytes):
                 message = self._message(given) if loop.reads(topic) else None
