@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from smarttestudo.cli.loop_options import add_when_slow
 from smarttestudo.cli.progress import progress
+from smarttestudo.cli.simulation_options import add_simulation, seconds
 from smarttestudo.cli.tables import print_table
 from smarttestudo.pacing.sample import WhenSlow
 from smarttestudo.visualizer.comparison_tables import bandwidth_table, frequency_table
@@ -21,8 +22,6 @@ if TYPE_CHECKING:
 
 _DEFAULT_OUT = Path("demo-out")
 _DEFAULT_SECONDS = 200.0
-_MIN_SECONDS = 1.0
-_MAX_SECONDS = 86_400.0
 
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -43,17 +42,14 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.add_argument(
         "--seconds",
         metavar="S",
-        type=_seconds,
+        type=seconds,
         default=_DEFAULT_SECONDS,
         help="length of the mission; a round takes about 200 s (default: %(default)g)",
     )
-    parser.add_argument(
-        "--seed", metavar="N", type=_seed, default=0, help="fixes all noise (default: %(default)s)"
-    )
-    parser.add_argument(
-        "--full-images",
-        action="store_true",
-        help="write whole camera frames (about 0.2 GB a second) instead of small ones with declared sizes",
+    add_simulation(
+        parser,
+        full_images_help="write whole camera frames (about 0.2 GB a second) instead of small ones with "
+        "declared sizes",
     )
     add_when_slow(parser)
     parser.set_defaults(run=run)
@@ -102,19 +98,3 @@ def _print(outcome: DemoOutcome, out: Path) -> None:
         f"\nOpen {report} in a browser. Then change the rules and see what the operator gets:\n"
         f"  testudo replay {baseline} --rules {rules} --output my-recording"
     )
-
-
-def _seconds(text: str) -> float:
-    try:
-        seconds = float(text)
-    except ValueError:
-        seconds = 0.0
-    if not _MIN_SECONDS <= seconds <= _MAX_SECONDS:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number of seconds from 1 to {_MAX_SECONDS:.0f}")
-    return seconds
-
-
-def _seed(text: str) -> int:
-    if not (text.isascii() and text.isdigit()):
-        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number of 0 or more")
-    return int(text)
