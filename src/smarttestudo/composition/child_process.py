@@ -33,10 +33,19 @@ class ChildProcess:
         said = lines[-1] if lines else f"exit code {code}"
         raise TestudoError(f"the {self._name} failed: {said}")
 
+    def end(self) -> None:
+        """Ask it to end as by Ctrl-C, and make it if it does not."""
+        self._process.send_signal(signal.SIGINT)
+        try:
+            self._process.wait(_END_TIMEOUT_S)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+
 
 @contextmanager
 def child_process(name: str, arguments: Sequence[str], log: Path) -> Iterator[ChildProcess]:
-    """``testudo`` with ``arguments`` while the block lasts, then asked to end, then made to."""
+    """``testudo`` with ``arguments`` while the block lasts, then ended."""
     with log.open("wb") as output:
         process = subprocess.Popen(  # noqa: S603  our own program, with arguments that we make
             [sys.executable, "-m", "smarttestudo", *arguments],
@@ -46,12 +55,8 @@ def child_process(name: str, arguments: Sequence[str], log: Path) -> Iterator[Ch
             # Ctrl-C in the terminal ends this process, which ends the others in order.
             start_new_session=True,
         )
+        child = ChildProcess(name, process, log)
         try:
-            yield ChildProcess(name, process, log)
+            yield child
         finally:
-            process.send_signal(signal.SIGINT)
-            try:
-                process.wait(_END_TIMEOUT_S)
-            except subprocess.TimeoutExpired:
-                process.kill()
-                process.wait()
+            child.end()

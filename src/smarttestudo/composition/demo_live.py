@@ -18,14 +18,12 @@ from smarttestudo.composition.run import DEFAULT_OUTPUT_TOPIC
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.recording import Channel
 from smarttestudo.domain.robot import Robot
-from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.domain.units import NS_PER_S, ns_from_s
 from smarttestudo.pacing.sample import WhenSlow
 from smarttestudo.simulation.readings import Topic
 
 _LOOK_S = 0.1
 _START_TIMEOUT_S = 40.0
-# What is on its way when the robot has stopped still comes.
-_END_S = 1.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -60,14 +58,16 @@ def record_live(request: LiveDemoRequest, robot: Robot, report: Callable[[float]
         recorded(robot, request.adaptive, channels, declared_bytes, _monitored),
         child_process("runtime", _run_arguments(request), request.logs / "runtime.log") as runtime,
     ):
-        _await_runtime(robot, runtime)
+        _await_publisher(robot, DECISIONS_TOPIC, runtime)
         robot_log = request.logs / "robot.log"
         with child_process("simulated robot", _simulate_arguments(request), robot_log) as driver:
-            started_ns = robot.now_ns()
-            while runtime.is_running() and driver.is_running():
-                robot.wait(None, _LOOK_S)
-                report(min((robot.now_ns() - started_ns) / NS_PER_S / request.seconds, 1.0))
-        _spend(robot, _END_S)
+            _await_publisher(robot, Topic.ODOM.value, driver)
+            end_ns = robot.now_ns() + ns_from_s(request.seconds)
+            while (left_ns := end_ns - robot.now_ns()) > 0 and runtime.is_running() and driver.is_running():
+                robot.wait(end_ns, _LOOK_S)
+                report(1 - left_ns / NS_PER_S / request.seconds)
+            # It ends before the robot does, which would be a change of plans of its own.
+            runtime.end()
     return left_out
 
 
@@ -84,18 +84,12 @@ def _channels(robot: Robot, *, full_images: bool) -> tuple[list[Channel], tuple[
     return channels, tuple(left_out)
 
 
-def _await_runtime(robot: Robot, runtime: ChildProcess) -> None:
-    deadline_ns = robot.now_ns() + round(_START_TIMEOUT_S * NS_PER_S)
-    while not robot.publishers(DECISIONS_TOPIC):
-        if not runtime.is_running() or robot.now_ns() > deadline_ns:
-            raise RosError("the runtime did not start", remedy="look whether another ROS 2 is in its way")
+def _await_publisher(robot: Robot, topic: str, process: ChildProcess) -> None:
+    deadline_ns = robot.now_ns() + ns_from_s(_START_TIMEOUT_S)
+    while not robot.publishers(topic):
+        if not process.is_running() or robot.now_ns() > deadline_ns:
+            raise RosError(f"nobody published {topic}", remedy="try again with another ROS_DOMAIN_ID")
         robot.wait(None, _LOOK_S)
-
-
-def _spend(robot: Robot, seconds: float) -> None:
-    end_ns = robot.now_ns() + round(seconds * NS_PER_S)
-    while robot.now_ns() < end_ns:
-        robot.wait(end_ns, _LOOK_S)
 
 
 def _monitored(topic: str) -> str:
@@ -112,5 +106,5 @@ def _run_arguments(request: LiveDemoRequest) -> list[str]:
 
 
 def _simulate_arguments(request: LiveDemoRequest) -> list[str]:
-    arguments = ["simulate", "--seconds", f"{request.seconds:g}", "--seed", str(request.seed)]
+    arguments = ["simulate", "--seed", str(request.seed)]
     return [*arguments, "--full-images"] if request.full_images else arguments
