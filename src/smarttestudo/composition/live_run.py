@@ -8,6 +8,7 @@ from collections.abc import Callable, Hashable, Iterable, Mapping
 
 from smarttestudo.composition.live_decisions import LiveDecisions
 from smarttestudo.composition.live_topics import LiveTopics
+from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Robot
 from smarttestudo.runtime.execute.relay import Relayed
 from smarttestudo.runtime.relay_loop import RelayLoop
@@ -37,7 +38,7 @@ class LiveRun:
                 self._publish(self._loop.on_wake(now_ns))
         self._report()
 
-    def _receive(self, topic: str, payload: bytes, publisher: Hashable) -> None:
+    def _receive(self, topic: str, payload: Payload, publisher: Hashable) -> None:
         message = self._topics.decoded(topic, payload) if self._loop.reads(topic) else None
         now_ns = self._robot.now_ns()
         self._publish(
