@@ -23,10 +23,10 @@ NOT_INHERITED = ("_ROS_WHEELS_BOOTSTRAP_COMPLETE", "LD_LIBRARY_PATH")
 class Process:
     """A process whose output, stderr included, is read line by line; it never outlives the block."""
 
-    def __init__(self, arguments: list[str], environment: dict[str, str]) -> None:
+    def __init__(self, command: list[str], environment: dict[str, str]) -> None:
         self.output: list[str] = []
         self._process = subprocess.Popen(
-            [sys.executable, *arguments],
+            command,
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
@@ -119,11 +119,18 @@ class SmallRobot:
         path.write_text(rules, encoding="utf-8")
         return self._start(["-c", TESTUDO, "run", "--rules", str(path), *arguments])
 
+    def executable(self, setup: Path, path: Path, *arguments: str) -> Process:
+        """An executable of a workspace, in the environment that its setup file makes."""
+        return self._start_command(["sh", "-c", '. "$0" && exec "$@"', str(setup), str(path), *arguments])
+
     def end(self) -> None:
         for process in self._processes:
             process.end()
 
     def _start(self, arguments: list[str]) -> Process:
-        process = Process(arguments, self._environment)
+        return self._start_command([sys.executable, *arguments])
+
+    def _start_command(self, command: list[str]) -> Process:
+        process = Process(command, self._environment)
         self._processes.append(process)
         return process
