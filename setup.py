@@ -18,7 +18,7 @@ import setuptools
 
 ROOT = Path(__file__).resolve().parent
 SHARE = "share/smarttestudo"
-SHARED_FOLDERS = ("launch", "worlds", "profiles", "examples", "examples/quality")
+SHARED_FOLDERS = ("launch", "worlds", "profiles", "examples", "examples/quality", "extras")
 FIRST_TO_READ_PYPROJECT = 61
 
 

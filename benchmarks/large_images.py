@@ -116,7 +116,9 @@ def measure(rate: str, environment: Mapping[str, str], options: list[str]) -> Ou
             cpu_s = cpu_of(runtime) - cpu_s
         finally:
             for process in started:
-                process.kill()
+                # A killed one would leave its shared memory behind.
+                process.terminate()
+            for process in started:
                 process.communicate()
     if len(arrivals) < 2:
         return None

@@ -119,18 +119,15 @@ class SmallRobot:
         path.write_text(rules, encoding="utf-8")
         return self._start(["-c", TESTUDO, "run", "--rules", str(path), *arguments])
 
-    def executable(self, setup: Path, path: Path, *arguments: str) -> Process:
-        """An executable of a workspace, in the environment that its setup file makes."""
-        return self._start_command(["sh", "-c", '. "$0" && exec "$@"', str(setup), str(path), *arguments])
+    def command(self, *words: str, **environment: str) -> Process:
+        """Any command, with variables of its own."""
+        process = Process(list(words), {**self._environment, **environment})
+        self._processes.append(process)
+        return process
 
     def end(self) -> None:
         for process in self._processes:
             process.end()
 
     def _start(self, arguments: list[str]) -> Process:
-        return self._start_command([sys.executable, *arguments])
-
-    def _start_command(self, command: list[str]) -> Process:
-        process = Process(command, self._environment)
-        self._processes.append(process)
-        return process
+        return self.command(sys.executable, *arguments)

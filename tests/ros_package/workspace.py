@@ -11,7 +11,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 OF_A_ROS_PACKAGE = ("setup.py", "setup.cfg", "pyproject.toml", "package.xml", "README.md", "LICENSE")
-OF_A_ROS_PACKAGE_FOLDERS = ("resource", "launch", "worlds", "profiles", "examples", "src")
+OF_A_ROS_PACKAGE_FOLDERS = ("resource", "launch", "worlds", "profiles", "examples", "extras", "src")
 
 
 def build(workspace: Path, *options: str) -> Path:
