@@ -10,11 +10,15 @@ they span the given time. The CPU is the runtime's, for each image that the came
 from __future__ import annotations
 
 import argparse
+import importlib.util
 import json
+import math
 import os
+import signal
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 from collections.abc import Mapping
 from pathlib import Path
@@ -35,16 +39,10 @@ TESTUDO = "import sys; from smarttestudo.cli.main import main; sys.exit(main())"
 class Outcome(NamedTuple):
     """What an operator received of how many images, and what the runtime spent on each that was sent."""
 
-    sent_hz: float
     received_hz: float
     received: int
     sent: int
     cpu_ms: float
-
-    def __str__(self) -> str:
-        """The cells of a table."""
-        received = f"{self.received} of {self.sent}"
-        return f"{self.sent_hz:.2f} | {self.received_hz:.2f} | {received} | {self.cpu_ms:.1f} ms"
 
 
 def qos(*, reliable: bool) -> Any:
@@ -56,28 +54,32 @@ def qos(*, reliable: bool) -> Any:
 
 
 def be_camera(*, reliable: bool) -> None:
-    """Publish until terminated."""
+    """Publish until terminated, then print how many."""
     import rclpy  # noqa: PLC0415
     from rclpy.serialization import serialize_message  # noqa: PLC0415
+    from rclpy.signals import SignalHandlerOptions  # noqa: PLC0415
     from sensor_msgs.msg import Image  # noqa: PLC0415
 
     image = Image(height=HEIGHT, width=WIDTH, encoding="rgb8", step=WIDTH * CHANNELS)
     image.data = bytes(WIDTH * HEIGHT * CHANNELS)
     payload = bytearray(serialize_message(image))
-    rclpy.init()
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+    stopped = threading.Event()
+    signal.signal(signal.SIGTERM, lambda _number, _frame: stopped.set())
     publisher = rclpy.create_node("camera").create_publisher(Image, TOPIC, qos(reliable=reliable))
     due_s, number = time.monotonic(), 0
-    while rclpy.ok():
+    while not stopped.is_set():
         number += 1
         payload[NUMBER_AT] = number.to_bytes(4, "little")
         publisher.publish(bytes(payload))
         # A camera that is late does not make up for it with a burst.
         due_s = max(due_s + 1 / SOURCE_HZ, time.monotonic())
         time.sleep(max(0.0, due_s - time.monotonic()))
+    print(number)
 
 
 def be_operator(*, reliable: bool, seconds: float) -> None:
-    """Print ``first`` with the first image, and ``seconds`` later the number and arrival of each."""
+    """Print ``first`` with the first image, then number and arrival of each, until they span ``seconds``."""
     import rclpy  # noqa: PLC0415
     from sensor_msgs.msg import Image  # noqa: PLC0415
 
@@ -94,39 +96,40 @@ def be_operator(*, reliable: bool, seconds: float) -> None:
     patience_s = time.monotonic() + PATIENCE * seconds
     while time.monotonic() < patience_s and (not arrivals or arrivals[-1][1] - arrivals[0][1] < seconds):
         rclpy.spin_once(node, timeout_sec=0.1)
+    if not arrivals:
+        print("none")
     print(json.dumps(arrivals), flush=True)
 
 
-def measure(rate: str, environment: Mapping[str, str], options: list[str]) -> Outcome | None:
-    """One run of all three processes; None if no two images arrived."""
+def measure(rate: str, environment: Mapping[str, str], options: list[str], seconds: float) -> Outcome:
+    """One run of all three processes."""
     with tempfile.TemporaryDirectory() as folder:
         rules = Path(folder) / "rules.adirf"
         rules.write_text(f"begin SetFrequency {TOPIC} {rate} end", encoding="utf-8")
-        started = [
-            start(environment, "-c", TESTUDO, "run", "--rules", str(rules)),
-            start(environment, __file__, "--be", "operator", *options),
-            start(environment, __file__, "--be", "camera", *options),
-        ]
-        runtime, operator, _ = started
-        try:
-            assert operator.stdout is not None
-            operator.stdout.readline()
-            cpu_s = cpu_of(runtime)
-            arrivals = json.loads(operator.stdout.readline())
-            cpu_s = cpu_of(runtime) - cpu_s
-        finally:
-            for process in started:
-                # A killed one would leave its shared memory behind.
-                process.terminate()
-            for process in started:
-                process.communicate()
-    if len(arrivals) < 2:
-        return None
+        runtime = start(environment, "-c", TESTUDO, "run", "--rules", str(rules))
+        operator = start(environment, __file__, "--be", "operator", *options)
+        camera = start(environment, __file__, "--be", "camera", *options)
+        assert operator.stdout is not None
+        operator.stdout.readline()
+        cpu_s = cpu_of(runtime)
+        arrivals = json.loads(operator.stdout.readline())
+        cpu_s = cpu_of(runtime) - cpu_s
+        # Killed ones would leave their shared memory behind.
+        for process in (runtime, operator, camera):
+            process.terminate()
+        sent, _, _ = (int(process.communicate()[0] or 0) for process in (camera, operator, runtime))
+    return outcome(arrivals, sent, cpu_s, seconds)
+
+
+def outcome(arrivals: list[tuple[int, float]], sent: int, cpu_s: float, seconds: float) -> Outcome:
+    """Of the images from the first that arrived: to the last, or to the end where too few came."""
+    if not arrivals:
+        return Outcome(received_hz=0.0, received=0, sent=sent, cpu_ms=math.nan)
     (first, first_s), (last, last_s) = arrivals[0], arrivals[-1]
-    span_s, sent = last_s - first_s, last - first + 1
+    span_s = last_s - first_s
+    sent = (last if span_s >= seconds else sent) - first + 1
     return Outcome(
-        sent_hz=(sent - 1) / span_s,
-        received_hz=(len(arrivals) - 1) / span_s,
+        received_hz=(len(arrivals) - 1) / max(span_s, seconds),
         received=len(arrivals),
         sent=sent,
         cpu_ms=1000 * cpu_s / sent,
@@ -155,6 +158,8 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=10.0, help="of each run (default: %(default)s)")
     parser.add_argument("--domain", type=int, default=77, help="ROS domain that nobody else uses")
     parser.add_argument("--reliable", action="store_true", help="not the best effort of a sensor")
+    if importlib.util.find_spec("rclpy") is None:
+        parser.exit(1, "this benchmark needs ROS 2 (rclpy)\n")
     parser.add_argument("--be", choices=["camera", "operator"], help=argparse.SUPPRESS)
     arguments = parser.parse_args()
     if arguments.be == "camera":
@@ -174,12 +179,14 @@ def compare(arguments: argparse.Namespace) -> None:
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
     }
     profile = {"FASTDDS_DEFAULT_PROFILES_FILE": str(PROFILE), "FASTRTPS_DEFAULT_PROFILES_FILE": str(PROFILE)}
-    print("| transport | rate asked | camera, Hz | received, Hz | received of sent | CPU per image sent |")
-    print("| --- | ---: | ---: | ---: | ---: | ---: |")
+    print("| transport | rate asked | received, Hz | received of sent | CPU per image sent |")
+    print("| --- | ---: | ---: | ---: | ---: |")
     for name, extra in {"default": {}, "with the profile": profile}.items():
         for rate in ("Full", f"{THINNED_HZ:g}"):
-            one = measure(rate, {**base, **extra}, options)
-            print(f"| {name} | {rate} | {one or '– | – | less than two | –'} |", flush=True)
+            one = measure(rate, {**base, **extra}, options, arguments.seconds)
+            received = f"{one.received} of {one.sent}"
+            cpu = f"{one.cpu_ms:.1f} ms" if one.received else "–"
+            print(f"| {name} | {rate} | {one.received_hz:.2f} | {received} | {cpu} |", flush=True)
 
 
 if __name__ == "__main__":
