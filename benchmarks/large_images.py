@@ -158,10 +158,10 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=10.0, help="of each run (default: %(default)s)")
     parser.add_argument("--domain", type=int, default=77, help="ROS domain that nobody else uses")
     parser.add_argument("--reliable", action="store_true", help="not the best effort of a sensor")
-    if importlib.util.find_spec("rclpy") is None:
-        parser.exit(1, "this benchmark needs ROS 2 (rclpy)\n")
     parser.add_argument("--be", choices=["camera", "operator"], help=argparse.SUPPRESS)
     arguments = parser.parse_args()
+    if importlib.util.find_spec("rclpy") is None:
+        parser.exit(1, "this benchmark needs ROS 2 (rclpy)\n")
     if arguments.be == "camera":
         be_camera(reliable=arguments.reliable)
     elif arguments.be == "operator":
