@@ -4,19 +4,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Mapping
 from dataclasses import dataclass
 
+from smarttestudo.composition.live_decisions import DECISIONS_TOPIC
 from smarttestudo.composition.live_source import LiveSource, live_source, suits
+from smarttestudo.composition.topic_link import TopicLink, topic_link
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.observation import SourceChanged, Undecodable
+from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Inlet, Outlet, Robot
 from smarttestudo.runtime.execute.relay import Relayed
 
-DECISIONS_TOPIC = "/testudo/decisions"
-
-Receive = Callable[[str, bytes], None]
-"""Takes a message: its topic and its payload."""
+Received = Callable[[str, Payload, Hashable], None]
+"""Takes a message: its topic, its payload, and its publisher where that is known."""
 
 
 @dataclass(slots=True, kw_only=True)
@@ -41,15 +42,28 @@ class LiveTopics:
     """
 
     def __init__(
-        self, robot: Robot, monitored: Mapping[str, str], watched: Sequence[str], receive: Receive
+        self, robot: Robot, monitored: Mapping[str, str], watched: Iterable[str], receive: Received
     ) -> None:
         self._robot = robot
-        self._monitored = monitored
-        self._topics = tuple(dict.fromkeys([*monitored, *watched]))
         self._receive = receive
+        self._monitored: Mapping[str, str] = {}
+        self._topics: tuple[str, ...] = ()
         self._sources: dict[str, LiveSource] = {}
         self._open: dict[str, _Open] = {}
+        self._problems: dict[str, str] = {}
         self._said: set[str] = set()
+        self.follow(monitored, watched)
+
+    def follow(self, monitored: Mapping[str, str], watched: Iterable[str]) -> None:
+        """Serve these topics from now on; what is open for others is closed, or for another output."""
+        before, self._monitored = self._monitored, monitored
+        self._topics = tuple(dict.fromkeys([*monitored, *watched]))
+        for topic in list(self._sources):
+            if topic not in self._topics or monitored.get(topic) != before.get(topic):
+                del self._sources[topic]
+                self._problems.pop(topic, None)
+                if topic in self._open:
+                    self._open.pop(topic).close()
 
     def look(self) -> list[SourceChanged]:
         """Follow the graph: what changed since the last look."""
@@ -57,7 +71,7 @@ class LiveTopics:
         changes = (self._look_at(topic, testudos) for topic in self._topics)
         return [change for change in changes if change is not None]
 
-    def decoded(self, topic: str, payload: bytes) -> object:
+    def decoded(self, topic: str, payload: Payload) -> object:
         """The message of a payload that just came, or ``Undecodable``."""
         try:
             return self._robot.data_path.decode(topic, self._sources[topic].type_name, payload)
@@ -74,6 +88,13 @@ class LiveTopics:
             opened.outlet.publish(relayed.payload)
         except RosError as error:
             self._warn_once(str(error))
+
+    def links(self) -> dict[str, TopicLink]:
+        """What each relayed topic is connected to."""
+        return {
+            topic: topic_link(self._robot, output, self._sources.get(topic), self._problems.get(topic))
+            for topic, output in self._monitored.items()
+        }
 
     def _testudos(self) -> frozenset[str]:
         """The nodes that relay, this one among them: they publish decisions."""
@@ -107,7 +128,9 @@ class LiveTopics:
             self._open.pop(topic).close()
         try:
             self._open[topic] = self._opened(topic, source)
+            self._problems.pop(topic, None)
         except RosError as error:
+            self._problems[topic] = error.cause
             self._warn_once(str(error))
 
     def _opened(self, topic: str, source: LiveSource) -> _Open:
@@ -115,7 +138,10 @@ class LiveTopics:
         outlet = None if output is None else path.advertise(output, source.type_name, source.qos)
         try:
             inlet = path.subscribe(
-                topic, source.type_name, source.qos, lambda payload: self._receive(topic, payload)
+                topic,
+                source.type_name,
+                source.qos,
+                lambda payload, publisher: self._receive(topic, payload, publisher),
             )
         except RosError:
             if outlet is not None:
