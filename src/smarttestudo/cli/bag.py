@@ -33,7 +33,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser = commands.add_parser(
         "bag",
         help="show what recordings hold: rates, bandwidth, one against another",
-        description="Show what recordings hold. Only `loss` reads payloads; others take seconds for large bags.",
+        description="Show what recordings hold. Only `loss` reads payloads, so the rest is fast.",
     )
     actions = parser.add_subparsers(title="actions", metavar="ACTION", required=True)
     for name, (purpose, table) in _TABLES.items():

@@ -24,7 +24,7 @@ from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.visualizer.bag_comparison import BagComparison, compare_bags
 from smarttestudo.visualizer.bag_summary import BagSummary
 from smarttestudo.visualizer.loss.crossings import thresholds_of
-from smarttestudo.visualizer.loss.fields import Field, fields_of
+from smarttestudo.visualizer.loss.fields import BULK_TYPES, Field, fields_of
 from smarttestudo.visualizer.loss.fixed_rates import Source, best_fixed_rates
 from smarttestudo.visualizer.loss.measure import (
     SharedTopic,
@@ -90,7 +90,7 @@ class _Measurement:
             for pair in compared.comparison.topics
             if pair.before and pair.before.messages and pair.after_topic
         }
-        self._asked = self._topics_asked(compared)
+        self._asked = self._topics_asked()
         rule_set = question.rule_set
         self._thresholds = thresholds_of(rule_set) if rule_set else ()
 
@@ -114,43 +114,49 @@ class _Measurement:
                 received_bytes=sum(shared.received.size_bytes for shared in topics),
                 fixed_bytes=sum(shared.fixed_bytes for shared in topics),
             ),
-            notices=(*self._a.notices, *self._b.notices, *sent.notices, *received.notices, *self._notices()),
+            notices=(
+                *self._a.notices,
+                *self._b.notices,
+                *sent.notices,
+                *received.notices,
+                *self._notices(topics),
+            ),
         )
 
-    def _topics_asked(self, compared: BagComparison) -> frozenset[str]:
-        shared = frozenset(self._partners)
-        unpaired = set(self._question.fields).difference(shared)
-        patterns = [*self._question.topics, *unpaired]
-        if not patterns:
-            return shared
-        place = f"{compared.a.name}, {compared.b.name}"
-        chosen = select_topics(patterns, {*shared, *filter(None, self._partners.values())}, place=place)
-        return frozenset(topic for topic, partner in self._partners.items() if {topic, partner} & chosen)
+    def _topics_asked(self) -> frozenset[str]:
+        """The shared topics, by A's name, that are to be shown."""
+        partners = self._partners
+        asked = select_topics(tuple(self._question.fields), partners, place=self._a.name)
+        if not self._question.topics:
+            return frozenset(partners)
+        place = f"{self._a.name}, {self._b.name}"
+        chosen = select_topics(self._question.topics, {*partners, *partners.values()}, place=place)
+        return asked | {topic for topic, partner in partners.items() if {topic, partner} & chosen}
 
     def _sent_readings(self) -> dict[str, TopicReading]:
-        readings = {}
-        for topic in self._partners:
-            choose = partial(
-                _choose_fields,
-                asked=tuple(self._question.fields.get(topic, ())),
-                needed=tuple(one.signal.property for one in self._thresholds if one.signal.topic == topic),
-            )
-            readings[topic] = self._reading(topic, choose if topic in self._asked else None)
-        return readings
+        return {
+            topic: self._sent_reading(topic) if topic in self._asked else TopicReading()
+            for topic in self._partners
+        }
+
+    def _sent_reading(self, topic: str) -> TopicReading:
+        asked = tuple(self._question.fields.get(topic, ()))
+        needed = tuple(one.signal.property for one in self._thresholds if one.signal.topic == topic)
+        return TopicReading(
+            choose_fields=partial(_choose_fields, asked=asked, needed=needed),
+            undecoded_types=frozenset() if asked or needed else BULK_TYPES,
+            level_unit=self._question.profile.topic(topic).level_unit,
+        )
 
     def _received_readings(self, sent: Mapping[str, TopicSamples]) -> dict[str, TopicReading]:
         """Only fields that were found in A, and only of the same type, are read."""
         return {
-            partner: self._reading(topic, partial(_same_fields, sent[topic]) if sent[topic].fields else None)
+            partner: TopicReading(
+                choose_fields=partial(_same_fields, sent[topic]) if sent[topic].fields else None,
+                level_unit=self._question.profile.topic(topic).level_unit,
+            )
             for topic, partner in self._partners.items()
         }
-
-    def _reading(
-        self, topic: str, choose_fields: Callable[[str, object], Sequence[Field]] | None
-    ) -> TopicReading:
-        return TopicReading(
-            choose_fields=choose_fields, level_unit=self._question.profile.topic(topic).level_unit
-        )
 
     def _read(
         self, bag: BagSummary, readings: Mapping[str, TopicReading], share: tuple[float, float]
@@ -190,7 +196,14 @@ class _Measurement:
             for topic, partner in self._partners.items()
         ]
 
-    def _notices(self) -> Iterator[str]:
+    def _notices(self, topics: Sequence[SharedTopic]) -> Iterator[str]:
+        for shared in topics:
+            sent, received = shared.sent.channel.type_name, shared.received.channel.type_name
+            if sent != received:
+                yield (
+                    f"{shared.topic}: {sent} in {self._a.name} and {received} in {self._b.name}; "
+                    "its fields are not compared"
+                )
         early_s = (self._a.span.end_ns - self._b.span.end_ns) / NS_PER_S
         if early_s > _ENDS_EARLY_S:
             yield f"{self._b.name}: ends {early_s:.1f} s before {self._a.name}; nothing came in that time"
