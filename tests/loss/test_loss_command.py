@@ -34,6 +34,7 @@ from bags.bag_factory import (
 from loss.loss_signals import held_sine_rmse, line_sine_rmse, sine
 from smarttestudo.adapters.files.profile import load_profile
 from smarttestudo.cli.main import main
+from smarttestudo.composition.bag_loss import measure_loss
 
 MISSION = small_mission()
 GOLDEN = Path(__file__).parent / "golden"
@@ -234,6 +235,35 @@ def test_a_topic_of_two_types_is_compared_by_age_only(desk: Desk, tmp_path: Path
         "note: /level: std_msgs/msg/Float64 in floats and std_msgs/msg/Int32 in ints; "
         "its fields are not compared\n"
     )
+
+
+def test_the_curve_at_a_rate_is_the_loss_of_a_replay_at_that_rate(desk: Desk, tmp_path: Path) -> None:
+    (tmp_path / "five.adirf").write_text("begin SetFrequency /odom 5 SetFrequency /scan 2 end")
+    assert main(["replay", "sent", "--rules", "five.adirf", "--output", "replayed"]) == 0
+    curves = desk.loss("sent", "--json").json["topics"]
+    ran = desk.loss("sent", "replayed", "--json")
+    for topic, field, hz in (("/odom", "pose_y", 5), ("/scan", "distance", 2)):
+        point = next(point for point in curves[topic]["points"] if point["hz"] == hz)
+        error = {key: value for key, value in point["fields"][field].items() if key != "unit"}
+        assert error == ran.field(topic, field)["received"]
+        assert point["age"] == ran.json["topics"][topic]["received"]["age"]
+
+
+def test_a_position_is_off_by_the_distance_of_what_is_held(desk: Desk, tmp_path: Path) -> None:
+    drive = [BagMessage("/odom", START_NS + n * S, odometry(3.0 * n, 4.0 * n)) for n in range(5)]
+    write_bag(tmp_path / "drive", BagContent((ODOM,), tuple(drive)))
+    write_bag(tmp_path / "start", BagContent((ODOM,), tuple(drive[:1])))
+    report = measure_loss(tmp_path / "drive", tmp_path / "start")
+    assert report.position_rmse_m("/odom") == pytest.approx(5 * math.sqrt((0 + 1 + 4 + 9) / 4))
+    assert report.position_rmse_m("/scan") is None
+
+
+def test_a_recording_in_pieces_is_read_as_far_as_it_goes(desk: Desk, tmp_path: Path) -> None:
+    path = next((tmp_path / "seen").glob("*.db3"))
+    path.write_bytes(path.read_bytes()[: path.stat().st_size * 69 // 100])
+    ran = desk.loss("sent", "seen", "--json")
+    assert ran.code == 0
+    assert ran.err.startswith(f"note: {Path('seen', path.name)}: cut off at 69 % of its length: ")
 
 
 def test_a_topic_of_which_nothing_was_received_has_no_numbers(desk: Desk, tmp_path: Path) -> None:

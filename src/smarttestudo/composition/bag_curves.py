@@ -85,7 +85,7 @@ def measure_curves(
             name=str(bag),
             curves=tuple(curve for curve in found.values() if curve),
             without=tuple(topic for topic, curve in found.items() if curve is None),
-            notices=(*recording.notices(), *samples.notices),
+            notices=samples.notices,
         )
 
 

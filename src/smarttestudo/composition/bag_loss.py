@@ -76,13 +76,14 @@ def measure_loss(a: Path, b: Path, question: LossQuestion | None = None) -> Loss
     select_topics(tuple(question.mapping.values()), received.statistics, place=received.name)
     compared = compare_bags(sent, received, question.mapping)
     _require_common_time(sent, received)
-    return _Measurement(compared, question).report()
+    return _Measurement(a, b, compared, question).report()
 
 
 class _Measurement:
     """The reading of two recordings whose topics are paired."""
 
-    def __init__(self, compared: BagComparison, question: LossQuestion) -> None:
+    def __init__(self, a: Path, b: Path, compared: BagComparison, question: LossQuestion) -> None:
+        self._paths = a, b
         self._a, self._b = compared.a, compared.b
         self._question = question
         self._partners = {
@@ -96,9 +97,10 @@ class _Measurement:
 
     def report(self) -> LossReport:
         """Read both, and count what was lost."""
-        sent = self._read(self._a, self._sent_readings(), share=(0.0, 0.7))
+        path_a, path_b = self._paths
+        sent = self._read(path_a, self._sent_readings(), share=(0.0, 0.7))
         require_numbers(sent.topics, self._question.fields)
-        received = self._read(self._b, self._received_readings(sent.topics), share=(0.7, 1.0))
+        received = self._read(path_b, self._received_readings(sent.topics), share=(0.7, 1.0))
         topics = self._shared(sent.topics, received.topics)
         shown = [shared for shared in topics if shared.topic in self._asked]
         return LossReport(
@@ -114,13 +116,7 @@ class _Measurement:
                 received_bytes=sum(shared.received.size_bytes for shared in topics),
                 fixed_bytes=sum(shared.fixed_bytes for shared in topics),
             ),
-            notices=(
-                *self._a.notices,
-                *self._b.notices,
-                *sent.notices,
-                *received.notices,
-                *self._notices(topics),
-            ),
+            notices=(*sent.notices, *received.notices, *self._notices(topics)),
         )
 
     def _topics_asked(self) -> frozenset[str]:
@@ -159,13 +155,13 @@ class _Measurement:
         }
 
     def _read(
-        self, bag: BagSummary, readings: Mapping[str, TopicReading], share: tuple[float, float]
+        self, path: Path, readings: Mapping[str, TopicReading], share: tuple[float, float]
     ) -> RecordedSamples:
         def report(done: float) -> None:
             self._question.report(share[0] + (share[1] - share[0]) * done)
 
         span = self._a.span
-        with open_recording(Path(bag.name)) as recording:
+        with open_recording(path) as recording:
             return read_samples(
                 recording, readings, start_ns=span.start_ns, end_ns=span.end_ns, report=report
             )
@@ -173,6 +169,7 @@ class _Measurement:
     def _shared(
         self, sent: Mapping[str, TopicSamples], received: Mapping[str, TopicSamples]
     ) -> list[SharedTopic]:
+        partners = {topic: name for topic, name in self._partners.items() if sent[topic].stamps_ns}
         sources = [
             Source(
                 topic=topic,
@@ -180,7 +177,7 @@ class _Measurement:
                 mean_hz=sent[topic].mean_hz,
                 entry=self._question.profile.topic(topic),
             )
-            for topic in self._partners
+            for topic in partners
         ]
         budget_bytes = sum(samples.size_bytes for samples in received.values())
         rates_hz = best_fixed_rates(sources, budget_bytes)
@@ -193,7 +190,7 @@ class _Measurement:
                 fixed_hz=rates_hz[topic],
                 end_ns=end_ns,
             )
-            for topic, partner in self._partners.items()
+            for topic, partner in partners.items()
         ]
 
     def _notices(self, topics: Sequence[SharedTopic]) -> Iterator[str]:

@@ -88,7 +88,7 @@ def read_samples(
         if topic.decodes:
             _read(topic, payload, decoder)
     samples = {name: topic.samples for name, topic in topics.items()}
-    return RecordedSamples(topics=samples, notices=tuple(_notices(samples, left)))
+    return RecordedSamples(topics=samples, notices=(*recording.notices(), *_notices(samples, left)))
 
 
 def require_numbers(topics: Mapping[str, TopicSamples], asked: Mapping[str, Sequence[str]]) -> None:
