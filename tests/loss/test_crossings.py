@@ -73,6 +73,7 @@ PULSE = {0: -1.0, 1: -1.0, 2: 1.0, 3: 1.0, 4: -1.0, 5: -1.0, 6: -1.0}
         ({0: -1.0, 4: -1.0}, Sightings(in_time=0, late=0, missed=2, late_mean_s=None, late_max_s=None)),
         ({}, Sightings(in_time=0, late=0, missed=2, late_mean_s=None, late_max_s=None)),
         ({2.3: 1.0, 4.3: -1.0}, Sightings(in_time=2, late=0, missed=0, late_mean_s=None, late_max_s=None)),
+        ({4.3: 1.0, 5.5: -1.0}, Sightings(in_time=0, late=2, missed=0, late_mean_s=1.9, late_max_s=2.3)),
         ({1.9: 1.0, 3.9: -1.0}, Sightings(in_time=2, late=0, missed=0, late_mean_s=None, late_max_s=None)),
     ],
     ids=[
@@ -83,6 +84,7 @@ PULSE = {0: -1.0, 1: -1.0, 2: 1.0, 3: 1.0, 4: -1.0, 5: -1.0, 6: -1.0}
         "there and back unseen: both are missed",
         "nothing received",
         "a link slower than the crossing but not than the next message",
+        "a link slower than the pulse is long",
         "clocks that differ by less than a period",
     ],
 )
