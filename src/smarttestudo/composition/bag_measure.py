@@ -46,6 +46,7 @@ def measure_bag(path: Path, report: Callable[[float], None]) -> BagSummary:
             storage=recording.storage,
             span=span,
             topics=topics,
+            readable_share=recording.readable_share,
             notices=tuple(recording.notices()),
         )
 

@@ -4,8 +4,10 @@
 
 from __future__ import annotations
 
+from smarttestudo.domain.recording import readable_until
 from smarttestudo.domain.units import BYTES_PER_KB
-from smarttestudo.visualizer.bag_summary import BagSummary, BagTopic, utc_time
+from smarttestudo.domain.utc_time import utc_time
+from smarttestudo.visualizer.bag_summary import BagSummary, BagTopic
 from smarttestudo.visualizer.comparison_tables import BANDWIDTH_NOTE, DECLARED, DECLARED_NOTE
 from smarttestudo.visualizer.table import Align, Cell, Column, Number, Row, Table, Text
 
@@ -36,7 +38,7 @@ def info_table(bag: BagSummary) -> Table:
     span = bag.span
     return Table(
         title=f"{bag.name}: {bag.storage.value}, {span.duration_s:,.3f} s, {bag.total.messages:,} messages\n"
-        f"from {utc_time(span.start_ns)} to {utc_time(span.end_ns)}",
+        f"from {utc_time(span.start_ns)} to {utc_time(span.end_ns)}{_damage(bag)}",
         columns=(
             _TOPIC,
             Column(heading="Type", align=Align.LEFT),
@@ -116,6 +118,13 @@ def bandwidth_table(bag: BagSummary) -> Table:
         rows=(*rows, sum_row),
         footnotes=(BANDWIDTH_NOTE, *_notes(bag)),
     )
+
+
+def _damage(bag: BagSummary) -> str:
+    if bag.readable_share == 1:
+        return ""
+    unknown = "; how much is missing is not known" if bag.readable_share is None else ""
+    return f"\ndamaged: {readable_until(bag.readable_share, bag.span.end_ns)}{unknown}"
 
 
 def _message_kb(topic: BagTopic) -> float | None:

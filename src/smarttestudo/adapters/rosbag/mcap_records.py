@@ -61,14 +61,14 @@ class RecordReader:
     """Walks over the records of a file and reads those that hold messages or describe them.
 
     ``cut_off_at`` is the byte at which the file stops making sense, ``None`` while it does;
-    ``damaged_chunks`` counts the chunks that no message could be taken from.
+    ``damaged_chunks`` counts the chunks that no message could be taken from, and ``damaged_bytes`` theirs.
     """
 
     def __init__(self, file: BinaryIO) -> None:
         self._file = file
         self.file_bytes = file.seek(0, 2)
         self.cut_off_at: int | None = None
-        self.damaged_chunks = 0
+        self.damaged_chunks = self.damaged_bytes = 0
 
     def places(self) -> Iterator[RecordPlace]:
         """Every schema, channel, message and chunk up to the footer; the last may be cut off."""
@@ -102,6 +102,7 @@ class RecordReader:
             records = chunk_content(content, is_whole=len(content) == place.size_bytes)
         except BROKEN:
             self.damaged_chunks += 1
+            self.damaged_bytes += len(content)
             return
         yield from _records_in(records)
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import heapq
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import chain, islice
 from operator import itemgetter
@@ -36,8 +36,17 @@ class RecordingPart:
 class RosbagRecording:
     """A ``RecordingReader`` over storage files that may overlap in time."""
 
-    def __init__(self, parts: Sequence[RecordingPart], metadata: BagMetadata, notices: Sequence[str]) -> None:
+    def __init__(
+        self,
+        parts: Sequence[RecordingPart],
+        metadata: BagMetadata,
+        notices: Sequence[str],
+        *,
+        lacks_files: bool = False,
+    ) -> None:
         self._parts = parts
+        self._promised_messages = metadata.message_count
+        self._lacks_files = lacks_files
         self._notices = list(notices)
         self._broken: Counter[str] = Counter()
         self.storage = Storage.MCAP if parts[0].storage_path.suffix == ".mcap" else Storage.SQLITE3
@@ -49,7 +58,23 @@ class RosbagRecording:
         filled = [part.file for part in parts if part.file.message_count]
         self.start_ns = min((file.start_ns for file in filled), default=0)
         self.end_ns = max((file.end_ns for file in filled), default=0)
-        self.message_count: int | None = sum(file.message_count for file in filled)
+
+    @property
+    def message_count(self) -> int | None:
+        """Messages that can be read, as far as that is known."""
+        return sum(part.file.message_count for part in self._parts)
+
+    @property
+    def readable_share(self) -> float | None:
+        """By the metadata's count of messages, or else by what each damaged file tells."""
+        files = [part.file for part in self._parts]
+        if not self._lacks_files and all(file.readable_share == 1 for file in files):
+            return 1.0
+        readable = sum(file.message_count for file in files)
+        if self._promised_messages >= readable:
+            return readable / self._promised_messages if readable else 0.0
+        promised = None if self._lacks_files else _messages_once(files)
+        return readable / promised if promised else None
 
     def messages(self) -> Iterator[RecordedMessage]:
         """All messages in time order; memory does not grow with their number."""
@@ -117,6 +142,16 @@ class RosbagRecording:
         except RecordingError as error:
             self._notices.append(f"{error.cause}; the sizes in the bag are used")
             return {}
+
+
+def _messages_once(files: Iterable[StoredFile]) -> float | None:
+    """About how many messages ``files`` held before they were damaged; ``None`` where one does not tell."""
+    total = 0.0
+    for file in files:
+        if not file.readable_share:
+            return None
+        total += file.message_count / file.readable_share
+    return total
 
 
 def _merged(

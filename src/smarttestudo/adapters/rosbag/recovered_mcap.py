@@ -33,9 +33,13 @@ _Ordered = tuple[int, int, int, _T]
 
 
 class RecoveredMcapFile:
-    """Reads the whole file once for what is in it, and again in time order, one chunk at a time."""
+    """Reads the whole file once for what is in it, and again in time order, one chunk at a time.
 
-    def __init__(self, path: Path) -> None:
+    ``whole_bytes`` is how long the file was before it was cut off, where that is known.
+    """
+
+    def __init__(self, path: Path, whole_bytes: int | None = None) -> None:
+        self._whole_bytes = whole_bytes
         self._schemas: dict[int, Schema] = {}
         self._counts: Counter[int] = Counter()
         self._qos = QosReader()
@@ -65,13 +69,20 @@ class RecoveredMcapFile:
         """Whether the file is cut off or damaged, and how much of it was read."""
         notices = list(self._qos.notices)
         if self._records.cut_off_at is not None:
-            notices.append(f"cut off or damaged at byte {self._records.cut_off_at}: {read_so_far(self)}")
+            notices.append(f"cut off or damaged at byte {self._records.cut_off_at:,}: {read_so_far(self)}")
         if self._records.damaged_chunks:
-            notices.append(f"{self._records.damaged_chunks} damaged chunks of messages were left out")
+            notices.append(f"damaged chunks left out: {self._records.damaged_chunks:,}; {read_so_far(self)}")
         homeless = self._counts.total() - self.message_count
         if homeless:
-            notices.append(f"{homeless} messages of topics that the file does not name were left out")
+            notices.append(f"{homeless:,} messages of topics that the file does not name were left out")
         return notices
+
+    @property
+    def readable_share(self) -> float | None:
+        """The share of the file's bytes that is there and not damaged; unknown if it is cut off."""
+        if self._records.cut_off_at is not None:
+            return self._records.file_bytes / self._whole_bytes if self._whole_bytes else None
+        return 1 - self._records.damaged_bytes / self._records.file_bytes
 
     def close(self) -> None:
         """Let go of the file."""

@@ -10,7 +10,8 @@ from __future__ import annotations
 import struct
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import BinaryIO
+from os import SEEK_END
+from typing import Protocol
 
 MAGIC = b"SQLite format 3\0"
 HEADER_BYTES = 100
@@ -26,6 +27,16 @@ class DamagedRowError(Exception):
     """A row of which a part is missing or makes no sense."""
 
 
+class PageFile(Protocol):
+    """What pages are read from."""
+
+    def seek(self, offset: int, whence: int = ..., /) -> int:
+        """Go to ``offset``; tell where that is."""
+
+    def read(self, size_bytes: int, /) -> bytes:
+        """The next ``size_bytes``, fewer where there are no more."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Row:
     """A row of a table; NULL and 0 are both 0, reals are their 8 bytes."""
@@ -37,7 +48,7 @@ class Row:
 class SqlitePages:
     """The pages of a SQLite database file, as many as there are."""
 
-    def __init__(self, file: BinaryIO) -> None:
+    def __init__(self, file: PageFile) -> None:
         header = file.read(HEADER_BYTES)
         if len(header) < HEADER_BYTES or not header.startswith(MAGIC):
             raise DamagedRowError("no SQLite header")
@@ -45,7 +56,7 @@ class SqlitePages:
         size = int.from_bytes(header[16:18], "big")
         self.page_bytes = 65536 if size == 1 else max(size, 512)
         self._usable_bytes = self.page_bytes - header[20]
-        self.file_bytes = file.seek(0, 2)
+        self.file_bytes = file.seek(0, SEEK_END)
         self.promised_bytes = int.from_bytes(header[28:32], "big") * self.page_bytes
         self._free_pages = frozenset(self._read_free_pages(int.from_bytes(header[32:36], "big")))
 
