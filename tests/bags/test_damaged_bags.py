@@ -31,6 +31,7 @@ KINDS = [
     (StoragePlugin.MCAP, CompressionMode.STORAGE),
 ]
 NOTHING_LEFT = ("no rosbag2 topics can be found in it", "nothing of it can be unpacked")
+TOGETHER = "read together with bag.db3-wal beside it, which holds what is not in it yet"
 PERCENTS = range(5, 100, 5)
 
 
@@ -162,9 +163,7 @@ def test_a_damaged_chunk_costs_its_messages_and_no_other(tmp_path: Path) -> None
     assert 0.6 * len(MISSION.messages) < len(read.messages) < len(MISSION.messages)
     assert read.messages[-1] == MISSION.messages[-1]
     (notice,) = read.notices
-    assert notice.startswith(
-        f"{path}: damaged chunks left out: 1; 97 % readable, ends at 2023-11-14 22:13:23"
-    )
+    assert notice.startswith(f"{path}: damaged chunks left out: 1; 97 % readable, ends at ")
 
 
 def test_a_damaged_page_of_a_database_costs_its_messages_and_no_other(tmp_path: Path) -> None:
@@ -205,9 +204,7 @@ def test_messages_left_in_a_log_beside_the_database_are_named(tmp_path: Path) ->
         database.commit()
         read = read_bag(path)
     assert read.messages == [BagMessage("/odom", 1, b"\x00"), *MISSION.messages]
-    assert read.notices == [
-        f"{path}: read together with bag.db3-wal beside it, which holds what is not in it yet"
-    ]
+    assert read.notices == [f"{path}: {TOGETHER}"]
 
 
 @pytest.mark.parametrize("values", ["1, 'noon', x'00'", "1, 5, NULL", "1, 5, 'text'"])

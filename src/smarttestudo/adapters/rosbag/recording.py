@@ -71,9 +71,9 @@ class RosbagRecording:
         if not self._lacks_files and all(file.readable_share == 1 for file in files):
             return 1.0
         readable = sum(file.message_count for file in files)
-        if self._promised_messages >= readable:
-            return readable / self._promised_messages if readable else 0.0
-        promised = None if self._lacks_files else _messages_once(files)
+        promised: float | None = self._promised_messages
+        if promised < readable:
+            promised = None if self._lacks_files else _messages_once(files)
         return readable / promised if promised else None
 
     def messages(self) -> Iterator[RecordedMessage]:
