@@ -22,9 +22,9 @@ def profile_of_recording(recording: RecordingReader, *, name: str) -> str:
         for channel in recording.channels
         if is_topic_name(channel.topic)
     }
-    for channel, stamp_ns, payload in recording.messages():
+    for channel, stamp_ns, size_bytes in recording.sizes():
         measure = measures.get(channel.topic)
         if measure is not None:
-            measure.record(stamp_ns, declared_bytes.get(channel.topic, len(payload)))
+            measure.record(stamp_ns, declared_bytes.get(channel.topic, size_bytes))
     duration_s = (recording.end_ns - recording.start_ns) / NS_PER_S
     return profile_text(dict(sorted(measures.items())), duration_s=duration_s, measured_in=name)

@@ -43,6 +43,9 @@ RecordedMessage = tuple[Channel, int, bytes]
 RecordedSize = tuple[Channel, int, int]
 """Channel, receive stamp in ns, bytes of the serialized message."""
 
+RecordedHead = tuple[Channel, int, tuple[int, bytes]]
+"""Channel, receive stamp in ns, bytes of the serialized message and the first of them."""
+
 
 def readable_until(readable_share: float | None, end_ns: int) -> str:
     """``69 % readable, ends at …`` of what is damaged; without the share where that is not known."""
@@ -97,8 +100,11 @@ class RecordingReader(Protocol):
         Damage within a payload is not seen then: the message counts with the size that it was written with.
         """
 
+    def heads(self, head_bytes: int) -> Iterator[RecordedHead]:
+        """What ``sizes`` gives, with the first ``head_bytes`` of each payload."""
+
     def notices(self) -> Sequence[str]:
-        """What was lost or odd, one line each; complete once all messages or sizes were read."""
+        """What was lost or odd, one line each; complete once all messages, sizes or heads were read."""
 
 
 class RecordingWriter(Protocol):

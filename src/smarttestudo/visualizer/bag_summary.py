@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 
 from smarttestudo.domain.recording import Storage
 from smarttestudo.domain.utc_time import utc_time
+from smarttestudo.visualizer.latency import Latency
 from smarttestudo.visualizer.statistics import RecordingSpan, TopicStatistics
 
 
@@ -18,7 +19,7 @@ class BagTopic:
 
     ``qos`` is the offered quality of service in words, empty where the recording does not tell.
     ``longest_gap_s`` is the longest time between two messages, ``jitter_s`` the standard deviation of those
-    times; ``None`` where there are too few messages.
+    times; ``None`` where there are too few messages. ``latency`` is ``None`` where nobody asked for it.
     """
 
     name: str
@@ -27,6 +28,7 @@ class BagTopic:
     statistics: TopicStatistics
     longest_gap_s: float | None
     jitter_s: float | None
+    latency: Latency | None = None
 
     def to_json(self) -> dict[str, object]:
         """The topic's entry in ``--json``."""
@@ -37,6 +39,7 @@ class BagTopic:
             "kbit_per_s": self.statistics.kbit_per_s,
             "longest_gap_s": self.longest_gap_s,
             "jitter_s": self.jitter_s,
+            **(self.latency.to_json() if self.latency else {}),
         }
 
 

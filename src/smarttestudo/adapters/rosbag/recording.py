@@ -7,7 +7,9 @@ from __future__ import annotations
 import heapq
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from itertools import chain, islice
 from operator import itemgetter
 from pathlib import Path
@@ -19,7 +21,7 @@ from smarttestudo.adapters.rosbag.custom_data import declared_bytes_in
 from smarttestudo.adapters.rosbag.metadata import BagMetadata
 from smarttestudo.adapters.rosbag.stored_file import ChannelsByNumber, OutlineError, StoredFile
 from smarttestudo.domain.errors import RecordingError
-from smarttestudo.domain.recording import Channel, RecordedMessage, RecordedSize, Storage
+from smarttestudo.domain.recording import Channel, RecordedHead, RecordedMessage, RecordedSize, Storage
 
 _T = TypeVar("_T")
 
@@ -71,9 +73,11 @@ class RosbagRecording:
         if not self._lacks_files and all(file.readable_share == 1 for file in files):
             return 1.0
         readable = sum(file.message_count for file in files)
-        promised: float | None = self._promised_messages
-        if promised < readable:
-            promised = None if self._lacks_files else _messages_once(files)
+        promised: float | None = None
+        if self._promised_messages >= readable:
+            promised = self._promised_messages
+        elif not self._lacks_files:
+            promised = _messages_once(files)
         return readable / promised if promised else None
 
     def messages(self) -> Iterator[RecordedMessage]:
@@ -83,6 +87,10 @@ class RosbagRecording:
     def sizes(self) -> Iterator[RecordedSize]:
         """What ``messages`` gives, with each payload's size in its place and as far as possible unread."""
         return self._in_time_order(self._sizes_of)
+
+    def heads(self, head_bytes: int) -> Iterator[RecordedHead]:
+        """What ``messages`` gives, of each payload its size and the first ``head_bytes``."""
+        return self._in_time_order(partial(self._heads_of, head_bytes=head_bytes))
 
     def notices(self) -> Sequence[str]:
         """What was lost or odd, one line each; complete once all messages were read."""
@@ -124,6 +132,20 @@ class RosbagRecording:
             rest = islice(file.messages(channels), delivered, None)
             for channel, stamp_ns, payload in self._unpacked(rest) if is_packed else rest:
                 yield channel, stamp_ns, len(payload)
+
+    def _heads_of(self, file: StoredFile, *, head_bytes: int) -> Iterator[RecordedHead]:
+        """Messages that are packed one by one are unpacked for it."""
+        channels = self._channels_of(file)
+        first = next(file.messages(channels), None)
+        delivered = 0
+        if first is not None and not _is_packed(first):
+            with suppress(OutlineError):
+                for channel, stamp_ns, size_bytes, head in file.outlines(channels, head_bytes):
+                    yield channel, stamp_ns, (size_bytes, head)
+                    delivered += 1
+                return
+        for channel, stamp_ns, payload in islice(self._messages_of(file), delivered, None):
+            yield channel, stamp_ns, (len(payload), payload[:head_bytes])
 
     def _channels_of(self, file: StoredFile) -> ChannelsByNumber:
         return {number: self._channels[key_of(channel)] for number, channel in file.channels.items()}
