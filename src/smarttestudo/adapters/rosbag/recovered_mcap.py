@@ -116,6 +116,7 @@ class RecoveredMcapFile:
             yield number, stamp_ns, (len(payload), payload[:head_bytes])
 
     def _find_messages(self) -> None:
+        seen = False
         for place in self._records.places():
             header = self._records.header(place)
             records = self._records.read(place) if header is None else (header,)
@@ -123,8 +124,9 @@ class RecoveredMcapFile:
             if not stamps:
                 continue
             first_ns, last_ns = min(stamps), max(stamps)
-            self.start_ns = min(self.start_ns or first_ns, first_ns)
+            self.start_ns = min(self.start_ns, first_ns) if seen else first_ns
             self.end_ns = max(self.end_ns, last_ns)
+            seen = True
             self._index.add(key=place.offset, stamp_ns=first_ns, offset=place.offset)
 
     def _note(self, record: McapRecord | MessageHeader) -> Iterator[int]:
