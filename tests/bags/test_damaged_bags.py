@@ -242,6 +242,23 @@ def test_a_damaged_chunk_costs_its_messages_and_no_other(tmp_path: Path) -> None
     assert notice.startswith(f"{path}: damaged chunks left out: 1; 97 % readable, ends at ")
 
 
+def test_a_damaged_chunk_of_a_cut_file_is_named_once_though_the_file_is_read_twice(tmp_path: Path) -> None:
+    path = write_mcap_file(tmp_path / "mission.mcap", MISSION, compression=CompressionType.NONE)
+    data = bytearray(path.read_bytes()[:-9000])
+    image = data.index(bytes([7]) * 4000)
+    data[image : image + 100] = bytes(100)
+    path.write_bytes(data)
+    with open_recording(path) as recording:
+        messages, again = (list(recording.messages()) for _ in range(2))
+        notices = recording.notices()
+    assert messages == again
+    assert 0.5 * len(MISSION.messages) < len(messages) < len(MISSION.messages)
+    assert {(stamp_ns, payload) for _, stamp_ns, payload in messages} <= {
+        (message.stamp_ns, message.payload) for message in MISSION.messages
+    }
+    assert [notice for notice in notices if "damaged chunks left out: 1; " in notice] == [notices[-1]]
+
+
 def test_a_damaged_page_of_a_database_costs_its_messages_and_no_other(tmp_path: Path) -> None:
     path = storage_file(write_bag(tmp_path / "bag", MISSION))
     data = bytearray(path.read_bytes())

@@ -108,19 +108,14 @@ class RecoveredMcapFile:
                 yield record.channel_id, record.log_time, record.data
 
     def _heads_at(self, offset: int, *, head_bytes: int) -> Iterator[_Found[tuple[int, bytes]]]:
-        header = self._records.header_at(offset, head_bytes)
-        if header is not None:
-            yield header.channel_id, header.log_time, (header.payload_bytes, header.head)
-            return
-        for number, stamp_ns, payload in self._payloads_at(offset):
-            yield number, stamp_ns, (len(payload), payload[:head_bytes])
+        for record in self._records.heads_at(offset, head_bytes):
+            if isinstance(record, MessageHeader):
+                yield record.channel_id, record.log_time, (record.payload_bytes, record.head)
 
     def _find_messages(self) -> None:
         seen = False
         for place in self._records.places():
-            header = self._records.header(place)
-            records = self._records.read(place) if header is None else (header,)
-            stamps = [stamp_ns for record in records for stamp_ns in self._note(record)]
+            stamps = [stamp_ns for record in self._records.heads(place) for stamp_ns in self._note(record)]
             if not stamps:
                 continue
             first_ns, last_ns = min(stamps), max(stamps)
@@ -138,7 +133,7 @@ class RecoveredMcapFile:
                 schema = self._schemas.get(record.schema_id)
                 if schema is not None:
                     self.channels[record.id] = self._channel(record, schema)
-            case Message() | MessageHeader():
+            case MessageHeader():
                 self._counts[record.channel_id] += 1
                 yield record.log_time
 

@@ -13,10 +13,13 @@ from smarttestudo.adapters.rosbag.sqlite_database import DatabaseFile, open_data
 from smarttestudo.adapters.rosbag.sqlite_log import WriteAheadLog
 from smarttestudo.adapters.rosbag.sqlite_pages import DamagedRowError, Row, SqlitePages
 from smarttestudo.adapters.rosbag.sqlite_topics import BROKEN, read_topics
-from smarttestudo.adapters.rosbag.stored_file import ChannelsByNumber, Outline, outlines_of, read_so_far
+from smarttestudo.adapters.rosbag.stored_file import ChannelsByNumber, Outline, read_so_far
 from smarttestudo.adapters.rosbag.time_index import TimeIndex
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import RecordedMessage
+
+# More than a row of rosbag2's table ``messages`` has before its payload.
+_ROW_HEAD_BYTES = 64
 
 
 class RecoveredSqliteFile:
@@ -41,14 +44,23 @@ class RecoveredSqliteFile:
     def messages(self, channels: ChannelsByNumber) -> Iterator[RecordedMessage]:
         """Every message that is whole, in time order, each with its one of ``channels``."""
         for _, offset in self._index.places():
-            message = _as_message(self._pages.row_at(offset))
+            try:
+                message = _as_message(self._pages.row_at(offset))
+            except DamagedRowError:
+                self._damaged += 1
+                continue
             if message is not None:
                 number, stamp_ns, payload = message
                 yield channels[number], stamp_ns, payload
 
     def outlines(self, channels: ChannelsByNumber, head_bytes: int) -> Iterator[Outline]:
-        """The outlines of ``messages``."""
-        return outlines_of(self.messages(channels), head_bytes)
+        """The outlines of ``messages``, without reading payloads."""
+        for _, offset in self._index.places():
+            row = self._pages.row_at(offset, _ROW_HEAD_BYTES + head_bytes)
+            message = _as_message(row)
+            if message is not None:
+                number, stamp_ns, payload = message
+                yield channels[number], stamp_ns, row.sizes[-1], payload[:head_bytes]
 
     def notices(self) -> Sequence[str]:
         """Whether the file is cut off or damaged, and how much of it was read."""
@@ -78,7 +90,7 @@ class RecoveredSqliteFile:
     def _find_messages(self) -> None:
         for offset in self._pages.rows():
             try:
-                row = self._pages.row_at(offset)
+                row = self._pages.row_at(offset, _ROW_HEAD_BYTES)
             except DamagedRowError:
                 self._damaged += 1
                 continue

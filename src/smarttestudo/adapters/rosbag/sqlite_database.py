@@ -26,13 +26,15 @@ class DatabaseFile:
         self._log_file = None if self._log is None else self._log.path.open("rb", buffering=0)
         own_bytes = self._file.seek(0, SEEK_END)
         self._position = 0
+        self._own_bytes = own_bytes
         self.file_bytes = self.present_bytes = own_bytes
         """How long it is, and how much of that is there: pages between may be missing."""
         if self._log is not None:
             self.file_bytes = self._log.database_pages * self._log.page_bytes
-            own_pages = own_bytes // self._log.page_bytes
+            own_pages = min(own_bytes // self._log.page_bytes, self._log.database_pages)
             added = sum(own_pages < number <= self._log.database_pages for number in self._log.page_numbers)
-            self.present_bytes = min(own_bytes, self.file_bytes) + added * self._log.page_bytes
+            self.present_bytes = (own_pages + added) * self._log.page_bytes
+            self._own_bytes = own_pages * self._log.page_bytes
 
     def seek(self, offset: int, whence: int = SEEK_SET) -> int:
         """Go to ``offset`` from the start, or from the end."""
@@ -61,6 +63,8 @@ class DatabaseFile:
             page, within = divmod(at, log.page_bytes)
             wanted = min(end - at, log.page_bytes - within)
             offset = log.offset_of(page + 1)
+            if offset is None and at >= self._own_bytes:
+                return
             file = self._file if offset is None else self._log_file
             assert file is not None
             file.seek(at if offset is None else offset + within)

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Protocol
 
 from smarttestudo.domain.recording import Channel, RecordedMessage, readable_until
@@ -67,9 +67,3 @@ def read_so_far(file: StoredFile) -> str:
     if not file.message_count:
         return "no message could be read"
     return f"{readable_until(file.readable_share, file.end_ns)} after {file.message_count:,} messages"
-
-
-def outlines_of(messages: Iterable[RecordedMessage], head_bytes: int) -> Iterator[Outline]:
-    """The outlines of ``messages`` that were read in full."""
-    for channel, stamp_ns, payload in messages:
-        yield channel, stamp_ns, len(payload), payload[:head_bytes]
