@@ -6,12 +6,12 @@ from __future__ import annotations
 
 from array import array
 from dataclasses import dataclass
-
-import numpy as np
+from fractions import Fraction
+from math import ceil
 
 from smarttestudo.domain.units import NS_PER_S
 
-_P95 = 0.95
+_P95 = Fraction(95, 100)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -50,9 +50,9 @@ class LatencyAccumulator:
         """The numbers over all messages so far."""
         if not self._latencies_ns:
             return Latency()
-        latencies_ns = np.frombuffer(self._latencies_ns, np.int64)
+        rising_ns = sorted(self._latencies_ns)
         return Latency(
-            mean_s=float(latencies_ns.mean()) / NS_PER_S,
-            p95_s=float(np.quantile(latencies_ns, _P95, method="inverted_cdf")) / NS_PER_S,
-            max_s=int(latencies_ns.max()) / NS_PER_S,
+            mean_s=sum(rising_ns) / len(rising_ns) / NS_PER_S,
+            p95_s=rising_ns[ceil(_P95 * len(rising_ns)) - 1] / NS_PER_S,
+            max_s=rising_ns[-1] / NS_PER_S,
         )

@@ -9,12 +9,12 @@ from array import array
 from bisect import bisect_left
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from itertools import zip_longest
 from pathlib import Path
-from typing import BinaryIO
+from typing import TYPE_CHECKING, BinaryIO
 
-import numpy as np
-
-from smarttestudo.adapters.rosbag.log_checksum import LogChecksum
+if TYPE_CHECKING:
+    from smarttestudo.adapters.rosbag.log_checksum import LogChecksum
 
 SUFFIX = "-wal"
 _HEADER = struct.Struct(">8I")
@@ -106,6 +106,9 @@ class _Log:
         )
 
     def _frames(self) -> Iterator[_Frame]:
+        # Few bags have a log, and numpy takes longer to import than many a bag to read.
+        from smarttestudo.adapters.rosbag.log_checksum import LogChecksum  # noqa: PLC0415
+
         self._file.seek(0)
         header = self._file.read(_HEADER.size)
         if len(header) < _HEADER.size:
@@ -139,5 +142,10 @@ class _Log:
 
 def _last_of_each(pages: array[int]) -> tuple[array[int], list[int]]:
     """Each of ``pages`` once, rising, and the place of its last occurrence."""
-    numbers, from_end = np.unique(np.array(pages[::-1], dtype=np.uint32), return_index=True)
-    return array("I", numbers.tolist()), (len(pages) - 1 - from_end).tolist()
+    places = sorted(range(len(pages)), key=pages.__getitem__)
+    last = [
+        place
+        for place, after in zip_longest(places, places[1:])
+        if after is None or pages[after] != pages[place]
+    ]
+    return array("I", (pages[place] for place in last)), last

@@ -4,13 +4,12 @@
 
 from __future__ import annotations
 
+import sys
 from array import array
 from typing import Protocol
 
-import numpy as np
-
 _READ_BYTES = 1 << 20
-_HEAD = np.dtype(">u4")
+_WORD_BYTES = 4
 
 
 class PageFile(Protocol):
@@ -34,7 +33,9 @@ def page_heads(file: PageFile, *, file_bytes: int, page_bytes: int) -> array[int
     while start < file_bytes:
         file.seek(start)
         data = file.read(max(_READ_BYTES, page_bytes))
-        links = np.frombuffer(data, _HEAD, count=len(data) // _HEAD.itemsize)[:: page_bytes // _HEAD.itemsize]
-        heads.extend(links.tolist() or [0])
+        words = array("I", data[: len(data) // _WORD_BYTES * _WORD_BYTES])
+        heads.extend(words[:: page_bytes // _WORD_BYTES] or array("I", [0]))
         start = len(heads) * page_bytes
+    if sys.byteorder == "little":
+        heads.byteswap()
     return heads

@@ -26,7 +26,7 @@ def read_topics(database: apsw.Connection, qos: QosReader) -> dict[int, Channel]
     rows = database.execute("SELECT * FROM topics ORDER BY id")
     with suppress(apsw.Error):
         for row in rows:
-            columns = dict(zip((name for name, _ in rows.get_description()), row, strict=True))
+            columns = dict(zip((column[0] for column in rows.description), row, strict=True))
             channels[int(columns["id"])] = _channel(columns, definitions, qos)
     return channels
 
