@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import NamedTuple
 
 from smarttestudo.composition.live_status import TOLERANCE_PERCENT
 from smarttestudo.domain.diagnostic import Diagnostic, DiagnosticLevel
@@ -21,6 +22,13 @@ _LEVELS = {
     Silence.NO_MESSAGE: DiagnosticLevel.OK,
     Silence.SOURCE_SILENT: DiagnosticLevel.STALE,
 }
+
+
+class Health(NamedTuple):
+    """How bad it is, and what."""
+
+    level: DiagnosticLevel
+    message: str
 
 
 def diagnostics(status: RuntimeStatus) -> list[Diagnostic]:
@@ -48,17 +56,17 @@ def _of_node(status: RuntimeStatus) -> Diagnostic:
     )
 
 
-def _node_health(status: RuntimeStatus) -> tuple[DiagnosticLevel, str]:
+def _node_health(status: RuntimeStatus) -> Health:
     if status.floors_break_budget:
-        return DiagnosticLevel.ERROR, "the floors alone are more than the budget"
+        return Health(DiagnosticLevel.ERROR, "the floors alone are more than the budget")
     if status.is_fallback:
-        return DiagnosticLevel.WARN, "no valid rules: everything is relayed at full rate"
-    return DiagnosticLevel.OK, f"relaying {len(status.topics)} topics"
+        return Health(DiagnosticLevel.WARN, "no valid rules: everything is relayed at full rate")
+    return Health(DiagnosticLevel.OK, f"relaying {len(status.topics)} topics")
 
 
 def _of_topic(status: RuntimeStatus, source: str) -> Diagnostic:
     topic = status.topics[source]
-    level, message = _topic_health(topic)
+    level, message = topic_health(topic)
     return Diagnostic(
         name=topic.output,
         level=level,
@@ -68,14 +76,15 @@ def _of_topic(status: RuntimeStatus, source: str) -> Diagnostic:
     )
 
 
-def _topic_health(topic: TopicStatus) -> tuple[DiagnosticLevel, str]:
+def topic_health(topic: TopicStatus) -> Health:
+    """Whether a topic is relayed as it should be; where nobody receives anything, why."""
     if topic.silence is not None:
-        return _LEVELS[topic.silence], topic.problem or topic.silence.value
+        return Health(_LEVELS[topic.silence], topic.problem or topic.silence.value)
     if topic.incompatible:
-        return DiagnosticLevel.WARN, f"incompatible QoS: {', '.join(topic.incompatible)}"
+        return Health(DiagnosticLevel.WARN, f"incompatible QoS: {', '.join(topic.incompatible)}")
     if not topic.keeps_rate:
-        return DiagnosticLevel.WARN, f"the rate is {topic.error_percent:+.1f} % off"
-    return DiagnosticLevel.OK, "OK"
+        return Health(DiagnosticLevel.WARN, f"rate off by {topic.error_percent:+.1f} %")
+    return Health(DiagnosticLevel.OK, "OK")
 
 
 def _greenwave_values(topic: TopicStatus) -> Mapping[str, str]:

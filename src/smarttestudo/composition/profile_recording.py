@@ -4,23 +4,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from smarttestudo.domain.names import is_topic_name
 from smarttestudo.domain.recording import RecordingReader
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.optimizer.profiling.measure import TopicMeasure
 from smarttestudo.optimizer.profiling.text import profile_text
+from smarttestudo.visualizer.topic_selection import select_topics
 
 
-def profile_of_recording(recording: RecordingReader, *, name: str) -> str:
+def profile_of_recording(recording: RecordingReader, *, name: str, patterns: Sequence[str] = ()) -> str:
     """The text of a profile of the topics of ``recording``, which is called ``name``.
 
-    Where the recording declares sizes, they count as the messages' sizes.
+    ``patterns`` choose topics (default: all); one that names none is a ``RecordingError``. Where the
+    recording declares sizes, they count as the messages' sizes.
     """
     declared_bytes = recording.declared_bytes
+    known = {channel.topic for channel in recording.channels}
+    chosen = select_topics(patterns, known, place=name) if patterns else known
     measures = {
         channel.topic: TopicMeasure(channel.type_name, is_declared=channel.topic in declared_bytes)
         for channel in recording.channels
-        if is_topic_name(channel.topic)
+        if channel.topic in chosen and is_topic_name(channel.topic)
     }
     for channel, stamp_ns, payload in recording.messages():
         measure = measures.get(channel.topic)
