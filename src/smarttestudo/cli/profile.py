@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import argparse
-import math
 import os
 import sys
 import time
@@ -13,6 +12,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from smarttestudo.adapters.ros import open_robot
+from smarttestudo.cli.durations import add_timeout, duration_s
 from smarttestudo.cli.progress import progress
 from smarttestudo.composition.profile_robot import profile_of_robot
 from smarttestudo.domain.errors import ProfileError
@@ -29,8 +29,9 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     measured = parser.add_mutually_exclusive_group(required=True)
     measured.add_argument("--bag", metavar="BAG", type=Path, help="a rosbag2 folder, a .db3 or an .mcap file")
     measured.add_argument(
-        "--seconds", metavar="N", type=seconds, help="measure the topics of a running robot for N seconds"
+        "--seconds", metavar="N", type=duration_s, help="measure the topics of a running robot for N seconds"
     )
+    add_timeout(parser, "with --seconds: how long to wait for the first topic")
     parser.add_argument(
         "--topics", metavar="TOPIC", nargs="+", default=(), help="these only; * ? […] as in a shell"
     )
@@ -43,17 +44,6 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         help="with --seconds: all that follows goes to ROS, as in --ros-args -p use_sim_time:=true",
     )
     parser.set_defaults(run=run)
-
-
-def seconds(text: str) -> float:
-    """A duration from the command line; ``ArgumentTypeError`` for anything but a positive number."""
-    try:
-        number = float(text)
-    except ValueError:
-        number = math.nan
-    if not 0 < number < math.inf:
-        raise argparse.ArgumentTypeError(f"a duration is a number of seconds above 0, not {text!r}")
-    return number
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -90,6 +80,7 @@ def _of_robot(arguments: argparse.Namespace) -> str:
         measured = profile_of_robot(
             robot,
             seconds=arguments.seconds,
+            timeout_s=arguments.timeout,
             patterns=arguments.topics,
             steady_s=time.monotonic,
             report=report,

@@ -14,6 +14,7 @@ from collections.abc import Callable
 from contextlib import ExitStack
 
 from smarttestudo.adapters.ros import open_robot
+from smarttestudo.cli.durations import add_timeout
 from smarttestudo.cli.keys import key_presses
 from smarttestudo.cli.stop_signals import stop_signals
 from smarttestudo.cli.top_screen import open_screen, print_lines
@@ -45,13 +46,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     )
     parser.add_argument("--once", action="store_true", help="show one table and end")
     parser.add_argument("--json", action="store_true", help="with --once: everything, as one JSON object")
-    parser.add_argument(
-        "--timeout",
-        metavar="SECONDS",
-        type=float,
-        default=5.0,
-        help="with --once: how long to wait for a SmartTestudo (default: %(default)g)",
-    )
+    add_timeout(parser, "with --once: how long to wait for a SmartTestudo")
     parser.set_defaults(run=run)
 
 

@@ -8,6 +8,7 @@ import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 
+from smarttestudo.cli.tables import is_unicode, write_text
 from smarttestudo.cli.top_table import Line, Look
 
 Show = Callable[[Sequence[Line]], None]
@@ -25,7 +26,7 @@ _STYLES = {
 @contextmanager
 def open_screen() -> Iterator[Show]:
     """What shows lines on standard output; a terminal's own content is back at the end."""
-    if sys.stdout.isatty():
+    if sys.stdout.isatty() and is_unicode(sys.stdout):
         try:
             import rich.live  # noqa: F401, PLC0415  a robot has no rich
         except ModuleNotFoundError:
@@ -39,7 +40,7 @@ def open_screen() -> Iterator[Show]:
 
 def print_lines(lines: Sequence[Line]) -> None:
     """Write ``lines`` and an empty one to standard output."""
-    sys.stdout.write("".join(f"{line.text}\n" for line in [*lines, Line("")]))
+    write_text("".join(f"{line.text}\n" for line in lines), sys.stdout)
     sys.stdout.flush()
 
 

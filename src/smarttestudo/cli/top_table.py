@@ -120,7 +120,7 @@ def _link(status: RuntimeStatus) -> str:
     if budget_kb_per_s is None:
         return f"{text}, no budget"
     share = f" ({100 * status.out_kb_per_s / budget_kb_per_s:.0f} %)" if budget_kb_per_s else ""
-    floors = "   the floors alone are more" if status.floors_break_budget else ""
+    floors = "   the floors alone exceed it" if status.floors_break_budget else ""
     return f"{text} of {format_number(budget_kb_per_s, 1)}{share}{floors}"
 
 
@@ -153,7 +153,8 @@ def _columns(*, is_wide: bool) -> tuple[Column, ...]:
 def _cells(source: str, topic: TopicStatus, *, is_wide: bool) -> tuple[Cell, ...]:
     health, rule = topic_health(topic), _rule(topic)
     is_well = topic.silence is None and health.level is DiagnosticLevel.OK
-    state = "" if is_well else health.message
+    summary = "" if is_well else health.summary
+    why = (Text(rule), Text(summary and health.message)) if is_wide else (Text(summary or rule),)
     return (
         Text(source),
         Number(topic.source_hz),
@@ -162,7 +163,7 @@ def _cells(source: str, topic: TopicStatus, *, is_wide: bool) -> tuple[Cell, ...
         Number(topic.error_percent, signed=True),
         *((Number(topic.in_kb_per_s, decimals=1),) if is_wide else ()),
         Number(topic.out_kb_per_s, decimals=1),
-        *((Text(rule), Text(state)) if is_wide else (Text(state or rule),)),
+        *why,
     )
 
 

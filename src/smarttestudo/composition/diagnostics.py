@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import NamedTuple
+from dataclasses import dataclass
 
 from smarttestudo.composition.live_status import TOLERANCE_PERCENT
 from smarttestudo.domain.diagnostic import Diagnostic, DiagnosticLevel
@@ -24,11 +24,18 @@ _LEVELS = {
 }
 
 
-class Health(NamedTuple):
-    """How bad it is, and what."""
+@dataclass(frozen=True, slots=True)
+class Health:
+    """How bad it is, what in a few words, and the details where there are any."""
 
     level: DiagnosticLevel
-    message: str
+    summary: str
+    details: str = ""
+
+    @property
+    def message(self) -> str:
+        """Summary and details."""
+        return f"{self.summary}: {self.details}" if self.details else self.summary
 
 
 def diagnostics(status: RuntimeStatus) -> list[Diagnostic]:
@@ -37,11 +44,11 @@ def diagnostics(status: RuntimeStatus) -> list[Diagnostic]:
 
 
 def _of_node(status: RuntimeStatus) -> Diagnostic:
-    level, message = _node_health(status)
+    health = _node_health(status)
     return Diagnostic(
         name=status.node.lstrip("/"),
-        level=level,
-        message=message,
+        level=health.level,
+        message=health.message,
         hardware_id=status.node,
         values={
             "rules": ", ".join(status.rules.paths),
@@ -66,11 +73,11 @@ def _node_health(status: RuntimeStatus) -> Health:
 
 def _of_topic(status: RuntimeStatus, source: str) -> Diagnostic:
     topic = status.topics[source]
-    level, message = topic_health(topic)
+    health = topic_health(topic)
     return Diagnostic(
         name=topic.output,
-        level=level,
-        message=message,
+        level=health.level,
+        message=health.message,
         hardware_id=status.node,
         values={**_greenwave_values(topic), **_own_values(source, topic)},
     )
@@ -78,13 +85,20 @@ def _of_topic(status: RuntimeStatus, source: str) -> Diagnostic:
 
 def topic_health(topic: TopicStatus) -> Health:
     """Whether a topic is relayed as it should be; where nobody receives anything, why."""
+    incompatible = ", ".join(topic.incompatible)
     if topic.silence is not None:
-        return Health(_LEVELS[topic.silence], topic.problem or topic.silence.value)
-    if topic.incompatible:
-        return Health(DiagnosticLevel.WARN, f"incompatible QoS: {', '.join(topic.incompatible)}")
+        return Health(_LEVELS[topic.silence], topic.silence.value, _details(topic, incompatible))
+    if incompatible:
+        return Health(DiagnosticLevel.WARN, Silence.INCOMPATIBLE_QOS.value, incompatible)
     if not topic.keeps_rate:
-        return Health(DiagnosticLevel.WARN, f"rate off by {topic.error_percent:+.1f} %")
+        return Health(DiagnosticLevel.WARN, "rate off", f"{topic.error_percent:+.1f} %")
     return Health(DiagnosticLevel.OK, "OK")
+
+
+def _details(topic: TopicStatus, incompatible: str) -> str:
+    if topic.silence is Silence.CANNOT_RELAY:
+        return topic.problem or ""
+    return incompatible if topic.silence is Silence.INCOMPATIBLE_QOS else ""
 
 
 def _greenwave_values(topic: TopicStatus) -> Mapping[str, str]:

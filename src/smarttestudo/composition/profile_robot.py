@@ -16,7 +16,6 @@ from smarttestudo.optimizer.profiling.measure import TopicMeasure
 from smarttestudo.optimizer.profiling.text import profile_text
 from smarttestudo.visualizer.topic_selection import is_selected, select_topics
 
-DISCOVERY_S = 5.0
 _LOOK_PERIOD_S = 0.5
 _WAIT_S = 0.1
 # What queued up while subscriptions were made comes at once, and would count as a higher rate.
@@ -37,6 +36,7 @@ def profile_of_robot(
     robot: Robot,
     *,
     seconds: float,
+    timeout_s: float,
     patterns: Sequence[str] = (),
     steady_s: Callable[[], float],
     report: Callable[[float], None],
@@ -46,31 +46,32 @@ def profile_of_robot(
     ``patterns`` choose topics (default: all visible ones); ``report`` is told the share of the time passed.
 
     Raises:
-        RosError: no topic is seen within ``DISCOVERY_S``.
+        RosError: no topic is seen within ``timeout_s``.
         TestudoError: a pattern names none of those that were seen.
     """
     ears = _Ears(robot, patterns)
-    _wait_for_topics(ears, robot, steady_s)
+    _wait_for_topics(ears, robot, steady_s, timeout_s)
     _listen(ears, robot, steady_s, _WARM_UP_S, lambda _share: None)
     ears.begin()
     start_ns = robot.now_ns()
     _listen(ears, robot, steady_s, seconds, report)
     duration_s = (robot.now_ns() - start_ns) / NS_PER_S
+    ears.finish()
     ears.check_patterns()
     measures = dict(sorted(ears.measures.items()))
     text = profile_text(measures, duration_s=duration_s, measured_in="a running robot")
     return RobotProfile(text=text, notices=tuple(ears.notices))
 
 
-def _wait_for_topics(ears: _Ears, robot: Robot, steady_s: Callable[[], float]) -> None:
+def _wait_for_topics(ears: _Ears, robot: Robot, steady_s: Callable[[], float], timeout_s: float) -> None:
     """Until the first chosen topic was seen and time is known."""
-    end_s = steady_s() + DISCOVERY_S
+    end_s = steady_s() + timeout_s
     while not (ears.measures and robot.now_ns()):
         if steady_s() >= end_s:
             ears.check_patterns()
             what = "no time comes on /clock" if ears.measures else "no topic is seen"
             raise RosError(
-                f"{what} within {DISCOVERY_S:g} s",
+                f"{what} within {timeout_s:g} s",
                 remedy="start the robot's nodes, with the same ROS_DOMAIN_ID",
             )
         ears.look()
@@ -117,6 +118,13 @@ class _Ears:
         for topic, measure in self.measures.items():
             if topic not in self._latched:
                 self.measures[topic] = TopicMeasure(measure.type_name)
+
+    def finish(self) -> None:
+        """Drop what turned out to be a SmartTestudo's: who publishes may be known later than the topic."""
+        visible = visible_topics(self._robot)
+        for topic in self.measures.keys() - visible.keys():
+            if self._robot.publishers(topic):
+                del self.measures[topic]
 
     def check_patterns(self) -> None:
         """Raise ``TestudoError`` where a pattern names nothing that was seen, though something was."""
