@@ -117,7 +117,15 @@ class SmallRobot:
         """``testudo run`` by the rules given as text."""
         path = self.folder / f"rules{len(self._processes)}.adirf"
         path.write_text(rules, encoding="utf-8")
-        return self._start(["-c", TESTUDO, "run", "--rules", str(path), *arguments])
+        return self.testudo("run", "--rules", str(path), *arguments)
+
+    def testudo(self, *arguments: str) -> Process:
+        """The ``testudo`` command."""
+        return self._start(["-c", TESTUDO, *arguments])
+
+    def diagnostics(self) -> Process:
+        """A process that prints each message on /diagnostics; see ``diagnostics_listener.py``."""
+        return self._start([str(FOLDER / "diagnostics_listener.py")])
 
     def end(self) -> None:
         for process in self._processes:
