@@ -4,11 +4,18 @@
 
 from __future__ import annotations
 
+import io
+import os
+import pty
+import select
+import sys
+import termios
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from smarttestudo.cli.keys import key_presses
 from smarttestudo.cli.main import main
 from smarttestudo.cli.top_screen import cropped, print_lines
 from smarttestudo.cli.top_table import Line, Look, SortKey, summary_lines, topic_lines
@@ -85,6 +92,25 @@ def test_in_a_pipe_there_are_plain_lines(capsys: pytest.CaptureFixture[str]) -> 
     printed = capsys.readouterr().out
     assert "\x1b" not in printed
     assert "the message type lidar_msgs/msg/Packet is not installed" in printed
+
+
+def test_keys_are_read_without_enter_and_the_terminal_is_as_before(monkeypatch: pytest.MonkeyPatch) -> None:
+    controller, terminal = pty.openpty()
+    before = termios.tcgetattr(terminal)
+    with os.fdopen(terminal) as stdin, os.fdopen(controller, "wb", buffering=0) as keyboard:
+        monkeypatch.setattr(sys, "stdin", stdin)
+        with key_presses() as pressed:
+            assert pressed() == ""
+            keyboard.write(b"xq")
+            assert select.select([terminal], [], [], 40)[0]
+            assert pressed().startswith("x")
+        assert termios.tcgetattr(terminal) == before
+
+
+def test_without_a_terminal_no_key_is_ever_pressed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "stdin", io.StringIO("q"))
+    with key_presses() as pressed:
+        assert pressed() == ""
 
 
 def test_json_without_once_is_a_wrong_usage(capsys: pytest.CaptureFixture[str]) -> None:

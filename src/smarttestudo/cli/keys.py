@@ -4,15 +4,18 @@
 
 from __future__ import annotations
 
+import os
 import select
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
+_LONGEST = 64
+
 
 @contextmanager
 def key_presses() -> Iterator[Callable[[], str]]:
-    """The key pressed since the last call, or nothing; never anything where standard input is no terminal."""
+    """The keys pressed since the last call; never any where standard input is no terminal."""
     if not sys.stdin.isatty():
         yield str
         return
@@ -23,6 +26,10 @@ def key_presses() -> Iterator[Callable[[], str]]:
     before = termios.tcgetattr(terminal)
     tty.setcbreak(terminal)
     try:
-        yield lambda: sys.stdin.read(1) if select.select([terminal], [], [], 0)[0] else ""
+        yield lambda: _read(terminal) if select.select([terminal], [], [], 0)[0] else ""
     finally:
         termios.tcsetattr(terminal, termios.TCSADRAIN, before)
+
+
+def _read(terminal: int) -> str:
+    return os.read(terminal, _LONGEST).decode("utf-8", "replace")

@@ -84,19 +84,26 @@ def _print_once(watch: StatusWatch, arguments: argparse.Namespace) -> None:
         nodes = {node: status_to_json(heard.status) for node, heard in sorted(watch.heard.items())}
         sys.stdout.write(json.dumps({"nodes": nodes}, indent=2, ensure_ascii=False) + "\n")
     else:
-        width = shutil.get_terminal_size().columns if sys.stdout.isatty() else None
-        print_lines(_lines(watch, SortKey(arguments.sort), width))
+        print_lines(_lines(watch, SortKey(arguments.sort), _width()))
 
 
 def _show(watch: StatusWatch, robot: Robot, stopped: Callable[[], bool], sort: SortKey) -> None:
     with key_presses() as pressed, open_screen() as show:
-        show_s = time.monotonic()
-        while not stopped() and pressed() != "q":
+        show_s, shown = time.monotonic(), [Line("")]
+        while not stopped() and "q" not in pressed():
             robot.wait(None, _WAIT_S)
-            if time.monotonic() >= show_s:
-                show_s = time.monotonic() + _SHOW_PERIOD_S
-                width = shutil.get_terminal_size().columns if sys.stdout.isatty() else None
-                show(_lines(watch, sort, width))
+            if time.monotonic() < show_s:
+                continue
+            show_s = time.monotonic() + _SHOW_PERIOD_S
+            lines = _lines(watch, sort, _width())
+            if lines != shown:
+                show(lines)
+                shown = lines
+
+
+def _width() -> int | None:
+    """The columns of a terminal; ``None`` in a pipe, where nothing is cut."""
+    return shutil.get_terminal_size().columns if sys.stdout.isatty() else None
 
 
 def _lines(watch: StatusWatch, sort: SortKey, width: int | None) -> list[Line]:
