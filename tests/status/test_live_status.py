@@ -131,6 +131,17 @@ def test_a_relay_that_loses_messages_is_off_its_rate() -> None:
     assert not topic.keeps_rate
 
 
+def test_an_output_that_stops_while_its_source_goes_on_is_off_its_rate() -> None:
+    profile = Profile(topics={"/info": TopicProfile(paced_with="/image")})
+    rules = "begin SetFrequency /image 10 SetFrequency /info 10 end"
+    driver = StatusDriver(rules=rules, source_hz={"/image": 30, "/info": 30}, profile=profile)
+    assert driver.status_at(10).topics["/info"].keeps_rate
+    del driver.due_ns["/image"]
+    info = driver.status_at(20).topics["/info"]
+    assert (info.source_hz, info.actual_hz) == (pytest.approx(30), 0)
+    assert (info.error_percent, info.keeps_rate) == (-100, False)
+
+
 def test_floors_above_the_budget_are_said_while_they_are() -> None:
     rules = "begin KeepAtLeast /imu 20 SetFrequency /imu 50 end"
     tight = StatusDriver(rules=rules, source_hz={"/imu": 100}, budget_kb_per_s=3).status_at(15)
