@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import struct
 from dataclasses import dataclass, field
 
 from runtime.loop_driver import SECOND, LoopDriver
@@ -19,6 +20,11 @@ SIZE_BYTES = 500
 def process_at(now_ns: int) -> ProcessReading:
     """A process that takes 4 % of a core."""
     return ProcessReading(cpu_ns=now_ns // 25, steady_ns=now_ns, resident_bytes=64_000_000)
+
+
+def payload(stamp_ns: int) -> bytes:
+    """A message with that header stamp."""
+    return (b"\x00\x01\x00\x00" + struct.pack("<iI", *divmod(stamp_ns, SECOND))).ljust(SIZE_BYTES, b"\x00")
 
 
 def linked(topic: str, **link: object) -> TopicLink:
@@ -59,7 +65,7 @@ class StatusDriver:
         while self.due_ns and min(self.due_ns.values()) < end_ns:
             topic = min(self.due_ns, key=lambda name: self.due_ns[name])
             sent = len(self.driver.relayed)
-            self.driver.send(topic, self.due_ns[topic], bytes(SIZE_BYTES), SIZE_BYTES)
+            self.driver.send(topic, self.due_ns[topic], payload(self.due_ns[topic]), SIZE_BYTES)
             for relayed in self.driver.relayed[sent:]:
                 self.live.note(relayed)
             self.due_ns[topic] += round(SECOND / self.source_hz[topic])

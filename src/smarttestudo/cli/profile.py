@@ -10,12 +10,16 @@ import sys
 import time
 from collections.abc import Iterable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from smarttestudo.adapters.ros import open_robot
 from smarttestudo.cli.durations import add_timeout, duration_s
 from smarttestudo.cli.progress import progress
 from smarttestudo.composition.profile_robot import profile_of_robot
-from smarttestudo.domain.errors import ProfileError
+from smarttestudo.domain.errors import ProfileError, UsageError
+
+if TYPE_CHECKING:
+    from smarttestudo.optimizer.profiling.proposal import TierProposal
 
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -35,6 +39,11 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.add_argument(
         "--topics", metavar="TOPIC", nargs="+", default=(), help="these only; * ? […] as in a shell"
     )
+    parser.add_argument(
+        "--from-curve",
+        action="store_true",
+        help="with --bag: propose tiers where the loss at each rate bends, as `bag loss BAG` shows it",
+    )
     parser.add_argument("-o", "--output", metavar="FILE", type=Path, help="where to write the profile")
     parser.add_argument(
         "--ros-args",
@@ -51,6 +60,8 @@ def run(arguments: argparse.Namespace) -> int:
     output: Path | None = arguments.output
     if output is not None and output.exists():
         raise ProfileError("the file exists already", place=str(output), remedy="give another name")
+    if arguments.from_curve and arguments.bag is None:
+        raise UsageError("a curve needs a recording", place="--from-curve", remedy="give one with --bag")
     text = _of_robot(arguments) if arguments.bag is None else _of_recording(arguments)
     if output is None:
         sys.stdout.write(text)
@@ -68,8 +79,11 @@ def _of_recording(arguments: argparse.Namespace) -> str:
     from smarttestudo.adapters.rosbag import open_recording  # noqa: PLC0415  needs packages a robot lacks
     from smarttestudo.composition.profile_recording import profile_of_recording  # noqa: PLC0415
 
+    proposals = _breakpoints(arguments.bag) if arguments.from_curve else None
     with open_recording(arguments.bag) as recording:
-        text = profile_of_recording(recording, name=arguments.bag.name, patterns=arguments.topics)
+        text = profile_of_recording(
+            recording, name=arguments.bag.name, patterns=arguments.topics, proposals=proposals
+        )
         _note(recording.notices())
     return text
 
@@ -92,3 +106,11 @@ def _of_robot(arguments: argparse.Namespace) -> str:
 def _note(notices: Iterable[str]) -> None:
     for notice in notices:
         print(f"note: {notice}", file=sys.stderr)  # noqa: T201
+
+
+def _breakpoints(bag: Path) -> dict[str, TierProposal]:
+    from smarttestudo.composition.bag_curves import measure_curves  # noqa: PLC0415  see _of_recording
+
+    with progress(f"Reading {bag}") as report:
+        curves = measure_curves(bag, report=report).curves
+    return {curve.topic: curve.breakpoints for curve in curves if curve.breakpoints}

@@ -11,6 +11,7 @@ from smarttestudo.composition.live_decisions import LiveDecisions
 from smarttestudo.composition.live_status import LiveStatus
 from smarttestudo.composition.live_topics import LiveTopics
 from smarttestudo.composition.status_announcer import StatusAnnouncer
+from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Robot
 from smarttestudo.domain.status import RulesInForce
 from smarttestudo.runtime.execute.relay import Relayed
@@ -51,7 +52,7 @@ class LiveRun:
                 self._publish(self._loop.on_wake(now_ns))
         self._report()
 
-    def _receive(self, topic: str, payload: bytes, publisher: Hashable) -> None:
+    def _receive(self, topic: str, payload: Payload, publisher: Hashable) -> None:
         message = self._topics.decoded(topic, payload) if self._loop.reads(topic) else None
         now_ns = self._robot.now_ns()
         self._publish(

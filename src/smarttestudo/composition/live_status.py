@@ -81,8 +81,7 @@ class LiveStatus:
         """A message was relayed."""
         meters = self._meters.get(relayed.topic)
         if meters is not None:
-            # A copy: the payload may lie in a buffer that the next message takes.
-            meters.age.note(bytes(relayed.payload[_BEGINNING]), relayed.stamp_ns)
+            meters.age.note(relayed.payload[_BEGINNING], relayed.stamp_ns)
 
     def look(
         self,

@@ -12,10 +12,11 @@ from smarttestudo.composition.topic_link import TopicLink, topic_link
 from smarttestudo.composition.visible_topics import testudo_nodes
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.observation import SourceChanged, Undecodable
+from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Inlet, Outlet, Robot
 from smarttestudo.runtime.execute.relay import Relayed
 
-Received = Callable[[str, bytes, Hashable], None]
+Received = Callable[[str, Payload, Hashable], None]
 """Takes a message: its topic, its payload, and its publisher where that is known."""
 
 
@@ -70,7 +71,7 @@ class LiveTopics:
         changes = (self._look_at(topic, testudos) for topic in self._topics)
         return [change for change in changes if change is not None]
 
-    def decoded(self, topic: str, payload: bytes) -> object:
+    def decoded(self, topic: str, payload: Payload) -> object:
         """The message of a payload that just came, or ``Undecodable``."""
         try:
             return self._robot.data_path.decode(topic, self._sources[topic].type_name, payload)

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from smarttestudo.composition.live_source import live_source
 from smarttestudo.composition.visible_topics import visible_topics
 from smarttestudo.domain.errors import RosError
+from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Endpoint, Receive, Robot
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.optimizer.profiling.measure import TopicMeasure
@@ -147,7 +148,7 @@ class _Ears:
             self._latched.add(topic)
 
     def _counting(self, topic: str) -> Receive:
-        def receive(payload: bytes, _publisher: Hashable) -> None:
+        def receive(payload: Payload, _publisher: Hashable) -> None:
             self.measures[topic].record(self._robot.now_ns(), len(payload))
 
         return receive

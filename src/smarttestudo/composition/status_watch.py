@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 
 from smarttestudo.composition.status_announcer import STATUS_QOS, STATUS_TOPIC
 from smarttestudo.domain.errors import RosError
+from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Robot
 from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.domain.status_json import status_from_text
@@ -45,7 +46,7 @@ class StatusWatch:
         nodes = {endpoint.node for endpoint in self._robot.publishers(STATUS_TOPIC)}
         return bool(self.heard) and nodes <= self.heard.keys()
 
-    def _receive(self, payload: bytes, _publisher: Hashable) -> None:
+    def _receive(self, payload: Payload, _publisher: Hashable) -> None:
         try:
             message = self._robot.data_path.decode(STATUS_TOPIC, _TEXT_TYPE, payload)
             status = status_from_text(getattr(message, "data", ""))

@@ -9,8 +9,9 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from smarttestudo.domain.diagnostic import Diagnostic
+from smarttestudo.domain.payload import Payload
 
-Receive = Callable[[bytes, Hashable], None]
+Receive = Callable[[Payload, Hashable], None]
 """Takes a serialized message and what tells its publisher from others of the topic, or ``None``."""
 
 
@@ -37,7 +38,28 @@ class Endpoint:
 
 
 class Inlet(Protocol):
-    """A subscription to a source."""
+    """A subscription to a source.
+
+    It can ``rest``, where its path can: then messages wake nobody and all but the newest are dropped, until
+    ``take_newest`` hands that one out.
+    """
+
+    @property
+    def sent(self) -> int | None:
+        """Messages that the source has sent since the first that came, taken or not; ``None`` if unknown."""
+
+    @property
+    def dropped(self) -> int:
+        """Messages that were lost on their way or in a full queue; not those dropped by resting."""
+
+    def rest(self) -> None:
+        """Wake for no message from now on, where the path can do that."""
+
+    def work(self) -> None:
+        """Receive every message again."""
+
+    def take_newest(self) -> bool:
+        """Receive the newest message that came while resting; if there is none, the next one wakes."""
 
     def close(self) -> None:
         """Receive nothing more."""
@@ -46,7 +68,7 @@ class Inlet(Protocol):
 class Outlet(Protocol):
     """A publisher of a monitored topic."""
 
-    def publish(self, payload: bytes) -> None:
+    def publish(self, payload: Payload) -> None:
         """Send a serialized message. Raises ``RosError``."""
 
     def close(self) -> None:
@@ -56,13 +78,29 @@ class Outlet(Protocol):
 class DataPath(Protocol):
     """How serialized messages come in and go out. Callbacks run within ``Robot.wait``."""
 
-    def subscribe(self, topic: str, type_name: str, qos: Qos, receive: Receive) -> Inlet:
-        """Have ``receive`` called with each message. Raises ``RosError``."""
+    def knows(self, type_name: str) -> bool:
+        """Whether the message type is installed."""
+
+    @property
+    def tells_publishers(self) -> bool:
+        """Whether ``receive`` is told the publisher of each message: its GID, as ``bytes``."""
+
+    @property
+    def can_rest(self) -> bool:
+        """Whether inlets can rest, and still say how much their source sends."""
+
+    def subscribe(
+        self, topic: str, type_name: str, qos: Qos, receive: Receive, *, priority: int = 0
+    ) -> Inlet:
+        """Have ``receive`` called with each message. Raises ``RosError``.
+
+        When messages pile up, those of the highest ``priority`` are served first.
+        """
 
     def advertise(self, topic: str, type_name: str, qos: Qos) -> Outlet:
         """Publish on ``topic``. Raises ``RosError``."""
 
-    def decode(self, topic: str, type_name: str, payload: bytes) -> object:
+    def decode(self, topic: str, type_name: str, payload: Payload) -> object:
         """The message of a payload that came on ``topic``. Raises ``RosError``."""
 
 

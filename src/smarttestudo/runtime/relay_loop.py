@@ -9,6 +9,7 @@ from collections.abc import Collection, Hashable, Iterator, Mapping, Sequence
 from smarttestudo.adirf.rule_set import RuleSet
 from smarttestudo.domain.decision import Decision, PlannedRate
 from smarttestudo.domain.observation import Arrival, LinkBudget, Observation, SourceChanged
+from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.signal import Signal
 from smarttestudo.pacing.sample import WhenSlow
@@ -111,7 +112,7 @@ class RelayLoop:
         self,
         topic: str,
         now_ns: int,
-        payload: bytes,
+        payload: Payload,
         size_bytes: int,
         *,
         message: object | None = None,
