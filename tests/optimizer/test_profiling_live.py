@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from smarttestudo.adapters.files.profile import load_profile
+from smarttestudo.cli.main import main
 from smarttestudo.composition.profile_robot import RobotProfile, profile_of_robot
 from smarttestudo.domain.errors import TestudoError
 from smarttestudo.domain.profile import Profile
@@ -106,3 +107,9 @@ def test_a_type_that_is_not_installed_costs_its_topic_only(tmp_path: Path) -> No
     profile = measured(robot)
     assert list(profile_in(tmp_path, profile).topics) == ["/imu"]
     assert profile.notices == ("/odd: error: the message type odd_msgs/msg/Odd is not installed",)
+
+
+def test_a_curve_of_a_running_robot_is_a_wrong_usage(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["profile", "--seconds", "1", "--from-curve"]) == 2
+    line = "--from-curve: error: a curve needs a recording; give one with --bag\n"
+    assert capsys.readouterr().err == line
