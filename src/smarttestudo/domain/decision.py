@@ -41,7 +41,8 @@ class Decision:
     """One change of a plan: another rate, or another deciding block.
 
     ``t_s`` counts from the loop's start. ``values`` holds what the deciding condition read, by signal
-    name; unknown values are ``None``. ``from_rate`` is ``None`` on the first decision of a topic.
+    name; unknown values are ``None``. ``from_rate`` is ``None`` on the first decision of a topic. ``is_end``:
+    other rules came that do not relay the topic; its planned rate is Off then.
     """
 
     t_s: float
@@ -50,6 +51,7 @@ class Decision:
     from_rate: Rate | None
     planned: PlannedRate
     values: Mapping[str, float | None]
+    is_end: bool = False
 
     def to_json(self) -> dict[str, object]:
         """The object of one line of the decisions file."""
@@ -66,4 +68,6 @@ class Decision:
         }
         if self.from_rate is None:
             record["start"] = True
+        if self.is_end:
+            record["end"] = True
         return record
