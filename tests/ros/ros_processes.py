@@ -117,7 +117,11 @@ class SmallRobot:
         """``testudo run`` by the rules given as text."""
         path = self.folder / f"rules{len(self._processes)}.adirf"
         path.write_text(rules, encoding="utf-8")
-        return self._start(["-c", TESTUDO, "run", "--rules", str(path), *arguments])
+        return self.testudo("run", "--rules", str(path), *arguments)
+
+    def testudo(self, *arguments: str) -> Process:
+        """``testudo`` with ``arguments``."""
+        return self._start(["-c", TESTUDO, *arguments])
 
     def end(self) -> None:
         for process in self._processes:

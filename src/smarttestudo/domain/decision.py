@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
+from typing import Any
 
 from smarttestudo.domain.rate import Rate
 
@@ -71,3 +72,26 @@ class Decision:
         if self.is_end:
             record["end"] = True
         return record
+
+    @staticmethod
+    def from_json(record: Mapping[str, Any]) -> Decision:
+        """The decision that ``to_json`` gave ``record`` for.
+
+        Raises ``ValueError``, ``TypeError`` or ``LookupError`` where it gave it for none.
+        """
+        starts = bool(record.get("start", False))
+        return Decision(
+            t_s=float(record["t"]),
+            stamp_ns=int(record["stamp_ns"]),
+            topic=str(record["topic"]),
+            from_rate=None if starts else Rate.from_json(record["from_hz"]),
+            planned=PlannedRate(
+                rate=Rate.from_json(record["to_hz"]),
+                reason=Reason(record["reason"]),
+                rule=record["rule"],
+                line=record["line"],
+            ),
+            values={
+                str(name): None if value is None else float(value) for name, value in record["values"].items()
+            },
+        )

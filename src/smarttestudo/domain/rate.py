@@ -51,6 +51,11 @@ class Rate:
         """Hertz, or ``None`` for Full, as decisions and ``--json`` write it."""
         return None if self.is_full else self.hz
 
+    @staticmethod
+    def from_json(hz: float | None) -> Rate:
+        """The rate that ``to_json`` gave ``hz`` for; a written Off comes back as a plain 0."""
+        return Rate.full() if hz is None else Rate(float(hz))
+
     def __str__(self) -> str:
         """As a rule file writes it, with the unit."""
         if self.is_full:

@@ -54,6 +54,9 @@ class Outlet(Protocol):
 class DataPath(Protocol):
     """How serialized messages come in and go out. Callbacks run within ``Robot.wait``."""
 
+    def knows(self, type_name: str) -> bool:
+        """Whether the message type is installed."""
+
     def subscribe(self, topic: str, type_name: str, qos: Qos, receive: Receive) -> Inlet:
         """Have ``receive`` called with each message. Raises ``RosError``."""
 

@@ -11,6 +11,11 @@ from pathlib import Path
 
 from smarttestudo.adapters.files.whole_file import OutputFileError, whole_file
 from smarttestudo.domain.decision import Decision
+from smarttestudo.domain.errors import TestudoError
+
+
+class DecisionLogError(TestudoError):
+    """A decision log that cannot be read."""
 
 
 @contextmanager
@@ -47,6 +52,28 @@ def growing_decision_log(path: Path) -> Iterator[Callable[[Iterable[Decision]], 
         # What could not be written was said when it failed.
         with suppress(OSError):
             file.close()
+
+
+def read_decisions(path: Path) -> list[Decision]:
+    """The decisions in the file at ``path``; a last line that was cut off is left out.
+
+    Raises ``DecisionLogError`` for a file that cannot be read, or with the line that is no decision.
+    """
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        cause = f"the decision log cannot be read: {getattr(error, 'strerror', None) or error}"
+        raise DecisionLogError(cause, place=str(path)) from error
+    lines = text.split("\n")[:-1]
+    return [_parsed(line, f"{path}:{number}") for number, line in enumerate(lines, 1)]
+
+
+def _parsed(line: str, place: str) -> Decision:
+    try:
+        return Decision.from_json(json.loads(line))
+    except (ValueError, TypeError, LookupError, AttributeError, RecursionError) as error:
+        remedy = "give a file that --decisions wrote"
+        raise DecisionLogError("not a decision", place=place, remedy=remedy) from error
 
 
 def _not_writable(path: Path, error: OSError) -> OutputFileError:

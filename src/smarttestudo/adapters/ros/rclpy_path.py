@@ -22,6 +22,14 @@ class RclpyPath:
     def __init__(self, node: Any) -> None:
         self._node = node
 
+    def knows(self, type_name: str) -> bool:
+        """Whether the message type is installed."""
+        try:
+            message_type(type_name, type_name)
+        except RosError:
+            return False
+        return True
+
     def subscribe(self, topic: str, type_name: str, qos: Qos, receive: Receive) -> Inlet:
         """Have ``receive`` called with each message. Raises ``RosError``."""
 
