@@ -79,7 +79,7 @@ class Driven:
                 self.keep(self.loop.on_message(topic, now_ns, payload, 500, message=message))
 
 
-@settings(max_examples=150)
+@settings(max_examples=80)
 @given(rules, ways, events)
 def test_reloading_the_same_rules_changes_nothing(
     same: Rules, way: tuple[WhenSlow, float | None], scenario: list[tuple[int, object]]
@@ -96,7 +96,7 @@ def test_reloading_the_same_rules_changes_nothing(
         assert first.loop.plan == second.loop.plan
 
 
-@settings(max_examples=150)
+@settings(max_examples=80)
 @given(rules, rules, ways, events)
 def test_rules_reloaded_at_the_start_are_as_if_they_had_always_been_there(
     before: Rules, after: Rules, way: tuple[WhenSlow, float | None], scenario: list[tuple[int, object]]

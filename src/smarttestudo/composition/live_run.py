@@ -7,7 +7,9 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Iterable, Mapping
 
 from smarttestudo.composition.live_decisions import LiveDecisions
+from smarttestudo.composition.live_rules import LiveRules
 from smarttestudo.composition.live_topics import LiveTopics
+from smarttestudo.domain.observation import LinkBudget
 from smarttestudo.domain.robot import Robot
 from smarttestudo.runtime.execute.relay import Relayed
 from smarttestudo.runtime.relay_loop import RelayLoop
@@ -36,6 +38,17 @@ class LiveRun:
             if wake_ns is not None and wake_ns <= now_ns:
                 self._publish(self._loop.on_wake(now_ns))
         self._report()
+
+    def reload(self, rules: LiveRules) -> None:
+        """Let other rules hold; to be called between two messages, that is, within ``Robot.wait``."""
+        self._publish(self._loop.reload(rules.rule_set, rules.profile, self._robot.now_ns()))
+        self._topics.follow(rules.monitored, self._loop.watched)
+        self._look()
+
+    def set_budget(self, budget_kb_per_s: float) -> None:
+        """The relayed topics may take so much from now on."""
+        budget = LinkBudget(link_kb_per_s=budget_kb_per_s)
+        self._publish(self._loop.on_budget(budget, self._robot.now_ns()))
 
     def _receive(self, topic: str, payload: bytes, publisher: Hashable) -> None:
         message = self._topics.decoded(topic, payload) if self._loop.reads(topic) else None

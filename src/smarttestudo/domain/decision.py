@@ -94,4 +94,5 @@ class Decision:
             values={
                 str(name): None if value is None else float(value) for name, value in record["values"].items()
             },
+            is_end=bool(record.get("end", False)),
         )
