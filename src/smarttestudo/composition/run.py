@@ -38,7 +38,8 @@ def run_live(
         robot.wait(None, LOOK_PERIOD_S)
     if stopped():
         return
-    fallback.look()
+    if first.rules is None:
+        fallback.look()
     rules = first.rules or fallback.rules()
     loop = RelayLoop(
         rules.rule_set, rules.profile, robot.now_ns(), request.when_slow, request.budget_kb_per_s

@@ -43,7 +43,7 @@ class Decision:
 
     ``t_s`` counts from the loop's start. ``values`` holds what the deciding condition read, by signal
     name; unknown values are ``None``. ``from_rate`` is ``None`` on the first decision of a topic. ``is_end``:
-    other rules came that do not relay the topic; its planned rate is Off then.
+    other rules came that do not relay the topic; its planned rate is 0 then.
     """
 
     t_s: float

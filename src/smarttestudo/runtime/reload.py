@@ -35,8 +35,10 @@ def exchange_rules(
     """
     before = knowledge.rule_set
     now_ns = knowledge.time.now_ns
-    ended = tuple(_end(knowledge, topic, now_ns) for topic in before.relayed if topic not in rule_set.relayed)
+    order_of = {topic: place for place, topic in enumerate(rule_set.relayed)}
+    ended = tuple(_end(knowledge, topic, now_ns) for topic in knowledge.order_of if topic not in order_of)
     knowledge.rule_set, knowledge.profile = rule_set, profile
+    knowledge.order_of = order_of
     knowledge.settle_ns = ns_from_s(profile.settle_s)
     knowledge.evaluator = Evaluator(rule_set)
     knowledge.watched = _watched(knowledge, sources, now_ns)
@@ -46,7 +48,6 @@ def exchange_rules(
     knowledge.settling = _settling(knowledge, before)
     knowledge.settle_alarms = AlarmClock()
     _keep_plan(knowledge, before)
-    knowledge.order_of = {topic: place for place, topic in enumerate(rule_set.relayed)}
     if knowledge.link is not None:
         knowledge.link.change_rules(rule_set, profile)
     return ended
@@ -65,7 +66,7 @@ def _end(knowledge: Knowledge, topic: str, now_ns: int) -> Decision:
         stamp_ns=knowledge.time.on_clock(now_ns),
         topic=topic,
         from_rate=knowledge.effective[topic].planned.rate,
-        planned=PlannedRate(rate=Rate.off(), reason=Reason.RELOAD),
+        planned=PlannedRate(rate=Rate(0.0), reason=Reason.RELOAD),
         values={},
         is_end=True,
     )
@@ -89,8 +90,8 @@ def _settling(knowledge: Knowledge, before: RuleSet) -> dict[str, Settling]:
     settling = {}
     old_blocks, new_blocks = _blocks_by_topic(before), _blocks_by_topic(knowledge.rule_set)
     for topic, waiting in knowledge.settling.items():
-        old, new = old_blocks.get(topic, []), new_blocks.get(topic, [])
-        if _stance(before, topic, old) == _stance(knowledge.rule_set, topic, new):
+        old, new = old_blocks[topic], new_blocks.get(topic)
+        if new is not None and _stance(before, topic, old) == _stance(knowledge.rule_set, topic, new):
             renamed = {one.order: other for one, other in zip(old, new, strict=True)}
             settling[topic] = waiting.carried_on(partial(_renamed, renamed), knowledge.settle_ns)
     return settling
@@ -107,8 +108,7 @@ def _blocks_by_topic(rule_set: RuleSet) -> dict[str, list[RuleBlock]]:
 def _stance(rule_set: RuleSet, topic: str, blocks: list[RuleBlock]) -> object:
     """All that decides the rate of ``topic``."""
     setting = [(block.label, block.priority, block.rates[topic], block.form) for block in blocks]
-    is_relayed = topic in rule_set.relayed
-    return is_relayed, rule_set.defaults.get(topic), rule_set.floors_hz.get(topic), setting
+    return rule_set.defaults.get(topic), rule_set.floors_hz.get(topic), setting
 
 
 def _renamed(new_blocks: Mapping[int, RuleBlock], wish: Wish) -> Wish:
@@ -121,9 +121,8 @@ def _renamed(new_blocks: Mapping[int, RuleBlock], wish: Wish) -> Wish:
 def _keep_plan(knowledge: Knowledge, before: RuleSet) -> None:
     """The plan of topics still relayed, with the deciding blocks as the new rules count them."""
     counterpart = _counterparts(before, knowledge.rule_set)
-    relayed = frozenset(knowledge.rule_set.relayed)
     for kept in (knowledge.settled, knowledge.effective, knowledge.plan):
-        for topic in [topic for topic in kept if topic not in relayed]:
+        for topic in [topic for topic in kept if topic not in knowledge.order_of]:
             del kept[topic]
     for wishes in (knowledge.settled, knowledge.effective):
         for topic, wish in wishes.items():
