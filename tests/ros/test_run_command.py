@@ -40,6 +40,15 @@ def test_a_prefix_goes_before_every_topic(robot: SmallRobot) -> None:
     assert topics == ["/tb3_0/arm/imu", "/tb3_0/odom"]
 
 
+@pytest.mark.parametrize("pattern", ["{topic}", "/odom"])
+def test_an_output_that_is_no_name_of_its_own_is_refused_without_rules_too(
+    robot: SmallRobot, pattern: str
+) -> None:
+    runtime = robot.testudo_run("--output-topic", pattern)
+    assert runtime.exit_code() == 2
+    assert runtime.output[-1].startswith("--output-topic: error: ")
+
+
 def test_parameters_do_what_options_do_and_options_win(robot: SmallRobot) -> None:
     for name, rate in (("one", 5), ("two", 7)):
         path = robot.folder / f"{name}.adirf"

@@ -10,12 +10,14 @@ from smarttestudo.composition.replay_topics import TOPIC_PLACEHOLDER, output_nam
 from smarttestudo.domain.errors import UsageError
 
 DEFAULT_OUTPUT_TOPIC = "/testudo{topic}"
+OWN_TOPICS = frozenset({DECISIONS_TOPIC})
+"""What a SmartTestudo publishes beside monitored topics."""
 
 
 def monitored_topics(rule_set: RuleSet, output_topic: str) -> dict[str, str]:
     """The monitored topic of each relayed one; ``UsageError`` where a name is invalid or taken."""
     monitored = {topic: output_name(topic, output_topic) for topic in rule_set.relayed}
-    taken = {*rule_set.relayed, *(signal.topic for signal in rule_set.signals), DECISIONS_TOPIC}
+    taken = {*rule_set.relayed, *(signal.topic for signal in rule_set.signals), *OWN_TOPICS}
     for topic, name in monitored.items():
         if name in taken:
             cause = f"{topic} would be relayed to {name}, which is another topic's name"
