@@ -43,12 +43,16 @@ def sha256(text: str) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def test_the_hash_of_one_file_is_that_of_its_text_and_of_several_that_of_their_hashes(tmp_path: Path) -> None:
+def test_the_hash_is_that_of_all_rules_one_after_the_other(tmp_path: Path) -> None:
     one = written(tmp_path / "a.adirf", GOOD)
     assert good(files_at(one)).rules_hash == sha256(GOOD)
-    other = written(tmp_path / "b.adirf", GOOD.replace("imu", "scan"))
-    hashes = f"{sha256(GOOD)}\n{sha256(GOOD.replace('imu', 'scan'))}\n"
-    assert good(files_at(one, other)).rules_hash == good(files_at(tmp_path)).rules_hash == sha256(hashes)
+    text = GOOD.replace("imu", "scan")
+    other = written(tmp_path / "b.adirf", text)
+    assert (
+        good(files_at(one, other)).rules_hash
+        == good(files_at(tmp_path)).rules_hash
+        == sha256(GOOD + GOOD.replace("imu", "scan"))
+    )
 
 
 @pytest.mark.parametrize(

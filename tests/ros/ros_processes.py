@@ -23,10 +23,10 @@ NOT_INHERITED = ("_ROS_WHEELS_BOOTSTRAP_COMPLETE", "LD_LIBRARY_PATH")
 class Process:
     """A process whose output, stderr included, is read line by line; it never outlives the block."""
 
-    def __init__(self, arguments: list[str], environment: dict[str, str]) -> None:
+    def __init__(self, command: list[str], environment: dict[str, str]) -> None:
         self.output: list[str] = []
         self._process = subprocess.Popen(
-            [sys.executable, *arguments],
+            command,
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
@@ -50,9 +50,9 @@ class Process:
         self._process.stdin.write(f"{line}\n")
         self._process.stdin.flush()
 
-    def result(self) -> Any:
-        """What a script of this folder measured."""
-        self.say("stop")
+    def result(self, line: str = "stop") -> Any:
+        """What an operator station received so far; another line than ``stop`` lets it go on."""
+        self.say(line)
         return json.loads(self.line_with("result ").removeprefix("result "))
 
     def ask(self, *request: Any) -> Any:
@@ -140,11 +140,15 @@ class SmallRobot:
         """``testudo`` with ``arguments``."""
         return self._start(["-c", TESTUDO, *arguments])
 
+    def command(self, *words: str, **environment: str) -> Process:
+        """Any command, with variables of its own."""
+        process = Process(list(words), {**self._environment, **environment})
+        self._processes.append(process)
+        return process
+
     def end(self) -> None:
         for process in self._processes:
             process.end()
 
     def _start(self, arguments: list[str]) -> Process:
-        process = Process(arguments, self._environment)
-        self._processes.append(process)
-        return process
+        return self.command(sys.executable, *arguments)

@@ -45,6 +45,11 @@ def main(argv: Sequence[str] | None = None) -> int:
     return code
 
 
+def smart_testudo(argv: Sequence[str] | None = None) -> int:
+    """Be ``testudo run``: the executable of ``ros2 run smarttestudo smart_testudo``."""
+    return main(["run", *(sys.argv[1:] if argv is None else argv)])
+
+
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="testudo",

@@ -19,7 +19,7 @@ class Fallback:
     """The topics of a robot that its own nodes publish, below ``topic_prefix``; once seen, they stay.
 
     Hidden topics, those of every node, the clock and what a SmartTestudo publishes are left out, and with a
-    word those for which ``output_topic`` makes no name of their own. Raises ``UsageError`` where it never does.
+    word those for which ``output_topic`` makes no name of their own; ``UsageError`` where it never does.
     """
 
     def __init__(self, robot: Robot, *, output_topic: str, topic_prefix: str) -> None:

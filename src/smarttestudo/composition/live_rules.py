@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import count
@@ -20,6 +19,7 @@ from smarttestudo.composition.monitored_topics import monitored_topics
 from smarttestudo.composition.rule_sets import LoadedRules, check_texts
 from smarttestudo.domain.errors import RuleFileError, TestudoError
 from smarttestudo.domain.profile import Profile
+from smarttestudo.domain.status import RulesInForce
 
 PUSHED = "rules_text"
 
@@ -34,14 +34,14 @@ class LiveRules:
     rule_set: RuleSet
     monitored: Mapping[str, str]
     profile: Profile = field(default_factory=Profile)
+    in_force: RulesInForce = field(default_factory=RulesInForce)
     texts: Mapping[str, str] = field(default_factory=dict)
     profile_text: str | None = None
 
     @property
     def rules_hash(self) -> str:
-        """The SHA-256 of the rule text, of several that of their hashes, a line each; else empty."""
-        hashes = [_sha256(text) for text in self.texts.values()]
-        return "".join(hashes) if len(hashes) < 2 else _sha256("".join(f"{one}\n" for one in hashes))
+        """The SHA-256 of the rule texts, one after the other; empty while there are none."""
+        return self.in_force.sha256
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -127,6 +127,7 @@ class LiveRuleFiles:
             rule_set=loaded.rule_set,
             monitored=monitored_topics(loaded.rule_set, self._output_topic),
             profile=profile or Profile(),
+            in_force=loaded.in_force,
             texts=texts,
             profile_text=profile_text,
         )
@@ -142,7 +143,3 @@ def _refuse_errors(loaded: LoadedRules) -> None:
         place=f"{first.path}:{first.span.line}:{first.span.column}",
         remedy=first.hint or None,
     )
-
-
-def _sha256(text: str) -> str:
-    return hashlib.sha256(text.encode("utf-8")).hexdigest()

@@ -4,33 +4,40 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable, Mapping
+from collections.abc import Callable, Hashable, Iterable
 
+from smarttestudo.adapters.files.own_process import read_own_process
 from smarttestudo.composition.live_decisions import LiveDecisions
 from smarttestudo.composition.live_rules import LiveRules
+from smarttestudo.composition.live_status import LiveStatus
 from smarttestudo.composition.live_topics import LiveTopics
+from smarttestudo.composition.status_announcer import StatusAnnouncer
 from smarttestudo.domain.observation import LinkBudget
+from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Robot
 from smarttestudo.runtime.execute.relay import Relayed
 from smarttestudo.runtime.relay_loop import RelayLoop
 
 LOOK_PERIOD_S = 0.2
+STATUS_PERIOD_S = 1.0
 
 
 class LiveRun:
-    """Drives a loop in the node's time. ``monitored`` is the monitored topic of each relayed one."""
+    """Drives a loop, which follows ``rules``, in the node's time."""
 
-    def __init__(
-        self, robot: Robot, loop: RelayLoop, monitored: Mapping[str, str], decisions: LiveDecisions
-    ) -> None:
+    def __init__(self, robot: Robot, loop: RelayLoop, rules: LiveRules, decisions: LiveDecisions) -> None:
         self._robot = robot
         self._loop = loop
         self._decisions = decisions
-        self._topics = LiveTopics(robot, monitored, loop.watched, self._receive)
+        self._rules = rules
+        self._topics = LiveTopics(robot, rules.monitored, loop.watched, self._receive)
+        self._status = LiveStatus(robot.name, read_own_process())
+        self._announcer = StatusAnnouncer(robot)
 
     def drive(self, stopped: Callable[[], bool]) -> None:
         """Until ``stopped``."""
         self._robot.every(LOOK_PERIOD_S, self._look)
+        self._robot.every(STATUS_PERIOD_S, self._tell)
         while not stopped():
             self._report()
             self._robot.wait(self._loop.next_wake_ns, LOOK_PERIOD_S)
@@ -41,6 +48,7 @@ class LiveRun:
 
     def reload(self, rules: LiveRules) -> None:
         """Let other rules hold; to be called between two messages, that is, within ``Robot.wait``."""
+        self._rules = rules
         self._publish(self._loop.reload(rules.rule_set, rules.profile, self._robot.now_ns()))
         self._topics.follow(rules.monitored, self._loop.watched)
         self._look()
@@ -50,7 +58,7 @@ class LiveRun:
         budget = LinkBudget(link_kb_per_s=budget_kb_per_s)
         self._publish(self._loop.on_budget(budget, self._robot.now_ns()))
 
-    def _receive(self, topic: str, payload: bytes, publisher: Hashable) -> None:
+    def _receive(self, topic: str, payload: Payload, publisher: Hashable) -> None:
         message = self._topics.decoded(topic, payload) if self._loop.reads(topic) else None
         now_ns = self._robot.now_ns()
         self._publish(
@@ -67,6 +75,12 @@ class LiveRun:
     def _publish(self, relayed: Iterable[Relayed]) -> None:
         for one in relayed:
             self._topics.publish(one)
+            self._status.note(one)
+
+    def _tell(self) -> None:
+        links, now_ns = self._topics.links(), self._robot.now_ns()
+        status = self._status.look(self._loop, links, self._rules.in_force, read_own_process(), now_ns)
+        self._announcer.announce(status)
 
     def _report(self) -> None:
         self._decisions.report(self._loop.take_decisions())

@@ -7,10 +7,11 @@ from __future__ import annotations
 from smarttestudo.adirf.rule_set import RuleSet
 from smarttestudo.composition.live_decisions import DECISIONS_TOPIC
 from smarttestudo.composition.replay_topics import TOPIC_PLACEHOLDER, output_name
+from smarttestudo.composition.status_announcer import DIAGNOSTICS_TOPIC, STATUS_TOPIC
 from smarttestudo.domain.errors import UsageError
 
 DEFAULT_OUTPUT_TOPIC = "/testudo{topic}"
-OWN_TOPICS = frozenset({DECISIONS_TOPIC})
+OWN_TOPICS = frozenset({DECISIONS_TOPIC, STATUS_TOPIC, DIAGNOSTICS_TOPIC})
 """What a SmartTestudo publishes beside monitored topics."""
 
 

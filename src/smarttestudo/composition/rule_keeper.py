@@ -10,8 +10,8 @@ from contextlib import AbstractContextManager
 from smarttestudo.composition.fallback import Fallback
 from smarttestudo.composition.live_rules import PUSHED, LiveRuleFiles, LiveRules, Reading
 from smarttestudo.composition.live_run import LOOK_PERIOD_S, LiveRun
+from smarttestudo.composition.pushed_rules import CONFIRM_WITHIN_S, PushedRules
 from smarttestudo.composition.rule_watch import RuleWatch
-from smarttestudo.composition.rules_in_force import CONFIRM_WITHIN_S, RulesInForce
 from smarttestudo.composition.run_parameters import budget_parameter
 from smarttestudo.domain.errors import RosError, UsageError
 from smarttestudo.domain.parameter import ParameterValue
@@ -53,7 +53,7 @@ class RuleKeeper:
         self._files = files
         self._fallback = fallback
         self._last = first
-        self._in_force = RulesInForce(first.rules)
+        self._in_force = PushedRules(first.rules)
         self._watch = RuleWatch(files, first)
         self._is_asked = False
 

@@ -44,7 +44,7 @@ def run_live(
     loop = RelayLoop(
         rules.rule_set, rules.profile, robot.now_ns(), request.when_slow, request.budget_kb_per_s
     )
-    live = LiveRun(robot, loop, rules.monitored, decisions)
+    live = LiveRun(robot, loop, rules, decisions)
     keeper = RuleKeeper(robot, live, files, fallback, first)
     with keeper.keep():
         parameters.serve(keeper.accept)

@@ -8,6 +8,7 @@ from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.observation import SourceChanged
+from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.profile import Profile
 from smarttestudo.pacing.follower import Follower, leaders
 from smarttestudo.pacing.sample import WhenSlow
@@ -80,7 +81,7 @@ class Relays:
             self._arm(relay)
 
     def offer(
-        self, topic: str, payload: bytes, size_bytes: int, publisher: Hashable, now_ns: int
+        self, topic: str, payload: Payload, size_bytes: int, publisher: Hashable, now_ns: int
     ) -> Sequence[Relayed]:
         """What to relay now that a message arrived; nothing for topics without a relay."""
         relay = self._relays.get(topic)

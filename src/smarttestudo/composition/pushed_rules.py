@@ -23,7 +23,7 @@ class _Waiting(Generic[_Rules]):
     before: _Rules
 
 
-class RulesInForce(Generic[_Rules]):
+class PushedRules(Generic[_Rules]):
     """A pushed text holds at once, but only for ``CONFIRM_WITHIN_S`` unless its hash is confirmed by then.
 
     So rules that cut off whoever pushed them do not last. Times are steady.

@@ -7,14 +7,14 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from smarttestudo.composition.rules_in_force import CONFIRM_WITHIN_S, RulesInForce
+from smarttestudo.composition.pushed_rules import CONFIRM_WITHIN_S, PushedRules
 from smarttestudo.domain.units import NS_PER_S
 
 LATE_NS = CONFIRM_WITHIN_S * NS_PER_S
 
 
-def pushed(*texts: str, at_ns: int = 0) -> RulesInForce[str]:
-    rules = RulesInForce("files")
+def pushed(*texts: str, at_ns: int = 0) -> PushedRules[str]:
+    rules = PushedRules("files")
     for text in texts:
         rules.push(text, f"hash of {text}", at_ns)
     return rules
@@ -80,7 +80,7 @@ def test_files_that_change_win_over_what_was_pushed() -> None:
 
 @given(st.lists(st.sampled_from(["push a", "push b", "confirm a", "confirm b", "wait", "files"])))
 def test_nothing_that_was_never_confirmed_holds_for_longer_than_allowed(events: list[str]) -> None:
-    rules, now_ns, lasting = RulesInForce("files"), 0, {"files"}
+    rules, now_ns, lasting = PushedRules("files"), 0, {"files"}
     for event in events:
         kind, _, text = event.partition(" ")
         if kind == "push":
