@@ -59,6 +59,7 @@ inputs = st.one_of(
         names=st.dictionaries(texts, texts),
         when_slow=st.sampled_from(WhenSlow),
         budget_kb_per_s=st.none() | budgets,
+        relay_all=st.none() | st.lists(texts).map(tuple),
     ),
 )
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from smarttestudo.adapters.files.input_log import read_inputs
 from smarttestudo.adapters.files.profile import parse_profile
 from smarttestudo.adapters.rosbag import RosbagDecoder
-from smarttestudo.adirf.rule_set import RuleSet
+from smarttestudo.adirf.rule_set import RuleSet, fallback_rules
 from smarttestudo.composition.replay_topics import counted
 from smarttestudo.composition.rule_sets import check_texts
 from smarttestudo.domain.decision import Decision
@@ -126,6 +126,8 @@ class _Again:
 
 def _rules(given: RulesInput) -> tuple[RuleSet, Profile]:
     """What came into force."""
+    if given.relay_all is not None:
+        return fallback_rules(given.relay_all), Profile()
 
     def resolve(topic: str) -> str:
         return given.names.get(topic) or resolve_topic(topic)

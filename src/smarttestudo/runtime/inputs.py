@@ -16,7 +16,7 @@ class RulesInput:
     """Rules came into force; the first input of a log, and one for each reload.
 
     ``rule_texts`` are the rule files by path, ``profile_text`` the profile's TOML, ``names`` the full name
-    of each topic in them by the name that they use.
+    of each topic in them by the name that they use. For want of rules, every message of ``relay_all`` passes.
     """
 
     stamp_ns: int
@@ -25,6 +25,7 @@ class RulesInput:
     names: Mapping[str, str] = field(default_factory=dict)
     when_slow: WhenSlow = WhenSlow.PASS
     budget_kb_per_s: float | None = None
+    relay_all: tuple[str, ...] | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -8,6 +8,7 @@ from collections.abc import Callable, Hashable, Sequence
 
 from smarttestudo.adirf.rule_set import RuleSet
 from smarttestudo.domain.observation import LinkBudget, SourceChanged, Undecodable
+from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.profile import Profile
 from smarttestudo.pacing.sample import WhenSlow
 from smarttestudo.runtime.execute.relay import Relayed
@@ -36,7 +37,7 @@ class RecordingLoop(RelayLoop):
         self,
         topic: str,
         now_ns: int,
-        payload: bytes,
+        payload: Payload,
         size_bytes: int,
         *,
         message: object | None = None,
@@ -49,7 +50,7 @@ class RecordingLoop(RelayLoop):
                 stamp_ns=now_ns,
                 topic=topic,
                 size_bytes=size_bytes,
-                payload=bytes(payload) if decodable and self.reads(topic) else None,
+                payload=payload[:] if decodable and self.reads(topic) else None,
                 decodable=decodable,
                 publisher=self._number(publisher),
             )

@@ -47,6 +47,7 @@ def input_to_json(given: LoopInput) -> dict[str, object]:
                 "names": dict(given.names),
                 "when_slow": given.when_slow.value,
                 "budget_kb_per_s": given.budget_kb_per_s,
+                "relay_all": given.relay_all,
             }
 
 
@@ -98,7 +99,7 @@ def _read_source(record: Mapping[str, Any]) -> SourceInput:
 
 
 def _read_rules(record: Mapping[str, Any]) -> RulesInput:
-    budget_kb_per_s = record["budget_kb_per_s"]
+    budget_kb_per_s, relay_all = record["budget_kb_per_s"], record["relay_all"]
     return RulesInput(
         stamp_ns=int(record["stamp_ns"]),
         rule_texts={str(path): str(text) for path, text in record["rules"].items()},
@@ -106,4 +107,5 @@ def _read_rules(record: Mapping[str, Any]) -> RulesInput:
         names={str(name): str(full) for name, full in record["names"].items()},
         when_slow=WhenSlow(record["when_slow"]),
         budget_kb_per_s=None if budget_kb_per_s is None else float(budget_kb_per_s),
+        relay_all=None if relay_all is None else tuple(map(str, relay_all)),
     )
