@@ -146,6 +146,10 @@ class SmallRobot:
         self._processes.append(process)
         return process
 
+    def diagnostics(self) -> Process:
+        """A process that prints each message on /diagnostics; see ``diagnostics_listener.py``."""
+        return self._start([str(FOLDER / "diagnostics_listener.py")])
+
     def end(self) -> None:
         for process in self._processes:
             process.end()

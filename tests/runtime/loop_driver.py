@@ -42,7 +42,8 @@ class LoopDriver:
         types: dict[str, str] | None = None,
         budget_kb_per_s: float | None = None,
     ) -> None:
-        self.loop = RelayLoop(rule_set_of(rules), profile or Profile(), 0, when_slow, budget_kb_per_s)
+        self.rule_set = rule_set_of(rules)
+        self.loop = RelayLoop(self.rule_set, profile or Profile(), 0, when_slow, budget_kb_per_s)
         self.relayed: list[Relayed] = []
         self.decisions: list[Decision] = []
         self.now_ns = 0

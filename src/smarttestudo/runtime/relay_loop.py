@@ -17,6 +17,7 @@ from smarttestudo.runtime.execute.relay import Relayed
 from smarttestudo.runtime.execute.relays import Relays
 from smarttestudo.runtime.execute.statistics import RelayStatistics
 from smarttestudo.runtime.knowledge.knowledge import Knowledge
+from smarttestudo.runtime.monitor.monitor import meter
 from smarttestudo.runtime.reload import exchange_rules, made_by_reload
 from smarttestudo.runtime.step import step
 
@@ -40,7 +41,7 @@ class RelayLoop:
     ) -> None:
         self._knowledge = Knowledge(rule_set, profile, start_ns, budget_kb_per_s)
         self._relays = Relays(rule_set.relayed, profile, when_slow, start_ns)
-        self._observed = self._knowledge.observed
+        self._watched = self._knowledge.watched.keys()
         self._sources: dict[str, SourceChanged] = {}
         self._decisions: list[Decision] = []
         self._now_ns = start_ns
@@ -127,10 +128,13 @@ class RelayLoop:
         # This runs for every message of a robot, so what is seldom needed is asked for without a call.
         freed = self._restarted(now_ns) if now_ns < self._now_ns else ()
         self._now_ns = now_ns
-        if topic in self._observed:
+        if topic in self._watched:
             self._step((Arrival(topic=topic, size_bytes=size_bytes, message=message),), now_ns)
-        elif self._step_ns is not None and self._step_ns <= now_ns:
-            self._step((), now_ns)
+        else:
+            if self._knowledge.link is not None:
+                meter(self._knowledge, topic, size_bytes, now_ns)
+            if self._step_ns is not None and self._step_ns <= now_ns:
+                self._step((), now_ns)
         wake_ns = self._relays.next_wake_ns
         if wake_ns is not None and wake_ns <= now_ns:
             freed = [*freed, *self._relays.wake(now_ns)]
@@ -148,7 +152,6 @@ class RelayLoop:
         """The link carries another budget."""
         restarted = self._restarted(now_ns)
         self._step((budget,), now_ns)
-        self._observed = self._knowledge.observed
         return [*restarted, *self._woken(now_ns)]
 
     def on_wake(self, now_ns: int) -> Sequence[Relayed]:
@@ -163,9 +166,9 @@ class RelayLoop:
         """
         relayed = [*self._pass_time(now_ns)]
         self._decisions += exchange_rules(self._knowledge, rule_set, profile, self._sources)
-        self._observed = self._knowledge.observed
+        self._watched = self._knowledge.watched.keys()
         relayed += self._relays.change_topics(rule_set.relayed, profile, now_ns)
-        known = {*self._observed, *rule_set.relayed}
+        known = {*self._watched, *rule_set.relayed}
         self._sources = {topic: change for topic, change in self._sources.items() if topic in known}
         for change in self._sources.values():
             relayed += self._relays.change_source(change, now_ns)
