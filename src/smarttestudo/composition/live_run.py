@@ -22,7 +22,10 @@ STATUS_PERIOD_S = 1.0
 
 
 class LiveRun:
-    """Drives a loop in the node's time. ``monitored`` is the monitored topic of each relayed one."""
+    """Drives a loop in the node's time. ``monitored`` is the monitored topic of each relayed one.
+
+    ``is_lazy`` is that of ``LiveTopics``.
+    """
 
     def __init__(
         self,
@@ -31,12 +34,15 @@ class LiveRun:
         monitored: Mapping[str, str],
         decisions: LiveDecisions,
         rules: RulesInForce,
+        *,
+        is_lazy: bool = True,
     ) -> None:
         self._robot = robot
         self._loop = loop
         self._decisions = decisions
         self._rules = rules
-        self._topics = LiveTopics(robot, monitored, loop.watched, self._receive)
+        self._topics = LiveTopics(robot, self._receive, is_lazy=is_lazy)
+        self._topics.follow(monitored, loop.watched, loop.leaders)
         self._status = LiveStatus(robot.name, read_own_process())
         self._announcer = StatusAnnouncer(robot)
 

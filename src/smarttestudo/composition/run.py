@@ -27,7 +27,7 @@ class RunRequest:
     """The rules, and how they are to be followed. Topics, also the profile's, are by full name.
 
     ``output_topic`` names monitored topics, with ``{topic}`` for the source's full name. ``decided`` are
-    given the decisions. ``rules`` tell where the rules are from.
+    given the decisions. ``rules`` tell where the rules are from. ``is_lazy`` is that of ``LiveTopics``.
     """
 
     rule_set: RuleSet
@@ -37,6 +37,7 @@ class RunRequest:
     output_topic: str = DEFAULT_OUTPUT_TOPIC
     budget_kb_per_s: float | None = None
     decided: Sequence[Decided] = ()
+    is_lazy: bool = True
 
 
 def run_live(request: RunRequest, robot: Robot, stopped: Callable[[], bool]) -> None:
@@ -58,7 +59,7 @@ def run_live(request: RunRequest, robot: Robot, stopped: Callable[[], bool]) -> 
         request.rule_set, request.profile, robot.now_ns(), request.when_slow, request.budget_kb_per_s
     )
     robot.log.info(f"Relaying {len(monitored)} topics as {request.output_topic}")
-    LiveRun(robot, loop, monitored, decisions, request.rules).drive(stopped)
+    LiveRun(robot, loop, monitored, decisions, request.rules, is_lazy=request.is_lazy).drive(stopped)
 
 
 def monitored_topics(rule_set: RuleSet, output_topic: str) -> dict[str, str]:

@@ -28,6 +28,8 @@ class Qos:
 class Endpoint:
     """A publisher or subscriber of a topic, with the full name of its node.
 
+    ``gid`` is unique to it, and what ``Receive`` is told of a publisher where the data path tells publishers
+    apart. ``asks`` are further policies by which a subscriber asks for more than a publisher of ours offers.
     It has no depth: that cannot be discovered of a remote one.
     """
 
@@ -35,6 +37,8 @@ class Endpoint:
     type_name: str
     reliable: bool
     transient_local: bool
+    gid: bytes = b""
+    asks: tuple[str, ...] = ()
 
 
 class Inlet(Protocol):
@@ -115,7 +119,10 @@ class RobotLog(Protocol):
 
 
 class Robot(Protocol):
-    """A node among the robot's own."""
+    """A node among the robot's own.
+
+    What it publishes goes to the operators, who may be in another domain, and so may be the subscribers.
+    """
 
     @property
     def name(self) -> str:
@@ -138,8 +145,14 @@ class Robot(Protocol):
     def publishers(self, topic: str) -> Sequence[Endpoint]:
         """Who publishes ``topic`` now, as far as discovered."""
 
+    def publisher_count(self, topic: str) -> int:
+        """How many publishers ``publishers`` would find, for a fraction of its cost."""
+
     def subscribers(self, topic: str) -> Sequence[Endpoint]:
-        """Who subscribes to ``topic`` now, as far as discovered."""
+        """Which operators subscribe to ``topic`` now, as far as discovered."""
+
+    def subscriber_count(self, topic: str) -> int:
+        """How many subscribers ``subscribers`` would find, for a fraction of its cost."""
 
     def topics(self) -> Mapping[str, Sequence[str]]:
         """The types of each topic that somebody publishes or subscribes to, by its full name."""

@@ -17,7 +17,7 @@ from rclpy.signals import SignalHandlerOptions
 
 from smarttestudo.adapters.ros.diagnostics import diagnostics_publisher
 from smarttestudo.adapters.ros.message_types import begins_with_header, message_type
-from smarttestudo.adapters.ros.qos import is_reliable, is_transient_local, qos_profile
+from smarttestudo.adapters.ros.qos import further_policies, is_reliable, is_transient_local, qos_profile
 from smarttestudo.adapters.ros.rclpy_path import RclpyPath, ros_errors
 from smarttestudo.domain.diagnostic import Diagnostic
 from smarttestudo.domain.errors import RosError, UsageError
@@ -92,10 +92,22 @@ class RosNode:
         with ros_errors(topic):
             return [_endpoint(one) for one in self._node.get_publishers_info_by_topic(topic)]
 
+    def publisher_count(self, topic: str) -> int:
+        """How many publishers ``publishers`` would find, for a fraction of its cost."""
+        with ros_errors(topic):
+            count: int = self._node.count_publishers(topic)
+        return count
+
     def subscribers(self, topic: str) -> Sequence[Endpoint]:
         """Who subscribes to ``topic`` now, as far as discovered."""
         with ros_errors(topic):
             return [_endpoint(one) for one in self._node.get_subscriptions_info_by_topic(topic)]
+
+    def subscriber_count(self, topic: str) -> int:
+        """How many subscribers ``subscribers`` would find, for a fraction of its cost."""
+        with ros_errors(topic):
+            count: int = self._node.count_subscribers(topic)
+        return count
 
     def topics(self) -> Mapping[str, Sequence[str]]:
         """The types of each topic that somebody publishes or subscribes to, by its full name."""
@@ -141,4 +153,6 @@ def _endpoint(info: Any) -> Endpoint:
         type_name=info.topic_type,
         reliable=is_reliable(info.qos_profile),
         transient_local=is_transient_local(info.qos_profile),
+        gid=bytes(info.endpoint_gid),
+        asks=further_policies(info.qos_profile),
     )
