@@ -21,8 +21,8 @@ class LiveTopic:
     """What is open for one topic, following its source.
 
     ``output`` is its monitored topic, ``None`` if it is only watched. ``unheard`` are publishers whose
-    messages are dropped. ``problem`` says why nothing is open: what opens something may raise ``RosError``, and
-    nothing is tried again until the source changes.
+    messages are dropped. ``problem`` says why nothing is open: what opens something may raise ``RosError``;
+    it is not tried again until the source changes.
     """
 
     def __init__(self, topic: str, output: str | None, path: DataPath, received: Received) -> None:
