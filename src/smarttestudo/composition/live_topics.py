@@ -44,6 +44,7 @@ class LiveTopics:
         self, robot: Robot, monitored: Mapping[str, str], watched: Iterable[str], receive: Received
     ) -> None:
         self._robot = robot
+        self._data_path = robot.data_path
         self._receive = receive
         self._monitored: Mapping[str, str] = {}
         self._topics: tuple[str, ...] = ()
@@ -71,7 +72,7 @@ class LiveTopics:
     def decoded(self, topic: str, payload: Payload) -> object:
         """The message of a payload that just came, or ``Undecodable``."""
         try:
-            return self._robot.data_path.decode(topic, self._sources[topic].type_name, payload)
+            return self._data_path.decode(topic, self._sources[topic].type_name, payload)
         except RosError:
             self._warn_once(f"{topic}: a message could not be decoded; what checks read is unknown then")
             return Undecodable()
@@ -122,7 +123,7 @@ class LiveTopics:
             self._warn_once(str(error))
 
     def _opened(self, topic: str, source: LiveSource) -> _Open:
-        path, output = self._robot.data_path, self._monitored.get(topic)
+        path, output = self._data_path, self._monitored.get(topic)
         outlet = None if output is None else path.advertise(output, source.type_name, source.qos)
         try:
             inlet = path.subscribe(

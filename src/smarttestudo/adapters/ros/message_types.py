@@ -8,7 +8,11 @@ import importlib
 import re
 from typing import Any
 
+from rclpy.serialization import deserialize_message
+
+from smarttestudo.adapters.ros.ros_errors import ros_errors
 from smarttestudo.domain.errors import RosError
+from smarttestudo.domain.payload import Payload
 
 _TYPE_NAME = re.compile(r"([a-z][a-z0-9_]*)/msg/([A-Z][A-Za-z0-9]*)\Z")
 
@@ -31,3 +35,10 @@ def message_type(type_name: str, topic: str) -> Any:
             place=topic,
             remedy=f"install the ROS package {package}, or source the workspace that holds it",
         ) from error
+
+
+def decoded(topic: str, type_name: str, payload: Payload) -> object:
+    """The message of a payload that came on ``topic``. Raises ``RosError``."""
+    with ros_errors(topic):
+        message: object = deserialize_message(payload[:], message_type(type_name, topic))
+    return message
