@@ -50,9 +50,9 @@ class Process:
         self._process.stdin.write(f"{line}\n")
         self._process.stdin.flush()
 
-    def result(self) -> Any:
-        """What a script of this folder measured."""
-        self.say("stop")
+    def result(self, line: str = "stop") -> Any:
+        """What an operator station received so far; another line than ``stop`` lets it go on."""
+        self.say(line)
         return json.loads(self.line_with("result ").removeprefix("result "))
 
     def signal(self, number: int) -> None:
@@ -117,7 +117,11 @@ class SmallRobot:
         """``testudo run`` by the rules given as text."""
         path = self.folder / f"rules{len(self._processes)}.adirf"
         path.write_text(rules, encoding="utf-8")
-        return self._start(["-c", TESTUDO, "run", "--rules", str(path), *arguments])
+        return self.testudo("run", "--rules", str(path), *arguments)
+
+    def testudo(self, *arguments: str) -> Process:
+        """``testudo`` with ``arguments``."""
+        return self._start(["-c", TESTUDO, *arguments])
 
     def end(self) -> None:
         for process in self._processes:

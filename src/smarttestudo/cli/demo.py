@@ -5,14 +5,19 @@
 from __future__ import annotations
 
 import argparse
+import os
 import shlex
 import sys
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from smarttestudo.adapters.ros import open_robot
 from smarttestudo.cli.loop_options import add_when_slow
 from smarttestudo.cli.progress import progress
+from smarttestudo.cli.simulation_options import add_simulation, seconds
 from smarttestudo.cli.tables import print_table
+from smarttestudo.domain.robot import Robot
 from smarttestudo.pacing.sample import WhenSlow
 from smarttestudo.visualizer.comparison_tables import bandwidth_table, frequency_table
 
@@ -21,8 +26,6 @@ if TYPE_CHECKING:
 
 _DEFAULT_OUT = Path("demo-out")
 _DEFAULT_SECONDS = 200.0
-_MIN_SECONDS = 1.0
-_MAX_SECONDS = 86_400.0
 
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -43,17 +46,19 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.add_argument(
         "--seconds",
         metavar="S",
-        type=_seconds,
+        type=seconds,
         default=_DEFAULT_SECONDS,
         help="length of the mission; a round takes about 200 s (default: %(default)g)",
     )
     parser.add_argument(
-        "--seed", metavar="N", type=_seed, default=0, help="fixes all noise (default: %(default)s)"
-    )
-    parser.add_argument(
-        "--full-images",
+        "--live",
         action="store_true",
-        help="write whole camera frames (about 0.2 GB a second) instead of small ones with declared sizes",
+        help="in real time over a real ROS graph: the robot, the runtime and a recorder as processes",
+    )
+    add_simulation(
+        parser,
+        full_images_help="write whole camera frames (about 0.2 GB a second) instead of small ones with "
+        "declared sizes",
     )
     add_when_slow(parser)
     parser.set_defaults(run=run)
@@ -63,18 +68,27 @@ def run(arguments: argparse.Namespace) -> int:
     """Run the demo and print what came of it."""
     from smarttestudo.composition.demo import DemoRequest, run_demo  # noqa: PLC0415  needs packages a robot lacks
 
-    outcome = run_demo(
-        DemoRequest(
-            out=arguments.out,
-            seconds=arguments.seconds,
-            seed=arguments.seed,
-            full_images=arguments.full_images,
-            when_slow=WhenSlow(arguments.when_slow),
-            progress=progress,
+    with ExitStack() as opened:
+        robot = _recorder(opened) if arguments.live else None
+        outcome = run_demo(
+            DemoRequest(
+                out=arguments.out,
+                seconds=arguments.seconds,
+                seed=arguments.seed,
+                full_images=arguments.full_images,
+                when_slow=WhenSlow(arguments.when_slow),
+                progress=progress,
+                robot=robot,
+            )
         )
-    )
     _print(outcome, arguments.out)
     return 0
+
+
+def _recorder(opened: ExitStack) -> Robot:
+    """The node that records a live demo; nobody but this machine hears of it, unless the user said so."""
+    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    return opened.enter_context(open_robot(["-r", "__node:=recorder"]))
 
 
 def _print(outcome: DemoOutcome, out: Path) -> None:
@@ -83,12 +97,12 @@ def _print(outcome: DemoOutcome, out: Path) -> None:
     for table in (frequency_table(outcome.comparison), bandwidth_table(outcome.comparison)):
         print_table(table)
         print()  # noqa: T201
-    for notice in outcome.replay.notices:
+    for notice in outcome.notices:
         print(f"note: {notice}", file=sys.stderr)  # noqa: T201
     written = {
         demo.BASELINE: "what the robot published (rosbag2)",
         demo.ADAPTIVE: "what the operator received (rosbag2)",
-        demo.DECISIONS: f"every change of a rate, with its reason: {outcome.replay.decisions} decisions",
+        demo.DECISIONS: f"every change of a rate, with its reason: {outcome.decisions} decisions",
         demo.RULES: "the rules",
         demo.REPORT: "map, rates over time and tables in one page",
     }
@@ -102,19 +116,3 @@ def _print(outcome: DemoOutcome, out: Path) -> None:
         f"\nOpen {report} in a browser. Then change the rules and see what the operator gets:\n"
         f"  testudo replay {baseline} --rules {rules} --output my-recording"
     )
-
-
-def _seconds(text: str) -> float:
-    try:
-        seconds = float(text)
-    except ValueError:
-        seconds = 0.0
-    if not _MIN_SECONDS <= seconds <= _MAX_SECONDS:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number of seconds from 1 to {_MAX_SECONDS:.0f}")
-    return seconds
-
-
-def _seed(text: str) -> int:
-    if not (text.isascii() and text.isdigit()):
-        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number of 0 or more")
-    return int(text)

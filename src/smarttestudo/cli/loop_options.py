@@ -42,6 +42,17 @@ def add_when_slow(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_ros_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add ``--ros-args``, which takes all that follows."""
+    parser.add_argument(
+        "--ros-args",
+        metavar="ARG",
+        nargs=argparse.REMAINDER,
+        default=[],
+        help="all that follows goes to ROS, as in --ros-args -r __ns:=/tb3_0 -p use_sim_time:=true",
+    )
+
+
 def budget_kb_per_s(text: str) -> float:
     """A budget from the command line; ``ArgumentTypeError`` for anything but a number of KB/s."""
     try:

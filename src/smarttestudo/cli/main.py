@@ -10,7 +10,7 @@ import sys
 from collections.abc import Sequence
 
 from smarttestudo import __version__
-from smarttestudo.cli import bag, check, demo, fmt, optimize, profile, replay, run
+from smarttestudo.cli import bag, check, demo, fmt, optimize, profile, replay, run, simulate
 from smarttestudo.domain.errors import TestudoError, UsageError
 
 EXIT_ERROR = 1
@@ -53,7 +53,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"testudo {__version__}")
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    for command in (demo, check, fmt, run, replay, bag, profile, optimize):
+    for command in (demo, check, fmt, run, replay, bag, profile, optimize, simulate):
         command.add_parser(commands)
     return parser
 

@@ -15,7 +15,7 @@ from smarttestudo.adapters.files.decision_log import growing_decision_log
 from smarttestudo.adapters.files.profile import load_profile
 from smarttestudo.adapters.ros import open_robot
 from smarttestudo.cli.finding_text import print_findings
-from smarttestudo.cli.loop_options import add_rules
+from smarttestudo.cli.loop_options import add_ros_arguments, add_rules
 from smarttestudo.cli.stop_signals import stop_signals
 from smarttestudo.composition.live_decisions import Decided
 from smarttestudo.composition.rule_sets import load_rules
@@ -65,13 +65,7 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
         help="how messages are taken and published: through librcl at the least cost, or through rclpy "
         "(default: librcl if it works here)",
     )
-    parser.add_argument(
-        "--ros-args",
-        metavar="ARG",
-        nargs=argparse.REMAINDER,
-        default=[],
-        help="all that follows goes to ROS, as in --ros-args -r __ns:=/tb3_0 -p use_sim_time:=true",
-    )
+    add_ros_arguments(parser)
 
 
 def topic_prefix(text: str) -> str:
@@ -109,6 +103,7 @@ def _request(arguments: argparse.Namespace, robot: Robot, opened: ExitStack) -> 
         decided.append(opened.enter_context(growing_decision_log(arguments.decisions)))
     return RunRequest(
         rule_set=rules.rule_set,
+        rules=rules.in_force,
         profile=profile or Profile(),
         when_slow=WhenSlow(arguments.when_slow),
         output_topic=arguments.output_topic,

@@ -7,16 +7,17 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.resources import files
 from pathlib import Path
 
 from smarttestudo import __version__
-from smarttestudo.adapters.files.decision_log import decision_log
+from smarttestudo.adapters.files.decision_log import decision_log, read_decisions
 from smarttestudo.adapters.rosbag import open_recording
 from smarttestudo.adirf.parser import parse
 from smarttestudo.adirf.rule_set import compile_rules
 from smarttestudo.composition.demo_folder import MARKER, demo_folder
+from smarttestudo.composition.demo_live import LiveDemoRequest, record_live
 from smarttestudo.composition.demo_measure import measure_run
 from smarttestudo.composition.demo_mission import bytes_per_second, record_mission
 from smarttestudo.composition.demo_page import demo_page
@@ -24,6 +25,8 @@ from smarttestudo.composition.replay import ReplayRequest, replay
 from smarttestudo.composition.replay_outcome import ReplayOutcome
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.names import resolve_topic
+from smarttestudo.domain.robot import Robot
+from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.pacing.sample import WhenSlow
 from smarttestudo.simulation.readings import Topic
 from smarttestudo.simulation.warehouse import warehouse
@@ -45,7 +48,8 @@ Progress = Callable[[str], AbstractContextManager[Callable[[float], None]]]
 class DemoRequest:
     """How long a mission, with which noise, and into which folder.
 
-    ``full_images`` asks for whole camera frames, about 0.2 GB each second, instead of small ones.
+    ``full_images`` asks for whole camera frames, about 0.2 GB each second, instead of small ones. With a
+    ``robot``, the node that records, the mission takes place in real time on a real ROS graph.
     """
 
     out: Path
@@ -54,14 +58,16 @@ class DemoRequest:
     full_images: bool
     when_slow: WhenSlow
     progress: Progress
+    robot: Robot | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DemoOutcome:
-    """Both runs compared, and the replay that made the second from the first."""
+    """Both runs compared, the number of decisions, and what was lost, left out or odd, a line each."""
 
     comparison: Comparison
-    replay: ReplayOutcome
+    decisions: int
+    notices: tuple[str, ...]
 
 
 def run_demo(request: DemoRequest) -> DemoOutcome:
@@ -75,18 +81,59 @@ def run_demo(request: DemoRequest) -> DemoOutcome:
     with demo_folder(request.out, needed_bytes=needed_bytes) as folder:
         rules = RuleText(path=RULES, text=files("smarttestudo.simulation").joinpath(RULES).read_text("utf-8"))
         (folder / RULES).write_text(rules.text, "utf-8")
-        with request.progress("Driving the patrol") as report:
-            record_mission(
-                folder / BASELINE,
+        if request.robot is None:
+            decisions, notices = _in_virtual_time(request, folder, rules)
+        else:
+            decisions, notices = _in_real_time(request, folder, request.robot)
+        comparison = _write_report(request, folder, rules, decisions)
+        (folder / MARKER).write_text(json.dumps(_settings(request), indent=2) + "\n", "utf-8")
+    return DemoOutcome(comparison=comparison, decisions=len(decisions), notices=notices)
+
+
+def _in_virtual_time(
+    request: DemoRequest, folder: Path, rules: RuleText
+) -> tuple[Sequence[Decision], tuple[str, ...]]:
+    """Record the mission, and replay it under the rules; decisions and what was lost or odd."""
+    with request.progress("Driving the patrol") as report:
+        record_mission(
+            folder / BASELINE,
+            seconds=request.seconds,
+            seed=request.seed,
+            full_images=request.full_images,
+            report=report,
+        )
+    outcome, decisions = _replay(request, folder, rules)
+    return decisions, outcome.notices
+
+
+def _in_real_time(
+    request: DemoRequest, folder: Path, robot: Robot
+) -> tuple[Sequence[Decision], tuple[str, ...]]:
+    """Record the mission while it is driven under the runtime; decisions and what was left out."""
+    with request.progress("Driving the patrol") as report:
+        notices = record_live(
+            LiveDemoRequest(
+                baseline=folder / BASELINE,
+                adaptive=folder / ADAPTIVE,
+                rules=folder / RULES,
+                decisions=folder / DECISIONS,
+                logs=folder,
                 seconds=request.seconds,
                 seed=request.seed,
                 full_images=request.full_images,
-                report=report,
-            )
-        outcome, decisions = _replay(request, folder, rules)
-        comparison = _write_report(request, folder, rules, decisions)
-        (folder / MARKER).write_text(json.dumps(_settings(request), indent=2) + "\n", "utf-8")
-    return DemoOutcome(comparison=comparison, replay=outcome)
+                when_slow=request.when_slow,
+            ),
+            robot,
+            report,
+        )
+    with open_recording(folder / BASELINE) as recording:
+        start_ns = recording.start_ns
+    return [_since(start_ns, decision) for decision in read_decisions(folder / DECISIONS)], notices
+
+
+def _since(start_ns: int, decision: Decision) -> Decision:
+    """The decision timed from the recording's start; what the runtime planned before held then already."""
+    return replace(decision, t_s=max(decision.stamp_ns - start_ns, 0) / NS_PER_S)
 
 
 def _replay(request: DemoRequest, folder: Path, rules: RuleText) -> tuple[ReplayOutcome, Sequence[Decision]]:
@@ -147,6 +194,7 @@ def _provenance(request: DemoRequest) -> list[Fact]:
         Fact(label="Default recording", value=BASELINE),
         Fact(label="SmartTestudo recording", value=ADAPTIVE),
         Fact(label="Length", value=f"{request.seconds:g} s"),
+        Fact(label="Time", value="virtual" if request.robot is None else "real, over ROS 2"),
         Fact(label="Seed", value=str(request.seed)),
         Fact(label="Camera frames", value="whole" if request.full_images else "small, with declared sizes"),
         Fact(label="Where a target is above its source", value=request.when_slow.value),
@@ -160,4 +208,5 @@ def _settings(request: DemoRequest) -> dict[str, object]:
         "seed": request.seed,
         "full_images": request.full_images,
         "when_slow": request.when_slow.value,
+        "live": request.robot is not None,
     }

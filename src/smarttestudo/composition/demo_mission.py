@@ -17,7 +17,7 @@ from smarttestudo.simulation.warehouse import patrol, warehouse
 START_NS = 1_767_600_000 * NS_PER_S
 IMAGE_BYTES = 6_220_872
 JPEG_BYTES = 420_000
-_DECLARED_BYTES = {Topic.IMAGE.value: IMAGE_BYTES, Topic.COMPRESSED_IMAGE.value: JPEG_BYTES}
+DECLARED_BYTES = {Topic.IMAGE.value: IMAGE_BYTES, Topic.COMPRESSED_IMAGE.value: JPEG_BYTES}
 _MESSAGES_PER_REPORT = 1000
 _SMALL_BYTES_PER_S = 500_000
 _FULL_BYTES_PER_S = 216_000_000
@@ -43,7 +43,7 @@ def record_mission(
     )
     messages = RobotMessages(jpeg_bytes=JPEG_BYTES if full_images else None)
     duration_ns = ns_from_s(seconds)
-    declared_bytes = {} if full_images else _DECLARED_BYTES
+    declared_bytes = {} if full_images else DECLARED_BYTES
     with create_recording(path, declared_bytes=declared_bytes) as recording:
         for channel in messages.channels.values():
             recording.add(channel)

@@ -4,11 +4,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from typing import Protocol
 
+from smarttestudo.domain.diagnostic import Diagnostic
 from smarttestudo.domain.payload import Payload
 
 Receive = Callable[[Payload, Hashable], None]
@@ -26,9 +27,9 @@ class Qos:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Endpoint:
-    """A publisher of a topic, with the full name of its node.
+    """A publisher or subscriber of a topic, with the full name of its node.
 
-    It has no depth: that cannot be discovered of a remote publisher.
+    It has no depth: that cannot be discovered of a remote one.
     """
 
     node: str
@@ -86,6 +87,9 @@ class DataPathKind(Enum):
 class DataPath(Protocol):
     """How serialized messages come in and go out. Callbacks run within ``Robot.wait``."""
 
+    def knows(self, type_name: str) -> bool:
+        """Whether the message type is installed."""
+
     @property
     def tells_publishers(self) -> bool:
         """Whether ``receive`` is told the publisher of each message: its GID, as ``bytes``."""
@@ -142,6 +146,18 @@ class Robot(Protocol):
 
     def publishers(self, topic: str) -> Sequence[Endpoint]:
         """Who publishes ``topic`` now, as far as discovered."""
+
+    def subscribers(self, topic: str) -> Sequence[Endpoint]:
+        """Who subscribes to ``topic`` now, as far as discovered."""
+
+    def topics(self) -> Mapping[str, Sequence[str]]:
+        """The types of each topic that somebody publishes or subscribes to, by its full name."""
+
+    def begins_with_header(self, type_name: str) -> bool:
+        """Whether messages of that type begin with a std_msgs/Header; not where it is not installed."""
+
+    def diagnostics_publisher(self, topic: str) -> Callable[[Sequence[Diagnostic]], None]:
+        """What sends a diagnostic_msgs/msg/DiagnosticArray on ``topic``; both may raise ``RosError``."""
 
     def text_publisher(self, topic: str, qos: Qos) -> Callable[[str], None]:
         """What sends a std_msgs/msg/String on ``topic``; both may raise ``RosError``."""

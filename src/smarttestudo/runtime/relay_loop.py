@@ -54,6 +54,11 @@ class RelayLoop:
         return relays_ns if step_ns is None or relays_ns < step_ns else step_ns
 
     @property
+    def profile(self) -> Profile:
+        """What is known about the topics."""
+        return self._knowledge.profile
+
+    @property
     def plan(self) -> Mapping[str, PlannedRate]:
         """The rate of each relayed topic, with its reason; a live view."""
         return self._knowledge.plan
@@ -77,6 +82,16 @@ class RelayLoop:
     def floors_broke_budget(self) -> bool:
         """Whether the floors alone were ever more than the budget; they won."""
         return self._knowledge.link is not None and self._knowledge.link.floors_broke_budget
+
+    @property
+    def floors_break_budget(self) -> bool:
+        """Whether the floors alone are more than the budget now."""
+        return self._knowledge.link is not None and self._knowledge.link.floors_break_budget
+
+    @property
+    def budget_kb_per_s(self) -> float | None:
+        """What all relayed topics together may take; ``None`` without a budget."""
+        return None if self._knowledge.link is None else self._knowledge.link.budget_kb_per_s
 
     @property
     def discarded(self) -> Mapping[str, int]:

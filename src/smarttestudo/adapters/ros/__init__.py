@@ -10,12 +10,17 @@ from contextlib import contextmanager
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.robot import DataPathKind, Robot
 
+NODE_NAME = "smarttestudo"
+
 
 @contextmanager
 def open_robot(
-    ros_arguments: Sequence[str] = (), *, data_path: DataPathKind = DataPathKind.AUTO
+    ros_arguments: Sequence[str] = (),
+    *,
+    name: str = NODE_NAME,
+    data_path: DataPathKind = DataPathKind.AUTO,
 ) -> Iterator[Robot]:
-    """A node ``smarttestudo`` on the graph; ``ros_arguments`` are what follows ``--ros-args``.
+    """A node ``name`` on the graph; ``ros_arguments`` are what follows ``--ros-args``.
 
     Raises:
         RosError: rclpy is missing, the node cannot be made, or the data path does not work here.
@@ -30,5 +35,5 @@ def open_robot(
         ) from error
     from smarttestudo.adapters.ros.node import open_node  # noqa: PLC0415  needs rclpy
 
-    with open_node(ros_arguments, data_path) as node:
+    with open_node(ros_arguments, name, data_path) as node:
         yield node

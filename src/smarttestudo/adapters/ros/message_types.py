@@ -37,8 +37,26 @@ def message_type(type_name: str, topic: str) -> Any:
         ) from error
 
 
+def is_installed(type_name: str) -> bool:
+    """Whether ``type_name`` is a message type that can be used here."""
+    try:
+        message_type(type_name, type_name)
+    except RosError:
+        return False
+    return True
+
+
 def decoded(topic: str, type_name: str, payload: Payload) -> object:
     """The message of a payload that came on ``topic``. Raises ``RosError``."""
     with ros_errors(topic):
         message: object = deserialize_message(payload[:], message_type(type_name, topic))
     return message
+
+
+def begins_with_header(type_name: str) -> bool:
+    """Whether messages of ``type_name`` begin with a std_msgs/Header; not where it is not installed."""
+    try:
+        fields = message_type(type_name, "").get_fields_and_field_types()
+    except RosError:
+        return False
+    return next(iter(fields.items()), None) == ("header", "std_msgs/Header")

@@ -9,7 +9,7 @@ from functools import partial
 from typing import Any
 
 from smarttestudo.adapters.ros.message_info import InfoLayout
-from smarttestudo.adapters.ros.message_types import decoded, message_type
+from smarttestudo.adapters.ros.message_types import decoded, is_installed, message_type
 from smarttestudo.adapters.ros.qos import qos_profile
 from smarttestudo.adapters.ros.rcl_buffers import RclPayload
 from smarttestudo.adapters.ros.rcl_inlet import RclInlet
@@ -44,6 +44,10 @@ class RclPath:
     def can_rest(self) -> bool:
         """Whether inlets can rest, and still say how much their source sends."""
         return self._layout.is_numbered
+
+    def knows(self, type_name: str) -> bool:
+        """Whether the message type is installed."""
+        return is_installed(type_name)
 
     def subscribe(
         self, topic: str, type_name: str, qos: Qos, receive: Receive, *, priority: int = 0

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from smarttestudo.adapters.ros.message_types import decoded, message_type
+from smarttestudo.adapters.ros.message_types import decoded, is_installed, message_type
 from smarttestudo.adapters.ros.qos import qos_profile
 from smarttestudo.adapters.ros.ros_errors import ros_errors
 from smarttestudo.domain.payload import Payload
@@ -22,6 +22,10 @@ class RclpyPath:
     def __init__(self, node: Any, executor: Any) -> None:
         self._node = node
         self._executor = executor
+
+    def knows(self, type_name: str) -> bool:
+        """Whether the message type is installed."""
+        return is_installed(type_name)
 
     def subscribe(
         self,

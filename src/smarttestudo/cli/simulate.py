@@ -1,0 +1,51 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""``testudo simulate``: a robot for those who have none at hand."""
+
+from __future__ import annotations
+
+import argparse
+
+from smarttestudo.adapters.ros import open_robot
+from smarttestudo.cli.loop_options import add_ros_arguments
+from smarttestudo.cli.simulation_options import add_simulation, seconds
+from smarttestudo.cli.stop_signals import stop_signals
+
+NODE = ("-r", "__node:=turtlebot3")
+
+
+def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add ``simulate`` to the subcommands."""
+    parser = commands.add_parser(
+        "simulate",
+        help="publish what a simulated robot's devices say, on a real ROS graph",
+        description="Let a simulated TurtleBot3 patrol a warehouse in real time, as a ROS 2 node. "
+        "Ends on SIGINT (Ctrl-C) and SIGTERM.",
+    )
+    parser.add_argument("--seconds", metavar="S", type=seconds, help="length of the drive (default: endless)")
+    add_simulation(
+        parser,
+        full_images_help="publish the raw camera, and whole compressed frames: about 190 MB each second",
+    )
+    add_ros_arguments(parser)
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Drive until done or a signal comes."""
+    with stop_signals() as stopped, open_robot([*NODE, *arguments.ros_args]) as robot:
+        from smarttestudo.composition.simulate import (  # noqa: PLC0415  needs packages a robot lacks
+            SimulateRequest,
+            simulate,
+        )
+
+        simulate(
+            SimulateRequest(
+                seconds=arguments.seconds,
+                seed=arguments.seed,
+                full_images=arguments.full_images,
+            ),
+            robot,
+            stopped,
+        )
+    return 0

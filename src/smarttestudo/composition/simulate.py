@@ -1,0 +1,76 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The simulated robot on a real ROS graph, in real time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from smarttestudo.adapters.rosbag.messages import RobotMessages
+from smarttestudo.composition.demo_mission import JPEG_BYTES
+from smarttestudo.domain.errors import RosError
+from smarttestudo.domain.robot import Outlet, Qos, Robot
+from smarttestudo.domain.units import ns_from_s
+from smarttestudo.simulation.mission import MissionRequest, drive_mission
+from smarttestudo.simulation.readings import TimedReading, Topic
+from smarttestudo.simulation.warehouse import patrol, warehouse
+
+_QOS = Qos(reliable=True, transient_local=False)
+_LONGEST_WAIT_S = 0.2
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SimulateRequest:
+    """How long the robot drives (``None``: until stopped), and with which noise.
+
+    Without ``full_images`` it has no raw camera, and its compressed frames are small.
+    """
+
+    seconds: float | None
+    seed: int
+    full_images: bool
+
+
+def simulate(request: SimulateRequest, robot: Robot, stopped: Callable[[], bool]) -> None:
+    """Publish what the robot's devices say, each reading when its time comes, until it drove or ``stopped``.
+
+    Topics whose message type is not installed are left out, and the log says so.
+    """
+    messages = RobotMessages(jpeg_bytes=JPEG_BYTES if request.full_images else None)
+    outlets = _outlets(robot, messages, full_images=request.full_images)
+    start_ns = robot.now_ns()
+    end_ns = None if request.seconds is None else start_ns + ns_from_s(request.seconds)
+    robot.log.info(f"Driving the patrol with {len(outlets)} topics")
+    mission = MissionRequest(
+        plan=warehouse(),
+        route=patrol(),
+        seed=request.seed,
+        start_ns=start_ns,
+        full_images=request.full_images,
+    )
+    for timed in drive_mission(mission):
+        if (end_ns is not None and timed.time_ns >= end_ns) or not _await(timed, robot, stopped):
+            return
+        outlet = outlets.get(timed.topic)
+        if outlet is not None:
+            outlet.publish(messages.payload(timed.topic, timed.reading))
+
+
+def _await(timed: TimedReading, robot: Robot, stopped: Callable[[], bool]) -> bool:
+    """Wait for the reading's time; whether to go on."""
+    while robot.now_ns() < timed.time_ns and not stopped():
+        robot.wait(timed.time_ns, _LONGEST_WAIT_S)
+    return not stopped()
+
+
+def _outlets(robot: Robot, messages: RobotMessages, *, full_images: bool) -> Mapping[Topic, Outlet]:
+    outlets = {}
+    for topic, channel in messages.channels.items():
+        if topic is Topic.IMAGE and not full_images:
+            continue
+        try:
+            outlets[topic] = robot.data_path.advertise(topic.value, channel.type_name, _QOS)
+        except RosError as error:
+            robot.log.warning(f"{error}; not published")
+    return outlets
