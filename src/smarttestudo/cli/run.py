@@ -7,7 +7,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Callable
-from contextlib import ExitStack
+from contextlib import AbstractContextManager, ExitStack
 from functools import partial
 from pathlib import Path
 
@@ -22,7 +22,7 @@ from smarttestudo.composition.rule_sets import load_rules
 from smarttestudo.composition.run import DEFAULT_OUTPUT_TOPIC, RunRequest, run_live
 from smarttestudo.domain.names import is_topic_name
 from smarttestudo.domain.profile import Profile
-from smarttestudo.domain.robot import Robot
+from smarttestudo.domain.robot import DataPathKind, Robot
 from smarttestudo.pacing.sample import WhenSlow
 
 EXIT_ERROR = 1
@@ -58,6 +58,13 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--decisions", metavar="FILE", type=Path, help="append the decisions to a file (JSON Lines)"
     )
+    parser.add_argument(
+        "--data-path",
+        choices=[kind.value for kind in DataPathKind],
+        default=DataPathKind.AUTO.value,
+        help="how messages are taken and published: through librcl at the least cost, or through rclpy "
+        "(default: librcl if it works here)",
+    )
     add_ros_arguments(parser)
 
 
@@ -72,12 +79,16 @@ def run(arguments: argparse.Namespace) -> int:
     """Relay until a signal comes; 1 if the rules have an error."""
     with ExitStack() as opened:
         stopped = opened.enter_context(stop_signals())
-        robot = opened.enter_context(open_robot(arguments.ros_args))
+        robot = opened.enter_context(_robot(arguments))
         request = _request(arguments, robot, opened)
         if request is None:
             return EXIT_ERROR
         run_live(request, robot, stopped)
     return 0
+
+
+def _robot(arguments: argparse.Namespace) -> AbstractContextManager[Robot]:
+    return open_robot(arguments.ros_args, data_path=DataPathKind(arguments.data_path))
 
 
 def _request(arguments: argparse.Namespace, robot: Robot, opened: ExitStack) -> RunRequest | None:

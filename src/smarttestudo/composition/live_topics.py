@@ -28,6 +28,7 @@ class LiveTopics:
 
     def __init__(self, robot: Robot, receive: Received, *, is_lazy: bool = True) -> None:
         self._robot = robot
+        self._data_path = robot.data_path
         self._receive = receive
         self._is_lazy = is_lazy
         self._topics: dict[str, LiveTopic] = {}
@@ -51,7 +52,7 @@ class LiveTopics:
         for topic in dict.fromkeys([*monitored, *watched]):
             live, output = before.get(topic), monitored.get(topic)
             if live is None or live.output != output:
-                live = LiveTopic(topic, output, self._robot.data_path, self._receive)
+                live = LiveTopic(topic, output, self._data_path, self._receive)
             self._topics[topic] = live
         for topic, live in before.items():
             if self._topics.get(topic) is not live:
@@ -73,7 +74,7 @@ class LiveTopics:
         source = self._topics[topic].source
         assert source is not None
         try:
-            return self._robot.data_path.decode(topic, source.type_name, payload)
+            return self._data_path.decode(topic, source.type_name, payload)
         except RosError:
             self._warn_once(f"{topic}: a message could not be decoded; what checks read is unknown then")
             return Undecodable()
@@ -152,9 +153,9 @@ class LiveTopics:
     def _report_others(self, topic: str, endpoints: Sequence[Endpoint], own: Sequence[Endpoint]) -> None:
         if endpoints and not own:
             self._warn_once(f"{topic}: published by SmartTestudo only, so it is not relayed")
-        elif len(endpoints) > len(own) and not self._robot.data_path.tells_publishers:
+        elif len(endpoints) > len(own) and not self._data_path.tells_publishers:
             self._warn_once(f"{topic}: also published by a SmartTestudo, whose messages cannot be told apart")
-        if len(own) > 1 and not self._robot.data_path.tells_publishers:
+        if len(own) > 1 and not self._data_path.tells_publishers:
             self._warn_once(f"{topic}: its {len(own)} publishers cannot be told apart and share one rate")
 
     def _report(self, live: LiveTopic, source: LiveSource) -> None:

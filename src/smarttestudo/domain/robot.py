@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
+from enum import Enum
 from typing import Protocol
 
 from smarttestudo.domain.diagnostic import Diagnostic
@@ -79,6 +80,14 @@ class Outlet(Protocol):
         """Send nothing more."""
 
 
+class DataPathKind(Enum):
+    """How messages come in and go out: directly through librcl, through rclpy, or the former if it works."""
+
+    AUTO = "auto"
+    RCL = "rcl"
+    RCLPY = "rclpy"
+
+
 class DataPath(Protocol):
     """How serialized messages come in and go out. Callbacks run within ``Robot.wait``."""
 
@@ -134,7 +143,7 @@ class Robot(Protocol):
 
     @property
     def data_path(self) -> DataPath:
-        """Messages in and out."""
+        """Messages in and out. May raise ``RosError``."""
 
     def now_ns(self) -> int:
         """The node's clock, which is 0 while simulated time has not begun."""

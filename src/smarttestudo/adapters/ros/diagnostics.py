@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from smarttestudo.adapters.ros.message_types import message_type
-from smarttestudo.adapters.ros.rclpy_path import ros_errors
+from smarttestudo.adapters.ros.ros_errors import ros_errors
 from smarttestudo.domain.diagnostic import Diagnostic
 
 DEPTH = 10

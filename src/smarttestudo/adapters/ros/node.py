@@ -4,29 +4,33 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any
 
 import rclpy
-from rclpy.clock import Clock, ClockType
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
+from smarttestudo.adapters.ros.data_path import open_data_path
 from smarttestudo.adapters.ros.diagnostics import diagnostics_publisher
 from smarttestudo.adapters.ros.message_types import begins_with_header, message_type
 from smarttestudo.adapters.ros.qos import further_policies, is_reliable, is_transient_local, qos_profile
-from smarttestudo.adapters.ros.rclpy_path import RclpyPath, ros_errors
+from smarttestudo.adapters.ros.rcl_path import RclPath
+from smarttestudo.adapters.ros.rclpy_path import RclpyPath
+from smarttestudo.adapters.ros.real_timer import RealTimer
+from smarttestudo.adapters.ros.ros_errors import ros_errors
 from smarttestudo.domain.diagnostic import Diagnostic
 from smarttestudo.domain.errors import RosError, UsageError
-from smarttestudo.domain.robot import DataPath, Endpoint, Qos, RobotLog
+from smarttestudo.domain.robot import DataPath, DataPathKind, Endpoint, Qos, RobotLog
 from smarttestudo.domain.units import NS_PER_S
 
 
 @contextmanager
-def open_node(ros_arguments: Sequence[str], name: str) -> Iterator[RosNode]:
+def open_node(ros_arguments: Sequence[str], name: str, data_path: DataPathKind) -> Iterator[RosNode]:
     """A node ``name`` with a context of its own, both gone at the end; signals are left to the caller."""
     context = Context()
     arguments = ["--ros-args", *ros_arguments] if ros_arguments else []
@@ -40,9 +44,11 @@ def open_node(ros_arguments: Sequence[str], name: str) -> Iterator[RosNode]:
             node = Node(name, context=context)
         executor = SingleThreadedExecutor(context=context)
         executor.add_node(node)
+        robot = RosNode(node, executor, data_path)
         try:
-            yield RosNode(node, executor)
+            yield robot
         finally:
+            robot.close()
             executor.shutdown()
             node.destroy_node()
     finally:
@@ -52,12 +58,13 @@ def open_node(ros_arguments: Sequence[str], name: str) -> Iterator[RosNode]:
 class RosNode:
     """An rclpy node with an executor of one thread, as a ``Robot``."""
 
-    def __init__(self, node: Any, executor: Any) -> None:
+    def __init__(self, node: Any, executor: Any, data_path_kind: DataPathKind) -> None:
         self._node = node
         self._executor = executor
         self._clock = node.get_clock()
-        self._steady = Clock(clock_type=ClockType.STEADY_TIME)
-        self._data_path = RclpyPath(node)
+        self._data_path_kind = data_path_kind
+        self._data_path: RclPath | RclpyPath | None = None
+        self._timers: list[RealTimer] = []
 
     @property
     def name(self) -> str:
@@ -73,7 +80,9 @@ class RosNode:
 
     @property
     def data_path(self) -> DataPath:
-        """Messages in and out."""
+        """Messages in and out, by the path that works here. Raises ``RosError``."""
+        if self._data_path is None:
+            self._data_path = open_data_path(self._node, self._executor, self._data_path_kind)
         return self._data_path
 
     def now_ns(self) -> int:
@@ -136,7 +145,7 @@ class RosNode:
 
     def every(self, period_s: float, act: Callable[[], None]) -> None:
         """Have ``act`` called again and again, in real time."""
-        self._node.create_timer(period_s, act, clock=self._steady)
+        self._timers.append(RealTimer(period_s, act))
 
     def wait(self, wake_ns: int | None, longest_s: float) -> None:
         """Handle what comes next; return after it, at ``wake_ns`` or after ``longest_s`` in real time."""
@@ -144,7 +153,20 @@ class RosNode:
         # Simulated time moves only with a message on /clock, and that ends the wait.
         if wake_ns is not None and not self._clock.ros_time_is_active:
             timeout_s = min(longest_s, max(wake_ns - self.now_ns(), 0) / NS_PER_S)
-        self._executor.spin_once(timeout_sec=timeout_s)
+        timers = self._timers
+        if timers:
+            timeout_s = min(timeout_s, max(min(timer.due_s for timer in timers) - time.monotonic(), 0))
+        if self._data_path is None:
+            self._executor.spin_once(timeout_sec=timeout_s)
+        else:
+            self._data_path.wait(timeout_s)
+        for timer in timers:
+            timer.act_if_due(time.monotonic())
+
+    def close(self) -> None:
+        """Receive and send nothing more."""
+        if self._data_path is not None:
+            self._data_path.close()
 
 
 def _endpoint(info: Any) -> Endpoint:
