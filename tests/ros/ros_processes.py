@@ -55,6 +55,11 @@ class Process:
         self.say(line)
         return json.loads(self.line_with("result ").removeprefix("result "))
 
+    def topics(self) -> set[str]:
+        """All topics that an operator station sees."""
+        self.say("graph")
+        return set(json.loads(self.line_with("graph ").removeprefix("graph ")))
+
     def signal(self, number: int) -> None:
         self._process.send_signal(number)
 
@@ -107,9 +112,12 @@ class SmallRobot:
         """A process that publishes; topics as ``source.py`` wants them, by name without the slash."""
         return self._start([str(FOLDER / "source.py"), json.dumps(topics)])
 
-    def operator(self, *, span_s: float = 0.0, **topics: dict[str, Any]) -> Process:
+    def operator(
+        self, *, span_s: float = 0.0, domain: int | None = None, **topics: dict[str, Any]
+    ) -> Process:
         """A process that records what ``/testudo`` has of the topics; see ``operator_station.py``."""
-        process = self._start([str(FOLDER / "operator_station.py"), str(span_s), json.dumps(topics)])
+        script = [str(FOLDER / "operator_station.py"), str(span_s), json.dumps(topics)]
+        process = self._start(script, domain)
         process.line_with("ready")
         return process
 
@@ -127,7 +135,8 @@ class SmallRobot:
         for process in self._processes:
             process.end()
 
-    def _start(self, arguments: list[str]) -> Process:
-        process = Process(arguments, self._environment)
+    def _start(self, arguments: list[str], domain: int | None = None) -> Process:
+        elsewhere = {} if domain is None else {"ROS_DOMAIN_ID": str(domain)}
+        process = Process(arguments, {**self._environment, **elsewhere})
         self._processes.append(process)
         return process

@@ -16,6 +16,7 @@ from smarttestudo.adapters.files.profile import load_profile
 from smarttestudo.adapters.ros import open_robot
 from smarttestudo.cli.finding_text import print_findings
 from smarttestudo.cli.loop_options import add_ros_arguments, add_rules
+from smarttestudo.cli.output_domain import add_output_domain, output_domain
 from smarttestudo.cli.stop_signals import stop_signals
 from smarttestudo.composition.live_decisions import Decided
 from smarttestudo.composition.rule_sets import load_rules
@@ -48,6 +49,7 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
         default=DEFAULT_OUTPUT_TOPIC,
         help="names of the relayed topics (default: %(default)s)",
     )
+    add_output_domain(parser)
     parser.add_argument(
         "--topic-prefix",
         metavar="NAME",
@@ -88,7 +90,11 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _robot(arguments: argparse.Namespace) -> AbstractContextManager[Robot]:
-    return open_robot(arguments.ros_args, data_path=DataPathKind(arguments.data_path))
+    return open_robot(
+        arguments.ros_args,
+        data_path=DataPathKind(arguments.data_path),
+        output_domain=output_domain(arguments),
+    )
 
 
 def _request(arguments: argparse.Namespace, robot: Robot, opened: ExitStack) -> RunRequest | None:
@@ -109,6 +115,7 @@ def _request(arguments: argparse.Namespace, robot: Robot, opened: ExitStack) -> 
         output_topic=arguments.output_topic,
         budget_kb_per_s=arguments.budget,
         decided=decided,
+        has_output_domain=arguments.output_domain is not None,
     )
 
 

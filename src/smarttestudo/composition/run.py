@@ -28,6 +28,7 @@ class RunRequest:
 
     ``output_topic`` names monitored topics, with ``{topic}`` for the source's full name. ``decided`` are
     given the decisions. ``rules`` tell where the rules are from. ``is_lazy`` is that of ``LiveTopics``.
+    ``has_output_domain``: the robot publishes into another domain, where sources and outputs may share names.
     """
 
     rule_set: RuleSet
@@ -38,6 +39,7 @@ class RunRequest:
     budget_kb_per_s: float | None = None
     decided: Sequence[Decided] = ()
     is_lazy: bool = True
+    has_output_domain: bool = False
 
 
 def run_live(request: RunRequest, robot: Robot, stopped: Callable[[], bool]) -> None:
@@ -47,7 +49,9 @@ def run_live(request: RunRequest, robot: Robot, stopped: Callable[[], bool]) -> 
         RosError: decisions cannot be published at all.
         UsageError: ``output_topic`` gives no valid names, or such as are taken.
     """
-    monitored = monitored_topics(request.rule_set, request.output_topic)
+    monitored = monitored_topics(
+        request.rule_set, request.output_topic, has_output_domain=request.has_output_domain
+    )
     decisions = LiveDecisions(robot, request.decided)
     if robot.now_ns() == 0:
         robot.log.info("Waiting for simulated time on /clock")
@@ -62,11 +66,14 @@ def run_live(request: RunRequest, robot: Robot, stopped: Callable[[], bool]) -> 
     LiveRun(robot, loop, monitored, decisions, request.rules, is_lazy=request.is_lazy).drive(stopped)
 
 
-def monitored_topics(rule_set: RuleSet, output_topic: str) -> dict[str, str]:
+def monitored_topics(
+    rule_set: RuleSet, output_topic: str, *, has_output_domain: bool = False
+) -> dict[str, str]:
     """The monitored topic of each relayed one; ``UsageError`` where a name is invalid or taken."""
     monitored = {topic: output_name(topic, output_topic) for topic in rule_set.relayed}
     own = (DECISIONS_TOPIC, STATUS_TOPIC, DIAGNOSTICS_TOPIC)
-    taken = {*rule_set.relayed, *(signal.topic for signal in rule_set.signals), *own}
+    sources = {*rule_set.relayed, *(signal.topic for signal in rule_set.signals)}
+    taken = {*own} if has_output_domain else {*sources, *own}
     for topic, name in monitored.items():
         if name in taken:
             cause = f"{topic} would be relayed to {name}, which is another topic's name"

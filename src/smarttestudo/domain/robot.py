@@ -42,6 +42,21 @@ class Endpoint:
     asks: tuple[str, ...] = ()
 
 
+class DiscoveryRange(Enum):
+    """How far a node looks for others."""
+
+    LOCALHOST = "localhost"
+    SUBNET = "subnet"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OutputDomain:
+    """The ROS domain of the operators, and how far it reaches; ``None``: as far as the environment says."""
+
+    number: int
+    discovery: DiscoveryRange | None = None
+
+
 class Inlet(Protocol):
     """A subscription to a source.
 
