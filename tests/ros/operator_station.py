@@ -6,9 +6,9 @@ usage: operator_station.py SPAN_S '{"imu": {"type": "sensor_msgs/msg/Imu", "tran
 A topic is heard by the name ``/testudo/imu``, or as its ``topic`` says, and not ``reliable`` unless latched.
 Prints ``heard N`` when every topic has been heard for N times SPAN_S, first to last message. With SPAN_S 0 it
 prints it whenever of each topic the last ``messages`` (default 1) have come, and were due ``within_s``
-(default: any time). The line ``graph`` on stdin prints the topics there are, any other the result so far, and
-``stop`` ends it: arrivals as [seconds, value, seconds at which it was due], where the value is the x of an
-Odometry or the text of a String.
+(default: any time), and all its ``values`` came. The line ``graph`` on stdin prints the topics there are, any
+other the result so far, and ``stop`` ends it: arrivals as [seconds, value, seconds at which it was due], the
+value being the x of an Odometry or the text of a String.
 """
 
 from __future__ import annotations
@@ -64,7 +64,11 @@ class Station:
         if not self.span_s:
             messages = self.topics[name].get("messages", 1)
             within_s = self.topics[name].get("within_s", math.inf)
-            return len(arrivals) >= messages and arrivals[-1][2] - arrivals[-messages][2] <= within_s
+            return (
+                len(arrivals) >= messages
+                and arrivals[-1][2] - arrivals[-messages][2] <= within_s
+                and {*self.topics[name].get("values", [])} <= {value for _, value, _ in arrivals}
+            )
         return bool(arrivals) and arrivals[-1][0] - arrivals[0][0] >= self.span_s * (self.heard + 1)
 
 

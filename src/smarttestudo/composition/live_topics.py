@@ -153,7 +153,9 @@ class LiveTopics:
     def _report_others(self, topic: str, endpoints: Sequence[Endpoint], own: Sequence[Endpoint]) -> None:
         if endpoints and not own:
             self._warn_once(f"{topic}: published by SmartTestudo only, so it is not relayed")
-        elif len(endpoints) > len(own) and not self._data_path.tells_publishers:
+        elif len(endpoints) > len(own) and self._data_path.tells_publishers:
+            self._warn_once(f"{topic}: also published by a SmartTestudo, whose messages are not relayed")
+        elif len(endpoints) > len(own):
             self._warn_once(f"{topic}: also published by a SmartTestudo, whose messages cannot be told apart")
         if len(own) > 1 and not self._data_path.tells_publishers:
             self._warn_once(f"{topic}: its {len(own)} publishers cannot be told apart and share one rate")
