@@ -8,9 +8,9 @@ is at ``x``, a String is numbered. A Clock begins at ``from_s`` and goes on by `
 A topic without ``hz`` is latched: ``texts`` are published once, each by a publisher of its own. ``topic`` is
 the topic's name where it is not the key.
 
-Lines on stdin: ``move odom`` puts the robot at x = 5; ``spoil odom`` sends bytes that are no message until
-``heal odom``; ``hush odom`` sends no more; ``press estop`` sends true, and then no more; ``rewind clock``
-begins again at 0; ``stop`` ends it.
+Lines on stdin, about all topics or those named: ``move odom`` puts the robot at x = 5; ``spoil odom`` sends
+bytes that are no message until ``heal odom``; ``hush odom`` sends no more; ``press estop`` sends true, and then
+no more; ``rewind clock`` begins again at 0. ``stop`` ends it.
 """
 
 from __future__ import annotations
@@ -93,10 +93,8 @@ def latch(node: Any, name: str, topic: dict[str, Any]) -> list[Any]:
     return publishers
 
 
-def obey(streams: dict[str, Stream], line: str) -> None:
-    command, name = line.split()
-    stream = streams[name]
-    if command == "move":
+def obey(stream: Stream, command: str) -> None:
+    if command == "move" and hasattr(stream.message, "pose"):
         stream.message.pose.pose.position.x = 5.0
     elif command == "hush":
         stream.period_s = math.inf
@@ -113,7 +111,9 @@ def listen(streams: dict[str, Stream], stopped: threading.Event) -> None:
     for line in sys.stdin:
         if line.strip() == "stop":
             break
-        obey(streams, line)
+        command, *names = line.split()
+        for name in names or streams:
+            obey(streams[name], command)
     stopped.set()
 
 

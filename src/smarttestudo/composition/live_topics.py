@@ -6,11 +6,11 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 
-from smarttestudo.composition.live_decisions import DECISIONS_TOPIC
 from smarttestudo.composition.live_source import LiveSource, live_source, not_offered, suits
 from smarttestudo.composition.live_topic import LiveTopic, Received
 from smarttestudo.composition.roster import Roster
 from smarttestudo.composition.topic_link import TopicLink, topic_link
+from smarttestudo.composition.visible_topics import testudo_nodes
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.observation import SourceChanged, Undecodable
 from smarttestudo.domain.payload import Payload
@@ -61,7 +61,7 @@ class LiveTopics:
     def look(self) -> list[SourceChanged]:
         """Follow the graph: what changed since the last look."""
         self._look_at_operators()
-        testudos = self._who_relays()
+        testudos = testudo_nodes(self._robot)
         moved = self._publishers.look(self._topics)
         unseen = [topic for topic, live in self._topics.items() if live.source is None]
         if testudos != self._testudos:
@@ -126,11 +126,6 @@ class LiveTopics:
                 else "not subscribed, as no operator listens"
             )
             self._robot.log.info(f"{live.topic}: {what}")
-
-    def _who_relays(self) -> frozenset[str]:
-        """The nodes that relay, this one among them: they publish decisions."""
-        nodes = {endpoint.node for endpoint in self._robot.publishers(DECISIONS_TOPIC)}
-        return frozenset(nodes | {self._robot.name})
 
     def _look_at(self, live: LiveTopic) -> SourceChanged | None:
         endpoints = self._publishers.of(live.topic)
