@@ -13,7 +13,7 @@ import pytest
 from smarttestudo.adapters.ros import open_robot
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.payload import Payload
-from smarttestudo.domain.robot import DataPathKind, Qos, Robot
+from smarttestudo.domain.robot import DataPathKind, Outlet, Qos, Robot
 
 # An old lark, which rclpy imports, uses a module of Python that is deprecated.
 pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
@@ -57,6 +57,9 @@ def text(content: str) -> bytes:
     """A std_msgs/String as CDR."""
     data = content.encode() + b"\x00"
     return b"\x00\x01\x00\x00" + len(data).to_bytes(4, "little") + data
+
+
+CHANGING = text("while it changes over")
 
 
 def wait_until(robot: Robot, condition: Callable[[], bool]) -> None:
@@ -167,35 +170,70 @@ def test_a_type_that_is_not_installed_is_named(robot: Robot) -> None:
             open_topic()
 
 
-def test_a_resting_inlet_wakes_nobody_and_hands_out_the_newest_message(robot: Robot) -> None:
+def test_a_resting_inlet_skips_all_but_the_next_message_once_it_is_roused(robot: Robot) -> None:
     path, heard = robot.data_path, Heard()
     if not path.can_rest:
         return
     outlet = path.advertise("/fast", TEXT, RELIABLE)
     inlet = path.subscribe("/fast", TEXT, RELIABLE, heard)
-    outlet.publish(text("first"))
-    wait_until(robot, lambda: bool(heard.payloads))
+    publish_one_by_one(robot, outlet, heard, "before")
     inlet.rest()
-    wait_until(robot, lambda: _publish(outlet.publish, "changing over") or inlet.take_newest())
-    came = len(heard.payloads)
+    change_over(robot, outlet)
     for number in range(50):
-        outlet.publish(text(f"message {number}"))
+        outlet.publish(text(f"skipped {number}"))
     robot.wait(None, 0.1)
-    assert len(heard.payloads) == came
-    wait_until(robot, inlet.take_newest)
-    assert heard.copies[-1] == text("message 49")
-    assert len(heard.payloads) == came + 1
-    assert not inlet.take_newest()
-    outlet.publish(text("the next one wakes"))
-    wait_until(robot, lambda: heard.copies[-1] == text("the next one wakes"))
+    assert heard.copies == [text("before"), CHANGING]
+    inlet.rouse()
+    publish_one_by_one(robot, outlet, heard, "awaited")
+    assert heard.copies == [text("before"), CHANGING, text("awaited")]
+    assert (inlet.sent, inlet.dropped) == (53, 0)
+
+
+def test_the_last_word_before_a_silence_is_kept_while_resting(robot: Robot) -> None:
+    path, heard = robot.data_path, Heard()
+    if not path.can_rest:
+        return
+    outlet = path.advertise("/fast", TEXT, RELIABLE)
+    inlet = path.subscribe("/fast", TEXT, RELIABLE, heard)
+    inlet.rest()
+    change_over(robot, outlet)
+    for number in range(50):
+        outlet.publish(text(f"skipped {number}"))
+    inlet.rouse()
+    assert inlet.take_kept()
+    assert not inlet.take_kept()
+    assert heard.copies == [CHANGING, text("skipped 49")]
+
+
+def test_after_a_rest_every_message_is_received_again(robot: Robot) -> None:
+    path, heard = robot.data_path, Heard()
+    if not path.can_rest:
+        return
+    outlet = path.advertise("/fast", TEXT, RELIABLE)
+    inlet = path.subscribe("/fast", TEXT, RELIABLE, heard)
+    inlet.rest()
+    change_over(robot, outlet)
+    outlet.publish(text("the last word"))
+    inlet.rouse()
     inlet.work()
-    sent = [text(f"again {number}") for number in range(20)]
-    for payload in sent:
+    change_over(robot, outlet)
+    burst = [text(f"burst {number}") for number in range(50)]
+    for payload in burst:
         outlet.publish(payload)
-        wait_until(robot, lambda payload=payload: heard.copies[-1] == payload)
-    assert heard.copies[-20:] == sent
+    wait_until(robot, lambda: heard.copies[-1] == burst[-1])
+    assert heard.copies == [CHANGING, text("the last word"), CHANGING, *burst]
     assert inlet.dropped == 0
 
 
-def _publish(publish: Callable[[Payload], None], content: str) -> None:
-    publish(text(content))
+def change_over(robot: Robot, outlet: Outlet) -> None:
+    """Let the inlet of /fast have the first message by its other subscription, and close the one it had."""
+    wait_until(robot, lambda: len(robot.subscribers("/fast")) == 2)
+    outlet.publish(CHANGING)
+    wait_until(robot, lambda: len(robot.subscribers("/fast")) == 1)
+
+
+def publish_one_by_one(robot: Robot, outlet: Outlet, heard: Heard, *contents: str) -> None:
+    """Publish each when the one before it has come."""
+    for payload in map(text, contents):
+        outlet.publish(payload)
+        wait_until(robot, lambda payload=payload: payload in heard.copies)

@@ -72,6 +72,14 @@ class LiveTopics:
         changes = (self._look_at(topic, testudos) for topic in self._topics)
         return [change for change in changes if change is not None]
 
+    def inlets_of_one(self) -> dict[str, Inlet]:
+        """The subscriptions to topics that have one publisher, or none any more."""
+        return {
+            topic: opened.inlet
+            for topic, opened in self._open.items()
+            if self._sources[topic].publishers <= 1
+        }
+
     def decoded(self, topic: str, payload: Payload) -> object:
         """The message of a payload that just came, or ``Undecodable``."""
         try:

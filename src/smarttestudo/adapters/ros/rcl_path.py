@@ -31,9 +31,9 @@ class RclPath:
         self._node = node
         self._library = library
         self._layout = layout
-        self._wake_ups = RclWakeUps(self._failed)
-        self._rclpy_part = RclpyPart(node, executor, library, self._wake_ups)
         self._failures: set[str] = set()
+        self._wake_ups = RclWakeUps()
+        self._rclpy_part = RclpyPart(node, executor, library, self._wake_ups)
 
     @property
     def tells_publishers(self) -> bool:
@@ -57,7 +57,7 @@ class RclPath:
             partial(RclSubscription, self._node, self._library, topic, type_name),
             qos,
             receive,
-            taker=RclTaker(self._library, self._layout),
+            taker=RclTaker(self._library, self._layout, self._failed),
             wake_ups=self._wake_ups,
             priority=priority,
         )

@@ -76,11 +76,14 @@ class _Inlet:
     def rest(self) -> None:
         return
 
-    def work(self) -> None:
+    def rouse(self) -> None:
         return
 
-    def take_newest(self) -> bool:
+    def take_kept(self) -> bool:
         return False
+
+    def work(self) -> None:
+        return
 
     def close(self) -> None:
         self._node.destroy_subscription(self._handle)
