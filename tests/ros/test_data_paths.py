@@ -11,12 +11,15 @@ from collections.abc import Callable, Hashable, Iterator
 import pytest
 
 from smarttestudo.adapters.ros import open_robot
+from smarttestudo.adapters.ros.rcl_buffers import KEPT_BUFFERS
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import DataPathKind, Outlet, Qos, Robot
 
 # An old lark, which rclpy imports, uses a module of Python that is deprecated.
 pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
+
+only_librcl = pytest.mark.parametrize("robot", [DataPathKind.RCL], ids=["rcl"], indirect=True)
 
 TIMEOUT_S = 40.0
 TEXT = "std_msgs/msg/String"
@@ -170,13 +173,46 @@ def test_a_type_that_is_not_installed_is_named(robot: Robot) -> None:
             open_topic()
 
 
+def test_a_burst_beyond_the_queue_costs_its_oldest_messages_and_their_number_is_known(robot: Robot) -> None:
+    path, heard = robot.data_path, Heard()
+    short = Qos(reliable=True, transient_local=False, depth=5)
+    outlet = path.advertise("/words", TEXT, short)
+    inlet = path.subscribe("/words", TEXT, short, heard)
+    publish_and_await(robot, outlet, heard, "first")
+    for number in range(100):
+        outlet.publish(text(f"burst {number}"))
+    wait_until(robot, lambda: heard.copies[-1] == text("burst 99"))
+    if inlet.sent is not None:
+        assert inlet.sent == 101
+        assert inlet.dropped == 101 - len(heard.payloads)
+    assert heard.copies[-2] == text("burst 98")
+
+
+@only_librcl
+def test_buffers_go_back_when_nobody_holds_their_message_and_few_are_kept(robot: Robot) -> None:
+    heard = Heard()
+    outlet = robot.data_path.advertise("/words", TEXT, RELIABLE)
+    inlet = robot.data_path.subscribe("/words", TEXT, RELIABLE, heard)
+    buffers = inlet._taker.buffers
+    for number in range(50):
+        publish_and_await(robot, outlet, heard, f"message {number}")
+    assert buffers.lent == 50
+    del heard.payloads[1:]
+    assert buffers.lent == 1
+    assert buffers.kept <= KEPT_BUFFERS
+    inlet.close()
+    assert heard.copies == [text("message 0")]
+    heard.payloads.clear()
+    assert (buffers.lent, buffers.kept) == (0, 0)
+
+
+@only_librcl
 def test_a_resting_inlet_skips_all_but_the_next_message_once_it_is_roused(robot: Robot) -> None:
     path, heard = robot.data_path, Heard()
-    if not path.can_rest:
-        return
+    assert path.can_rest
     outlet = path.advertise("/fast", TEXT, RELIABLE)
     inlet = path.subscribe("/fast", TEXT, RELIABLE, heard)
-    publish_one_by_one(robot, outlet, heard, "before")
+    publish_and_await(robot, outlet, heard, "before")
     inlet.rest()
     change_over(robot, outlet)
     for number in range(50):
@@ -184,15 +220,15 @@ def test_a_resting_inlet_skips_all_but_the_next_message_once_it_is_roused(robot:
     robot.wait(None, 0.1)
     assert heard.copies == [text("before"), CHANGING]
     inlet.rouse()
-    publish_one_by_one(robot, outlet, heard, "awaited")
+    publish_and_await(robot, outlet, heard, "awaited")
     assert heard.copies == [text("before"), CHANGING, text("awaited")]
     assert (inlet.sent, inlet.dropped) == (53, 0)
 
 
+@only_librcl
 def test_the_last_word_before_a_silence_is_kept_while_resting(robot: Robot) -> None:
     path, heard = robot.data_path, Heard()
-    if not path.can_rest:
-        return
+    assert path.can_rest
     outlet = path.advertise("/fast", TEXT, RELIABLE)
     inlet = path.subscribe("/fast", TEXT, RELIABLE, heard)
     inlet.rest()
@@ -205,10 +241,10 @@ def test_the_last_word_before_a_silence_is_kept_while_resting(robot: Robot) -> N
     assert heard.copies == [CHANGING, text("skipped 49")]
 
 
+@only_librcl
 def test_after_a_rest_every_message_is_received_again(robot: Robot) -> None:
     path, heard = robot.data_path, Heard()
-    if not path.can_rest:
-        return
+    assert path.can_rest
     outlet = path.advertise("/fast", TEXT, RELIABLE)
     inlet = path.subscribe("/fast", TEXT, RELIABLE, heard)
     inlet.rest()
@@ -232,8 +268,7 @@ def change_over(robot: Robot, outlet: Outlet) -> None:
     wait_until(robot, lambda: len(robot.subscribers("/fast")) == 1)
 
 
-def publish_one_by_one(robot: Robot, outlet: Outlet, heard: Heard, *contents: str) -> None:
-    """Publish each when the one before it has come."""
-    for payload in map(text, contents):
-        outlet.publish(payload)
-        wait_until(robot, lambda payload=payload: payload in heard.copies)
+def publish_and_await(robot: Robot, outlet: Outlet, heard: Heard, content: str) -> None:
+    payload = text(content)
+    outlet.publish(payload)
+    wait_until(robot, lambda: payload in heard.copies)

@@ -8,6 +8,7 @@ from collections.abc import Callable, Hashable, Iterable, Mapping
 
 from smarttestudo.adapters.files.own_process import read_own_process
 from smarttestudo.composition.live_decisions import LiveDecisions
+from smarttestudo.composition.live_losses import LiveLosses
 from smarttestudo.composition.live_sampling import LiveSampling
 from smarttestudo.composition.live_status import LiveStatus
 from smarttestudo.composition.live_topics import LiveTopics
@@ -37,7 +38,8 @@ class LiveRun:
         self._loop = loop
         self._decisions = decisions
         self._rules = rules
-        self._topics = LiveTopics(robot, monitored, loop.watched, self._receive)
+        self._topics = LiveTopics(robot, monitored, loop.watched, self._receive, self._priority_of)
+        self._losses = LiveLosses(robot.log)
         self._sampling = LiveSampling(loop)
         self._status = LiveStatus(robot.name, read_own_process())
         self._announcer = StatusAnnouncer(robot)
@@ -51,6 +53,9 @@ class LiveRun:
             self._robot.wait(self._wake_ns, LOOK_PERIOD_S)
             self._wake()
         self._report()
+
+    def _priority_of(self, topic: str) -> float:
+        return self._loop.profile.topic(topic).priority
 
     @property
     def _wake_ns(self) -> int | None:
@@ -83,6 +88,7 @@ class LiveRun:
         for change in self._topics.look():
             self._publish(self._loop.on_source(change, now_ns))
         self._sampling.look(self._topics.inlets_of_one(), now_ns)
+        self._losses.look(self._topics.inlets(), now_ns)
 
     def _publish(self, relayed: Iterable[Relayed]) -> None:
         for one in relayed:

@@ -38,13 +38,20 @@ class LiveTopics:
     """Subscriptions to all sources of a rule set and publishers of their monitored topics.
 
     ``monitored`` names the monitored topic of each relayed source; ``watched`` are those that checks read.
-    What goes wrong with one topic is said once and costs that topic only.
+    When messages pile up, the topics of the highest ``priority_of`` are served first. What goes wrong with one
+    topic is said once and costs that topic only.
     """
 
     def __init__(
-        self, robot: Robot, monitored: Mapping[str, str], watched: Iterable[str], receive: Received
+        self,
+        robot: Robot,
+        monitored: Mapping[str, str],
+        watched: Iterable[str],
+        receive: Received,
+        priority_of: Callable[[str], float],
     ) -> None:
         self._robot = robot
+        self._priority_of = priority_of
         self._data_path = robot.data_path
         self._receive = receive
         self._monitored: Mapping[str, str] = {}
@@ -71,6 +78,10 @@ class LiveTopics:
         testudos = self._testudos()
         changes = (self._look_at(topic, testudos) for topic in self._topics)
         return [change for change in changes if change is not None]
+
+    def inlets(self) -> dict[str, Inlet]:
+        """All subscriptions that are open."""
+        return {topic: opened.inlet for topic, opened in self._open.items()}
 
     def inlets_of_one(self) -> dict[str, Inlet]:
         """The subscriptions to topics that have one publisher, or none any more."""
@@ -151,6 +162,7 @@ class LiveTopics:
                 source.type_name,
                 source.qos,
                 lambda payload, publisher: self._receive(topic, payload, publisher),
+                priority=self._priority_of(topic),
             )
         except RosError:
             if outlet is not None:

@@ -101,7 +101,7 @@ class DataPath(Protocol):
         """Whether inlets can rest, and still say how much their source sends."""
 
     def subscribe(
-        self, topic: str, type_name: str, qos: Qos, receive: Receive, *, priority: int = 0
+        self, topic: str, type_name: str, qos: Qos, receive: Receive, *, priority: float = 1.0
     ) -> Inlet:
         """Have ``receive`` called with each message. Raises ``RosError``.
 

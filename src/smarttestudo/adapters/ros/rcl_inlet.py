@@ -33,7 +33,7 @@ class RclInlet:
         *,
         taker: RclTaker,
         wake_ups: RclWakeUps,
-        priority: int,
+        priority: float,
     ) -> None:
         self.priority = priority
         self._subscribe = subscribe

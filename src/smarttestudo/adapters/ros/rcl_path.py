@@ -50,7 +50,7 @@ class RclPath:
         return is_installed(type_name)
 
     def subscribe(
-        self, topic: str, type_name: str, qos: Qos, receive: Receive, *, priority: int = 0
+        self, topic: str, type_name: str, qos: Qos, receive: Receive, *, priority: float = 1.0
     ) -> Inlet:
         """Have ``receive`` called with each message. Raises ``RosError``."""
         return RclInlet(

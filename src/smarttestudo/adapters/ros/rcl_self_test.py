@@ -52,7 +52,7 @@ def tested_layout(node: Any, library: RclLibrary) -> InfoLayout:
 class _Receiver:
     """Is woken for a message and takes it."""
 
-    priority = 0
+    priority = 1.0
 
     def __init__(self, subscription: RclSubscription, buffers: RclBuffers, info: MessageInfo) -> None:
         self._subscription = subscription

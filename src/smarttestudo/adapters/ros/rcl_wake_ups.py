@@ -14,7 +14,7 @@ MOST_AT_ONCE = 16
 class Served(Protocol):
     """Who has messages to deliver, those of high ``priority`` first."""
 
-    priority: int
+    priority: float
 
     def serve(self, most: int) -> bool:
         """Deliver up to ``most`` messages; whether there may be more."""
@@ -74,5 +74,5 @@ class RclWakeUps:
         self._poll.close()
 
 
-def _priority(served: Served) -> int:
+def _priority(served: Served) -> float:
     return served.priority

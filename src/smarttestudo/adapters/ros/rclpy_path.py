@@ -34,7 +34,7 @@ class RclpyPath:
         qos: Qos,
         receive: Receive,
         *,
-        priority: int = 0,  # noqa: ARG002 - rclpy's executor serves all alike
+        priority: float = 1.0,  # noqa: ARG002 - rclpy's executor serves all alike
     ) -> Inlet:
         """Have ``receive`` called with each message; ``priority`` is not heeded. Raises ``RosError``."""
 
