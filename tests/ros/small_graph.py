@@ -30,7 +30,9 @@ class MemoryInlet:
 
     def work(self) -> None: ...
 
-    def take_newest(self) -> bool:
+    def rouse(self) -> None: ...
+
+    def take_kept(self) -> bool:
         return False
 
     def close(self) -> None:
@@ -183,7 +185,7 @@ class SmallGraph:
         return type_name in self.installed
 
     def subscribe(
-        self, topic: str, type_name: str, qos: Qos, receive: Receive, *, priority: int = 0
+        self, topic: str, type_name: str, qos: Qos, receive: Receive, *, priority: float = 1.0
     ) -> Inlet:
         self._require(topic, type_name)
         inlet = MemoryInlet(self, topic, type_name, receive)

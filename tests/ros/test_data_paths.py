@@ -11,12 +11,15 @@ from collections.abc import Callable, Hashable, Iterator
 import pytest
 
 from smarttestudo.adapters.ros import open_robot
+from smarttestudo.adapters.ros.rcl_buffers import KEPT_BUFFERS
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.payload import Payload
-from smarttestudo.domain.robot import DataPathKind, Qos, Robot
+from smarttestudo.domain.robot import DataPathKind, Outlet, Qos, Robot
 
 # An old lark, which rclpy imports, uses a module of Python that is deprecated.
 pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
+
+only_librcl = pytest.mark.parametrize("robot", [DataPathKind.RCL], ids=["rcl"], indirect=True)
 
 TIMEOUT_S = 40.0
 TEXT = "std_msgs/msg/String"
@@ -57,6 +60,9 @@ def text(content: str) -> bytes:
     """A std_msgs/String as CDR."""
     data = content.encode() + b"\x00"
     return b"\x00\x01\x00\x00" + len(data).to_bytes(4, "little") + data
+
+
+CHANGING = text("while it changes over")
 
 
 def wait_until(robot: Robot, condition: Callable[[], bool]) -> None:
@@ -167,35 +173,102 @@ def test_a_type_that_is_not_installed_is_named(robot: Robot) -> None:
             open_topic()
 
 
-def test_a_resting_inlet_wakes_nobody_and_hands_out_the_newest_message(robot: Robot) -> None:
+def test_a_burst_beyond_the_queue_costs_its_oldest_messages_and_their_number_is_known(robot: Robot) -> None:
     path, heard = robot.data_path, Heard()
-    if not path.can_rest:
-        return
+    short = Qos(reliable=True, transient_local=False, depth=5)
+    outlet = path.advertise("/words", TEXT, short)
+    inlet = path.subscribe("/words", TEXT, short, heard)
+    publish_and_await(robot, outlet, heard, "first")
+    for number in range(100):
+        outlet.publish(text(f"burst {number}"))
+    wait_until(robot, lambda: heard.copies[-1] == text("burst 99"))
+    if inlet.sent is not None:
+        assert inlet.sent == 101
+        assert inlet.dropped == 101 - len(heard.payloads)
+    assert heard.copies[-2] == text("burst 98")
+
+
+@only_librcl
+def test_buffers_go_back_when_nobody_holds_their_message_and_few_are_kept(robot: Robot) -> None:
+    heard = Heard()
+    outlet = robot.data_path.advertise("/words", TEXT, RELIABLE)
+    inlet = robot.data_path.subscribe("/words", TEXT, RELIABLE, heard)
+    buffers = inlet._taker.buffers
+    for number in range(50):
+        publish_and_await(robot, outlet, heard, f"message {number}")
+    assert buffers.lent == 50
+    del heard.payloads[1:]
+    assert buffers.lent == 1
+    assert buffers.kept <= KEPT_BUFFERS
+    inlet.close()
+    assert heard.copies == [text("message 0")]
+    heard.payloads.clear()
+    assert (buffers.lent, buffers.kept) == (0, 0)
+
+
+@only_librcl
+def test_a_resting_inlet_skips_all_but_the_next_message_once_it_is_roused(robot: Robot) -> None:
+    path, heard = robot.data_path, Heard()
+    assert path.can_rest
     outlet = path.advertise("/fast", TEXT, RELIABLE)
     inlet = path.subscribe("/fast", TEXT, RELIABLE, heard)
-    outlet.publish(text("first"))
-    wait_until(robot, lambda: bool(heard.payloads))
+    publish_and_await(robot, outlet, heard, "before")
     inlet.rest()
-    wait_until(robot, lambda: _publish(outlet.publish, "changing over") or inlet.take_newest())
-    came = len(heard.payloads)
+    change_over(robot, outlet)
     for number in range(50):
-        outlet.publish(text(f"message {number}"))
+        outlet.publish(text(f"skipped {number}"))
     robot.wait(None, 0.1)
-    assert len(heard.payloads) == came
-    wait_until(robot, inlet.take_newest)
-    assert heard.copies[-1] == text("message 49")
-    assert len(heard.payloads) == came + 1
-    assert not inlet.take_newest()
-    outlet.publish(text("the next one wakes"))
-    wait_until(robot, lambda: heard.copies[-1] == text("the next one wakes"))
+    assert heard.copies == [text("before"), CHANGING]
+    inlet.rouse()
+    publish_and_await(robot, outlet, heard, "awaited")
+    assert heard.copies == [text("before"), CHANGING, text("awaited")]
+    assert (inlet.sent, inlet.dropped) == (53, 0)
+
+
+@only_librcl
+def test_the_last_word_before_a_silence_is_kept_while_resting(robot: Robot) -> None:
+    path, heard = robot.data_path, Heard()
+    assert path.can_rest
+    outlet = path.advertise("/fast", TEXT, RELIABLE)
+    inlet = path.subscribe("/fast", TEXT, RELIABLE, heard)
+    inlet.rest()
+    change_over(robot, outlet)
+    for number in range(50):
+        outlet.publish(text(f"skipped {number}"))
+    inlet.rouse()
+    assert inlet.take_kept()
+    assert not inlet.take_kept()
+    assert heard.copies == [CHANGING, text("skipped 49")]
+
+
+@only_librcl
+def test_after_a_rest_every_message_is_received_again(robot: Robot) -> None:
+    path, heard = robot.data_path, Heard()
+    assert path.can_rest
+    outlet = path.advertise("/fast", TEXT, RELIABLE)
+    inlet = path.subscribe("/fast", TEXT, RELIABLE, heard)
+    inlet.rest()
+    change_over(robot, outlet)
+    outlet.publish(text("the last word"))
+    inlet.rouse()
     inlet.work()
-    sent = [text(f"again {number}") for number in range(20)]
-    for payload in sent:
+    change_over(robot, outlet)
+    burst = [text(f"burst {number}") for number in range(50)]
+    for payload in burst:
         outlet.publish(payload)
-        wait_until(robot, lambda payload=payload: heard.copies[-1] == payload)
-    assert heard.copies[-20:] == sent
+    wait_until(robot, lambda: heard.copies[-1] == burst[-1])
+    assert heard.copies == [CHANGING, text("the last word"), CHANGING, *burst]
     assert inlet.dropped == 0
 
 
-def _publish(publish: Callable[[Payload], None], content: str) -> None:
-    publish(text(content))
+def change_over(robot: Robot, outlet: Outlet) -> None:
+    """Let the inlet of /fast have the first message by its other subscription, and close the one it had."""
+    wait_until(robot, lambda: len(robot.subscribers("/fast")) == 2)
+    outlet.publish(CHANGING)
+    wait_until(robot, lambda: len(robot.subscribers("/fast")) == 1)
+
+
+def publish_and_await(robot: Robot, outlet: Outlet, heard: Heard, content: str) -> None:
+    payload = text(content)
+    outlet.publish(payload)
+    wait_until(robot, lambda: payload in heard.copies)

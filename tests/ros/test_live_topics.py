@@ -28,7 +28,7 @@ class Live:
         is_lazy: bool = True,
     ) -> None:
         self.graph = graph
-        self.topics = LiveTopics(graph, self.relay, is_lazy=is_lazy)
+        self.topics = LiveTopics(graph, self.relay, lambda topic: 0.0, is_lazy=is_lazy)
         self.topics.follow({topic: f"/testudo{topic}" for topic in relayed}, watched, leaders or {})
 
     def relay(self, topic: str, payload: Payload, publisher: Hashable) -> None:

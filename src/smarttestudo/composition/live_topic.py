@@ -4,17 +4,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterator
+from collections.abc import Hashable, Iterator
 from contextlib import contextmanager
 
 from smarttestudo.composition.live_source import LiveSource, suits
 from smarttestudo.composition.outlets import Outlets
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.payload import Payload
-from smarttestudo.domain.robot import DataPath, Inlet
-
-Received = Callable[[str, Payload, Hashable], None]
-"""Takes a message: its topic, its payload, and its publisher where that is known."""
+from smarttestudo.domain.robot import DataPath, Inlet, Receive
 
 
 class LiveTopic:
@@ -25,17 +22,20 @@ class LiveTopic:
     it is not tried again until the source changes.
     """
 
-    def __init__(self, topic: str, output: str | None, path: DataPath, received: Received) -> None:
+    def __init__(
+        self, topic: str, output: str | None, path: DataPath, receive: Receive, priority: float = 0.0
+    ) -> None:
         self.topic = topic
         self.output = output
         self.source: LiveSource | None = None
         self.unheard: frozenset[Hashable] = frozenset()
         self.problem: str | None = None
         self._path = path
-        self._received = received
+        self._receive = receive
+        self._priority = priority
         self.is_wanted = False
         self._opened_for: LiveSource | None = None
-        self._inlet: Inlet | None = None
+        self.inlet: Inlet | None = None
         self._outlets: Outlets | None = None
 
     def follow(self, source: LiveSource) -> None:
@@ -103,13 +103,15 @@ class LiveTopic:
         )
 
     def _subscribe(self, source: LiveSource) -> None:
-        self._inlet = self._path.subscribe(self.topic, source.type_name, source.qos, self._receive)
+        self.inlet = self._path.subscribe(
+            self.topic, source.type_name, source.qos, self._received, priority=self._priority
+        )
 
     def _unsubscribe(self) -> None:
-        if self._inlet is not None:
-            self._inlet.close()
-            self._inlet = None
+        if self.inlet is not None:
+            self.inlet.close()
+            self.inlet = None
 
-    def _receive(self, payload: Payload, publisher: Hashable) -> None:
+    def _received(self, payload: Payload, publisher: Hashable) -> None:
         if publisher not in self.unheard:
-            self._received(self.topic, payload, publisher)
+            self._receive(payload, publisher)

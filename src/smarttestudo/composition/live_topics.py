@@ -4,30 +4,42 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Hashable, Iterable, Mapping, Sequence
+from functools import partial
 
 from smarttestudo.composition.live_source import LiveSource, live_source, not_offered, suits
-from smarttestudo.composition.live_topic import LiveTopic, Received
+from smarttestudo.composition.live_topic import LiveTopic
 from smarttestudo.composition.roster import Roster
 from smarttestudo.composition.topic_link import TopicLink, topic_link
 from smarttestudo.composition.visible_topics import testudo_nodes
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.observation import SourceChanged, Undecodable
 from smarttestudo.domain.payload import Payload
-from smarttestudo.domain.robot import Endpoint, Robot
+from smarttestudo.domain.robot import Endpoint, Inlet, Robot
 from smarttestudo.runtime.execute.relay import Relayed
+
+Received = Callable[[str, Payload, Hashable], None]
+"""Takes a message: its topic, its payload, and its publisher where that is known."""
 
 
 class LiveTopics:
     """Subscriptions to the sources of a rule set and publishers of their monitored topics.
 
     Unless ``is_lazy`` is false, a source that no check reads is subscribed to only while its monitored topic,
-    or that of a topic paced with it, has a subscriber. What goes wrong with one topic is said once and costs
-    that topic only.
+    or that of a topic paced with it, has a subscriber. When messages pile up, the topics of the highest
+    ``priority_of`` are served first. What goes wrong with one topic is said once and costs that topic only.
     """
 
-    def __init__(self, robot: Robot, receive: Received, *, is_lazy: bool = True) -> None:
+    def __init__(
+        self,
+        robot: Robot,
+        receive: Received,
+        priority_of: Callable[[str], float],
+        *,
+        is_lazy: bool = True,
+    ) -> None:
         self._robot = robot
+        self._priority_of = priority_of
         self._data_path = robot.data_path
         self._receive = receive
         self._is_lazy = is_lazy
@@ -52,7 +64,7 @@ class LiveTopics:
         for topic in dict.fromkeys([*monitored, *watched]):
             live, output = before.get(topic), monitored.get(topic)
             if live is None or live.output != output:
-                live = LiveTopic(topic, output, self._data_path, self._receive)
+                live = self._new(topic, output)
             self._topics[topic] = live
         for topic, live in before.items():
             if self._topics.get(topic) is not live:
@@ -68,6 +80,16 @@ class LiveTopics:
             moved, self._testudos = list(self._topics), testudos
         changes = [self._look_at(self._topics[topic]) for topic in dict.fromkeys([*moved, *unseen])]
         return [change for change in changes if change is not None]
+
+    def inlets(self) -> dict[str, Inlet]:
+        """All subscriptions that are open."""
+        return {topic: live.inlet for topic, live in self._topics.items() if live.inlet is not None}
+
+    def inlets_of_one(self) -> dict[str, Inlet]:
+        """The subscriptions to topics that have one publisher, or none any more."""
+        return {
+            topic: inlet for topic, inlet in self.inlets().items() if len(self._publishers.of(topic)) <= 1
+        }
 
     def decoded(self, topic: str, payload: Payload) -> object:
         """The message of a payload that just came, or ``Undecodable``."""
@@ -98,6 +120,10 @@ class LiveTopics:
             for topic, live in self._topics.items()
             if live.output is not None
         }
+
+    def _new(self, topic: str, output: str | None) -> LiveTopic:
+        priority = self._priority_of(topic)
+        return LiveTopic(topic, output, self._data_path, partial(self._receive, topic), priority)
 
     def _look_at_operators(self) -> None:
         outputs = {live.output: live for live in self._topics.values() if live.output is not None}

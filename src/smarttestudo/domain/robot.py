@@ -60,8 +60,7 @@ class OutputDomain:
 class Inlet(Protocol):
     """A subscription to a source.
 
-    It can ``rest``, where its path can: then messages wake nobody and all but the newest are dropped, until
-    ``take_newest`` hands that one out.
+    It can rest, where its path can: then messages wake nobody, and all but the newest are skipped.
     """
 
     @property
@@ -70,16 +69,19 @@ class Inlet(Protocol):
 
     @property
     def dropped(self) -> int:
-        """Messages that were lost on their way or in a full queue; not those dropped by resting."""
+        """Messages that were lost on their way or in a full queue; not those skipped by resting."""
 
     def rest(self) -> None:
         """Wake for no message from now on, where the path can do that."""
 
+    def rouse(self) -> None:
+        """Receive the next message, then rest on; the newest that came while resting is kept for now."""
+
+    def take_kept(self) -> bool:
+        """Receive what ``rouse`` kept, since nothing newer came; whether there was anything."""
+
     def work(self) -> None:
         """Receive every message again."""
-
-    def take_newest(self) -> bool:
-        """Receive the newest message that came while resting; if there is none, the next one wakes."""
 
     def close(self) -> None:
         """Receive nothing more."""
@@ -118,7 +120,7 @@ class DataPath(Protocol):
         """Whether inlets can rest, and still say how much their source sends."""
 
     def subscribe(
-        self, topic: str, type_name: str, qos: Qos, receive: Receive, *, priority: int = 0
+        self, topic: str, type_name: str, qos: Qos, receive: Receive, *, priority: float = 1.0
     ) -> Inlet:
         """Have ``receive`` called with each message. Raises ``RosError``.
 

@@ -114,6 +114,23 @@ class RelayLoop:
         watched = self._knowledge.watched.get(topic)
         return watched is not None and bool(watched.fields)
 
+    def may_skip(self, topic: str) -> bool:
+        """Whether the messages of ``topic`` that are not due need not be passed in, but for the last one.
+
+        So it is where no check reads anything of it, no budget counts it and its pacer does not hold it back
+        for others; tell ``on_skipped`` how many there were.
+        """
+        is_counted = topic in self._watched or self._knowledge.link is not None
+        return not is_counted and self._relays.may_skip(topic)
+
+    def due_ns(self, topic: str) -> int | None:
+        """When the next message of a topic that ``may_skip`` may pass; ``None``: at once."""
+        return self._relays.due_ns(topic)
+
+    def on_skipped(self, topic: str, messages: int, size_bytes: int) -> None:
+        """So many messages, of that size together, came since the last one and were not passed in."""
+        self._relays.skipped(topic, messages, size_bytes)
+
     def on_message(
         self,
         topic: str,

@@ -22,12 +22,15 @@ from smarttestudo.adapters.ros.output_domain import operators_node
 from smarttestudo.adapters.ros.qos import further_policies, is_reliable, is_transient_local, qos_profile
 from smarttestudo.adapters.ros.rcl_path import RclPath
 from smarttestudo.adapters.ros.rclpy_path import RclpyPath
-from smarttestudo.adapters.ros.real_timer import RealTimer
+from smarttestudo.adapters.ros.real_timers import RealTimers
 from smarttestudo.adapters.ros.ros_errors import ros_errors
 from smarttestudo.domain.diagnostic import Diagnostic
 from smarttestudo.domain.errors import RosError, UsageError
 from smarttestudo.domain.robot import DataPath, DataPathKind, Endpoint, OutputDomain, Qos, RobotLog
 from smarttestudo.domain.units import NS_PER_S
+
+CLOCK_PERIOD_S = 0.2
+"""How often to look whether time is simulated; a parameter of the node may change that."""
 
 
 @contextmanager
@@ -71,7 +74,9 @@ class RosNode:
         self._clock = node.get_clock()
         self._data_path_kind = data_path_kind
         self._data_path: RclPath | RclpyPath | None = None
-        self._timers: list[RealTimer] = []
+        self._timers = RealTimers()
+        self._look_at_clock()
+        self.every(CLOCK_PERIOD_S, self._look_at_clock)
 
     @property
     def name(self) -> str:
@@ -96,6 +101,9 @@ class RosNode:
 
     def now_ns(self) -> int:
         """The node's clock, which is 0 while simulated time has not begun."""
+        # Unless simulated, the clock of ROS is the system's, and that is asked for every message.
+        if not self._is_simulated:
+            return time.time_ns()
         nanoseconds: int = self._clock.now().nanoseconds
         return nanoseconds
 
@@ -154,28 +162,29 @@ class RosNode:
 
     def every(self, period_s: float, act: Callable[[], None]) -> None:
         """Have ``act`` called again and again, in real time."""
-        self._timers.append(RealTimer(period_s, act))
+        self._timers.add(period_s, act, time.monotonic())
 
     def wait(self, wake_ns: int | None, longest_s: float) -> None:
         """Handle what comes next; return after it, at ``wake_ns`` or after ``longest_s`` in real time."""
-        timeout_s = longest_s
+        timeout_s = min(longest_s, max(self._timers.due_s - time.monotonic(), 0.0))
         # Simulated time moves only with a message on /clock, and that ends the wait.
-        if wake_ns is not None and not self._clock.ros_time_is_active:
-            timeout_s = min(longest_s, max(wake_ns - self.now_ns(), 0) / NS_PER_S)
-        timers = self._timers
-        if timers:
-            timeout_s = min(timeout_s, max(min(timer.due_s for timer in timers) - time.monotonic(), 0))
+        if wake_ns is not None and not self._is_simulated:
+            timeout_s = min(timeout_s, max(wake_ns - time.time_ns(), 0) / NS_PER_S)
         if self._data_path is None:
             self._executor.spin_once(timeout_sec=timeout_s)
         else:
             self._data_path.wait(timeout_s)
-        for timer in timers:
-            timer.act_if_due(time.monotonic())
+        now_s = time.monotonic()
+        if now_s >= self._timers.due_s:
+            self._timers.act(now_s)
 
     def close(self) -> None:
         """Receive and send nothing more."""
         if self._data_path is not None:
             self._data_path.close()
+
+    def _look_at_clock(self) -> None:
+        self._is_simulated = self._clock.ros_time_is_active
 
 
 def _endpoint(info: Any) -> Endpoint:

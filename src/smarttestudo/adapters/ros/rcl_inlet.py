@@ -7,9 +7,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
+from smarttestudo.adapters.ros.rcl_buffers import RclPayload
 from smarttestudo.adapters.ros.rcl_subscription import RclSubscription
 from smarttestudo.adapters.ros.rcl_taker import RclTaker
 from smarttestudo.adapters.ros.rcl_wake_ups import RclWakeUps
+from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.robot import Qos, Receive
 
 RESTING_DEPTH = 2
@@ -31,7 +33,7 @@ class RclInlet:
         *,
         taker: RclTaker,
         wake_ups: RclWakeUps,
-        priority: int,
+        priority: float,
     ) -> None:
         self.priority = priority
         self._subscribe = subscribe
@@ -40,6 +42,7 @@ class RclInlet:
         self._taker = taker
         self._wake_ups = wake_ups
         self._is_to_rest = False
+        self._kept: RclPayload | None = None
         self._successor: RclSubscription | None = None
         self._subscription = self._open(qos)
 
@@ -56,7 +59,7 @@ class RclInlet:
         return 0 if numbers is None else numbers.lost
 
     def serve(self, most: int) -> bool:
-        """Deliver up to ``most`` messages; whether there may be more. Raises ``RosError``."""
+        """Deliver up to ``most`` messages; whether there may be more."""
         taker, subscription = self._taker, self._subscription
         for _ in range(most):
             payload = taker.take(subscription)
@@ -64,39 +67,44 @@ class RclInlet:
                 return self._successor is not None and self._hand_over(self._successor)
             self._receive(payload, taker.publisher)
             if self._is_to_rest and self._successor is None:
+                self._kept = None
                 subscription.wake(wanted=False)
                 return False
         return True
 
     def rest(self) -> None:
-        """Wake for no message from now on. Raises ``RosError``."""
+        """Wake for no message from now on."""
         if not self._is_to_rest and self._taker.numbers is not None:
             self._taker.numbers.rest()
             self._is_to_rest = True
             self._succeed(replace(self._qos, depth=RESTING_DEPTH))
 
+    def rouse(self) -> None:
+        """Receive the next message, then rest on; the newest that came while resting is kept for now."""
+        if self._is_to_rest and self._successor is None:
+            self._kept = self._taker.take_newest(self._subscription) or self._kept
+            self._subscription.wake(wanted=True)
+
+    def take_kept(self) -> bool:
+        """Receive what ``rouse`` kept, since nothing newer came; whether there was anything."""
+        kept, self._kept = self._kept, None
+        if kept is None:
+            return False
+        self._receive(kept, self._taker.publisher)
+        return True
+
     def work(self) -> None:
-        """Receive every message again. Raises ``RosError``."""
+        """Receive every message again."""
         if self._is_to_rest and self._taker.numbers is not None:
             self._taker.numbers.work()
             self._is_to_rest = False
+            self.take_kept()
             self._subscription.wake(wanted=True)
             self._succeed(self._qos)
 
-    def take_newest(self) -> bool:
-        """Receive the newest message that came while resting; if there is none, the next one wakes."""
-        if self._successor is not None:
-            return False
-        subscription = self._subscription
-        newest = self._taker.take_newest(subscription)
-        if newest is None:
-            subscription.wake(wanted=True)
-            return False
-        self._receive(newest, self._taker.publisher)
-        return True
-
     def close(self) -> None:
         """Receive nothing more."""
+        self._kept = None
         self._is_to_rest = False
         self._close(self._subscription)
         if self._successor is not None:
@@ -107,7 +115,11 @@ class RclInlet:
     def _succeed(self, qos: Qos) -> None:
         """Change to ``qos``, or stay with it, if that was not yet left for good."""
         if self._successor is None:
-            self._successor = self._open(qos)
+            try:
+                self._successor = self._open(qos)
+            except RosError as error:
+                # Then the queue stays as long as it was.
+                self._taker.failed(error)
             return
         self._close(self._successor)
         self._successor = None

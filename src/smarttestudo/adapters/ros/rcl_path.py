@@ -34,9 +34,9 @@ class RclPath:
         self._operators = operators
         self._library = library
         self._layout = layout
-        self._wake_ups = RclWakeUps(self._failed)
-        self._rclpy_part = RclpyPart(node, executor, library, self._wake_ups)
         self._failures: set[str] = set()
+        self._wake_ups = RclWakeUps()
+        self._rclpy_part = RclpyPart(node, executor, library, self._wake_ups)
 
     @property
     def tells_publishers(self) -> bool:
@@ -53,14 +53,14 @@ class RclPath:
         return is_installed(type_name)
 
     def subscribe(
-        self, topic: str, type_name: str, qos: Qos, receive: Receive, *, priority: int = 0
+        self, topic: str, type_name: str, qos: Qos, receive: Receive, *, priority: float = 1.0
     ) -> Inlet:
         """Have ``receive`` called with each message. Raises ``RosError``."""
         return RclInlet(
             partial(RclSubscription, self._node, self._library, topic, type_name),
             qos,
             receive,
-            taker=RclTaker(self._library, self._layout),
+            taker=RclTaker(self._library, self._layout, self._failed),
             wake_ups=self._wake_ups,
             priority=priority,
         )

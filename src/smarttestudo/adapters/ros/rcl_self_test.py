@@ -52,7 +52,7 @@ def tested_layout(node: Any, library: RclLibrary) -> InfoLayout:
 class _Receiver:
     """Is woken for a message and takes it."""
 
-    priority = 0
+    priority = 1.0
 
     def __init__(self, subscription: RclSubscription, buffers: RclBuffers, info: MessageInfo) -> None:
         self._subscription = subscription
@@ -62,7 +62,7 @@ class _Receiver:
 
     def first(self, timeout_s: float) -> bytes:
         """The first message that wakes; ``RosError`` after ``timeout_s``, or if it cannot be taken."""
-        wake_ups = RclWakeUps(_give_up)
+        wake_ups = RclWakeUps()
         wake_ups.add(self._subscription.event_fd, self)
         self._subscription.wake(wanted=True)
         end_s = time.monotonic() + timeout_s
@@ -79,10 +79,6 @@ class _Receiver:
         payload = self._subscription.take(self._buffers, self._info)
         self._came = None if payload is None else payload[:]
         return False
-
-
-def _give_up(error: RosError) -> None:
-    raise error
 
 
 def _own_gid(node: Any) -> bytes:

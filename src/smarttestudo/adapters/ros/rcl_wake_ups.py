@@ -5,10 +5,7 @@
 from __future__ import annotations
 
 import select
-from collections.abc import Callable
 from typing import Protocol
-
-from smarttestudo.domain.errors import RosError
 
 MOST_AT_ONCE = 16
 """Messages that one source is served before the others have their turn."""
@@ -17,20 +14,16 @@ MOST_AT_ONCE = 16
 class Served(Protocol):
     """Who has messages to deliver, those of high ``priority`` first."""
 
-    priority: int
+    priority: float
 
     def serve(self, most: int) -> bool:
         """Deliver up to ``most`` messages; whether there may be more."""
 
 
 class RclWakeUps:
-    """The event descriptors that the middleware counts up, and who is behind with its messages.
+    """The event descriptors that the middleware counts up, and who is behind with its messages."""
 
-    ``failed`` is told when messages cannot be taken.
-    """
-
-    def __init__(self, failed: Callable[[RosError], None]) -> None:
-        self._failed = failed
+    def __init__(self) -> None:
         self._poll = select.epoll()
         self._served: dict[int, Served] = {}
         self._behind: dict[Served, None] = {}
@@ -71,11 +64,7 @@ class RclWakeUps:
         # Whoever was served before it may have closed it.
         if served not in self._behind:
             return False
-        try:
-            is_behind = served.serve(most)
-        except RosError as error:
-            self._failed(error)
-            is_behind = False
+        is_behind = served.serve(most)
         if not is_behind:
             self._behind.pop(served, None)
         return is_behind
@@ -85,5 +74,5 @@ class RclWakeUps:
         self._poll.close()
 
 
-def _priority(served: Served) -> int:
+def _priority(served: Served) -> float:
     return served.priority

@@ -23,7 +23,7 @@ LOOK_PERIOD_S = 0.2
 class RclpyPart:
     """Runs rclpy's executor when one of the node's services or subscriptions has something for it."""
 
-    priority = 0
+    priority = 1.0
 
     def __init__(self, node: Any, executor: Any, library: RclLibrary, wake_ups: RclWakeUps) -> None:
         self._node = node

@@ -35,7 +35,7 @@ class RclpyPath:
         qos: Qos,
         receive: Receive,
         *,
-        priority: int = 0,  # noqa: ARG002 - rclpy's executor serves all alike
+        priority: float = 1.0,  # noqa: ARG002 - rclpy's executor serves all alike
     ) -> Inlet:
         """Have ``receive`` called with each message; ``priority`` is not heeded. Raises ``RosError``."""
 
@@ -77,11 +77,14 @@ class _Inlet:
     def rest(self) -> None:
         return
 
-    def work(self) -> None:
+    def rouse(self) -> None:
         return
 
-    def take_newest(self) -> bool:
+    def take_kept(self) -> bool:
         return False
+
+    def work(self) -> None:
+        return
 
     def close(self) -> None:
         self._node.destroy_subscription(self._handle)

@@ -55,6 +55,20 @@ class Relays:
             if isinstance(relay.pacer, Follower)
         }
 
+    def may_skip(self, topic: str) -> bool:
+        """Whether messages of ``topic`` that come before ``due_ns`` make no difference, but for the last."""
+        relay = self._relays.get(topic)
+        return relay is not None and isinstance(relay.pacer, TopicPacer) and relay.pacer.may_skip
+
+    def due_ns(self, topic: str) -> int | None:
+        """When the next message of ``topic``, of which some may be skipped, may pass; ``None``: at once."""
+        pacer = self._relays[topic].pacer
+        return pacer.due_ns if isinstance(pacer, TopicPacer) else None
+
+    def skipped(self, topic: str, messages: int, size_bytes: int) -> None:
+        """Count what was sent, yet not looked at."""
+        self._relays[topic].statistics.arrived.skip(messages, size_bytes)
+
     def apply(self, decisions: Iterable[Decision], now_ns: int) -> None:
         """Take the rates of a plan's changes."""
         for decision in decisions:
