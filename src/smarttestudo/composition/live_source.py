@@ -10,6 +10,8 @@ from dataclasses import dataclass, field, replace
 from smarttestudo.domain.robot import Endpoint, Qos
 
 DEPTH = 10
+# The last messages of all publishers come at once, and one may keep more of them than ten others.
+LATCHED_INLET_DEPTH = 100
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -25,6 +27,13 @@ class LiveSource:
     qos: Qos
     other_types: tuple[str, ...] = ()
     gids: frozenset[bytes] = field(default=frozenset(), compare=False)
+
+    @property
+    def inlet_qos(self) -> Qos:
+        """What a subscription asks for, ``qos`` being what an outlet offers."""
+        if not self.qos.transient_local:
+            return self.qos
+        return replace(self.qos, depth=max(LATCHED_INLET_DEPTH, self.qos.depth))
 
 
 def live_source(endpoints: Sequence[Endpoint], before: LiveSource | None) -> LiveSource | None:

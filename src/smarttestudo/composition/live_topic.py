@@ -104,7 +104,7 @@ class LiveTopic:
 
     def _subscribe(self, source: LiveSource) -> None:
         self.inlet = self._path.subscribe(
-            self.topic, source.type_name, source.qos, self._received, priority=self._priority
+            self.topic, source.type_name, source.inlet_qos, self._received, priority=self._priority
         )
 
     def _unsubscribe(self) -> None:
