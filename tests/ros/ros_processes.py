@@ -23,10 +23,10 @@ NOT_INHERITED = ("_ROS_WHEELS_BOOTSTRAP_COMPLETE", "LD_LIBRARY_PATH")
 class Process:
     """A process whose output, stderr included, is read line by line; it never outlives the block."""
 
-    def __init__(self, arguments: list[str], environment: dict[str, str]) -> None:
+    def __init__(self, command: list[str], environment: dict[str, str]) -> None:
         self.output: list[str] = []
         self._process = subprocess.Popen(
-            [sys.executable, *arguments],
+            command,
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
@@ -123,11 +123,19 @@ class SmallRobot:
         """``testudo`` with ``arguments``."""
         return self._start(["-c", TESTUDO, *arguments])
 
+    def command(self, *words: str, **environment: str) -> Process:
+        """Any command, with variables of its own."""
+        process = Process(list(words), {**self._environment, **environment})
+        self._processes.append(process)
+        return process
+
+    def diagnostics(self) -> Process:
+        """A process that prints each message on /diagnostics; see ``diagnostics_listener.py``."""
+        return self._start([str(FOLDER / "diagnostics_listener.py")])
+
     def end(self) -> None:
         for process in self._processes:
             process.end()
 
     def _start(self, arguments: list[str]) -> Process:
-        process = Process(arguments, self._environment)
-        self._processes.append(process)
-        return process
+        return self.command(sys.executable, *arguments)

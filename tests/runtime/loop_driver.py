@@ -38,8 +38,8 @@ class LoopDriver:
     ) -> None:
         parsed = parse(rules, "rules.adirf")
         assert not parsed.findings
-        rule_set = compile_rules([parsed.file], lambda name: name)
-        self.loop = RelayLoop(rule_set, profile or Profile(), 0, when_slow, budget_kb_per_s)
+        self.rule_set = compile_rules([parsed.file], lambda name: name)
+        self.loop = RelayLoop(self.rule_set, profile or Profile(), 0, when_slow, budget_kb_per_s)
         self.relayed: list[Relayed] = []
         self.decisions: list[Decision] = []
         self.now_ns = 0

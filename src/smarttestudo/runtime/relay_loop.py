@@ -17,6 +17,7 @@ from smarttestudo.runtime.execute.relay import Relayed
 from smarttestudo.runtime.execute.relays import Relays
 from smarttestudo.runtime.execute.statistics import RelayStatistics
 from smarttestudo.runtime.knowledge.knowledge import Knowledge
+from smarttestudo.runtime.monitor.monitor import meter
 from smarttestudo.runtime.step import step
 
 
@@ -39,7 +40,7 @@ class RelayLoop:
     ) -> None:
         self._knowledge = Knowledge(rule_set, profile, start_ns, budget_kb_per_s)
         self._relays = Relays(rule_set.relayed, profile, when_slow, start_ns)
-        self._observed = self._knowledge.observed
+        self._watched = self._knowledge.watched.keys()
         self._decisions: list[Decision] = []
         self._now_ns = start_ns
         self._step_ns: int | None = None
@@ -141,10 +142,13 @@ class RelayLoop:
         # This runs for every message of a robot, so what is seldom needed is asked for without a call.
         freed = self._restarted(now_ns) if now_ns < self._now_ns else ()
         self._now_ns = now_ns
-        if topic in self._observed:
+        if topic in self._watched:
             self._step((Arrival(topic=topic, size_bytes=size_bytes, message=message),), now_ns)
-        elif self._step_ns is not None and self._step_ns <= now_ns:
-            self._step((), now_ns)
+        else:
+            if self._knowledge.link is not None:
+                meter(self._knowledge, topic, size_bytes, now_ns)
+            if self._step_ns is not None and self._step_ns <= now_ns:
+                self._step((), now_ns)
         wake_ns = self._relays.next_wake_ns
         if wake_ns is not None and wake_ns <= now_ns:
             freed = [*freed, *self._relays.wake(now_ns)]
@@ -161,7 +165,6 @@ class RelayLoop:
         """The link carries another budget."""
         restarted = self._restarted(now_ns)
         self._step((budget,), now_ns)
-        self._observed = self._knowledge.observed
         return [*restarted, *self._woken(now_ns)]
 
     def on_wake(self, now_ns: int) -> Sequence[Relayed]:

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping
-from collections.abc import Set as AbstractSet
 
 from smarttestudo.adirf.evaluator import Evaluator, Wish
 from smarttestudo.adirf.rule_set import RuleSet
@@ -65,11 +64,6 @@ class Knowledge:
             self.link = LinkUse(self.rule_set, self.profile, budget_kb_per_s)
         else:
             self.link.set_budget(budget_kb_per_s)
-
-    @property
-    def observed(self) -> AbstractSet[str]:
-        """The topics of which the loop wants to know each message: more of them once there is a budget."""
-        return self.watched.keys() if self.link is None else {*self.watched, *self.order_of}
 
     def values_of(self, block: int | None, now_ns: int) -> dict[str, float | None]:
         """What the condition of the block of that order reads at ``now_ns``, by signal name."""

@@ -57,8 +57,12 @@ class LinkUse:
 
     def record(self, topic: str, now_ns: int, size_bytes: int) -> None:
         """A source sent a message; topics without a relay do not count."""
-        if topic in self._unmeasured:
-            self._sources.setdefault(topic, SourceLoad()).record(now_ns, size_bytes)
+        source = self._sources.get(topic)
+        if source is None:
+            if topic not in self._unmeasured:
+                return
+            source = self._sources[topic] = SourceLoad()
+        source.record(now_ns, size_bytes)
 
     @property
     def next_check_ns(self) -> int | None:
