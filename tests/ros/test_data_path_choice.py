@@ -65,7 +65,7 @@ def test_a_run_through_rclpy_relays_too(robot: SmallRobot) -> None:
 
 
 def raw_info(number: int, gid: bytes) -> bytes:
-    return struct.pack("=qqQQP", 1, 2, number, 2**64 - 1, 0) + gid + bytes(100)
+    return struct.pack("=qqQQQ", 1, 2, number, 2**64 - 1, 0) + gid + bytes(100)
 
 
 def test_the_info_of_a_message_is_used_only_where_it_holds_what_it_should() -> None:

@@ -38,8 +38,8 @@ class LiveTopics:
     """Subscriptions to all sources of a rule set and publishers of their monitored topics.
 
     ``monitored`` names the monitored topic of each relayed source; ``watched`` are those that checks read.
-    When messages pile up, the topics of the highest ``priority_of`` are served first. What goes wrong with one
-    topic is said once and costs that topic only.
+    When messages pile up, the topics of the highest ``priority_of`` are served first. What goes wrong with
+    one topic is said once and costs that topic only.
     """
 
     def __init__(
