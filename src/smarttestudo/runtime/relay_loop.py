@@ -120,8 +120,8 @@ class RelayLoop:
         So it is where no check reads anything of it, no budget counts it and its pacer does not hold it back
         for others; tell ``on_skipped`` how many there were.
         """
-        is_counted = topic in self._watched or self._knowledge.link is not None
-        return not is_counted and self._relays.may_skip(topic)
+        needs_all = topic in self._watched or self._knowledge.link is not None
+        return not needs_all and self._relays.may_skip(topic)
 
     def due_ns(self, topic: str) -> int | None:
         """When the next message of a topic that ``may_skip`` may pass; ``None``: at once."""

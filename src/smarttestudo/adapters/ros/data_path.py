@@ -29,7 +29,7 @@ def open_data_path(node: Any, executor: Any, kind: DataPathKind, operators: Any)
     except RosError as error:
         if kind is DataPathKind.RCL:
             raise
-        log.warning(f"Data path: rclpy, at a higher cost, because {error}")
+        log.warning(f"Data path: rclpy, at a higher cost, because {error.cause}")
         return RclpyPath(node, executor, operators)
     known = "publishers told apart" if layout.gid_bytes else "publishers not told apart"
     log.info(f"Data path: librcl, {known}, messages {'' if layout.is_numbered else 'not '}numbered")
