@@ -60,6 +60,11 @@ class Process:
         self.say("graph")
         return set(json.loads(self.line_with("graph ").removeprefix("graph ")))
 
+    def ask(self, *request: Any) -> Any:
+        """What ``remote_control.py`` answers."""
+        self.say(json.dumps(request))
+        return json.loads(self.line_with("reply ").removeprefix("reply "))
+
     def signal(self, number: int) -> None:
         self._process.send_signal(number)
 
@@ -121,6 +126,18 @@ class SmallRobot:
         process = self._start(script, **elsewhere)
         process.line_with("ready")
         return process
+
+    def counter(self, path: Path, texts: list[str], count: int) -> Process:
+        """A process that counts through a runtime while its rules are reloaded; see ``echo_counter.py``."""
+        return self._start([str(FOLDER / "echo_counter.py"), str(path), json.dumps(texts), str(count)])
+
+    def remote(self) -> Process:
+        """A process that sets parameters and calls services; see ``remote_control.py``."""
+        return self._start([str(FOLDER / "remote_control.py")])
+
+    def testudo_run(self, *arguments: str) -> Process:
+        """``testudo run``."""
+        return self._start(["-c", TESTUDO, "run", *arguments])
 
     def runtime(self, rules: str, *arguments: str) -> Process:
         """``testudo run`` by the rules given as text."""

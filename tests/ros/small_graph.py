@@ -59,6 +59,7 @@ class SmallGraph:
     """A ``Robot`` and its ``DataPath``; the test says who publishes and subscribes."""
 
     can_rest = False
+    has_output_domain = False
 
     def __init__(self, *, tells_publishers: bool = True) -> None:
         self.tells_publishers = tells_publishers

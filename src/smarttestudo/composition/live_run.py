@@ -4,18 +4,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable, Mapping
+from collections.abc import Callable, Hashable, Iterable
 
 from smarttestudo.adapters.files.own_process import read_own_process
 from smarttestudo.composition.live_decisions import LiveDecisions
 from smarttestudo.composition.live_losses import LiveLosses
+from smarttestudo.composition.live_rules import LiveRules
 from smarttestudo.composition.live_sampling import LiveSampling
 from smarttestudo.composition.live_status import LiveStatus
 from smarttestudo.composition.live_topics import LiveTopics
 from smarttestudo.composition.status_announcer import StatusAnnouncer
+from smarttestudo.domain.observation import LinkBudget
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Robot
-from smarttestudo.domain.status import RulesInForce
 from smarttestudo.runtime.execute.relay import Relayed
 from smarttestudo.runtime.relay_loop import RelayLoop
 
@@ -24,18 +25,14 @@ STATUS_PERIOD_S = 1.0
 
 
 class LiveRun:
-    """Drives a loop in the node's time. ``monitored`` is the monitored topic of each relayed one.
-
-    ``is_lazy`` is that of ``LiveTopics``.
-    """
+    """Drives a loop, which follows ``rules``, in the node's time; ``is_lazy`` is that of ``LiveTopics``."""
 
     def __init__(
         self,
         robot: Robot,
         loop: RelayLoop,
-        monitored: Mapping[str, str],
+        rules: LiveRules,
         decisions: LiveDecisions,
-        rules: RulesInForce,
         *,
         is_lazy: bool = True,
     ) -> None:
@@ -44,7 +41,7 @@ class LiveRun:
         self._decisions = decisions
         self._rules = rules
         self._topics = LiveTopics(robot, self._receive, self._priority_of, is_lazy=is_lazy)
-        self._topics.follow(monitored, loop.watched, loop.leaders)
+        self._topics.follow(rules.monitored, loop.watched, loop.leaders)
         self._losses = LiveLosses(robot.log)
         self._sampling = LiveSampling(loop)
         self._status = LiveStatus(robot.name, read_own_process())
@@ -59,6 +56,18 @@ class LiveRun:
             self._robot.wait(self._wake_ns, LOOK_PERIOD_S)
             self._wake()
         self._report()
+
+    def reload(self, rules: LiveRules) -> None:
+        """Let other rules hold; to be called between two messages, that is, within ``Robot.wait``."""
+        self._rules = rules
+        self._publish(self._loop.reload(rules.rule_set, rules.profile, self._robot.now_ns()))
+        self._topics.follow(rules.monitored, self._loop.watched, self._loop.leaders)
+        self._look()
+
+    def set_budget(self, budget_kb_per_s: float) -> None:
+        """The relayed topics may take so much from now on."""
+        budget = LinkBudget(link_kb_per_s=budget_kb_per_s)
+        self._publish(self._loop.on_budget(budget, self._robot.now_ns()))
 
     def _priority_of(self, topic: str) -> float:
         return self._loop.profile.topic(topic).priority
@@ -103,7 +112,7 @@ class LiveRun:
 
     def _tell(self) -> None:
         links, now_ns = self._topics.links(), self._robot.now_ns()
-        status = self._status.look(self._loop, links, self._rules, read_own_process(), now_ns)
+        status = self._status.look(self._loop, links, self._rules.in_force, read_own_process(), now_ns)
         self._announcer.announce(status)
 
     def _report(self) -> None:

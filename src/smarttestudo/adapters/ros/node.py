@@ -19,13 +19,16 @@ from smarttestudo.adapters.ros.data_path import open_data_path
 from smarttestudo.adapters.ros.diagnostics import diagnostics_publisher
 from smarttestudo.adapters.ros.message_types import begins_with_header, message_type
 from smarttestudo.adapters.ros.output_domain import operators_node
+from smarttestudo.adapters.ros.parameters import NodeParameters
 from smarttestudo.adapters.ros.qos import further_policies, is_reliable, is_transient_local, qos_profile
 from smarttestudo.adapters.ros.rcl_path import RclPath
 from smarttestudo.adapters.ros.rclpy_path import RclpyPath
 from smarttestudo.adapters.ros.real_timers import RealTimers
 from smarttestudo.adapters.ros.ros_errors import ros_errors
+from smarttestudo.adapters.ros.services import offer_trigger
 from smarttestudo.domain.diagnostic import Diagnostic
 from smarttestudo.domain.errors import RosError, UsageError
+from smarttestudo.domain.parameter import Accept, Parameter, ParameterValue
 from smarttestudo.domain.robot import DataPath, DataPathKind, Endpoint, OutputDomain, Qos, RobotLog
 from smarttestudo.domain.units import NS_PER_S
 
@@ -77,6 +80,7 @@ class RosNode:
         self._timers = RealTimers()
         self._look_at_clock()
         self.every(CLOCK_PERIOD_S, self._look_at_clock)
+        self._parameters = NodeParameters(node)
 
     @property
     def name(self) -> str:
@@ -98,6 +102,11 @@ class RosNode:
                 self._node, self._executor, self._data_path_kind, self._operators
             )
         return self._data_path
+
+    @property
+    def has_output_domain(self) -> bool:
+        """Whether the operators are in another domain than the robot."""
+        return self._operators is not self._node
 
     def now_ns(self) -> int:
         """The node's clock, which is 0 while simulated time has not begun."""
@@ -159,6 +168,22 @@ class RosNode:
                 publisher.publish(text_type(data=text))
 
         return publish
+
+    def steady_ns(self) -> int:
+        """Time that only goes forward, from an unknown start."""
+        return time.monotonic_ns()
+
+    def declare(self, parameters: Sequence[Parameter], accept: Accept) -> Mapping[str, ParameterValue]:
+        """Have these parameters, to be called once; their values. Raises ``UsageError`` for a wrong one."""
+        return self._parameters.declare(parameters, accept)
+
+    def show(self, name: str, value: ParameterValue) -> None:
+        """Give a parameter another value without asking anyone."""
+        self._parameters.show(name, value)
+
+    def offer_trigger(self, name: str, act: Callable[[], str]) -> None:
+        """Offer a std_srvs/srv/Trigger service that calls ``act``. Raises ``RosError``."""
+        offer_trigger(self._node, name, act)
 
     def every(self, period_s: float, act: Callable[[], None]) -> None:
         """Have ``act`` called again and again, in real time."""

@@ -8,9 +8,9 @@ import math
 
 from smarttestudo.domain.units import NS_PER_S
 
-BEGIN_RATIO = 8.0
+BEGIN_RATIO = 3.5
 """Source over target from which sampling is worth a change of subscriptions."""
-END_RATIO = 5.0
+END_RATIO = 2.5
 """Source over target below which it is no more."""
 LEAST_SOURCE_HZ = 20.0
 """Slower sources cost next to nothing."""

@@ -42,7 +42,7 @@ class Knowledge:
         self.settle_ns = ns_from_s(profile.settle_s)
         self.time = SteadyTime(start_ns)
         self.evaluator = Evaluator(rule_set)
-        self.watched = _watched_topics(rule_set, profile, start_ns, self.evaluator)
+        self.watched = watched_topics(rule_set, profile, start_ns, self.evaluator)
         self.watch_alarms = AlarmClock()
         for topic in self.watched:
             self.watch_alarms.set(topic, start_ns)
@@ -86,9 +86,10 @@ class Knowledge:
         return None if earliest_ns is None else self.time.on_clock(earliest_ns)
 
 
-def _watched_topics(
+def watched_topics(
     rule_set: RuleSet, profile: Profile, start_ns: int, evaluator: Evaluator
 ) -> Mapping[str, WatchedTopic]:
+    """The topics that the checks of a rule set read; nothing is known of them yet."""
     signals: dict[str, list[Signal]] = {}
     for signal in sorted(rule_set.signals):
         signals.setdefault(signal.topic, []).append(signal)

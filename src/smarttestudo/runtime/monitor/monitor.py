@@ -56,8 +56,7 @@ def _take(
             if watched.fields:
                 _read(knowledge, watched, observation)
         case SourceChanged():
-            watched.source.change(observation)
-            watched.fields.change_type(observation.type_name)
+            watched.change_source(observation)
 
 
 def _read(knowledge: Knowledge, watched: WatchedTopic, arrival: Arrival) -> None:
