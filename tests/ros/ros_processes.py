@@ -145,6 +145,12 @@ class SmallRobot:
         path.write_text(rules, encoding="utf-8")
         return self.testudo("run", "--rules", str(path), *arguments)
 
+    def recorder(self, folder: Path, **topics: dict[str, Any]) -> Process:
+        """A process that records the topics into ``folder``; see ``recorder.py``."""
+        process = self._start([str(FOLDER / "recorder.py"), str(folder), json.dumps(topics)])
+        process.line_with("ready")
+        return process
+
     def testudo(self, *arguments: str) -> Process:
         """``testudo`` with ``arguments``."""
         return self._start(["-c", TESTUDO, *arguments])

@@ -8,9 +8,9 @@ is at ``x``, a String is numbered. A Clock begins at ``from_s`` and goes on by `
 A topic without ``hz`` is latched: ``texts`` are published once, each by a publisher of its own. ``topic`` is
 the topic's name where it is not the key.
 
-Lines on stdin, about all topics or those named: ``move odom`` puts the robot at x = 5; ``spoil odom`` sends
-bytes that are no message until ``heal odom``; ``hush odom`` sends no more; ``press estop`` sends true, and
-then no more; ``rewind clock`` begins again at 0. ``stop`` ends it.
+Lines on stdin, about all topics or those named: ``move odom`` puts the robot at x = 5, ``home odom`` at x = 0;
+``spoil odom`` sends bytes that are no message until ``heal odom``; ``hush odom`` sends no more; ``press estop``
+sends true, and then no more; ``rewind clock`` begins again at 0. ``stop`` ends it.
 """
 
 from __future__ import annotations
@@ -30,6 +30,7 @@ from std_msgs.msg import String
 NS_PER_MS = 1_000_000
 NS_PER_S = 1_000_000_000
 NO_MESSAGE = b"\x00\x01\x00\x00\x01"
+PLACES_M = {"move": 5.0, "home": 0.0}
 
 
 class Stream:
@@ -94,8 +95,8 @@ def latch(node: Any, name: str, topic: dict[str, Any]) -> list[Any]:
 
 
 def obey(stream: Stream, command: str) -> None:
-    if command == "move" and hasattr(stream.message, "pose"):
-        stream.message.pose.pose.position.x = 5.0
+    if command in PLACES_M and hasattr(stream.message, "pose"):
+        stream.message.pose.pose.position.x = PLACES_M[command]
     elif command == "hush":
         stream.period_s = math.inf
     elif command in {"spoil", "heal"}:

@@ -9,6 +9,7 @@ from contextlib import ExitStack
 from pathlib import Path
 
 from smarttestudo.adapters.files.decision_log import growing_decision_log
+from smarttestudo.adapters.files.input_log import input_log
 from smarttestudo.adapters.ros import open_robot
 from smarttestudo.cli.loop_options import add_ros_arguments, add_rules
 from smarttestudo.cli.output_domain import add_output_domain, output_domain
@@ -59,6 +60,12 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
         help="how messages are taken and published: through librcl at the least cost, or through rclpy "
         "(default: librcl if it works here)",
     )
+    parser.add_argument(
+        "--record-inputs",
+        metavar="DIR",
+        type=Path,
+        help="record what the loop sees into a new folder; 'testudo replay DIR' decides the same from it",
+    )
     add_ros_arguments(parser)
 
 
@@ -84,7 +91,10 @@ def run(arguments: argparse.Namespace) -> int:
         decided: list[Decided] = []
         if parameters.request.decisions is not None:
             decided.append(opened.enter_context(growing_decision_log(parameters.request.decisions)))
-        run_live(parameters, robot, stopped, decided)
+        note = None
+        if parameters.request.record_inputs is not None:
+            note = opened.enter_context(input_log(parameters.request.record_inputs))
+        run_live(parameters, robot, stopped, decided, note)
     return 0
 
 
@@ -98,4 +108,5 @@ def _given(arguments: argparse.Namespace) -> dict[str, ParameterValue]:
         "when_slow": arguments.when_slow,
         "budget_kb_per_s": arguments.budget,
         "decisions_file": None if arguments.decisions is None else str(arguments.decisions),
+        "record_inputs": None if arguments.record_inputs is None else str(arguments.record_inputs),
     }

@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Iterable
 
 from smarttestudo.adapters.files.own_process import read_own_process
+from smarttestudo.composition.input_recorder import InputRecorder
 from smarttestudo.composition.live_decisions import LiveDecisions
 from smarttestudo.composition.live_losses import LiveLosses
 from smarttestudo.composition.live_rules import LiveRules
@@ -18,29 +19,23 @@ from smarttestudo.domain.observation import LinkBudget
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Robot
 from smarttestudo.runtime.execute.relay import Relayed
-from smarttestudo.runtime.relay_loop import RelayLoop
 
 LOOK_PERIOD_S = 0.2
 STATUS_PERIOD_S = 1.0
 
 
 class LiveRun:
-    """Drives a loop, which follows ``rules``, in the node's time; ``is_lazy`` is that of ``LiveTopics``."""
+    """Drives a loop, which follows ``rules``, in the node's time."""
 
     def __init__(
-        self,
-        robot: Robot,
-        loop: RelayLoop,
-        rules: LiveRules,
-        decisions: LiveDecisions,
-        *,
-        is_lazy: bool = True,
+        self, robot: Robot, inputs: InputRecorder, rules: LiveRules, decisions: LiveDecisions
     ) -> None:
         self._robot = robot
-        self._loop = loop
+        self._inputs = inputs
+        self._loop = loop = inputs.loop(rules, robot.now_ns())
         self._decisions = decisions
         self._rules = rules
-        self._topics = LiveTopics(robot, self._receive, self._priority_of, is_lazy=is_lazy)
+        self._topics = LiveTopics(robot, self._receive, self._priority_of, is_lazy=not inputs.is_recording)
         self._topics.follow(rules.monitored, loop.watched, loop.leaders)
         self._losses = LiveLosses(robot.log)
         self._sampling = LiveSampling(loop)
@@ -59,8 +54,9 @@ class LiveRun:
 
     def reload(self, rules: LiveRules) -> None:
         """Let other rules hold; to be called between two messages, that is, within ``Robot.wait``."""
-        self._rules = rules
-        self._publish(self._loop.reload(rules.rule_set, rules.profile, self._robot.now_ns()))
+        self._rules, now_ns = rules, self._robot.now_ns()
+        self._inputs.note_rules(rules, now_ns)
+        self._publish(self._loop.reload(rules.rule_set, rules.profile, now_ns))
         self._topics.follow(rules.monitored, self._loop.watched, self._loop.leaders)
         self._look()
 

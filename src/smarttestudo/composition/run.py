@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 
 from smarttestudo.composition.fallback import Fallback
+from smarttestudo.composition.input_recorder import InputRecorder, Note
 from smarttestudo.composition.live_decisions import Decided, LiveDecisions
 from smarttestudo.composition.live_rules import LiveRuleFiles
 from smarttestudo.composition.live_run import LOOK_PERIOD_S, LiveRun
@@ -15,13 +16,16 @@ from smarttestudo.composition.monitored_topics import OutputTopic
 from smarttestudo.composition.rule_keeper import RuleKeeper, first_rules
 from smarttestudo.composition.run_parameters import RunParameters
 from smarttestudo.domain.robot import Robot
-from smarttestudo.runtime.relay_loop import RelayLoop
 
 
 def run_live(
-    parameters: RunParameters, robot: Robot, stopped: Callable[[], bool], decided: Sequence[Decided] = ()
+    parameters: RunParameters,
+    robot: Robot,
+    stopped: Callable[[], bool],
+    decided: Sequence[Decided] = (),
+    note: Note | None = None,
 ) -> None:
-    """Relay until ``stopped``; ``decided`` are given the decisions.
+    """Relay until ``stopped``; ``decided`` are given the decisions, ``note`` what the loop is given.
 
     Raises:
         RosError: decisions cannot be published at all.
@@ -43,10 +47,7 @@ def run_live(
     if first.rules is None:
         fallback.look()
     rules = first.rules or fallback.rules()
-    loop = RelayLoop(
-        rules.rule_set, rules.profile, robot.now_ns(), request.when_slow, request.budget_kb_per_s
-    )
-    live = LiveRun(robot, loop, rules, decisions)
+    live = LiveRun(robot, InputRecorder(robot, request, note), rules, decisions)
     keeper = RuleKeeper(robot, live, files, fallback, first)
     with keeper.keep():
         parameters.serve(keeper.accept)
