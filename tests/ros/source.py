@@ -8,9 +8,9 @@ is at ``x``, a String is numbered. A Clock begins at ``from_s`` and goes on by `
 A topic without ``hz`` is latched: ``texts`` are published once, each by a publisher of its own. ``topic`` is
 the topic's name where it is not the key.
 
-Lines on stdin, about all topics or those named: ``move odom`` puts the robot at x = 5, ``home odom`` at x = 0;
-``spoil odom`` sends bytes that are no message until ``heal odom``; ``hush odom`` sends no more; ``press estop``
-sends true, and then no more; ``rewind clock`` begins again at 0. ``stop`` ends it.
+Lines on stdin, about all topics or those named: ``move odom`` puts the robot at x = 5, ``home odom`` at 0;
+``spoil odom`` sends bytes that are no message until ``heal odom``; ``hush odom`` sends no more;
+``press estop`` sends true, and then no more; ``rewind clock`` begins again at 0. ``stop`` ends it.
 """
 
 from __future__ import annotations
