@@ -33,6 +33,7 @@ class LiveRun:
         self._decisions = decisions
         self._rules = rules
         self._topics = LiveTopics(robot, rules.monitored, loop.watched, self._receive, self._priority_of)
+        robot.log.info(f"Data path: {robot.data_path.description}")
         self._losses = LiveLosses(robot.log)
         self._sampling = LiveSampling(loop)
         self._status = LiveStatus(robot.name, read_own_process())
