@@ -37,6 +37,7 @@ class LiveRun:
         self._rules = rules
         self._topics = LiveTopics(robot, self._receive, self._priority_of, is_lazy=not inputs.is_recording)
         self._topics.follow(rules.monitored, loop.watched, loop.leaders)
+        robot.log.info(f"Data path: {robot.data_path.description}")
         self._losses = LiveLosses(robot.log)
         self._sampling = LiveSampling(loop)
         self._status = LiveStatus(robot.name, read_own_process())
