@@ -9,7 +9,7 @@ process for each topic, where that is installed. Of each process only a window o
 CPU is that of the relay's processes for each message that the sources sent. The added latency is the age of
 relayed messages of at most 64 KB (if a case has any) at the operator's, less the median age of messages of
 the same size that come directly. The sources' CPU is what a message costs them with the relay, less what it
-costs them without.
+costs them without. Where a case has images, all processes use the Fast DDS profile for large messages.
 """
 
 from __future__ import annotations
@@ -75,7 +75,8 @@ def measure(contender: Contender, topics: Sequence[Topic], seconds: float, domai
         role("operator", [direct]),
         role("source", [direct]),
     ]
-    settings = environment(domain)
+    has_large = any(topic.size_bytes >= LARGE_BYTES for topic in topics)
+    settings = environment(domain, large_messages=has_large)
     with tempfile.TemporaryDirectory() as folder, processes(around, settings) as started:
         commands = contender.commands(topics, Path(folder))
         if not commands:

@@ -16,10 +16,18 @@ from typing import Any
 NOT_INHERITED = ("_ROS_WHEELS_BOOTSTRAP_COMPLETE", "LD_LIBRARY_PATH")
 
 
-def environment(domain: int) -> dict[str, str]:
+LARGE_MESSAGES = Path(__file__).parents[2] / "profiles" / "fastdds_large_messages.xml"
+
+
+def environment(domain: int, *, large_messages: bool) -> dict[str, str]:
     """The environment of a process on that ROS domain, of this machine only."""
-    inherited = {name: value for name, value in os.environ.items() if name not in NOT_INHERITED}
-    return {**inherited, "ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
+    settings = {name: value for name, value in os.environ.items() if name not in NOT_INHERITED}
+    settings |= {"ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
+    if large_messages:
+        # The second is the name before Kilted.
+        for name in ("FASTDDS_DEFAULT_PROFILES_FILE", "FASTRTPS_DEFAULT_PROFILES_FILE"):
+            settings[name] = str(LARGE_MESSAGES)
+    return settings
 
 
 class Process:

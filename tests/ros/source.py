@@ -29,8 +29,8 @@ from std_msgs.msg import String
 
 NS_PER_MS = 1_000_000
 NS_PER_S = 1_000_000_000
-PLACES_M = {"move": 5.0, "home": 0.0}
 NO_MESSAGE = b"\x00\x01\x00\x00\x01"
+PLACES_M = {"move": 5.0, "home": 0.0}
 
 
 class Stream:

@@ -37,9 +37,9 @@ def drive(robot: SmallRobot, rules: str, *arguments: str) -> tuple[Process, Proc
     runtime = robot.runtime(rules, *arguments)
     source = robot.source(**TOPICS)
     runtime.line_with("/imu: 50 Hz → 5 Hz (default)")
-    source.say("move odom")
+    source.say("move")
     runtime.line_with("/imu: 5 Hz → 50 Hz (block: Zone)")
-    source.say("home odom")
+    source.say("home")
     runtime.line_with("/imu: 50 Hz → 5 Hz (default)")
     return runtime, source
 

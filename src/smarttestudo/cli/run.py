@@ -54,17 +54,17 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
         "--decisions", metavar="FILE", type=Path, help="append the decisions to a file (JSON Lines)"
     )
     parser.add_argument(
-        "--record-inputs",
-        metavar="DIR",
-        type=Path,
-        help="record what the loop sees into a new folder; 'testudo replay DIR' decides the same from it",
-    )
-    parser.add_argument(
         "--data-path",
         choices=[kind.value for kind in DataPathKind],
         default=DataPathKind.AUTO.value,
         help="how messages are taken and published: through librcl at the least cost, or through rclpy "
         "(default: librcl if it works here)",
+    )
+    parser.add_argument(
+        "--record-inputs",
+        metavar="DIR",
+        type=Path,
+        help="record what the loop sees into a new folder; 'testudo replay DIR' decides the same from it",
     )
     add_ros_arguments(parser)
 

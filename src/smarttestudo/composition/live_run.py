@@ -25,24 +25,19 @@ STATUS_PERIOD_S = 1.0
 
 
 class LiveRun:
-    """Drives a loop, which follows ``rules``, in the node's time; ``is_lazy`` is that of ``LiveTopics``."""
+    """Drives a loop, which follows ``rules``, in the node's time."""
 
     def __init__(
-        self,
-        robot: Robot,
-        inputs: InputRecorder,
-        rules: LiveRules,
-        decisions: LiveDecisions,
-        *,
-        is_lazy: bool = True,
+        self, robot: Robot, inputs: InputRecorder, rules: LiveRules, decisions: LiveDecisions
     ) -> None:
         self._robot = robot
         self._inputs = inputs
         self._loop = loop = inputs.loop(rules, robot.now_ns())
         self._decisions = decisions
         self._rules = rules
-        self._topics = LiveTopics(robot, self._receive, self._priority_of, is_lazy=is_lazy)
+        self._topics = LiveTopics(robot, self._receive, self._priority_of, is_lazy=not inputs.is_recording)
         self._topics.follow(rules.monitored, loop.watched, loop.leaders)
+        robot.log.info(f"Data path: {robot.data_path.description}")
         self._losses = LiveLosses(robot.log)
         self._sampling = LiveSampling(loop)
         self._status = LiveStatus(robot.name, read_own_process())

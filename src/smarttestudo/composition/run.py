@@ -47,8 +47,7 @@ def run_live(
     if first.rules is None:
         fallback.look()
     rules = first.rules or fallback.rules()
-    inputs = InputRecorder(robot, request, note)
-    live = LiveRun(robot, inputs, rules, decisions, is_lazy=note is None)
+    live = LiveRun(robot, InputRecorder(robot, request, note), rules, decisions)
     keeper = RuleKeeper(robot, live, files, fallback, first)
     with keeper.keep():
         parameters.serve(keeper.accept)

@@ -113,6 +113,10 @@ class DataPath(Protocol):
         """Whether the message type is installed."""
 
     @property
+    def description(self) -> str:
+        """Which path this is, and why or what it can do, for the log."""
+
+    @property
     def tells_publishers(self) -> bool:
         """Whether ``receive`` is told the publisher of each message: its GID, as ``bytes``."""
 

@@ -33,6 +33,10 @@ class RecordingLoop(RelayLoop):
         self._note = note
         self._publishers: dict[Hashable, int] = {}
 
+    def may_skip(self, topic: str) -> bool:  # noqa: ARG002 - all topics alike
+        """None may: what is not passed in is not noted."""
+        return False
+
     def on_message(
         self,
         topic: str,
@@ -71,10 +75,6 @@ class RecordingLoop(RelayLoop):
         """See ``RelayLoop``."""
         self._note(WakeInput(stamp_ns=now_ns))
         return super().on_wake(now_ns)
-
-    def may_skip(self, topic: str) -> bool:  # noqa: ARG002  it holds for all
-        """Never: the recording is to hold every message."""
-        return False
 
     def _number(self, publisher: Hashable) -> int | None:
         return None if publisher is None else self._publishers.setdefault(publisher, len(self._publishers))

@@ -39,6 +39,12 @@ class RclPath:
         self._rclpy_part = RclpyPart(node, executor, library, self._wake_ups)
 
     @property
+    def description(self) -> str:
+        """Which path this is, and what it can do."""
+        publishers = "publishers told apart" if self.tells_publishers else "publishers not told apart"
+        return f"librcl, {publishers}, messages {'' if self.can_rest else 'not '}numbered"
+
+    @property
     def tells_publishers(self) -> bool:
         """Whether ``receive`` is told the publisher of each message: its GID."""
         return self._layout.gid_bytes > 0

@@ -19,7 +19,8 @@ class RclpyPath:
     tells_publishers = False
     can_rest = False
 
-    def __init__(self, node: Any, executor: Any, operators: Any) -> None:
+    def __init__(self, node: Any, executor: Any, operators: Any, why: str) -> None:
+        self.description = f"rclpy, {why}"
         self._node = node
         self._operators = operators
         self._executor = executor
