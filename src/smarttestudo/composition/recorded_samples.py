@@ -1,0 +1,122 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The numbers in the messages of a recording."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from smarttestudo.adapters.rosbag import RosbagDecoder
+from smarttestudo.composition.replay_topics import counted
+from smarttestudo.domain.errors import RecordingError
+from smarttestudo.domain.profile import LevelUnit
+from smarttestudo.domain.recording import Channel, MessageDecoder, RecordingReader
+from smarttestudo.pacing.cdr import FrameReader
+from smarttestudo.pacing.sample import StreamKind
+from smarttestudo.visualizer.loss.fields import Field
+from smarttestudo.visualizer.loss.samples import TopicSamples
+
+_MESSAGES_PER_REPORT = 4096
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TopicReading:
+    """How a topic is read: ``choose_fields`` gets its type and first message; ``None`` decodes nothing."""
+
+    choose_fields: Callable[[str, object], Sequence[Field]] | None = None
+    level_unit: LevelUnit | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RecordedSamples:
+    """The samples of each topic that was to be read, by name; ``notices`` say what was left out."""
+
+    topics: Mapping[str, TopicSamples]
+    notices: tuple[str, ...] = ()
+
+
+@dataclass(slots=True)
+class _Topic:
+    samples: TopicSamples
+    reading: TopicReading
+    frames: FrameReader | None
+    decodes: bool
+    has_fields: bool = False
+
+
+@dataclass(slots=True)
+class _Left:
+    second_types: Counter[str] = field(default_factory=Counter)
+    undefined: dict[str, Channel] = field(default_factory=dict)
+
+
+def read_samples(
+    recording: RecordingReader,
+    readings: Mapping[str, TopicReading],
+    *,
+    start_ns: int,
+    end_ns: int,
+    report: Callable[[float], None],
+) -> RecordedSamples:
+    """The messages from ``start_ns`` to ``end_ns`` of the topics in ``readings``, in one pass.
+
+    Of a topic with two types the first counts.
+    """
+    decoder, left = RosbagDecoder(), _Left()
+    topics: dict[str, _Topic] = {}
+    for channel in recording.channels:
+        if channel.topic in readings and channel.topic not in topics:
+            topics[channel.topic] = _topic(channel, readings[channel.topic], decoder, left)
+    declared_bytes = recording.declared_bytes
+    for number, (channel, stamp_ns, payload) in enumerate(recording.messages()):
+        if number % _MESSAGES_PER_REPORT == 0 and recording.message_count:
+            report(number / recording.message_count)
+        topic = topics.get(channel.topic)
+        if topic is None or not start_ns <= stamp_ns <= end_ns:
+            continue
+        if topic.samples.channel is not channel:
+            left.second_types[channel.topic] += 1
+            continue
+        frames = topic.frames.child_frames(payload) if topic.frames else ()
+        topic.samples.add(stamp_ns, declared_bytes.get(channel.topic, len(payload)), frames)
+        if topic.decodes:
+            _read(topic, payload, decoder)
+    samples = {name: topic.samples for name, topic in topics.items()}
+    return RecordedSamples(topics=samples, notices=tuple(_notices(samples, left)))
+
+
+def _topic(channel: Channel, reading: TopicReading, decoder: MessageDecoder, left: _Left) -> _Topic:
+    samples = TopicSamples(channel)
+    decodes = reading.choose_fields is not None and decoder.can_decode(channel)
+    if reading.choose_fields is not None and not decodes:
+        left.undefined[channel.topic] = channel
+    frames = FrameReader() if samples.kind is StreamKind.TRANSFORMS else None
+    return _Topic(samples=samples, reading=reading, frames=frames, decodes=decodes)
+
+
+def _read(topic: _Topic, payload: bytes, decoder: MessageDecoder) -> None:
+    """Take the fields of the message that was added last; its first one says which there are."""
+    samples, reading = topic.samples, topic.reading
+    try:
+        message = decoder.decode(samples.channel, payload)
+    except RecordingError:
+        samples.undecodable += 1
+        return
+    if not topic.has_fields and reading.choose_fields is not None:
+        topic.has_fields = True
+        samples.look_at(reading.choose_fields(samples.channel.type_name, message), reading.level_unit)
+        topic.decodes = bool(samples.fields)
+    samples.read(message)
+
+
+def _notices(topics: Mapping[str, TopicSamples], left: _Left) -> Iterator[str]:
+    for name, channel in left.undefined.items():
+        messages = counted(len(topics[name].stamps_ns), "message")
+        yield f"{name}: {messages} not decoded: nobody defines the type {channel.type_name}"
+    for name, samples in topics.items():
+        if samples.undecodable:
+            yield f"{name}: {counted(samples.undecodable, 'message')} could not be decoded and were left out"
+    for name, count in left.second_types.items():
+        yield f"{name}: recorded with two types; left out of the second: {counted(count, 'message')}"

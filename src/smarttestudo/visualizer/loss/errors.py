@@ -1,0 +1,42 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What an operator's picture of one field was off by."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ErrorSize:
+    """How large an error was over time, in the field's unit.
+
+    ``rmse`` is the root of the mean square over time, ``maximum`` the largest magnitude. The relative ones
+    are shares of the field's range (0.02 is 2 %), ``None`` where the field never changed.
+    """
+
+    rmse: float
+    maximum: float
+    relative_rmse: float | None
+    relative_maximum: float | None
+
+    def to_json(self) -> dict[str, object]:
+        """The entry in ``--json``."""
+        return {
+            "rmse": self.rmse,
+            "max": self.maximum,
+            "relative_rmse": self.relative_rmse,
+            "relative_max": self.relative_maximum,
+        }
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FieldError:
+    """The error of who holds the last value received, and of who interpolates between those received."""
+
+    hold: ErrorSize
+    interpolated: ErrorSize
+
+    def to_json(self) -> dict[str, object]:
+        """The entry in ``--json``."""
+        return {"hold": self.hold.to_json(), "interpolated": self.interpolated.to_json()}

@@ -1,0 +1,75 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The third arm: the best fixed rates for the bytes that adaptive rates took."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from smarttestudo.domain.profile import TopicProfile
+from smarttestudo.domain.units import BYTES_PER_KB
+from smarttestudo.optimizer.allocation import round_down
+from smarttestudo.optimizer.greedy import allocate
+from smarttestudo.optimizer.problem import Demand, Piece
+from smarttestudo.optimizer.profiling.text import proposed_tiers_hz
+from smarttestudo.optimizer.quality import envelope_pieces
+
+_WHOLE = 1 - 1e-9
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Source:
+    """A topic as it was sent: all its bytes, its mean rate from first to last message, and its profile.
+
+    ``mean_hz`` is ``None`` where one message or stamp leaves it undefined.
+    """
+
+    topic: str
+    size_bytes: int
+    mean_hz: float | None
+    entry: TopicProfile
+
+
+def best_fixed_rates(sources: Sequence[Source], budget_bytes: float) -> dict[str, float]:
+    """The rates in Hz of the greatest benefit that carry ``budget_bytes`` in all; infinite passes everything.
+
+    It is OBI's benefit model, with the tiers of the profile or those proposed from the source's rate, and
+    without floors. What is left once every topic is at its τ4 raises them to their source, the smallest
+    messages first. A topic without a rate is passed whole.
+    """
+    paced = [source for source in sources if source.mean_hz]
+    rates = {source.topic: math.inf for source in sources}
+    whole_bytes = sum(source.size_bytes for source in sources if source not in paced)
+    limit_kb = max(0.0, budget_bytes - whole_bytes) / BYTES_PER_KB
+    by_benefit = _allocated([_demand(source) for source in paced], limit_kb)
+    filled = [
+        replace(_demand(source), least_hz=hz, pieces=(Piece(max(0.0, _source_hz(source) - hz), 1.0),))
+        for source, hz in zip(paced, by_benefit, strict=True)
+    ]
+    for source, hz in zip(paced, _allocated(filled, limit_kb), strict=True):
+        if hz < _WHOLE * _source_hz(source):
+            rates[source.topic] = round_down(hz)
+    return rates
+
+
+def _demand(source: Source) -> Demand:
+    """The source in the terms of OBI; what one Hz costs is counted in KB over the whole recording."""
+    source_hz = _source_hz(source)
+    tiers_hz = source.entry.tiers_hz or proposed_tiers_hz(source_hz)
+    return Demand(
+        topic=source.topic,
+        size_kb=source.size_bytes / BYTES_PER_KB / source_hz,
+        least_hz=0.0,
+        pieces=envelope_pieces(tiers_hz, least_hz=0.0, most_hz=source_hz, priority=source.entry.priority),
+    )
+
+
+def _allocated(demands: Sequence[Demand], limit_kb: float) -> list[float]:
+    best = allocate(demands, limit_kb)
+    return [best.rates_hz[one.topic] if best else one.least_hz for one in demands]
+
+
+def _source_hz(source: Source) -> float:
+    return source.mean_hz or 0.0

@@ -1,0 +1,117 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""From the samples of two recordings to what was lost."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.visualizer.loss.ages import age_of
+from smarttestudo.visualizer.loss.crossings import Threshold, crossing_loss
+from smarttestudo.visualizer.loss.fields import IMAGE_TYPES, Field
+from smarttestudo.visualizer.loss.reconstruction import field_error
+from smarttestudo.visualizer.loss.report import (
+    CrossingLoss,
+    FieldLoss,
+    Frames,
+    ImageLoss,
+    TopicArm,
+    TopicLoss,
+)
+from smarttestudo.visualizer.loss.samples import TopicSamples
+from smarttestudo.visualizer.loss.series import Series
+from smarttestudo.visualizer.loss.thinning import Thinned
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SharedTopic:
+    """A topic as sent, as received, and at a fixed rate of ``fixed_hz``; all until ``end_ns``."""
+
+    sent: TopicSamples
+    received: TopicSamples
+    fixed: Thinned
+    fixed_hz: float
+    end_ns: int
+
+    @property
+    def topic(self) -> str:
+        """Its name as sent."""
+        return self.sent.channel.topic
+
+    @property
+    def fixed_bytes(self) -> int:
+        """What the fixed rate carries."""
+        return sum(self.sent.sizes[index] for index in self.fixed.indices)
+
+    def series(self, field: Field) -> tuple[Series, Series, Series]:
+        """One field as sent, as received, and at the fixed rate."""
+        sent = self.sent.series(field)
+        return sent, self.received.series(field), sent.taken(self.fixed.stamps_ns, self.fixed.indices)
+
+
+def topic_loss(shared: SharedTopic) -> TopicLoss:
+    """What each arm carried of the topic, and how old it was."""
+    channel = shared.sent.channel
+    return TopicLoss(
+        topic=shared.topic,
+        received_topic=shared.received.channel.topic,
+        type_name=channel.type_name,
+        sent=_arm(shared.sent.stamps_ns, shared.sent.size_bytes, shared),
+        received=_arm(shared.received.stamps_ns, shared.received.size_bytes, shared),
+        fixed=_arm(shared.fixed.stamps_ns, shared.fixed_bytes, shared),
+        fixed_hz=shared.fixed_hz,
+    )
+
+
+def field_losses(shared: SharedTopic) -> Iterator[FieldLoss]:
+    """The loss of each field that ever changed, or that was asked for."""
+    for field in shared.sent.fields:
+        sent, received, fixed = shared.series(field)
+        value_range = sent.value_range
+        if value_range or field.is_asked:
+            yield FieldLoss(
+                topic=shared.topic,
+                field=field.name,
+                unit=field.unit,
+                value_range=value_range,
+                received=field_error(sent, received, shared.end_ns),
+                fixed=field_error(sent, fixed, shared.end_ns),
+                excluded_sent=sent.unknown,
+                excluded_received=received.unknown,
+            )
+
+
+def crossing_losses(shared: SharedTopic, thresholds: Sequence[Threshold]) -> Iterator[CrossingLoss]:
+    """How the thresholds that are fields of this topic were seen."""
+    fields = {field.name: field for field in shared.sent.fields}
+    for threshold in thresholds:
+        field = fields.get(threshold.signal.property)
+        if threshold.signal.topic == shared.topic and field is not None:
+            yield crossing_loss(threshold, *shared.series(field), shared.end_ns)
+
+
+def image_losses(shared: SharedTopic) -> Iterator[ImageLoss]:
+    """The frames of the topic, if it is one of images."""
+    if shared.sent.channel.type_name in IMAGE_TYPES:
+        yield ImageLoss(
+            topic=shared.topic,
+            sent=_frames(shared.sent.stamps_ns, shared),
+            received=_frames(shared.received.stamps_ns, shared),
+            fixed=_frames(shared.fixed.stamps_ns, shared),
+        )
+
+
+def _arm(stamps_ns: Sequence[int], size_bytes: int, shared: SharedTopic) -> TopicArm:
+    from_ns = shared.sent.stamps_ns[0]
+    age = age_of(stamps_ns, sent_from_ns=from_ns, end_ns=shared.end_ns)
+    return TopicArm(messages=len(stamps_ns), size_bytes=size_bytes, age=age)
+
+
+def _frames(stamps_ns: Sequence[int], shared: SharedTopic) -> Frames:
+    start_ns, end_ns = shared.sent.stamps_ns[0], shared.end_ns
+    seen_ns = [start_ns, *(stamp_ns for stamp_ns in stamps_ns if start_ns < stamp_ns < end_ns), end_ns]
+    longest_ns = max(after - before for before, after in itertools.pairwise(seen_ns))
+    return Frames(frames=len(stamps_ns), longest_blind_s=longest_ns / NS_PER_S)
