@@ -5,16 +5,14 @@
 from __future__ import annotations
 
 import argparse
-import csv
-import json
-import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from smarttestudo.cli import bag_loss
+from smarttestudo.cli.bag_options import add_map, add_topics_and_form, topic_mapping
+from smarttestudo.cli.bag_output import print_csv, print_json, print_notices, print_tables
 from smarttestudo.cli.progress import progress
-from smarttestudo.cli.tables import print_table
-from smarttestudo.domain.errors import UsageError
 from smarttestudo.visualizer import bag_tables, comparison_tables
 from smarttestudo.visualizer.bag_comparison import BagComparison, compare_bags
 from smarttestudo.visualizer.table import Table
@@ -35,7 +33,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser = commands.add_parser(
         "bag",
         help="show what recordings hold: rates, bandwidth, one against another",
-        description="Show what recordings hold. Payloads are not read, so that a large bag takes seconds.",
+        description="Show what recordings hold. Only `loss` reads payloads; others take seconds for large bags.",
     )
     actions = parser.add_subparsers(title="actions", metavar="ACTION", required=True)
     for name, (purpose, table) in _TABLES.items():
@@ -43,9 +41,10 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         action.add_argument(
             "bags", metavar="BAG", nargs="+", type=Path, help="a rosbag2 folder, a .db3 or an .mcap file"
         )
-        _add_options(action)
+        add_topics_and_form(action)
         action.set_defaults(run=_run_summary, table=table)
     _add_compare(actions)
+    bag_loss.add_action(actions)
 
 
 def _add_compare(actions: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -58,37 +57,9 @@ def _add_compare(actions: argparse._SubParsersAction[argparse.ArgumentParser]) -
     )
     action.add_argument("a", metavar="A", type=Path, help="the recording that changes are counted from")
     action.add_argument("b", metavar="B", type=Path, help="the recording beside it")
-    action.add_argument(
-        "--map",
-        metavar="/a=/b",
-        action="append",
-        default=[],
-        type=_topic_pair,
-        help="pair A's /a with B's /b; may be given several times",
-    )
-    _add_options(action)
+    add_map(action)
+    add_topics_and_form(action)
     action.set_defaults(run=_run_compare)
-
-
-def _add_options(action: argparse.ArgumentParser) -> None:
-    action.add_argument(
-        "--topics",
-        metavar="NAME",
-        nargs="+",
-        action="extend",
-        default=[],
-        help="only these topics, by name or pattern ('/camera/*')",
-    )
-    form = action.add_mutually_exclusive_group()
-    form.add_argument("--json", action="store_true", help="print one JSON object instead of tables")
-    form.add_argument("--csv", action="store_true", help="print comma-separated values instead of tables")
-
-
-def _topic_pair(text: str) -> tuple[str, str]:
-    a, separator, b = text.partition("=")
-    if not (a and separator and b):
-        raise argparse.ArgumentTypeError(f"two topics are paired as in /a=/b, not {text!r}")
-    return a, b
 
 
 def _run_summary(arguments: argparse.Namespace) -> int:
@@ -100,17 +71,17 @@ def _run_summary(arguments: argparse.Namespace) -> int:
         summaries = [summary.only(chosen) for summary in summaries]
     if arguments.json:
         objects = [summary.to_json() for summary in summaries]
-        _print_json(objects[0] if len(objects) == 1 else {"bags": objects})
+        print_json(objects[0] if len(objects) == 1 else {"bags": objects})
     elif arguments.csv:
-        _print_csv(row for summary in summaries for row in summary.rows())
+        print_csv(row for summary in summaries for row in summary.rows())
     else:
-        _print_tables([arguments.table(summary) for summary in summaries])
-    _print_notices(summaries)
+        print_tables([arguments.table(summary) for summary in summaries])
+    print_notices(notice for summary in summaries for notice in summary.notices)
     return 0
 
 
 def _run_compare(arguments: argparse.Namespace) -> int:
-    mapping = _mapping(arguments.map)
+    mapping = topic_mapping(arguments.map)
     a, b = _measure(arguments.a), _measure(arguments.b)
     select_topics(tuple(mapping), a.statistics, place=a.name)
     select_topics(tuple(mapping.values()), b.statistics, place=b.name)
@@ -119,21 +90,14 @@ def _run_compare(arguments: argparse.Namespace) -> int:
         place = f"{a.name}, {b.name}"
         compared = compared.only(select_topics(arguments.topics, compared.names, place=place))
     if arguments.json:
-        _print_json(compared.to_json())
+        print_json(compared.to_json())
     elif arguments.csv:
-        _print_csv(compared.rows())
+        print_csv(compared.rows())
     else:
         print(f"A: {a.name}\nB: {b.name}\n")  # noqa: T201
-        _print_tables(_compare_tables(compared))
-    _print_notices((a, b))
+        print_tables(_compare_tables(compared))
+    print_notices((*a.notices, *b.notices))
     return 0
-
-
-def _mapping(pairs: Sequence[tuple[str, str]]) -> dict[str, str]:
-    mapping = dict(pairs)
-    if len(mapping) < len(pairs) or len(set(mapping.values())) < len(mapping):
-        raise UsageError("a topic is paired twice", place="--map", remedy="give each topic once")
-    return mapping
 
 
 def _compare_tables(compared: BagComparison) -> list[Table]:
@@ -147,30 +111,3 @@ def _measure(path: Path) -> BagSummary:
 
     with progress(f"Reading {path}") as report:
         return measure_bag(path, report)
-
-
-def _print_tables(tables: Iterable[Table]) -> None:
-    for number, table in enumerate(tables):
-        if number:
-            print()  # noqa: T201
-        print_table(table)
-
-
-def _print_json(value: object) -> None:
-    print(json.dumps(value, allow_nan=False))  # noqa: T201
-
-
-def _print_csv(rows: Iterable[Mapping[str, object]]) -> None:
-    writer: csv.DictWriter[str] | None = None
-    for row in rows:
-        if writer is None:
-            writer = csv.DictWriter(sys.stdout, fieldnames=list(row), lineterminator="\n")
-            writer.writeheader()
-        writer.writerow(row)
-
-
-def _print_notices(summaries: Iterable[BagSummary]) -> None:
-    sys.stdout.flush()
-    for summary in summaries:
-        for notice in summary.notices:
-            print(f"note: {notice}", file=sys.stderr)  # noqa: T201

@@ -7,8 +7,13 @@ from __future__ import annotations
 import argparse
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+from smarttestudo.cli.progress import progress
 from smarttestudo.domain.errors import ProfileError
+
+if TYPE_CHECKING:
+    from smarttestudo.optimizer.profiling.proposal import TierProposal
 
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -22,6 +27,11 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.add_argument(
         "--bag", metavar="BAG", type=Path, required=True, help="a rosbag2 folder, a .db3 or an .mcap file"
     )
+    parser.add_argument(
+        "--from-curve",
+        action="store_true",
+        help="propose tiers where the loss at each rate bends, as `bag loss BAG` shows it",
+    )
     parser.add_argument("-o", "--output", metavar="FILE", type=Path, help="where to write the profile")
     parser.set_defaults(run=run)
 
@@ -34,8 +44,9 @@ def run(arguments: argparse.Namespace) -> int:
     output: Path | None = arguments.output
     if output is not None and output.exists():
         raise ProfileError("the file exists already", place=str(output), remedy="give another name")
+    proposals = _breakpoints(arguments.bag) if arguments.from_curve else None
     with open_recording(arguments.bag) as recording:
-        text = profile_of_recording(recording, name=arguments.bag.name)
+        text = profile_of_recording(recording, name=arguments.bag.name, proposals=proposals)
         for notice in recording.notices():
             print(f"note: {notice}", file=sys.stderr)  # noqa: T201
     if output is None:
@@ -48,3 +59,11 @@ def run(arguments: argparse.Namespace) -> int:
         cause = f"the profile cannot be written: {error.strerror}"
         raise ProfileError(cause, place=str(output), remedy="check the folder") from error
     return 0
+
+
+def _breakpoints(bag: Path) -> dict[str, TierProposal]:
+    from smarttestudo.composition.bag_curves import measure_curves  # noqa: PLC0415  see run
+
+    with progress(f"Reading {bag}") as report:
+        curves = measure_curves(bag, report=report).curves
+    return {curve.topic: curve.breakpoints for curve in curves if curve.breakpoints}

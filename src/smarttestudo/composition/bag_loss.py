@@ -12,7 +12,12 @@ from pathlib import Path
 from smarttestudo.adapters.rosbag import open_recording
 from smarttestudo.adirf.rule_set import RuleSet
 from smarttestudo.composition.bag_measure import measure_bag
-from smarttestudo.composition.recorded_samples import RecordedSamples, TopicReading, read_samples
+from smarttestudo.composition.recorded_samples import (
+    RecordedSamples,
+    TopicReading,
+    read_samples,
+    require_numbers,
+)
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.units import NS_PER_S
@@ -92,7 +97,7 @@ class _Measurement:
     def report(self) -> LossReport:
         """Read both, and count what was lost."""
         sent = self._read(self._a, self._sent_readings(), share=(0.0, 0.7))
-        _require_numbers(sent.topics, self._question.fields)
+        require_numbers(sent.topics, self._question.fields)
         received = self._read(self._b, self._received_readings(sent.topics), share=(0.7, 1.0))
         topics = self._shared(sent.topics, received.topics)
         shown = [shared for shared in topics if shared.topic in self._asked]
@@ -210,17 +215,3 @@ def _require_common_time(a: BagSummary, b: BagSummary) -> None:
             place=b.name,
             remedy="give two recordings of one run; `testudo replay` makes the second from the first",
         )
-
-
-def _require_numbers(topics: Mapping[str, TopicSamples], asked: Mapping[str, Sequence[str]]) -> None:
-    """Raise ``RecordingError`` for a field that was asked for and that no message has."""
-    for topic, names in asked.items():
-        samples = topics[topic]
-        for name in names:
-            if samples.series(Field(name=name)).unknown == len(samples.stamps_ns):
-                known = ", ".join(field.name for field in samples.fields if field.name not in names)
-                raise RecordingError(
-                    f"no message has a number at {name}",
-                    place=topic,
-                    remedy=f"it has {known}" if known else "name a numeric field by its path",
-                )

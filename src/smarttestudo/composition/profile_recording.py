@@ -4,17 +4,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from smarttestudo.domain.names import is_topic_name
 from smarttestudo.domain.recording import RecordingReader
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.optimizer.profiling.measure import TopicMeasure
+from smarttestudo.optimizer.profiling.proposal import TierProposal
 from smarttestudo.optimizer.profiling.text import profile_text
 
 
-def profile_of_recording(recording: RecordingReader, *, name: str) -> str:
+def profile_of_recording(
+    recording: RecordingReader, *, name: str, proposals: Mapping[str, TierProposal] | None = None
+) -> str:
     """The text of a profile of the topics of ``recording``, which is called ``name``.
 
-    Where the recording declares sizes, they count as the messages' sizes.
+    Where the recording declares sizes, they count as the messages' sizes. ``proposals`` are tiers by topic.
     """
     declared_bytes = recording.declared_bytes
     measures = {
@@ -22,9 +27,10 @@ def profile_of_recording(recording: RecordingReader, *, name: str) -> str:
         for channel in recording.channels
         if is_topic_name(channel.topic)
     }
-    for channel, stamp_ns, payload in recording.messages():
+    for channel, stamp_ns, size_bytes in recording.sizes():
         measure = measures.get(channel.topic)
         if measure is not None:
-            measure.record(stamp_ns, declared_bytes.get(channel.topic, len(payload)))
+            measure.record(stamp_ns, declared_bytes.get(channel.topic, size_bytes))
     duration_s = (recording.end_ns - recording.start_ns) / NS_PER_S
-    return profile_text(dict(sorted(measures.items())), duration_s=duration_s, measured_in=name)
+    by_name = dict(sorted(measures.items()))
+    return profile_text(by_name, duration_s=duration_s, measured_in=name, proposals=proposals)

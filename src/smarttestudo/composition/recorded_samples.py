@@ -87,6 +87,20 @@ def read_samples(
     return RecordedSamples(topics=samples, notices=tuple(_notices(samples, left)))
 
 
+def require_numbers(topics: Mapping[str, TopicSamples], asked: Mapping[str, Sequence[str]]) -> None:
+    """Raise ``RecordingError`` for a field that was asked for and that no message has."""
+    for topic, names in asked.items():
+        samples = topics[topic]
+        for name in names:
+            if samples.series(Field(name=name)).unknown == len(samples.stamps_ns):
+                known = ", ".join(field.name for field in samples.fields if field.name not in names)
+                raise RecordingError(
+                    f"no message has a number at {name}",
+                    place=topic,
+                    remedy=f"it has {known}" if known else "name a numeric field by its path",
+                )
+
+
 def _topic(channel: Channel, reading: TopicReading, decoder: MessageDecoder, left: _Left) -> _Topic:
     samples = TopicSamples(channel)
     decodes = reading.choose_fields is not None and decoder.can_decode(channel)

@@ -8,35 +8,50 @@ import json
 from collections.abc import Iterator, Mapping
 
 from smarttestudo.optimizer.profiling.measure import TopicMeasure
+from smarttestudo.optimizer.profiling.proposal import TierProposal
 from smarttestudo.optimizer.wording import kb_text
 
 TIER_SHARES = (0.05, 0.1, 0.25, 0.5, 0.8, 1.0)
 """τ0 … τ5 as shares of the source's rate: a first guess that only an engineer can replace by a better one."""
 
+_TIERS_GUESSED = "# The tiers are guesses from the rates; docs/quality-levels.md says how to choose them."
+_TIERS_FROM_LOSS = (
+    "# The tiers come from the loss at each rate (docs/loss.md), those in % of source_hz from the rate alone."
+)
 _DIGITS = 3
 _MS_PER_S = 1000.0
 
 
 def proposed_tiers_hz(source_hz: float) -> tuple[float, ...]:
     """Six rising thresholds for a source of ``source_hz``, in three significant digits."""
-    return tuple(_rounded(share * source_hz) for share in TIER_SHARES)
+    return tuple(rounded(share * source_hz) for share in TIER_SHARES)
 
 
-def profile_text(measures: Mapping[str, TopicMeasure], *, duration_s: float, measured_in: str) -> str:
-    """A profile in TOML of the topics measured in ``duration_s`` seconds."""
+def profile_text(
+    measures: Mapping[str, TopicMeasure],
+    *,
+    duration_s: float,
+    measured_in: str,
+    proposals: Mapping[str, TierProposal] | None = None,
+) -> str:
+    """A profile in TOML of the topics measured in ``duration_s`` seconds.
+
+    Topics in ``proposals`` get those tiers, the others shares of their rate.
+    """
+    proposals = proposals or {}
     total_kb_per_s = sum(one.kb for one in measures.values()) / duration_s if duration_s > 0 else 0.0
     lines = [
         f"# Measured by testudo profile in {measured_in}: {duration_s:.1f} s, {len(measures)} topics,"
         f" {kb_text(total_kb_per_s)} KB/s in all.",
-        "# The tiers are guesses from the rates; docs/quality-levels.md says how to choose them.",
+        _TIERS_FROM_LOSS if proposals else _TIERS_GUESSED,
         "# budget_kb_per_s = 1000.0  # what your link carries; the optimizer needs it",
     ]
     for topic, measure in measures.items():
-        lines += ["", f"[topics.{json.dumps(topic)}]", *_entries(measure)]
+        lines += ["", f"[topics.{json.dumps(topic)}]", *_entries(measure, proposals.get(topic))]
     return "\n".join([*lines, ""])
 
 
-def _entries(measure: TopicMeasure) -> Iterator[str]:
+def _entries(measure: TopicMeasure, proposal: TierProposal | None) -> Iterator[str]:
     yield f"type = {json.dumps(measure.type_name)}"
     if measure.message_kb is None:
         yield "# no messages: no size, no rate"
@@ -50,11 +65,16 @@ def _entries(measure: TopicMeasure) -> Iterator[str]:
     if measure.source_hz is None:
         yield "# one message or one stamp only: no rate, no tiers"
         return
-    source_hz = _rounded(measure.source_hz)
+    source_hz = rounded(measure.source_hz)
     yield f"source_hz = {_number(source_hz)}  # {_intervals(measure)}"
-    tiers = ", ".join(_number(rate) for rate in proposed_tiers_hz(source_hz))
+    proposal = proposal or _by_shares(source_hz)
+    tiers = ", ".join(_number(rate) for rate in proposal.tiers_hz)
+    yield f"tiers_hz = [{tiers}]  # {proposal.origin}"
+
+
+def _by_shares(source_hz: float) -> TierProposal:
     shares = ", ".join(f"{100 * share:g}" for share in TIER_SHARES)
-    yield f"tiers_hz = [{tiers}]  # {shares} % of source_hz"
+    return TierProposal(tiers_hz=proposed_tiers_hz(source_hz), origin=f"{shares} % of source_hz")
 
 
 def _intervals(measure: TopicMeasure) -> str:
@@ -67,7 +87,8 @@ def _intervals(measure: TopicMeasure) -> str:
     )
 
 
-def _rounded(number: float) -> float:
+def rounded(number: float) -> float:
+    """``number`` in three significant digits."""
     return float(f"{number:.{_DIGITS}g}")
 
 

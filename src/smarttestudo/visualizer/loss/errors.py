@@ -40,3 +40,15 @@ class FieldError:
     def to_json(self) -> dict[str, object]:
         """The entry in ``--json``."""
         return {"hold": self.hold.to_json(), "interpolated": self.interpolated.to_json()}
+
+
+def error_columns(error: FieldError | None) -> dict[str, object]:
+    """The columns of an error in ``--csv``, empty where there is none."""
+    return {
+        f"{way}_{key}": size.to_json()[key] if size else None
+        for way, size in (
+            ("hold", error.hold if error else None),
+            ("interpolated", error.interpolated if error else None),
+        )
+        for key in ("rmse", "max", "relative_rmse", "relative_max")
+    }

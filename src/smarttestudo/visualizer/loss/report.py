@@ -12,7 +12,7 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from smarttestudo.visualizer.loss.errors import FieldError
+from smarttestudo.visualizer.loss.errors import FieldError, error_columns
 
 _POSITION = ("pose_x", "pose_y", "pose_z")
 
@@ -258,10 +258,5 @@ class LossReport:
             row: dict[str, object] = {"topic": loss.topic, "field": loss.field, "unit": loss.unit}
             row["range"] = loss.value_range
             for arm, error in (("b", loss.received), ("fixed", loss.fixed)):
-                for way, size in (
-                    ("hold", error.hold if error else None),
-                    ("interpolated", error.interpolated if error else None),
-                ):
-                    for key in ("rmse", "max", "relative_rmse", "relative_max"):
-                        row[f"{arm}_{way}_{key}"] = size.to_json()[key] if size else None
+                row |= {f"{arm}_{key}": value for key, value in error_columns(error).items()}
             yield row

@@ -1,0 +1,155 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""``testudo bag loss``: what the operator lost."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from smarttestudo.adapters.files.profile import load_profile
+from smarttestudo.adirf.properties import ARRIVAL_PROPERTIES, is_field_path
+from smarttestudo.cli.bag_options import add_map, add_topics_and_form, topic_mapping
+from smarttestudo.cli.bag_output import print_csv, print_json, print_notices, print_tables
+from smarttestudo.cli.finding_text import print_findings
+from smarttestudo.cli.progress import progress
+from smarttestudo.composition.rule_sets import load_rules
+from smarttestudo.domain.errors import UsageError
+from smarttestudo.domain.profile import Profile
+from smarttestudo.visualizer.loss.curve_tables import curve_table
+from smarttestudo.visualizer.loss.tables import arms_text, loss_tables
+
+EXIT_ERROR = 1
+
+
+def add_action(actions: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add ``loss`` to the actions of ``bag``."""
+    purpose = "what the operator lost: errors, ages, crossings, images"
+    action = actions.add_parser(
+        "loss",
+        help=purpose,
+        description="Show how far the operator's picture was from the robot: the error of each field, the "
+        "age of each topic, threshold crossings seen late or not at all, and the same for the best fixed "
+        "rates with the same bytes. With A alone: the error at rates of 0.1, 0.2, 0.5, 1 … Hz, with "
+        "proposed tiers.",
+    )
+    action.add_argument("a", metavar="A", type=Path, help="the recording of what the robot sent")
+    action.add_argument(
+        "b", metavar="B", type=Path, nargs="?", help="the recording of what the operator received"
+    )
+    action.add_argument(
+        "--field",
+        metavar=("/topic", "FIELD"),
+        nargs="+",
+        action="append",
+        default=[],
+        help="fields of a topic to look at beside the usual ones: properties, or paths such as "
+        "twist.twist.linear.x",
+    )
+    action.add_argument(
+        "--rules",
+        metavar="FILE",
+        nargs="+",
+        action="extend",
+        type=Path,
+        default=[],
+        help="rule files, or folders of them, whose checks give the thresholds",
+    )
+    action.add_argument(
+        "--profile", metavar="FILE", type=Path, help="tiers and priorities of the topics (TOML)"
+    )
+    add_map(action)
+    add_topics_and_form(action)
+    action.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Measure and print; 1 if the rules have an error."""
+    fields = _fields(arguments.field)
+    profile = load_profile(arguments.profile) if arguments.profile else Profile()
+    return (
+        _run_curves(arguments, fields, profile)
+        if arguments.b is None
+        else _run_loss(arguments, fields, profile)
+    )
+
+
+def _run_loss(arguments: argparse.Namespace, fields: Mapping[str, Sequence[str]], profile: Profile) -> int:
+    from smarttestudo.composition.bag_loss import LossQuestion, measure_loss  # noqa: PLC0415  needs packages a robot lacks
+
+    mapping = topic_mapping(arguments.map)
+    rules = load_rules(arguments.rules, profile=profile) if arguments.rules else None
+    if rules and rules.errors:
+        print_findings(rules.errors, rules.texts, sys.stderr)
+        return EXIT_ERROR
+    with progress(f"Reading {arguments.a} and {arguments.b}") as report:
+        question = LossQuestion(
+            mapping=mapping,
+            topics=arguments.topics,
+            fields=fields,
+            rule_set=rules.rule_set if rules else None,
+            profile=profile,
+            report=report,
+        )
+        loss = measure_loss(arguments.a, arguments.b, question)
+    if arguments.json:
+        print_json(loss.to_json())
+    elif arguments.csv:
+        print_csv(loss.rows())
+    else:
+        print(f"{arms_text(loss)}\n")  # noqa: T201
+        print_tables(loss_tables(loss))
+    print_notices(loss.notices)
+    return 0
+
+
+def _run_curves(arguments: argparse.Namespace, fields: Mapping[str, Sequence[str]], profile: Profile) -> int:
+    from smarttestudo.composition.bag_curves import measure_curves  # noqa: PLC0415  as above
+
+    for option in ("rules", "map"):
+        if getattr(arguments, option):
+            raise UsageError(
+                "it needs a second recording",
+                place=f"--{option}",
+                remedy="give what the operator received as B",
+            )
+    with progress(f"Reading {arguments.a}") as report:
+        curves = measure_curves(
+            arguments.a, topics=arguments.topics, fields=fields, profile=profile, report=report
+        )
+    if arguments.json:
+        print_json(curves.to_json())
+    elif arguments.csv:
+        print_csv(curves.rows())
+    else:
+        print_tables(curve_table(curve) for curve in curves.curves)
+    unchanged = [f"{', '.join(curves.without)}: no field of it changes, so there is no curve"]
+    print_notices((*curves.notices, *(unchanged if curves.without else ())))
+    return 0
+
+
+def _fields(asked: Sequence[Sequence[str]]) -> dict[str, list[str]]:
+    """What ``--field`` asks for, by topic; ``UsageError`` for what cannot be a field."""
+    fields: dict[str, list[str]] = {}
+    for topic, *names in asked:
+        if not topic.startswith("/") or not names:
+            raise UsageError(
+                f"{' '.join((topic, *names))} is no topic with fields",
+                place="--field",
+                remedy="write it as in /odom pose_x twist.twist.linear.x",
+            )
+        for name in names:
+            _require_field(name)
+        fields.setdefault(topic, []).extend(names)
+    return fields
+
+
+def _require_field(name: str) -> None:
+    if name in ARRIVAL_PROPERTIES:
+        remedy = f"msg.{name} is a field of that name"
+        raise UsageError(f"{name} is not a field but how messages arrive", place="--field", remedy=remedy)
+    if not is_field_path(name):
+        remedy = "write it as in twist.twist.linear.x or ranges[0]"
+        raise UsageError(f"{name!r} is not a field", place="--field", remedy=remedy)

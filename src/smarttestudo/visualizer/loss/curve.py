@@ -1,0 +1,135 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""How the loss of a topic falls with its rate, from one recording alone."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from smarttestudo.domain.rate import RATE_STEP_HZ
+from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
+from smarttestudo.optimizer.profiling.proposal import TierProposal
+from smarttestudo.visualizer.loss.ages import age_of
+from smarttestudo.visualizer.loss.breakpoints import Loss, proposed_breakpoints
+from smarttestudo.visualizer.loss.errors import FieldError, error_columns
+from smarttestudo.visualizer.loss.fields import Field
+from smarttestudo.visualizer.loss.reconstruction import field_error
+from smarttestudo.visualizer.loss.report import Age
+from smarttestudo.visualizer.loss.samples import TopicSamples
+
+_LOWEST_HZ = 0.1
+_SLOW_SHARE = 0.02
+_FEWEST_MESSAGES = 4
+_BELOW_SOURCE = 0.95
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CurvePoint:
+    """A topic at one rate: what it carries, its age, and the error of each of the curve's fields.
+
+    An error is ``None`` where nothing known of the field passed.
+    """
+
+    rate_hz: float
+    kb_per_s: float
+    age: Age | None
+    errors: tuple[FieldError | None, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LossCurve:
+    """The loss at rising rates, up to ``source_hz``, where every message passes and nothing is lost.
+
+    ``fields`` are those that ever changed; ``breakpoints`` is ``None`` where none can be proposed.
+    """
+
+    topic: str
+    source_hz: float
+    fields: tuple[Field, ...]
+    points: tuple[CurvePoint, ...]
+    breakpoints: TierProposal | None
+
+    def to_json(self) -> dict[str, object]:
+        """The topic's entry in ``--json``."""
+        return {
+            "source_hz": self.source_hz,
+            "points": [
+                {
+                    "hz": point.rate_hz,
+                    "kb_per_s": point.kb_per_s,
+                    "age": point.age.to_json() if point.age else None,
+                    "fields": {
+                        field.name: {"unit": field.unit, **error.to_json()}
+                        for field, error in zip(self.fields, point.errors, strict=True)
+                        if error
+                    },
+                }
+                for point in self.points
+            ],
+            "tiers_hz": list(self.breakpoints.tiers_hz) if self.breakpoints else None,
+            "tiers_from": self.breakpoints.origin if self.breakpoints else None,
+        }
+
+    def rows(self) -> Iterator[dict[str, object]]:
+        """One row for each rate and field, for ``--csv``."""
+        for point in self.points:
+            for field, error in zip(self.fields, point.errors, strict=True):
+                row: dict[str, object] = {"topic": self.topic, "field": field.name, "unit": field.unit}
+                row |= {"hz": point.rate_hz, "kb_per_s": point.kb_per_s}
+                yield row | error_columns(error)
+
+
+def loss_curve(samples: TopicSamples, end_ns: int) -> LossCurve | None:
+    """The curve of a topic; ``None`` where no field ever changed, or there is no rate."""
+    fields = tuple(field for field in samples.fields if samples.series(field).value_range)
+    source_hz = samples.mean_hz
+    if not fields or source_hz is None:
+        return None
+    duration_s = (end_ns - samples.stamps_ns[0]) / NS_PER_S
+    points = tuple(
+        _point(samples, fields, rate_hz, end_ns) for rate_hz in curve_rates_hz(source_hz, duration_s)
+    )
+    losses = [_worst(point, fields) for point in points[:-1]]
+    return LossCurve(
+        topic=samples.channel.topic,
+        source_hz=source_hz,
+        fields=fields,
+        points=points,
+        breakpoints=proposed_breakpoints(losses, source_hz),
+    )
+
+
+def curve_rates_hz(source_hz: float, duration_s: float) -> tuple[float, ...]:
+    """0.1, 0.2, 0.5, 1, 2, 5 … Hz below the source, and the source's own rate.
+
+    Slow sources start at 2 % of their rate. The lowest rate has four messages in ``duration_s``.
+    """
+    lowest_hz = max(min(_LOWEST_HZ, _SLOW_SHARE * source_hz), _FEWEST_MESSAGES / duration_s, RATE_STEP_HZ)
+    steps = (digit * 10.0**power for power in itertools.count(-3) for digit in (1, 2, 5))
+    below = itertools.takewhile(lambda rate_hz: rate_hz < _BELOW_SOURCE * source_hz, steps)
+    return (*(round(rate_hz, 3) for rate_hz in below if rate_hz >= lowest_hz), source_hz)
+
+
+def _point(samples: TopicSamples, fields: tuple[Field, ...], rate_hz: float, end_ns: int) -> CurvePoint:
+    passed = samples.at_rate(math.inf if rate_hz == samples.mean_hz else rate_hz, end_ns)
+    series = [samples.series(field) for field in fields]
+    errors = (field_error(one, one.taken(passed.stamps_ns, passed.indices), end_ns) for one in series)
+    duration_s = (end_ns - samples.stamps_ns[0]) / NS_PER_S
+    size_bytes = sum(samples.sizes[index] for index in passed.indices)
+    return CurvePoint(
+        rate_hz=rate_hz,
+        kb_per_s=size_bytes / BYTES_PER_KB / duration_s,
+        age=age_of(passed.stamps_ns, sent_from_ns=samples.stamps_ns[0], end_ns=end_ns),
+        errors=tuple(errors),
+    )
+
+
+def _worst(point: CurvePoint, fields: tuple[Field, ...]) -> Loss:
+    relative, field = max(
+        ((error.hold.relative_rmse or 0.0) if error else 0.0, field.name)
+        for error, field in zip(point.errors, fields, strict=True)
+    )
+    return point.rate_hz, relative, field

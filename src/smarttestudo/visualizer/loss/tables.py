@@ -1,0 +1,228 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What was lost, as tables."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from smarttestudo.domain.units import BYTES_PER_KB
+from smarttestudo.visualizer.loss.errors import ErrorSize
+from smarttestudo.visualizer.loss.report import (
+    Age,
+    CrossingLoss,
+    FieldLoss,
+    ImageLoss,
+    LossReport,
+    Sightings,
+    TopicLoss,
+)
+from smarttestudo.visualizer.table import Align, Cell, Column, Number, Row, Table, Text
+
+_SMALL = 0.01
+_MOST_DECIMALS = 9
+_PERCENT = 100.0
+_ERROR_NOTE = (
+    "Error over time against A, in the field's unit: of who holds the last value received, and of who looks "
+    "back and interpolates between those received. %: RMSE relative to the field's range in A."
+)
+_AGE_NOTE = "Age: time since the newest message received. Hz: messages over the recording's duration."
+_CROSSING_NOTE = (
+    "In time: before A's next message. Missed: the value was back before a message came, or the way back "
+    "from such a crossing. Late: mean and longest delay of those that were late."
+)
+_IMAGE_NOTE = "Blind: the longest time without a new frame."
+
+
+def arms_text(report: LossReport) -> str:
+    """Which recordings are compared, and what stands beside them; a line each."""
+    carried = report.carried
+    fixed_kb, received_kb = (size / BYTES_PER_KB for size in (carried.fixed_bytes, carried.received_bytes))
+    return (
+        f"A: {report.a}\nB: {report.b}\n"
+        f"Fixed: A at the best fixed rates for the bytes of B ({fixed_kb:,.0f} KB; B has {received_kb:,.0f})"
+    )
+
+
+def loss_tables(report: LossReport) -> Iterator[Table]:
+    """Errors, ages, crossings and images, each where there are any."""
+    if report.fields:
+        yield error_table(report)
+    yield age_table(report)
+    if report.crossings:
+        yield crossing_table(report)
+    if report.images:
+        yield image_table(report)
+
+
+def error_table(report: LossReport) -> Table:
+    """The errors of each field, B's beside those of fixed rates."""
+    return Table(
+        title="Error of the fields",
+        columns=(
+            Column(heading="Field", align=Align.LEFT),
+            Column(heading="Unit", align=Align.LEFT),
+            Column(heading="Range"),
+            Column(heading="Hold", unit="RMSE"),
+            Column(heading="Hold", unit="max"),
+            Column(heading="Hold", unit="%"),
+            Column(heading="Interp.", unit="RMSE"),
+            Column(heading="Fixed", unit="hold"),
+            Column(heading="Fixed", unit="hold %"),
+            Column(heading="Fixed", unit="interp."),
+        ),
+        rows=tuple(_error_row(loss) for loss in report.fields),
+        footnotes=(_ERROR_NOTE, *_excluded_note(report)),
+    )
+
+
+def age_table(report: LossReport) -> Table:
+    """How old each topic was, B's beside fixed rates."""
+    return Table(
+        title="Age of information",
+        columns=(
+            Column(heading="Topic", align=Align.LEFT),
+            Column(heading="B", unit="Hz"),
+            Column(heading="Mean", unit="s"),
+            Column(heading="p95", unit="s"),
+            Column(heading="Max", unit="s"),
+            Column(heading="Fixed", unit="Hz"),
+            Column(heading="Mean", unit="s"),
+            Column(heading="p95", unit="s"),
+            Column(heading="Max", unit="s"),
+        ),
+        rows=tuple(_age_row(loss, report.duration_s) for loss in report.topics),
+        footnotes=(_AGE_NOTE,),
+    )
+
+
+def crossing_table(report: LossReport) -> Table:
+    """How the thresholds of checks were seen, B's beside fixed rates."""
+    crossed = [loss for loss in report.crossings if loss.crossings]
+    never = len(report.crossings) - len(crossed)
+    note = (f"{never} of {len(report.crossings)} checks were never crossed.",) if never else ()
+    return Table(
+        title="Threshold crossings",
+        columns=(
+            Column(heading="Check", align=Align.LEFT),
+            Column(heading="Crossed"),
+            Column(heading="In time"),
+            Column(heading="Missed"),
+            Column(heading="Late"),
+            Column(heading="mean", unit="s"),
+            Column(heading="max", unit="s"),
+            Column(heading="In time", unit="fixed"),
+            Column(heading="Missed", unit="fixed"),
+            Column(heading="Late", unit="fixed"),
+            Column(heading="max", unit="s"),
+        ),
+        rows=tuple(_crossing_row(loss) for loss in crossed),
+        footnotes=(_CROSSING_NOTE, *note),
+    )
+
+
+def image_table(report: LossReport) -> Table:
+    """Frames of each topic of images, and the longest time without one."""
+    return Table(
+        title="Images",
+        columns=(
+            Column(heading="Topic", align=Align.LEFT),
+            Column(heading="Sent", unit="frames"),
+            Column(heading="Blind", unit="s"),
+            Column(heading="Received", unit="frames"),
+            Column(heading="Blind", unit="s"),
+            Column(heading="Fixed", unit="frames"),
+            Column(heading="Blind", unit="s"),
+        ),
+        rows=tuple(_image_row(loss) for loss in report.images),
+        footnotes=(_IMAGE_NOTE,),
+    )
+
+
+def measured(value: float | None) -> Number:
+    """``value`` in three significant digits, in two below 0.01."""
+    if not value:
+        return Number(value, decimals=0)
+    digits = 3 if abs(value) >= _SMALL else 2
+    decimals = digits - 1 - math.floor(math.log10(abs(value)))
+    return Number(value, decimals=min(max(decimals, 0), _MOST_DECIMALS))
+
+
+def _error_row(loss: FieldLoss) -> Row:
+    received, fixed = loss.received, loss.fixed
+    held, held_fixed = (error.hold if error else None for error in (received, fixed))
+    return Row(
+        cells=(
+            Text(f"{loss.topic} {loss.field}"),
+            Text(loss.unit),
+            measured(loss.value_range),
+            _rmse(held),
+            measured(held.maximum if held else None),
+            _share(held),
+            _rmse(received.interpolated if received else None),
+            _rmse(held_fixed),
+            _share(held_fixed),
+            _rmse(fixed.interpolated if fixed else None),
+        )
+    )
+
+
+def _age_row(loss: TopicLoss, duration_s: float) -> Row:
+    cells: list[Cell] = [Text(loss.topic)]
+    for arm in (loss.received, loss.fixed):
+        cells += [Number(arm.messages / duration_s if duration_s else None), *_age_cells(arm.age)]
+    return Row(cells=tuple(cells))
+
+
+def _age_cells(age: Age | None) -> tuple[Number, ...]:
+    seconds = (age.mean_s, age.p95_s, age.max_s) if age else (None, None, None)
+    return tuple(Number(value, decimals=3) for value in seconds)
+
+
+def _crossing_row(loss: CrossingLoss) -> Row:
+    received, fixed = loss.received, loss.fixed
+    return Row(
+        cells=(
+            Text(loss.check),
+            _count(loss.crossings),
+            *_counts(received),
+            Number(received.late_mean_s, decimals=3),
+            Number(received.late_max_s, decimals=3),
+            *_counts(fixed),
+            Number(fixed.late_max_s, decimals=3),
+        )
+    )
+
+
+def _counts(seen: Sightings) -> tuple[Number, ...]:
+    return _count(seen.in_time), _count(seen.missed), _count(seen.late)
+
+
+def _image_row(loss: ImageLoss) -> Row:
+    cells: list[Cell] = [Text(loss.topic)]
+    for frames in (loss.sent, loss.received, loss.fixed):
+        cells += [_count(frames.frames), Number(frames.longest_blind_s, decimals=3)]
+    return Row(cells=tuple(cells))
+
+
+def _count(count: int) -> Number:
+    return Number(count, decimals=0)
+
+
+def _rmse(size: ErrorSize | None) -> Number:
+    return measured(size.rmse if size else None)
+
+
+def _share(size: ErrorSize | None) -> Number:
+    share = size.relative_rmse if size else None
+    return Number(None if share is None else _PERCENT * share)
+
+
+def _excluded_note(report: LossReport) -> tuple[str, ...]:
+    parts = [
+        f"{loss.topic} {loss.field} {loss.excluded_sent} in A, {loss.excluded_received} in B"
+        for loss in report.fields
+        if loss.excluded_sent or loss.excluded_received
+    ]
+    return (f"Left out, because not a finite number: {'; '.join(parts)}.",) if parts else ()
