@@ -12,7 +12,7 @@ from smarttestudo.domain.decision import Decision, PlannedRate, Reason
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.units import NS_PER_S, ns_from_s
 from smarttestudo.visualizer.comparison import compare
-from smarttestudo.visualizer.page import (
+from smarttestudo.visualizer.report import (
     Fact,
     FloorPlan,
     Obstacle,

@@ -13,12 +13,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from smarttestudo.domain.rate import Rate
-from smarttestudo.visualizer.page import FloorPlan, PathPoint, Rectangle, TopicSeries, Zone
-from smarttestudo.visualizer.page.floor_map import floor_map
-from smarttestudo.visualizer.page.path_line import path_pieces, thinned
-from smarttestudo.visualizer.page.rate_chart import rate_chart
-from smarttestudo.visualizer.page.rule_styles import RuleStyles
-from smarttestudo.visualizer.page.scale import Scale, multiples, round_step
+from smarttestudo.visualizer.report import FloorPlan, PathPoint, Rectangle, TopicSeries, Zone
+from smarttestudo.visualizer.report.floor_map import floor_map
+from smarttestudo.visualizer.report.path_line import path_pieces, thinned
+from smarttestudo.visualizer.report.rate_chart import rate_chart
+from smarttestudo.visualizer.report.rule_styles import RuleStyles
+from smarttestudo.visualizer.report.scale import Scale, multiples, round_step
 from smarttestudo.visualizer.rate_series import RatePoint
 from smarttestudo.visualizer.rule_timeline import DecidingBlock, RuleSpan, block_at
 from smarttestudo.visualizer.targets import TargetSpan

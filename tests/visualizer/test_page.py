@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from smarttestudo.domain.decision import Decision, PlannedRate, Reason
 from smarttestudo.domain.rate import Rate
 from smarttestudo.visualizer.comparison import Comparison, compare
-from smarttestudo.visualizer.page import (
+from smarttestudo.visualizer.report import (
     Fact,
     FloorPlan,
     PageInput,
@@ -29,8 +29,8 @@ from smarttestudo.visualizer.page import (
     Zone,
     render_page,
 )
-from smarttestudo.visualizer.page.markup import tag
-from smarttestudo.visualizer.page.rule_styles import DEFAULTS, OTHERS, STYLED_BLOCKS
+from smarttestudo.visualizer.report.markup import tag
+from smarttestudo.visualizer.report.rule_styles import DEFAULTS, OTHERS, STYLED_BLOCKS
 from smarttestudo.visualizer.rate_series import RatePoint
 from smarttestudo.visualizer.statistics import TopicStatistics
 from smarttestudo.visualizer.table import printable
@@ -197,7 +197,7 @@ def test_the_path_is_drawn_in_the_looks_of_the_deciding_rules() -> None:
 
 
 def test_every_class_on_the_page_has_a_look() -> None:
-    style = files("smarttestudo.visualizer.page").joinpath("page.css").read_text(encoding="utf-8")
+    style = files("smarttestudo.visualizer.report").joinpath("report.css").read_text(encoding="utf-8")
     looks = {f"by-rule-{index}" for index in range(1, STYLED_BLOCKS + 1)}
     used = classes(render_page(demo_like_page())) | looks | {DEFAULTS.css_class, OTHERS.css_class}
     assert {name for name in used if f".{name}" not in style} == set()

@@ -117,26 +117,32 @@ def _replay(
                 )
             )
         if arguments.report is not None:
-            write_report(_report(arguments, outcome, decisions, rules))
+            write_report(_report(arguments, outcome, decisions, profile, rules))
         return outcome
 
 
 def _report(
-    arguments: argparse.Namespace, outcome: ReplayOutcome, decisions: Sequence[Decision], rules: LoadedRules
+    arguments: argparse.Namespace,
+    outcome: ReplayOutcome,
+    decisions: Sequence[Decision],
+    profile: Profile,
+    rules: LoadedRules,
 ) -> str:
-    from smarttestudo.composition.replay_report import ReportRequest, replay_report  # noqa: PLC0415  see run
+    from smarttestudo.composition.replay_report import replay_report  # noqa: PLC0415  see run
+    from smarttestudo.visualizer.report import render_report  # noqa: PLC0415
 
-    with progress("Measuring both recordings") as report:
-        return replay_report(
-            ReportRequest(
-                bag=arguments.bag,
-                output=arguments.output,
-                monitored={name: topic.monitored_topic for name, topic in outcome.topics.items()},
-                decisions=decisions,
-                rule_texts=rules.texts,
-                report=report,
-            )
+    return render_report(
+        replay_report(
+            bag=arguments.bag,
+            output=arguments.output,
+            outcome=outcome,
+            decisions=decisions,
+            profile=profile,
+            budget_kb_per_s=arguments.budget,
+            rules=rules,
+            progress=progress,
         )
+    )
 
 
 def _print(outcome: ReplayOutcome, *, as_json: bool) -> None:

@@ -4,19 +4,27 @@
 
 from __future__ import annotations
 
-from smarttestudo.visualizer.page.markup import Markup, tag
+from smarttestudo.visualizer.report.markup import Markup, tag
 from smarttestudo.visualizer.table import Column, Row, Table, Text, format_cell
+
+MAX_ROWS = 300
 
 
 def html_table(table: Table) -> Markup:
-    """``table`` as a figure with its footnotes; the page gives it a heading."""
+    """``table`` as a figure with its footnotes; the report gives it a visible heading.
+
+    Scripts make its columns sortable. Of a very long table the first ``MAX_ROWS`` rows and the sums are shown.
+    """
     head = tag("tr", *(_heading(column) for column in table.columns))
-    notes = [tag("p", note, class_="note") for note in table.footnotes]
+    rows = [row for row in table.rows if not row.is_total]
+    sums = [row for row in table.rows if row.is_total]
+    left_out = len(rows) - MAX_ROWS
+    more = (f"… and {left_out:,} more rows; `testudo bag` prints them all.",) if left_out > 0 else ()
+    notes = [tag("p", note, class_="note") for note in (*more, *table.footnotes)]
+    body = tag("tbody", *(_row(row, table.columns) for row in (*rows[:MAX_ROWS], *sums)))
+    caption = tag("caption", table.title, class_="unseen")
     return tag(
-        "figure",
-        tag("table", tag("thead", head), tag("tbody", *(_row(row, table.columns) for row in table.rows))),
-        *notes,
-        class_="wide",
+        "figure", tag("table", caption, tag("thead", head), body, class_="sortable"), *notes, class_="wide"
     )
 
 

@@ -4,12 +4,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import chain
 
-from smarttestudo.visualizer.page.markup import Markup, coordinate, tag
-from smarttestudo.visualizer.page.page_input import FloorPlan, PathPoint, Rectangle
-from smarttestudo.visualizer.page.scale import Scale, label, linear, multiples, round_step
+from smarttestudo.visualizer.report.markup import Markup, coordinate, tag
+from smarttestudo.visualizer.floor import FloorPlan, OccupancyMap, PathPoint, Rectangle
+from smarttestudo.visualizer.report.scale import Scale, label, linear, multiples, round_step
 
 _WIDTH = 600.0
 _TALLEST = 690.0
@@ -26,6 +28,12 @@ class MapFrame:
     y: Scale
     width: float
     height: float
+
+    @property
+    def per_m(self) -> float:
+        """How long a metre is on the map."""
+        (left, right), (low_m, high_m) = self.x.places, self.x.values
+        return (right - left) / (high_m - low_m)
 
     def place(self, point: PathPoint) -> tuple[float, float]:
         """Where ``point`` is on the map."""
@@ -44,10 +52,12 @@ class MapFrame:
 
 def map_frame(plan: FloorPlan, places: Sequence[PathPoint]) -> MapFrame | None:
     """A frame around everything, with a margin; ``None`` where there is nothing."""
-    areas = [*(one.footprint for one in plan.obstacles), *(zone.area for zone in plan.zones)]
-    xs_m = [x_m for area in areas for x_m in (area.min_x_m, area.max_x_m)] + [one.x_m for one in places]
-    ys_m = [y_m for area in areas for y_m in (area.min_y_m, area.max_y_m)] + [one.y_m for one in places]
-    if not xs_m:
+    footprints = [_sides_m(obstacle.footprint) for obstacle in plan.obstacles]
+    zones = [_sides_m(zone.area) for zone in plan.zones]
+    core = [*_corners_m(plan.occupancy), *((one.x_m, one.y_m) for one in places), *chain(*footprints)]
+    xs_m = _with_near_sides([x_m for x_m, _ in core], [x_m for zone in zones for x_m, _ in zone])
+    ys_m = _with_near_sides([y_m for _, y_m in core], [y_m for zone in zones for _, y_m in zone])
+    if not xs_m or not ys_m:
         return None
     margin_m = 0.02 * max(max(xs_m) - min(xs_m), max(ys_m) - min(ys_m), _LEAST_SPAN_M)
     min_x_m, max_x_m = _widened(xs_m, margin_m)
@@ -80,6 +90,33 @@ def axes(frame: MapFrame) -> Iterator[Markup]:
     yield tag("text", "x in m", class_="axis", x=right, y=bottom + 31, text_anchor="end")
     turned = f"translate(12 {coordinate(top)}) rotate(-90)"
     yield tag("text", "y in m", class_="axis", transform=turned, text_anchor="end")
+
+
+def _sides_m(area: Rectangle) -> tuple[tuple[float, float], tuple[float, float]]:
+    return (area.min_x_m, area.min_y_m), (area.max_x_m, area.max_y_m)
+
+
+def _with_near_sides(core_m: Sequence[float], sides_m: Iterable[float]) -> list[float]:
+    """``core_m`` with the sides of zones that lie no farther off than it is long; those may be anywhere."""
+    finite_m = filter(math.isfinite, sides_m)
+    if not core_m:
+        return list(finite_m)
+    low_m, high_m = min(core_m), max(core_m)
+    reach_m = max(high_m - low_m, _LEAST_SPAN_M)
+    return [*core_m, *(side_m for side_m in finite_m if low_m - reach_m <= side_m <= high_m + reach_m)]
+
+
+def _corners_m(occupancy: OccupancyMap | None) -> Iterator[tuple[float, float]]:
+    """The corners of a map that may be turned."""
+    if occupancy is None:
+        return
+    cos, sin = math.cos(occupancy.yaw_rad), math.sin(occupancy.yaw_rad)
+    for along_m in (0.0, occupancy.width_m):
+        for up_m in (0.0, occupancy.height_m):
+            yield (
+                occupancy.origin_x_m + cos * along_m - sin * up_m,
+                occupancy.origin_y_m + sin * along_m + cos * up_m,
+            )
 
 
 def _widened(values_m: Sequence[float], margin_m: float) -> tuple[float, float]:

@@ -10,7 +10,7 @@ from html import escape
 
 from smarttestudo.visualizer.table import printable
 
-_WITHOUT_CONTENT = frozenset({"meta", "rect", "line", "path", "circle", "polyline"})
+_WITHOUT_CONTENT = frozenset({"meta", "wbr", "rect", "line", "path", "circle", "polyline", "polygon"})
 _KEPT_CONTROLS = "\n\t"
 
 
@@ -41,6 +41,15 @@ def tag(name: str, /, *children: Child, **attributes: Attribute) -> Markup:
 def join(children: Iterable[Child]) -> Markup:
     """``children`` one after the other."""
     return Markup("".join(one.html if isinstance(one, Markup) else _text(one) for one in children))
+
+
+def name_parts(topic: str) -> list[Child]:
+    """A topic's name that may break before each of its slashes."""
+    first, *others = topic.split("/")
+    parts: list[Child] = [first]
+    for other in others:
+        parts += [tag("wbr"), f"/{other}"]
+    return parts
 
 
 def coordinate(value: float) -> str:

@@ -5,27 +5,38 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
-from smarttestudo.visualizer.page.map_frame import MapFrame, axes, map_frame
-from smarttestudo.visualizer.page.map_labels import markers, zone_names
-from smarttestudo.visualizer.page.markup import Markup, coordinate, tag
-from smarttestudo.visualizer.page.page_input import FloorPlan, PathPoint
-from smarttestudo.visualizer.page.path_line import known_places, path_pieces, thinned
-from smarttestudo.visualizer.page.rule_styles import RuleStyles
+from smarttestudo.visualizer.floor import FloorPlan, PathPoint
+from smarttestudo.visualizer.report.map_frame import MapFrame, axes, map_frame
+from smarttestudo.visualizer.report.map_labels import markers, zone_names
+from smarttestudo.visualizer.report.markup import Markup, coordinate, tag
+from smarttestudo.visualizer.report.occupancy import occupied_cells
+from smarttestudo.visualizer.report.path_line import known_places, path_pieces, thinned
+from smarttestudo.visualizer.report.rule_styles import RuleStyles
 from smarttestudo.visualizer.rule_timeline import RuleSpan
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FloorMap:
+    """The drawing, the frame that it is drawn in, and the path as far as it is drawn."""
+
+    drawing: Markup
+    frame: MapFrame
+    line: tuple[PathPoint, ...]
 
 
 def floor_map(
     plan: FloorPlan | None, path: Sequence[PathPoint], spans: Sequence[RuleSpan], styles: RuleStyles
-) -> Markup | None:
-    """The map as an SVG element; ``None`` where there is neither a floor plan nor a known place."""
+) -> FloorMap | None:
+    """The map; ``None`` where there is neither a floor plan nor a known place."""
     plan = plan or FloorPlan()
     places = known_places(path)
     frame = map_frame(plan, places)
     if frame is None:
         return None
     line = thinned(places)
-    return tag(
+    drawing = tag(
         "svg",
         *axes(frame),
         *_floor(plan, frame, styles),
@@ -37,11 +48,14 @@ def floor_map(
         role="img",
         aria_label="Floor plan with the robot's path, coloured by deciding rule",
     )
+    return FloorMap(drawing=drawing, frame=frame, line=tuple(line))
 
 
 def _floor(plan: FloorPlan, frame: MapFrame, styles: RuleStyles) -> Iterator[Markup]:
     for zone in plan.zones:
         yield frame.rectangle(zone.area, f"zone {styles.of_zone(zone.name).css_class}")
+    if plan.occupancy is not None:
+        yield occupied_cells(plan.occupancy, frame)
     for obstacle in plan.obstacles:
         yield frame.rectangle(obstacle.footprint, obstacle.kind.value)
 

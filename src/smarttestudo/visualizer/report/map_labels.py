@@ -7,10 +7,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 
-from smarttestudo.visualizer.page.map_frame import MapFrame
-from smarttestudo.visualizer.page.markup import Markup, tag
-from smarttestudo.visualizer.page.page_input import PathPoint, Zone
-from smarttestudo.visualizer.page.scale import label, round_step
+from smarttestudo.visualizer.report.map_frame import MapFrame
+from smarttestudo.visualizer.report.markup import Markup, tag
+from smarttestudo.visualizer.floor import PathPoint, Zone
+from smarttestudo.visualizer.report.scale import label, round_step
 
 _TIME_LABELS = 5
 _LABEL_SPACE = 30.0

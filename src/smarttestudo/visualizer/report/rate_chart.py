@@ -8,12 +8,12 @@ from collections.abc import Iterable, Iterator, Sequence
 from statistics import median
 from typing import TypeVar
 
-from smarttestudo.visualizer.page.markup import Markup, coordinate, tag
-from smarttestudo.visualizer.page.page_input import TopicSeries
-from smarttestudo.visualizer.page.rule_styles import RuleStyles
-from smarttestudo.visualizer.page.scale import Scale, label, linear, multiples, round_step
-from smarttestudo.visualizer.rate_series import RatePoint, coarser
+from smarttestudo.visualizer.report.markup import Markup, coordinate, tag
+from smarttestudo.visualizer.report.run_report import TopicHistory, TopicSeries
+from smarttestudo.visualizer.report.rule_styles import RuleStyles
+from smarttestudo.visualizer.report.scale import Scale, label, linear, multiples, round_step
 from smarttestudo.visualizer.rule_timeline import RuleSpan
+from smarttestudo.visualizer.series import SeriesPoint, coarser
 from smarttestudo.visualizer.targets import TargetSpan
 
 _WIDTH, _HEIGHT = 340.0, 168.0
@@ -22,6 +22,7 @@ _FOOT = _HEIGHT - _BOTTOM
 _BREAK_AT = 2.5
 _LOWER_TOP, _UPPER_FOOT = _TOP + 38.0, _TOP + 22.0
 _HEADROOM = 1.15
+MAX_POINTS = 300
 _BEFORE_POINTS = 50
 _TIME_TOLERANCE = 1.005
 _Span = TypeVar("_Span", RuleSpan, TargetSpan)
@@ -35,6 +36,7 @@ def rate_chart(
     styles: RuleStyles,
     *,
     duration_s: float,
+    max_points: int = MAX_POINTS,
 ) -> Markup:
     """The chart as an SVG element.
 
@@ -42,25 +44,25 @@ def rate_chart(
     rate far above everything that happened runs along the chart's top.
     """
     x = linear((0.0, max(duration_s, 1e-3)), (_LEFT, _WIDTH - _RIGHT))
-    y = _rate_scale(series, targets)
+    y = rate_scale(series, targets)
     return tag(
         "svg",
         *_shading(spans, styles, x),
         *_axes(x, y, series),
-        _band(coarser(series.before, _BEFORE_POINTS), x, y, "before"),
+        _band(coarser(series.before.rate_hz, min(_BEFORE_POINTS, max_points)), x, y, "before"),
         _target_line(targets, x, y),
-        _band(series.after, x, y, "after"),
-        class_="rate",
+        _band(coarser(series.after.rate_hz, max_points), x, y, "after"),
+        class_="static rate",
         viewBox=f"0 0 {coordinate(_WIDTH)} {coordinate(_HEIGHT)}",
         role="img",
         aria_label=f"Rate of {series.topic} over time, in Hz",
     )
 
 
-def _rate_scale(series: TopicSeries, targets: Sequence[TargetSpan]) -> Scale:
+def rate_scale(series: TopicSeries, targets: Sequence[TargetSpan]) -> Scale:
+    """The chart's axis of rates, in two pieces where it has a gap."""
     planned_hz = [span.rate.hz for span in targets if not span.rate.is_full]
-    received_hz = [float(point.highest_hz) for point in series.after]
-    before_hz = [float(point.highest_hz) for point in series.before]
+    received_hz, before_hz = _highest_hz(series.after), _highest_hz(series.before)
     far_hz = max(before_hz, default=0.0)
     highest_hz = max([*before_hz, *received_hz], default=0.0)
     shown_hz = [min(rate_hz, _BREAK_AT * highest_hz) if highest_hz else rate_hz for rate_hz in planned_hz]
@@ -86,7 +88,7 @@ def _shading(spans: Sequence[RuleSpan], styles: RuleStyles, x: Scale) -> Iterato
 
 def _axes(x: Scale, y: Scale, series: TopicSeries) -> Iterator[Markup]:
     right = _WIDTH - _RIGHT
-    for value in _rate_ticks(y, series):
+    for value in rate_ticks(y, series):
         at = y(value)
         yield tag("line", class_="grid", x1=_LEFT, x2=right, y1=at, y2=at)
         yield tag("text", label(value), class_="tick", x=_LEFT - 5, y=at + 3.5, text_anchor="end")
@@ -101,19 +103,24 @@ def _axes(x: Scale, y: Scale, series: TopicSeries) -> Iterator[Markup]:
         yield tag("text", label(value) + unit, class_="tick", x=x(value), y=_HEIGHT - 8, text_anchor="middle")
 
 
-def _rate_ticks(y: Scale, series: TopicSeries) -> list[float]:
+def rate_ticks(y: Scale, series: TopicSeries) -> list[float]:
+    """The rates to label on the axis ``y`` of ``series``."""
     ticks = multiples(round_step(y.values[1] / 4), 0.0, y.values[1])
     if len(y.values) > 2:
-        rates_hz = [point.highest_hz for point in series.before]
+        rates_hz = _highest_hz(series.before)
         usual_hz = round(median(rates_hz))
         ticks.append(usual_hz if usual_hz > y.values[2] else max(rates_hz))
     return ticks
 
 
-def _band(points: Sequence[RatePoint], x: Scale, y: Scale, css_class: str) -> Markup:
+def _highest_hz(history: TopicHistory) -> list[float]:
+    return [point.highest for point in history.rate_hz]
+
+
+def _band(points: Sequence[SeriesPoint], x: Scale, y: Scale, css_class: str) -> Markup:
     """The area between the least and the greatest rate, which is a line wherever they are one."""
-    there = [f"{coordinate(x(point.t_s))},{coordinate(y(point.highest_hz))}" for point in points]
-    back = [f"{coordinate(x(point.t_s))},{coordinate(y(point.lowest_hz))}" for point in reversed(points)]
+    there = [f"{coordinate(x(point.t_s))},{coordinate(y(point.highest))}" for point in points]
+    back = [f"{coordinate(x(point.t_s))},{coordinate(y(point.lowest))}" for point in reversed(points)]
     return tag("polyline", class_=css_class, points=" ".join(there + back))
 
 

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from smarttestudo.visualizer.page.page_input import PathPoint
+from smarttestudo.visualizer.floor import PathPoint
 from smarttestudo.visualizer.rule_timeline import DecidingBlock, RuleSpan, block_at
 
 MAX_POINTS = 2000

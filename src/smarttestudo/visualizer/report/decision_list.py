@@ -7,15 +7,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from smarttestudo.domain.decision import Decision, Reason
-from smarttestudo.visualizer.page.markup import Markup, tag
-from smarttestudo.visualizer.page.rule_styles import RuleStyles
-from smarttestudo.visualizer.page.scale import label
+from smarttestudo.visualizer.report.markup import Markup, name_parts, tag
+from smarttestudo.visualizer.report.rule_styles import RuleStyles
+from smarttestudo.visualizer.report.scale import label
 from smarttestudo.visualizer.rule_timeline import deciding_block
 from smarttestudo.visualizer.table import format_number
 
 MAX_DECISIONS = 500
 _DIGITS = 5
-_HEADINGS = ("Time", "Topic", "Rate", "Decided by", "Values read")
+_HEADINGS = ("Time", "Topic", "Rate", "Decided by, and what it read")
 _NOTES = {
     Reason.UNKNOWN: "unknown",
     Reason.FLOOR: "KeepAtLeast",
@@ -38,7 +38,8 @@ def decision_list(decisions: Sequence[Decision], styles: RuleStyles) -> Markup:
         _row(decision, styles, is_first=before is None or before.t_s != decision.t_s)
         for before, decision in zip((None, *shown), shown, strict=False)
     )
-    table = tag("table", tag("thead", tag("tr", *head)), tag("tbody", *rows))
+    caption = tag("caption", "Decisions in the order of time", class_="unseen")
+    table = tag("table", caption, tag("thead", tag("tr", *head)), tag("tbody", *rows))
     return tag("figure", table, *note, class_="wide decisions")
 
 
@@ -52,24 +53,24 @@ def _row(decision: Decision, styles: RuleStyles, *, is_first: bool) -> Markup:
     return tag(
         "tr",
         tag("td", format_number(decision.t_s, 1), class_="right"),
-        tag("td", decision.topic, class_="left words name"),
+        tag("td", *name_parts(decision.topic), class_="left words name"),
         tag("td", before, tag("span", " → ", class_="quiet"), str(planned.rate), class_="left steady"),
-        tag("td", *_decider(decision, styles), class_="left words"),
-        tag("td", _values(decision), class_="left words quiet"),
+        tag("td", *_decider(decision, styles), *_values(decision), class_="left words"),
         class_="first" if is_first else "again",
+        data_time=f"{decision.t_s:.3f}",
     )
 
 
-def _values(decision: Decision) -> str:
+def _values(decision: Decision) -> list[Markup]:
     """What the condition read; a topic is named once for all its properties in a row."""
-    parts = []
+    parts: list[str] = []
     last_topic = ""
     for signal, value in decision.values.items():
         topic, _, property_name = signal.partition(" ")
         shown = property_name if topic == last_topic else signal
         last_topic = topic
         parts.append(f"{shown} = {'unknown' if value is None else label(value, _DIGITS)}")
-    return ", ".join(parts)
+    return [tag("span", ", ".join(parts), class_="values quiet")] if parts else []
 
 
 def _decider(decision: Decision, styles: RuleStyles) -> list[Markup | str]:

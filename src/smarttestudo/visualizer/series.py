@@ -1,0 +1,88 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Rates and bandwidth over time, in as few points as a chart can show, spikes included."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from statistics import fmean
+
+from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
+from smarttestudo.visualizer.statistics import RecordingSpan
+from smarttestudo.visualizer.trace import SecondBin, TraceAccumulator
+
+MAX_POINTS = 2000
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SeriesPoint:
+    """The least, mean and greatest value among the seconds of one stretch of time around ``t_s``.
+
+    The unit is that of the series: Hz or KB/s.
+    """
+
+    t_s: float
+    lowest: float
+    mean: float
+    highest: float
+
+
+Series = tuple[SeriesPoint, ...]
+
+
+def rate_series(trace: TraceAccumulator, span: RecordingSpan, *, max_points: int = MAX_POINTS) -> Series:
+    """The rate of ``trace`` in Hz, in each whole epoch-aligned second of ``span``, counted from its start.
+
+    Seconds without a message count as 0. The two seconds that the recording only partly covers are left out:
+    they would look like drops. A long recording gives stretches of several seconds, at most ``max_points``.
+    """
+    return _series([trace], span, max_points, lambda bin_: bin_.messages)
+
+
+def bandwidth_series(
+    traces: Iterable[TraceAccumulator], span: RecordingSpan, *, max_points: int = MAX_POINTS
+) -> Series:
+    """The bandwidth of all ``traces`` together in KB/s, at the times that ``rate_series`` has."""
+    return _series(traces, span, max_points, lambda bin_: bin_.size_bytes / BYTES_PER_KB)
+
+
+def coarser(points: Sequence[SeriesPoint], max_points: int) -> Series:
+    """``points`` with neighbours joined until there are at most ``max_points``."""
+    width = -(-len(points) // max_points) or 1
+    joined = (points[start : start + width] for start in range(0, len(points), width))
+    return tuple(
+        SeriesPoint(
+            t_s=(group[0].t_s + group[-1].t_s) / 2,
+            lowest=min(point.lowest for point in group),
+            mean=fmean(point.mean for point in group),
+            highest=max(point.highest for point in group),
+        )
+        for group in joined
+    )
+
+
+def _series(
+    traces: Iterable[TraceAccumulator],
+    span: RecordingSpan,
+    max_points: int,
+    value_of: Callable[[SecondBin], float],
+) -> Series:
+    first = -(-span.start_ns // NS_PER_S)
+    values = [0.0] * max(span.end_ns // NS_PER_S - first, 0)
+    for trace in traces:
+        for bin_ in trace.bins():
+            if 0 <= bin_.second - first < len(values):
+                values[bin_.second - first] += value_of(bin_)
+    width = -(-len(values) // max_points) or 1
+    offset_s = (first * NS_PER_S - span.start_ns) / NS_PER_S
+    return tuple(
+        _point(values[start : start + width], offset_s + start) for start in range(0, len(values), width)
+    )
+
+
+def _point(values: Sequence[float], start_s: float) -> SeriesPoint:
+    """The stretch from ``start_s`` on, with the value of each of its seconds."""
+    return SeriesPoint(
+        t_s=start_s + len(values) / 2, lowest=min(values), mean=fmean(values), highest=max(values)
+    )
