@@ -11,7 +11,7 @@ from pathlib import Path
 
 from smarttestudo.adirf.rule_set import RuleSet
 from smarttestudo.composition.bag_loss import LossQuestion, measure_loss
-from smarttestudo.composition.bag_measure import MeasuredRun, measure_run
+from smarttestudo.composition.bag_measure import measure_run
 from smarttestudo.composition.paired_runs import PairedRuns
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.errors import RecordingError
@@ -60,8 +60,33 @@ def bag_report(request: ReportRequest) -> RunReport:
     Raises:
         RecordingError: one cannot be read or is empty; they share no topic; a topic asked for is in neither.
     """
-    runs = _measure(request)
-    loss, loss_notices = (None, ()) if request.b is None else _loss(request, request.b)
+    runs = _measure(request, with_places=True)
+    loss, notices = (None, ()) if request.b is None else _loss(request, request.b)
+    report = _report(request, runs)
+    return replace(report, loss=loss, notices=tuple(dict.fromkeys((*report.notices, *notices))))
+
+
+def bag_courses(request: ReportRequest) -> RunReport:
+    """The part of ``bag_report`` for which no payload is read: rates and bandwidth over time.
+
+    Raises:
+        RecordingError: as ``bag_report``.
+    """
+    return _report(request, _measure(request, with_places=False))
+
+
+def _measure(request: ReportRequest, *, with_places: bool) -> PairedRuns:
+    by_transforms = request.floor_plan.occupancy is not None
+    with request.progress(f"Reading {request.a}") as report:
+        a = measure_run(request.a, report, with_places=with_places, by_transforms=by_transforms)
+    b = None
+    if request.b is not None:
+        with request.progress(f"Reading {request.b}") as report:
+            b = measure_run(request.b, report, with_places=False)
+    return PairedRuns.of(a, b, mapping=request.mapping, topics=request.topics)
+
+
+def _report(request: ReportRequest, runs: PairedRuns) -> RunReport:
     decisions, decision_notices = runs.timed(request.decisions)
     return RunReport(
         title=request.title,
@@ -72,25 +97,14 @@ def bag_report(request: ReportRequest) -> RunReport:
         total=runs.total(),
         decisions=decisions,
         names=request.names,
-        tables=() if runs.b else _tables_of_one(runs.a),
+        tables=() if runs.b else _tables_of_one(runs),
         budget_kb_per_s=request.budget_kb_per_s,
-        loss=loss,
         rules=tuple(RuleText(path=path, text=text) for path, text in request.rule_texts.items()),
         provenance=request.provenance,
-        notices=(*runs.notices(), *decision_notices, *loss_notices),
+        notices=(*runs.notices(), *decision_notices),
         floor_plan=_floor_plan(request),
         path=runs.a.path,
     )
-
-
-def _measure(request: ReportRequest) -> PairedRuns:
-    with request.progress(f"Reading {request.a}") as report:
-        a = measure_run(request.a, report, by_transforms=request.floor_plan.occupancy is not None)
-    b = None
-    if request.b is not None:
-        with request.progress(f"Reading {request.b}") as report:
-            b = measure_run(request.b, report, with_places=False)
-    return PairedRuns.of(a, b, mapping=request.mapping, topics=request.topics)
 
 
 def _loss(request: ReportRequest, b: Path) -> tuple[LossReport | None, tuple[str, ...]]:
@@ -115,9 +129,7 @@ def _floor_plan(request: ReportRequest) -> FloorPlan:
     return replace(request.floor_plan, zones=(*request.floor_plan.zones, *zones))
 
 
-def _tables_of_one(run: MeasuredRun) -> tuple[Table, ...]:
+def _tables_of_one(runs: PairedRuns) -> tuple[Table, ...]:
     """What the actions ``rates`` and ``bandwidth`` show of a recording."""
-    return (
-        replace(rates_table(run.summary), title="Rates"),
-        replace(bandwidth_table(run.summary), title="Bandwidth"),
-    )
+    summary = runs.a.summary.only({pair.topic for pair in runs.pairs})
+    return replace(rates_table(summary), title="Rates"), replace(bandwidth_table(summary), title="Bandwidth")

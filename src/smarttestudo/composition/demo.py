@@ -27,7 +27,6 @@ from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.robot import Robot
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.pacing.sample import WhenSlow
-from smarttestudo.simulation.readings import Topic
 from smarttestudo.visualizer.comparison import Comparison
 from smarttestudo.visualizer.report import Fact, RuleText, render_report
 

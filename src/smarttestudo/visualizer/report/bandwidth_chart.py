@@ -9,6 +9,7 @@ from collections.abc import Iterator, Sequence
 from smarttestudo.visualizer.report.markup import Markup, coordinate, tag
 from smarttestudo.visualizer.report.run_report import RunReport
 from smarttestudo.visualizer.report.scale import Scale
+from smarttestudo.visualizer.report.stack import Layer, layers
 from smarttestudo.visualizer.report.wide_chart import (
     BOTTOM,
     LEFT,
@@ -20,7 +21,6 @@ from smarttestudo.visualizer.report.wide_chart import (
     value_scale,
     wide_svg,
 )
-from smarttestudo.visualizer.report.stack import Layer, layers
 from smarttestudo.visualizer.series import Series, SeriesPoint, coarser
 
 HEIGHT = 230.0
@@ -68,7 +68,7 @@ def stacked_chart(report: RunReport) -> Markup:
     return wide_svg(
         *value_axis(y, KB_PER_S),
         *time_axis(x, HEIGHT),
-        *_layers(layers(report), x, y),
+        *_layers(layers(report, of_second=report.is_pair), x, y),
         *_budget(report, y),
         height=HEIGHT,
         meaning="Bandwidth over time, stacked by topic, in KB/s",

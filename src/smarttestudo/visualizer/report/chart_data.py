@@ -64,7 +64,7 @@ def chart_data(
             "top": value_scale(highest_stacked_kb_per_s(report), 0.0).values[-1],
             "layers": [
                 {"name": printable(layer.name), **_course(layer.points, max_points, mean=True)}
-                for layer in layers(report)
+                for layer in layers(report, of_second=report.is_pair)
             ],
         },
         "lanes": [

@@ -5,8 +5,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 from smarttestudo.visualizer.report.chart_data import chart_data
+from smarttestudo.visualizer.report.charted import charted_series
 from smarttestudo.visualizer.report.decision_chart import Lane, lanes
 from smarttestudo.visualizer.report.decision_section import decision_section
 from smarttestudo.visualizer.report.floor_map import FloorMap, floor_map
@@ -14,7 +16,7 @@ from smarttestudo.visualizer.report.html_table import html_table
 from smarttestudo.visualizer.report.loss_section import loss_section
 from smarttestudo.visualizer.report.markup import Markup, tag
 from smarttestudo.visualizer.report.opening import opening
-from smarttestudo.visualizer.report.rule_styles import RuleStyles
+from smarttestudo.visualizer.report.rule_styles import RuleStyles, styles_of
 from smarttestudo.visualizer.report.run_report import RunReport, TopicSeries
 from smarttestudo.visualizer.report.scripts import content_policy, script_elements, style
 from smarttestudo.visualizer.report.sections import (
@@ -24,9 +26,18 @@ from smarttestudo.visualizer.report.sections import (
     rates_section,
     section,
 )
-from smarttestudo.visualizer.rule_timeline import RuleSpan, by_topic, deciding_spans
+from smarttestudo.visualizer.rule_timeline import RuleSpan, deciding_spans
 
-MAX_CHARTS = 40
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Drawn:
+    """What several parts of the report show."""
+
+    shown: Sequence[TopicSeries]
+    spans: Sequence[RuleSpan]
+    styles: RuleStyles
+    rows: Sequence[Lane]
+    plan: FloorMap | None
 
 
 def render_report(report: RunReport) -> str:
@@ -35,15 +46,23 @@ def render_report(report: RunReport) -> str:
     Its drawings and tables are there without scripts; with them, a cursor and a zoom run through all charts
     and the map. Its size is bounded, whatever the length of the run and the number of topics.
     """
-    spans = deciding_spans(report.decisions, report.duration_s)
-    styles = RuleStyles(_all_spans(report))
-    rows = lanes(report.decisions, report.duration_s, styles) if report.decisions else ()
-    plan = floor_map(report.floor_plan, report.path, spans, styles)
-    shown = _shown(report)
-    data = chart_data(report, shown, rows, plan.frame if plan else None, plan.line if plan else ())
-    main = tag("main", *_parts(report, shown, rows, plan, spans, styles))
-    body = tag("body", main, *script_elements(data))
+    drawn = _draw(report)
+    frame, path = (drawn.plan.frame, drawn.plan.line) if drawn.plan else (None, ())
+    data = chart_data(report, drawn.shown, drawn.rows, frame, path)
+    body = tag("body", tag("main", *_parts(report, drawn)), *script_elements(data))
     return "<!DOCTYPE html>\n" + tag("html", _head(report.title), body, lang="en").html + "\n"
+
+
+def _draw(report: RunReport) -> _Drawn:
+    spans = deciding_spans(report.decisions, report.duration_s)
+    styles = styles_of(report.decisions, report.duration_s)
+    return _Drawn(
+        shown=charted_series(report),
+        spans=spans,
+        styles=styles,
+        rows=lanes(report.decisions, report.duration_s, styles) if report.decisions else (),
+        plan=floor_map(report.floor_plan, report.path, spans, styles),
+    )
 
 
 def _head(title: str) -> Markup:
@@ -58,19 +77,12 @@ def _head(title: str) -> Markup:
     )
 
 
-def _parts(
-    report: RunReport,
-    shown: Sequence[TopicSeries],
-    rows: Sequence[Lane],
-    plan: FloorMap | None,
-    spans: Sequence[RuleSpan],
-    styles: RuleStyles,
-) -> Iterator[Markup]:
-    yield opening(report, plan, spans, styles)
-    if rows or report.rules:
-        yield decision_section(report, rows, styles)
-    if shown:
-        yield rates_section(report, shown, styles)
+def _parts(report: RunReport, drawn: _Drawn) -> Iterator[Markup]:
+    yield opening(report, drawn.plan, drawn.spans, drawn.styles)
+    if drawn.rows or report.rules:
+        yield decision_section(report, drawn.rows, drawn.styles)
+    if drawn.shown:
+        yield rates_section(report, drawn.shown, drawn.styles)
         yield bandwidth_section(report)
     if report.loss is not None:
         yield loss_section(report.loss, report.names)
@@ -80,23 +92,3 @@ def _parts(
         yield notices_section(report.notices)
     if report.provenance:
         yield provenance_section(report.provenance)
-
-
-def _shown(report: RunReport) -> list[TopicSeries]:
-    """The topics that have a chart: those with decisions, and then those with the most messages' bytes."""
-    decided = by_topic(report.decisions)
-    ranked = sorted(
-        report.series,
-        key=lambda series: (
-            series.topic not in decided,
-            -sum(point.mean for point in (*series.before.kb_per_s, *series.after.kb_per_s)),
-        ),
-    )
-    chosen = {series.topic for series in ranked[:MAX_CHARTS]}
-    return [series for series in report.series if series.topic in chosen]
-
-
-def _all_spans(report: RunReport) -> Iterator[RuleSpan]:
-    """What each topic's decisions add to the time that a block decided."""
-    for own in by_topic(report.decisions).values():
-        yield from deciding_spans(own, report.duration_s)

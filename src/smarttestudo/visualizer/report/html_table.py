@@ -13,7 +13,7 @@ MAX_ROWS = 300
 def html_table(table: Table) -> Markup:
     """``table`` as a figure with its footnotes; the report gives it a visible heading.
 
-    Scripts make its columns sortable. Of a very long table the first ``MAX_ROWS`` rows and the sums are shown.
+    Scripts make its columns sortable. A very long table ends after ``MAX_ROWS`` rows and its sums.
     """
     head = tag("tr", *(_heading(column) for column in table.columns))
     rows = [row for row in table.rows if not row.is_total]

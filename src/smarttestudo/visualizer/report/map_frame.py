@@ -9,8 +9,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain
 
-from smarttestudo.visualizer.report.markup import Markup, coordinate, tag
 from smarttestudo.visualizer.floor import FloorPlan, OccupancyMap, PathPoint, Rectangle
+from smarttestudo.visualizer.report.markup import Markup, coordinate, tag
 from smarttestudo.visualizer.report.scale import Scale, label, linear, multiples, round_step
 
 _WIDTH = 600.0

@@ -7,9 +7,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 
+from smarttestudo.visualizer.floor import PathPoint, Zone
 from smarttestudo.visualizer.report.map_frame import MapFrame
 from smarttestudo.visualizer.report.markup import Markup, tag
-from smarttestudo.visualizer.floor import PathPoint, Zone
 from smarttestudo.visualizer.report.scale import label, round_step
 
 _TIME_LABELS = 5

@@ -5,10 +5,11 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from smarttestudo.visualizer.rule_timeline import DecidingBlock, RuleSpan
+from smarttestudo.domain.decision import Decision
+from smarttestudo.visualizer.rule_timeline import DecidingBlock, RuleSpan, by_topic, deciding_spans
 
 STYLED_BLOCKS = 6
 """How many blocks have a look of their own; the style sheet defines as many."""
@@ -59,6 +60,12 @@ class RuleStyles:
     def of_zone(self, name: str) -> RuleStyle:
         """The look of the block that is named as a zone is, else that of the defaults."""
         return next((style for block, style in self._styles.items() if block.rule == name), DEFAULTS)
+
+
+def styles_of(decisions: Sequence[Decision], duration_s: float) -> RuleStyles:
+    """The looks of a run's blocks, by how long each decided a topic."""
+    own = by_topic(decisions).values()
+    return RuleStyles(span for group in own for span in deciding_spans(group, duration_s))
 
 
 def _name(block: DecidingBlock, *, unique: bool) -> str:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The scripts and styles of the report, whole within it, and the policy that admits these and nothing else."""
+"""The scripts and styles of the report, and the policy that admits these and nothing else."""
 
 from __future__ import annotations
 
@@ -32,10 +32,11 @@ def style() -> str:
 
 
 def script() -> str:
-    """uPlot with its licence, and the report's own scripts."""
+    """The charts' library uPlot with its licence, and the report's own scripts."""
     licence = _read("vendor/uplot/LICENSE").rstrip()
     own = "\n".join(_without_head(_read(f"script/{name}")) for name in _OWN)
-    return f'/*\n{licence}\n*/\n{_read("vendor/uplot/uPlot.iife.min.js")}\n(() => {{\n"use strict";\n{own}\n}})();\n'
+    library = _read("vendor/uplot/uPlot.iife.min.js")
+    return f'/*\n{licence}\n*/\n{library}\n(() => {{\n"use strict";\n{own}\n}})();\n'
 
 
 def script_elements(data: str) -> tuple[Markup, Markup]:

@@ -53,7 +53,7 @@ def bandwidth_section(report: RunReport) -> Markup:
         "Bandwidth",
         run_legend(report),
         tag("figure", total, total_chart(report), class_="chart", data_chart="total"),
-        layer_legend(layers(report)),
+        layer_legend(layers(report, of_second=report.is_pair)),
         tag("figure", parts, stacked_chart(report), class_="chart", data_chart="stack"),
         explanation="What the topics shown here carry together in each second.",
     )

@@ -28,21 +28,26 @@ class Layer:
         return fmean(point.mean for point in self.points) if self.points else 0.0
 
 
-def layers(report: RunReport) -> tuple[Layer, ...]:
-    """The largest topics of the second recording, or of the only one, and a layer for the rest."""
-    own = [Layer(name=series.topic, points=_points(report, series)) for series in report.series]
-    ranked = sorted(
-        (layer for layer in own if layer.mean_kb_per_s > 0), key=lambda layer: -layer.mean_kb_per_s
-    )
-    if len(ranked) <= MOST_LAYERS + 1:
-        return tuple(ranked)
-    rest = ranked[MOST_LAYERS:]
+def layers(report: RunReport, *, of_second: bool) -> tuple[Layer, ...]:
+    """The largest topics of one recording, and a layer for the rest, in one order for both recordings."""
+    ranked = sorted(report.series, key=_size, reverse=True)
+    own = [Layer(name=series.topic, points=_points(series, of_second=of_second)) for series in ranked]
+    own = [layer for layer in own if layer.points]
+    if len(own) <= MOST_LAYERS + 1:
+        return tuple(own)
+    rest = own[MOST_LAYERS:]
     others = Layer(name=f"{len(rest)} other topics", points=_sum([layer.points for layer in rest]))
-    return (*ranked[:MOST_LAYERS], others)
+    return (*own[:MOST_LAYERS], others)
 
 
-def _points(report: RunReport, series: TopicSeries) -> Series:
-    return series.after.kb_per_s if report.is_pair else series.before.kb_per_s
+def _size(series: TopicSeries) -> float:
+    """The topic's mean bandwidth in both recordings together."""
+    both = (series.before.kb_per_s, series.after.kb_per_s)
+    return sum(fmean(point.mean for point in points) for points in both if points)
+
+
+def _points(series: TopicSeries, *, of_second: bool) -> Series:
+    return series.after.kb_per_s if of_second else series.before.kb_per_s
 
 
 def _sum(parts: Sequence[Series]) -> Series:
