@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 DEMO_ARGS ?=
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: help demo test lint format docs test-lowest wheels-aarch64 benchmarks clean
+.PHONY: help demo test lint format docs test-jazzy test-lowest wheels-aarch64 benchmarks clean
 
 help:
 	@echo "make demo            the warehouse mission, with and without adaptive monitoring (no robot needed)"
@@ -14,6 +14,7 @@ help:
 	@echo "make lint            style, types and layers only"
 	@echo "make format          format the code"
 	@echo "make docs            regenerate docs/reference from the code"
+	@echo "make test-jazzy      the live tests on ROS 2 Jazzy"
 	@echo "make test-lowest     the tests with the lowest allowed versions (PYTHON=python3.10)"
 	@echo "make wheels-aarch64  show that an ARM robot and laptop install binary wheels only"
 	@echo "make benchmarks      all benchmarks; their results are in docs/benchmarks.md"
@@ -37,6 +38,9 @@ format: $(VENV)/dev.stamp
 
 docs: $(VENV)/dev.stamp
 	$(BIN)/python scripts/make_reference.py
+
+test-jazzy: $(VENV)/dev.stamp
+	PYTHON=$(BIN)/python UV=$(BIN)/uv sh scripts/test_jazzy.sh
 
 test-lowest:
 	PYTHON=$(PYTHON) sh scripts/test_lowest.sh

@@ -3,15 +3,18 @@
 """The operator's side: notes when each monitored message arrives.
 
 usage: operator_station.py SPAN_S '{"imu": {"type": "sensor_msgs/msg/Imu", "transient_local": false}, …}'
-Prints ``heard N`` when every topic has been heard for N times SPAN_S, first to last message (0: ``messages``
-of each). The line ``stop`` on stdin prints the result: arrivals as [seconds, value], where the value is the x
-of an Odometry or the text of a String.
+Prints ``heard N`` when every topic has been heard for N times SPAN_S, first to last message. With SPAN_S 0 it
+prints it whenever of each topic the last ``messages`` (default 1) have come, and were due ``within_s``
+(default: any time). Each line on stdin prints the result so far, ``stop`` ends it: arrivals as [seconds,
+value, seconds at which it was due], where the value is the x of an Odometry or the text of a String.
 """
 
 from __future__ import annotations
 
 import importlib
 import json
+import math
+import queue
 import sys
 import threading
 import time
@@ -20,10 +23,12 @@ from typing import Any
 import rclpy
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
+Arrival = tuple[float, Any, float]
+
 
 class Station:
     def __init__(self, node: Any, topics: dict[str, dict[str, Any]], span_s: float) -> None:
-        self.arrivals: dict[str, list[tuple[float, Any]]] = {name: [] for name in topics}
+        self.arrivals: dict[str, list[Arrival]] = {name: [] for name in topics}
         self.topics = topics
         self.span_s = span_s
         self.heard = 0
@@ -43,7 +48,7 @@ class Station:
         )
 
     def note(self, name: str, message: Any) -> None:
-        self.arrivals[name].append((time.monotonic(), value_of(message)))
+        self.arrivals[name].append((time.monotonic(), value_of(message), due_s_of(message)))
         if all(self.enough(topic) for topic in self.topics):
             self.heard += 1
             sys.stdout.write(f"heard {self.heard}\n")
@@ -51,7 +56,9 @@ class Station:
     def enough(self, name: str) -> bool:
         arrivals = self.arrivals[name]
         if not self.span_s:
-            return len(arrivals) >= self.topics[name].get("messages", 1)
+            messages = self.topics[name].get("messages", 1)
+            within_s = self.topics[name].get("within_s", math.inf)
+            return len(arrivals) >= messages and arrivals[-1][2] - arrivals[-messages][2] <= within_s
         return bool(arrivals) and arrivals[-1][0] - arrivals[0][0] >= self.span_s * (self.heard + 1)
 
 
@@ -61,16 +68,26 @@ def value_of(message: Any) -> Any:
     return getattr(message, "data", None)
 
 
+def due_s_of(message: Any) -> float:
+    """As ``source.py`` wrote it."""
+    if hasattr(message, "header"):
+        return message.header.stamp.sec + message.header.stamp.nanosec / 1e9
+    return message.linear.y if hasattr(message, "linear") else 0.0
+
+
 def main() -> None:
     rclpy.init()
     node = rclpy.create_node("operator")
     station = Station(node, json.loads(sys.argv[2]), float(sys.argv[1]))
     sys.stdout.write("ready\n")
-    stopped = threading.Event()
-    threading.Thread(target=lambda: (sys.stdin.readline(), stopped.set()), daemon=True).start()
-    while not stopped.is_set():
+    lines: queue.Queue[str] = queue.Queue()
+    threading.Thread(target=lambda: [lines.put(line) for line in sys.stdin], daemon=True).start()
+    line = ""
+    while line != "stop":
         rclpy.spin_once(node, timeout_sec=0.1)
-    sys.stdout.write(f"result {json.dumps(station.arrivals)}\n")
+        if not lines.empty():
+            line = lines.get().strip()
+            sys.stdout.write(f"result {json.dumps(station.arrivals)}\n")
     node.destroy_node()
     rclpy.shutdown()
 

@@ -50,9 +50,9 @@ class Process:
         self._process.stdin.write(f"{line}\n")
         self._process.stdin.flush()
 
-    def result(self) -> Any:
-        """What a script of this folder measured."""
-        self.say("stop")
+    def result(self, line: str = "stop") -> Any:
+        """What an operator station received so far; another line than ``stop`` lets it go on."""
+        self.say(line)
         return json.loads(self.line_with("result ").removeprefix("result "))
 
     def signal(self, number: int) -> None:

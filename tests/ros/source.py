@@ -1,11 +1,12 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""A robot's sources: publishes each topic on a schedule, and says at the end how well it kept to it.
+"""A robot's sources: publishes each topic on a schedule, which it catches up with after a stall.
 
 usage: source.py '{"imu": {"type": "sensor_msgs/msg/Imu", "hz": 195, "reliable": true}, …}'
-A topic without ``hz`` is latched: ``texts`` are published once, each by a publisher of its own. On stdin the
-line ``move`` puts the robot of an Odometry at x = 5, ``stop`` prints the result. With each message, a Clock
-goes on by ``step_ms``.
+The stamp of a message, or the ``linear.y`` of a Twist, is the monotonic time at which it was due. A topic
+without ``hz`` is latched: ``texts`` are published once, each by a publisher of its own. On stdin the line
+``move`` puts the robot of an Odometry at x = 5, ``stop`` ends it. With each message, a Clock goes on by
+``step_ms``.
 """
 
 from __future__ import annotations
@@ -34,16 +35,27 @@ class Stream:
         self.message = message_type()
         self.period_s = 1.0 / topic["hz"]
         self.step_ns = topic.get("step_ms", 0) * NS_PER_MS
-        self.due_s = time.monotonic()
-        self.sent_s: list[float] = []
+        self.start_s = time.monotonic()
+        self.sent = 0
+
+    @property
+    def due_s(self) -> float:
+        return self.start_s + self.sent * self.period_s
 
     def send(self) -> None:
+        write_due(self.message, self.due_s)
+        self.sent += 1
         if self.step_ns:
-            now_ns = (len(self.sent_s) + 1) * self.step_ns
-            self.message.clock.sec, self.message.clock.nanosec = divmod(now_ns, NS_PER_S)
+            self.message.clock.sec, self.message.clock.nanosec = divmod(self.sent * self.step_ns, NS_PER_S)
         self.publisher.publish(self.message)
-        self.sent_s.append(time.monotonic())
-        self.due_s += self.period_s
+
+
+def write_due(message: Any, due_s: float) -> None:
+    if hasattr(message, "header"):
+        stamp = message.header.stamp
+        stamp.sec, stamp.nanosec = divmod(round(due_s * NS_PER_S), NS_PER_S)
+    elif hasattr(message, "linear"):
+        message.linear.y = due_s
 
 
 def message_class(type_name: str) -> Any:
@@ -85,8 +97,6 @@ def main() -> None:
                 stream.send()
         due_s = min((stream.due_s for stream in streams.values()), default=now_s + 0.1)
         stopped.wait(max(due_s - time.monotonic(), 0))
-    result = {name: (len(one.sent_s) - 1) / (one.sent_s[-1] - one.sent_s[0]) for name, one in streams.items()}
-    sys.stdout.write(f"result {json.dumps(result)}\n")
     del latched
     node.destroy_node()
     rclpy.shutdown()

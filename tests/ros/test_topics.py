@@ -17,7 +17,7 @@ def test_a_late_subscriber_gets_the_latched_message_of_each_publisher(robot: Sma
     robot.operator(**latched).line_with("heard")
     late = robot.operator(**latched)
     late.line_with("heard")
-    assert sorted(text for _, text in late.result()["map_name"]) == ["first floor", "ground floor"]
+    assert sorted(text for _, text, _ in late.result()["map_name"]) == ["first floor", "ground floor"]
 
 
 def test_a_source_that_comes_back_with_another_qos_is_relayed_again(robot: SmallRobot) -> None:
@@ -45,5 +45,5 @@ def test_the_last_decisions_are_there_for_a_late_subscriber(robot: SmallRobot) -
     robot.runtime("begin SetFrequency /imu 10 end").line_with("/imu: 10 Hz (default)")
     operator = robot.operator(decisions={"type": TEXT, "transient_local": True})
     operator.line_with("heard")
-    (_, line), *_ = operator.result()["decisions"]
+    (_, line, _), *_ = operator.result()["decisions"]
     assert '"topic": "/imu"' in line

@@ -35,8 +35,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser = commands.add_parser(
         "bag",
         help="show what recordings hold: rates, bandwidth, one against another",
-        description="Show what recordings hold. Only `loss` and `report` read payloads; the others take "
-        "seconds for a large bag.",
+        description="Show what recordings hold. Only `loss` and `report` read payloads, so the rest is fast.",
     )
     actions = parser.add_subparsers(title="actions", metavar="ACTION", required=True)
     for name, (purpose, table) in _TABLES.items():

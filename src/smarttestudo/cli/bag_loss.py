@@ -45,8 +45,8 @@ def add_action(actions: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
         nargs="+",
         action="append",
         default=[],
-        help="fields of a topic to look at beside the usual ones: properties, or paths such as "
-        "twist.twist.linear.x",
+        help="fields of a topic, by property or path (twist.twist.linear.x): beside the usual ones; with A "
+        "alone only these, also for the tiers",
     )
     action.add_argument(
         "--rules",
@@ -125,7 +125,7 @@ def _run_curves(arguments: argparse.Namespace, fields: Mapping[str, Sequence[str
         print_csv(curves.rows())
     else:
         print_tables(curve_table(curve) for curve in curves.curves)
-    unchanged = [f"{', '.join(curves.without)}: no field of it changes, so there is no curve"]
+    unchanged = [f"{', '.join(curves.without)}: no field changes, so there is no curve"]
     print_notices((*curves.notices, *(unchanged if curves.without else ())))
     return 0
 

@@ -92,6 +92,7 @@ def _request(arguments: argparse.Namespace, robot: Robot, opened: ExitStack) -> 
         decided.append(opened.enter_context(growing_decision_log(arguments.decisions)))
     return RunRequest(
         rule_set=rules.rule_set,
+        rules=rules.in_force,
         profile=profile or Profile(),
         when_slow=WhenSlow(arguments.when_slow),
         output_topic=arguments.output_topic,

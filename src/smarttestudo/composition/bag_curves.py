@@ -13,7 +13,7 @@ from smarttestudo.composition.recorded_samples import TopicReading, read_samples
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.profile import Profile
 from smarttestudo.visualizer.loss.curve import LossCurve, loss_curve
-from smarttestudo.visualizer.loss.fields import Field, fields_of
+from smarttestudo.visualizer.loss.fields import BULK_TYPES, Field, fields_of
 from smarttestudo.visualizer.topic_selection import select_topics
 
 _SHARE_OF_READING = 0.6
@@ -85,7 +85,7 @@ def measure_curves(
             name=str(bag),
             curves=tuple(curve for curve in found.values() if curve),
             without=tuple(topic for topic, curve in found.items() if curve is None),
-            notices=(*recording.notices(), *samples.notices),
+            notices=samples.notices,
         )
 
 
@@ -94,4 +94,8 @@ def _reading(topic: str, asked: Sequence[str], profile: Profile) -> TopicReading
         chosen = fields_of(type_name, message, asked=asked)
         return [field for field in chosen if field.is_asked] if asked else chosen
 
-    return TopicReading(choose_fields=choose, level_unit=profile.topic(topic).level_unit)
+    return TopicReading(
+        choose_fields=choose,
+        undecoded_types=frozenset() if asked else BULK_TYPES,
+        level_unit=profile.topic(topic).level_unit,
+    )

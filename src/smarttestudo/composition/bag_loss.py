@@ -24,7 +24,7 @@ from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.visualizer.bag_comparison import BagComparison, compare_bags
 from smarttestudo.visualizer.bag_summary import BagSummary
 from smarttestudo.visualizer.loss.crossings import thresholds_of
-from smarttestudo.visualizer.loss.fields import Field, fields_of
+from smarttestudo.visualizer.loss.fields import BULK_TYPES, Field, fields_of
 from smarttestudo.visualizer.loss.fixed_rates import Source, best_fixed_rates
 from smarttestudo.visualizer.loss.measure import (
     SharedTopic,
@@ -76,13 +76,14 @@ def measure_loss(a: Path, b: Path, question: LossQuestion | None = None) -> Loss
     select_topics(tuple(question.mapping.values()), received.statistics, place=received.name)
     compared = compare_bags(sent, received, question.mapping)
     _require_common_time(sent, received)
-    return _Measurement(compared, question).report()
+    return _Measurement(a, b, compared, question).report()
 
 
 class _Measurement:
     """The reading of two recordings whose topics are paired."""
 
-    def __init__(self, compared: BagComparison, question: LossQuestion) -> None:
+    def __init__(self, a: Path, b: Path, compared: BagComparison, question: LossQuestion) -> None:
+        self._paths = a, b
         self._a, self._b = compared.a, compared.b
         self._question = question
         self._partners = {
@@ -90,15 +91,16 @@ class _Measurement:
             for pair in compared.comparison.topics
             if pair.before and pair.before.messages and pair.after_topic
         }
-        self._asked = self._topics_asked(compared)
+        self._asked = self._topics_asked()
         rule_set = question.rule_set
         self._thresholds = thresholds_of(rule_set) if rule_set else ()
 
     def report(self) -> LossReport:
         """Read both, and count what was lost."""
-        sent = self._read(self._a, self._sent_readings(), share=(0.0, 0.7))
+        path_a, path_b = self._paths
+        sent = self._read(path_a, self._sent_readings(), share=(0.0, 0.7))
         require_numbers(sent.topics, self._question.fields)
-        received = self._read(self._b, self._received_readings(sent.topics), share=(0.7, 1.0))
+        received = self._read(path_b, self._received_readings(sent.topics), share=(0.7, 1.0))
         topics = self._shared(sent.topics, received.topics)
         shown = [shared for shared in topics if shared.topic in self._asked]
         return LossReport(
@@ -114,52 +116,52 @@ class _Measurement:
                 received_bytes=sum(shared.received.size_bytes for shared in topics),
                 fixed_bytes=sum(shared.fixed_bytes for shared in topics),
             ),
-            notices=(*self._a.notices, *self._b.notices, *sent.notices, *received.notices, *self._notices()),
+            notices=(*sent.notices, *received.notices, *self._notices(topics)),
         )
 
-    def _topics_asked(self, compared: BagComparison) -> frozenset[str]:
-        shared = frozenset(self._partners)
-        unpaired = set(self._question.fields).difference(shared)
-        patterns = [*self._question.topics, *unpaired]
-        if not patterns:
-            return shared
-        place = f"{compared.a.name}, {compared.b.name}"
-        chosen = select_topics(patterns, {*shared, *filter(None, self._partners.values())}, place=place)
-        return frozenset(topic for topic, partner in self._partners.items() if {topic, partner} & chosen)
+    def _topics_asked(self) -> frozenset[str]:
+        """The shared topics, by A's name, that are to be shown."""
+        partners = self._partners
+        asked = select_topics(tuple(self._question.fields), partners, place=self._a.name)
+        if not self._question.topics:
+            return frozenset(partners)
+        place = f"{self._a.name}, {self._b.name}"
+        chosen = select_topics(self._question.topics, {*partners, *partners.values()}, place=place)
+        return asked | {topic for topic, partner in partners.items() if {topic, partner} & chosen}
 
     def _sent_readings(self) -> dict[str, TopicReading]:
-        readings = {}
-        for topic in self._partners:
-            choose = partial(
-                _choose_fields,
-                asked=tuple(self._question.fields.get(topic, ())),
-                needed=tuple(one.signal.property for one in self._thresholds if one.signal.topic == topic),
-            )
-            readings[topic] = self._reading(topic, choose if topic in self._asked else None)
-        return readings
+        return {
+            topic: self._sent_reading(topic) if topic in self._asked else TopicReading()
+            for topic in self._partners
+        }
+
+    def _sent_reading(self, topic: str) -> TopicReading:
+        asked = tuple(self._question.fields.get(topic, ()))
+        needed = tuple(one.signal.property for one in self._thresholds if one.signal.topic == topic)
+        return TopicReading(
+            choose_fields=partial(_choose_fields, asked=asked, needed=needed),
+            undecoded_types=frozenset() if asked or needed else BULK_TYPES,
+            level_unit=self._question.profile.topic(topic).level_unit,
+        )
 
     def _received_readings(self, sent: Mapping[str, TopicSamples]) -> dict[str, TopicReading]:
         """Only fields that were found in A, and only of the same type, are read."""
         return {
-            partner: self._reading(topic, partial(_same_fields, sent[topic]) if sent[topic].fields else None)
+            partner: TopicReading(
+                choose_fields=partial(_same_fields, sent[topic]) if sent[topic].fields else None,
+                level_unit=self._question.profile.topic(topic).level_unit,
+            )
             for topic, partner in self._partners.items()
         }
 
-    def _reading(
-        self, topic: str, choose_fields: Callable[[str, object], Sequence[Field]] | None
-    ) -> TopicReading:
-        return TopicReading(
-            choose_fields=choose_fields, level_unit=self._question.profile.topic(topic).level_unit
-        )
-
     def _read(
-        self, bag: BagSummary, readings: Mapping[str, TopicReading], share: tuple[float, float]
+        self, path: Path, readings: Mapping[str, TopicReading], share: tuple[float, float]
     ) -> RecordedSamples:
         def report(done: float) -> None:
             self._question.report(share[0] + (share[1] - share[0]) * done)
 
         span = self._a.span
-        with open_recording(Path(bag.name)) as recording:
+        with open_recording(path) as recording:
             return read_samples(
                 recording, readings, start_ns=span.start_ns, end_ns=span.end_ns, report=report
             )
@@ -167,6 +169,7 @@ class _Measurement:
     def _shared(
         self, sent: Mapping[str, TopicSamples], received: Mapping[str, TopicSamples]
     ) -> list[SharedTopic]:
+        partners = {topic: name for topic, name in self._partners.items() if sent[topic].stamps_ns}
         sources = [
             Source(
                 topic=topic,
@@ -174,7 +177,7 @@ class _Measurement:
                 mean_hz=sent[topic].mean_hz,
                 entry=self._question.profile.topic(topic),
             )
-            for topic in self._partners
+            for topic in partners
         ]
         budget_bytes = sum(samples.size_bytes for samples in received.values())
         rates_hz = best_fixed_rates(sources, budget_bytes)
@@ -187,10 +190,17 @@ class _Measurement:
                 fixed_hz=rates_hz[topic],
                 end_ns=end_ns,
             )
-            for topic, partner in self._partners.items()
+            for topic, partner in partners.items()
         ]
 
-    def _notices(self) -> Iterator[str]:
+    def _notices(self, topics: Sequence[SharedTopic]) -> Iterator[str]:
+        for shared in topics:
+            sent, received = shared.sent.channel.type_name, shared.received.channel.type_name
+            if sent != received:
+                yield (
+                    f"{shared.topic}: {sent} in {self._a.name} and {received} in {self._b.name}; "
+                    "its fields are not compared"
+                )
         early_s = (self._a.span.end_ns - self._b.span.end_ns) / NS_PER_S
         if early_s > _ENDS_EARLY_S:
             yield f"{self._b.name}: ends {early_s:.1f} s before {self._a.name}; nothing came in that time"

@@ -9,6 +9,7 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 from smarttestudo.adapters.rosbag import create_recording
+from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.recording import Channel, RecordingWriter
 from smarttestudo.domain.robot import Inlet, Qos, Robot
 
@@ -40,7 +41,7 @@ def recorded(
 
 
 def _heard(robot: Robot, channel: Channel, topic: str, recording: RecordingWriter) -> Inlet:
-    def receive(payload: bytes, _publisher: Hashable) -> None:
-        recording.write(channel, robot.now_ns(), bytes(payload))
+    def receive(payload: Payload, _publisher: Hashable) -> None:
+        recording.write(channel, robot.now_ns(), payload[:])
 
     return robot.data_path.subscribe(topic, channel.type_name, _QOS, receive)

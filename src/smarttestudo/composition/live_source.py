@@ -56,3 +56,10 @@ def suits(had: LiveSource, now: LiveSource) -> bool:
         and replace(had.qos, depth=0) == replace(now.qos, depth=0)
         and had.qos.depth >= now.qos.depth
     )
+
+
+def can_serve(offered: Qos, subscriber: Endpoint) -> bool:
+    """Whether ``subscriber`` receives what is published with ``offered``: it may not ask for more."""
+    return (offered.reliable or not subscriber.reliable) and (
+        offered.transient_local or not subscriber.transient_local
+    )

@@ -9,12 +9,14 @@ from dataclasses import dataclass
 
 from smarttestudo.composition.live_decisions import DECISIONS_TOPIC
 from smarttestudo.composition.live_source import LiveSource, live_source, suits
+from smarttestudo.composition.topic_link import TopicLink, topic_link
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.observation import SourceChanged, Undecodable
+from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Inlet, Outlet, Robot
 from smarttestudo.runtime.execute.relay import Relayed
 
-Received = Callable[[str, bytes, Hashable], None]
+Received = Callable[[str, Payload, Hashable], None]
 """Takes a message: its topic, its payload, and its publisher where that is known."""
 
 
@@ -48,6 +50,7 @@ class LiveTopics:
         self._topics: tuple[str, ...] = ()
         self._sources: dict[str, LiveSource] = {}
         self._open: dict[str, _Open] = {}
+        self._problems: dict[str, str] = {}
         self._said: set[str] = set()
         self.follow(monitored, watched)
 
@@ -58,6 +61,7 @@ class LiveTopics:
         for topic in list(self._sources):
             if topic not in self._topics or monitored.get(topic) != before.get(topic):
                 del self._sources[topic]
+                self._problems.pop(topic, None)
                 if topic in self._open:
                     self._open.pop(topic).close()
 
@@ -67,7 +71,7 @@ class LiveTopics:
         changes = (self._look_at(topic, testudos) for topic in self._topics)
         return [change for change in changes if change is not None]
 
-    def decoded(self, topic: str, payload: bytes) -> object:
+    def decoded(self, topic: str, payload: Payload) -> object:
         """The message of a payload that just came, or ``Undecodable``."""
         try:
             return self._robot.data_path.decode(topic, self._sources[topic].type_name, payload)
@@ -84,6 +88,13 @@ class LiveTopics:
             opened.outlet.publish(relayed.payload)
         except RosError as error:
             self._warn_once(str(error))
+
+    def links(self) -> dict[str, TopicLink]:
+        """What each relayed topic is connected to."""
+        return {
+            topic: topic_link(self._robot, output, self._sources.get(topic), self._problems.get(topic))
+            for topic, output in self._monitored.items()
+        }
 
     def _testudos(self) -> frozenset[str]:
         """The nodes that relay, this one among them: they publish decisions."""
@@ -117,7 +128,9 @@ class LiveTopics:
             self._open.pop(topic).close()
         try:
             self._open[topic] = self._opened(topic, source)
+            self._problems.pop(topic, None)
         except RosError as error:
+            self._problems[topic] = error.cause
             self._warn_once(str(error))
 
     def _opened(self, topic: str, source: LiveSource) -> _Open:

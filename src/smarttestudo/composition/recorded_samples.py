@@ -23,9 +23,13 @@ _MESSAGES_PER_REPORT = 4096
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TopicReading:
-    """How a topic is read: ``choose_fields`` gets its type and first message; ``None`` decodes nothing."""
+    """How a topic is read: ``choose_fields`` gets its type and first message; ``None`` decodes nothing.
+
+    Neither are messages of ``undecoded_types`` decoded.
+    """
 
     choose_fields: Callable[[str, object], Sequence[Field]] | None = None
+    undecoded_types: frozenset[str] = frozenset()
     level_unit: LevelUnit | None = None
 
 
@@ -84,7 +88,7 @@ def read_samples(
         if topic.decodes:
             _read(topic, payload, decoder)
     samples = {name: topic.samples for name, topic in topics.items()}
-    return RecordedSamples(topics=samples, notices=tuple(_notices(samples, left)))
+    return RecordedSamples(topics=samples, notices=(*recording.notices(), *_notices(samples, left)))
 
 
 def require_numbers(topics: Mapping[str, TopicSamples], asked: Mapping[str, Sequence[str]]) -> None:
@@ -103,8 +107,9 @@ def require_numbers(topics: Mapping[str, TopicSamples], asked: Mapping[str, Sequ
 
 def _topic(channel: Channel, reading: TopicReading, decoder: MessageDecoder, left: _Left) -> _Topic:
     samples = TopicSamples(channel)
-    decodes = reading.choose_fields is not None and decoder.can_decode(channel)
-    if reading.choose_fields is not None and not decodes:
+    is_wanted = reading.choose_fields is not None and channel.type_name not in reading.undecoded_types
+    decodes = is_wanted and decoder.can_decode(channel)
+    if is_wanted and not decodes:
         left.undefined[channel.topic] = channel
     frames = FrameReader() if samples.kind is StreamKind.TRANSFORMS else None
     return _Topic(samples=samples, reading=reading, frames=frames, decodes=decodes)
@@ -131,6 +136,8 @@ def _notices(topics: Mapping[str, TopicSamples], left: _Left) -> Iterator[str]:
         yield f"{name}: {messages} not decoded: nobody defines the type {channel.type_name}"
     for name, samples in topics.items():
         if samples.undecodable:
-            yield f"{name}: {counted(samples.undecodable, 'message')} could not be decoded and were left out"
+            verb = "was" if samples.undecodable == 1 else "were"
+            messages = counted(samples.undecodable, "message")
+            yield f"{name}: {messages} could not be decoded and {verb} left out"
     for name, count in left.second_types.items():
         yield f"{name}: recorded with two types; left out of the second: {counted(count, 'message')}"

@@ -201,7 +201,7 @@ class _Run:
 
     def _write(self, relayed: Iterable[Relayed]) -> None:
         for topic, stamp_ns, payload, _, _ in relayed:
-            self._writer.write(self._outputs[topic], stamp_ns, payload)
+            self._writer.write(self._outputs[topic], stamp_ns, payload[:])
 
     def _report(self, stamp_ns: int) -> int:
         """Hand on decisions and progress; how many ns of the recording to go until the next time."""

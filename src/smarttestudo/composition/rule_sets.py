@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,6 +18,7 @@ from smarttestudo.composition.optimize_tiers import tier_rates_for
 from smarttestudo.domain.finding import Finding, Severity
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.profile import Profile
+from smarttestudo.domain.status import RulesInForce
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -34,6 +36,13 @@ class LoadedRules:
     def errors(self) -> tuple[Finding, ...]:
         """The findings that stop the files from being used."""
         return tuple(finding for finding in self.findings if finding.severity is Severity.ERROR)
+
+    @property
+    def in_force(self) -> RulesInForce:
+        """The files, and the SHA-256 of their text in UTF-8, one after the other."""
+        text = "".join(self.texts.values())
+        sha256 = hashlib.sha256(text.encode("utf-8", "surrogateescape")).hexdigest()
+        return RulesInForce(paths=tuple(self.texts), sha256=sha256)
 
 
 def load_rules(

@@ -11,9 +11,11 @@ from smarttestudo.adirf.rule_set import RuleSet
 from smarttestudo.composition.live_decisions import DECISIONS_TOPIC, Decided, LiveDecisions
 from smarttestudo.composition.live_run import LOOK_PERIOD_S, LiveRun
 from smarttestudo.composition.replay_topics import output_name
+from smarttestudo.composition.status_announcer import DIAGNOSTICS_TOPIC, STATUS_TOPIC
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.robot import Robot
+from smarttestudo.domain.status import RulesInForce
 from smarttestudo.pacing.sample import WhenSlow
 from smarttestudo.runtime.relay_loop import RelayLoop
 
@@ -25,10 +27,11 @@ class RunRequest:
     """The rules, and how they are to be followed. Topics, also the profile's, are by full name.
 
     ``output_topic`` names monitored topics, with ``{topic}`` for the source's full name. ``decided`` are
-    given the decisions.
+    given the decisions. ``rules`` tell where the rules are from.
     """
 
     rule_set: RuleSet
+    rules: RulesInForce = field(default_factory=RulesInForce)
     profile: Profile = field(default_factory=Profile)
     when_slow: WhenSlow = WhenSlow.PASS
     output_topic: str = DEFAULT_OUTPUT_TOPIC
@@ -55,13 +58,14 @@ def run_live(request: RunRequest, robot: Robot, stopped: Callable[[], bool]) -> 
         request.rule_set, request.profile, robot.now_ns(), request.when_slow, request.budget_kb_per_s
     )
     robot.log.info(f"Relaying {len(monitored)} topics as {request.output_topic}")
-    LiveRun(robot, loop, monitored, decisions).drive(stopped)
+    LiveRun(robot, loop, monitored, decisions, request.rules).drive(stopped)
 
 
 def monitored_topics(rule_set: RuleSet, output_topic: str) -> dict[str, str]:
     """The monitored topic of each relayed one; ``UsageError`` where a name is invalid or taken."""
     monitored = {topic: output_name(topic, output_topic) for topic in rule_set.relayed}
-    taken = {*rule_set.relayed, *(signal.topic for signal in rule_set.signals), DECISIONS_TOPIC}
+    own = (DECISIONS_TOPIC, STATUS_TOPIC, DIAGNOSTICS_TOPIC)
+    taken = {*rule_set.relayed, *(signal.topic for signal in rule_set.signals), *own}
     for topic, name in monitored.items():
         if name in taken:
             cause = f"{topic} would be relayed to {name}, which is another topic's name"

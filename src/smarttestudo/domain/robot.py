@@ -4,11 +4,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-Receive = Callable[[bytes, Hashable], None]
+from smarttestudo.domain.diagnostic import Diagnostic
+from smarttestudo.domain.payload import Payload
+
+Receive = Callable[[Payload, Hashable], None]
 """Takes a serialized message and what tells its publisher from others of the topic, or ``None``."""
 
 
@@ -23,9 +26,9 @@ class Qos:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Endpoint:
-    """A publisher of a topic, with the full name of its node.
+    """A publisher or subscriber of a topic, with the full name of its node.
 
-    It has no depth: that cannot be discovered of a remote publisher.
+    It has no depth: that cannot be discovered of a remote one.
     """
 
     node: str
@@ -35,7 +38,28 @@ class Endpoint:
 
 
 class Inlet(Protocol):
-    """A subscription to a source."""
+    """A subscription to a source.
+
+    It can ``rest``, where its path can: then messages wake nobody and all but the newest are dropped, until
+    ``take_newest`` hands that one out.
+    """
+
+    @property
+    def sent(self) -> int | None:
+        """Messages that the source has sent since the first that came, taken or not; ``None`` if unknown."""
+
+    @property
+    def dropped(self) -> int:
+        """Messages that were lost on their way or in a full queue; not those dropped by resting."""
+
+    def rest(self) -> None:
+        """Wake for no message from now on, where the path can do that."""
+
+    def work(self) -> None:
+        """Receive every message again."""
+
+    def take_newest(self) -> bool:
+        """Receive the newest message that came while resting; if there is none, the next one wakes."""
 
     def close(self) -> None:
         """Receive nothing more."""
@@ -44,7 +68,7 @@ class Inlet(Protocol):
 class Outlet(Protocol):
     """A publisher of a monitored topic."""
 
-    def publish(self, payload: bytes) -> None:
+    def publish(self, payload: Payload) -> None:
         """Send a serialized message. Raises ``RosError``."""
 
     def close(self) -> None:
@@ -57,13 +81,26 @@ class DataPath(Protocol):
     def knows(self, type_name: str) -> bool:
         """Whether the message type is installed."""
 
-    def subscribe(self, topic: str, type_name: str, qos: Qos, receive: Receive) -> Inlet:
-        """Have ``receive`` called with each message. Raises ``RosError``."""
+    @property
+    def tells_publishers(self) -> bool:
+        """Whether ``receive`` is told the publisher of each message: its GID, as ``bytes``."""
+
+    @property
+    def can_rest(self) -> bool:
+        """Whether inlets can rest, and still say how much their source sends."""
+
+    def subscribe(
+        self, topic: str, type_name: str, qos: Qos, receive: Receive, *, priority: int = 0
+    ) -> Inlet:
+        """Have ``receive`` called with each message. Raises ``RosError``.
+
+        When messages pile up, those of the highest ``priority`` are served first.
+        """
 
     def advertise(self, topic: str, type_name: str, qos: Qos) -> Outlet:
         """Publish on ``topic``. Raises ``RosError``."""
 
-    def decode(self, topic: str, type_name: str, payload: bytes) -> object:
+    def decode(self, topic: str, type_name: str, payload: Payload) -> object:
         """The message of a payload that came on ``topic``. Raises ``RosError``."""
 
 
@@ -100,6 +137,18 @@ class Robot(Protocol):
 
     def publishers(self, topic: str) -> Sequence[Endpoint]:
         """Who publishes ``topic`` now, as far as discovered."""
+
+    def subscribers(self, topic: str) -> Sequence[Endpoint]:
+        """Who subscribes to ``topic`` now, as far as discovered."""
+
+    def topics(self) -> Mapping[str, Sequence[str]]:
+        """The types of each topic that somebody publishes or subscribes to, by its full name."""
+
+    def begins_with_header(self, type_name: str) -> bool:
+        """Whether messages of that type begin with a std_msgs/Header; not where it is not installed."""
+
+    def diagnostics_publisher(self, topic: str) -> Callable[[Sequence[Diagnostic]], None]:
+        """What sends a diagnostic_msgs/msg/DiagnosticArray on ``topic``; both may raise ``RosError``."""
 
     def text_publisher(self, topic: str, qos: Qos) -> Callable[[str], None]:
         """What sends a std_msgs/msg/String on ``topic``; both may raise ``RosError``."""

@@ -55,5 +55,9 @@ class SourcePeriod:
             return last_ns + stale_after_ns + 1
         if transient_local or intervals < INTERVALS_NEEDED:
             return None
-        limit_ns = max(STALE_AT_LEAST_NS, STALE_PERIODS * (last_ns - arrivals_ns[0]) // intervals)
-        return last_ns + limit_ns + 1
+        return last_ns + silence_limit_ns(last_ns - arrivals_ns[0], intervals) + 1
+
+
+def silence_limit_ns(span_ns: int, intervals: int) -> int:
+    """How long a source may be silent that had so many ``intervals`` in ``span_ns``: 2 s or five of them."""
+    return max(STALE_AT_LEAST_NS, STALE_PERIODS * span_ns // intervals)

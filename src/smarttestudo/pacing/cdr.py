@@ -16,6 +16,7 @@ from smarttestudo.domain.units import NS_PER_S
 
 HEADER_BYTES = 4
 STAMP_BYTES = 8
+STAMPED_BYTES = HEADER_BYTES + STAMP_BYTES
 MAX_TRANSFORMS = 10_000
 MAX_KNOWN_LAYOUTS = 64
 
@@ -29,10 +30,11 @@ Payload = bytes | bytearray | memoryview
 def header_stamp(payload: Payload) -> bytes | None:
     """``header.stamp`` of a message that begins with a std_msgs/Header; ``None`` if it cannot be one.
 
-    The 8 bytes of sec (int32) and nanosec (uint32), always in little endian: equal stamps are equal bytes.
+    The first ``STAMPED_BYTES`` of it are enough. What comes back are the 8 bytes of sec (int32) and nanosec
+    (uint32), always in little endian: equal stamps are equal bytes.
     """
     order = _byte_order(payload)
-    if order is None or len(payload) < HEADER_BYTES + STAMP_BYTES:
+    if order is None or len(payload) < STAMPED_BYTES:
         return None
     sec, nanosec = struct.unpack_from(f"{order}iI", payload, HEADER_BYTES)
     return struct.pack("<iI", sec, nanosec) if nanosec < NS_PER_S else None

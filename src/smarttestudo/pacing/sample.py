@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import NamedTuple
 
+from smarttestudo.domain.payload import Payload
+
 
 class WhenSlow(Enum):
     """What a relay does when its target is above its source."""
@@ -42,7 +44,7 @@ class Sample:
     to make, and one is made for every message.
     """
 
-    payload: object
+    payload: Payload
     size_bytes: int
     publisher: Hashable = None
     frames: tuple[str, ...] = ()

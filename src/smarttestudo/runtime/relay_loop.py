@@ -9,6 +9,7 @@ from collections.abc import Collection, Hashable, Iterator, Mapping, Sequence
 from smarttestudo.adirf.rule_set import RuleSet
 from smarttestudo.domain.decision import Decision, PlannedRate
 from smarttestudo.domain.observation import Arrival, LinkBudget, Observation, SourceChanged
+from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.signal import Signal
 from smarttestudo.pacing.sample import WhenSlow
@@ -53,6 +54,11 @@ class RelayLoop:
         return relays_ns if step_ns is None or relays_ns < step_ns else step_ns
 
     @property
+    def profile(self) -> Profile:
+        """What is known about the topics."""
+        return self._knowledge.profile
+
+    @property
     def plan(self) -> Mapping[str, PlannedRate]:
         """The rate of each relayed topic, with its reason; a live view."""
         return self._knowledge.plan
@@ -78,6 +84,16 @@ class RelayLoop:
         return self._knowledge.link is not None and self._knowledge.link.floors_broke_budget
 
     @property
+    def floors_break_budget(self) -> bool:
+        """Whether the floors alone are more than the budget now."""
+        return self._knowledge.link is not None and self._knowledge.link.floors_break_budget
+
+    @property
+    def budget_kb_per_s(self) -> float | None:
+        """What all relayed topics together may take; ``None`` without a budget."""
+        return None if self._knowledge.link is None else self._knowledge.link.budget_kb_per_s
+
+    @property
     def discarded(self) -> Mapping[str, int]:
         """Messages of topics paced with another one that met no decision of it."""
         return self._relays.discarded
@@ -96,7 +112,7 @@ class RelayLoop:
         self,
         topic: str,
         now_ns: int,
-        payload: bytes,
+        payload: Payload,
         size_bytes: int,
         *,
         message: object | None = None,

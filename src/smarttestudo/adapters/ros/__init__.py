@@ -10,10 +10,12 @@ from contextlib import contextmanager
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.robot import Robot
 
+NODE_NAME = "smarttestudo"
+
 
 @contextmanager
-def open_robot(ros_arguments: Sequence[str] = ()) -> Iterator[Robot]:
-    """A node ``smarttestudo`` on the graph; ``ros_arguments`` are what follows ``--ros-args``.
+def open_robot(ros_arguments: Sequence[str] = (), *, name: str = NODE_NAME) -> Iterator[Robot]:
+    """A node ``name`` on the graph; ``ros_arguments`` are what follows ``--ros-args``.
 
     Raises:
         RosError: rclpy is missing, or the node cannot be made.
@@ -28,5 +30,5 @@ def open_robot(ros_arguments: Sequence[str] = ()) -> Iterator[Robot]:
         ) from error
     from smarttestudo.adapters.ros.node import open_node  # noqa: PLC0415  needs rclpy
 
-    with open_node(ros_arguments) as node:
+    with open_node(ros_arguments, name) as node:
         yield node

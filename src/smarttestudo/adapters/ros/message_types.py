@@ -31,3 +31,12 @@ def message_type(type_name: str, topic: str) -> Any:
             place=topic,
             remedy=f"install the ROS package {package}, or source the workspace that holds it",
         ) from error
+
+
+def begins_with_header(type_name: str) -> bool:
+    """Whether messages of ``type_name`` begin with a std_msgs/Header; not where it is not installed."""
+    try:
+        fields = message_type(type_name, "").get_fields_and_field_types()
+    except RosError:
+        return False
+    return next(iter(fields.items()), None) == ("header", "std_msgs/Header")

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any
 
@@ -15,19 +15,19 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
-from smarttestudo.adapters.ros.message_types import message_type
+from smarttestudo.adapters.ros.diagnostics import diagnostics_publisher
+from smarttestudo.adapters.ros.message_types import begins_with_header, message_type
 from smarttestudo.adapters.ros.qos import is_reliable, is_transient_local, qos_profile
 from smarttestudo.adapters.ros.rclpy_path import RclpyPath, ros_errors
+from smarttestudo.domain.diagnostic import Diagnostic
 from smarttestudo.domain.errors import RosError, UsageError
 from smarttestudo.domain.robot import DataPath, Endpoint, Qos, RobotLog
 from smarttestudo.domain.units import NS_PER_S
 
-NODE_NAME = "smarttestudo"
-
 
 @contextmanager
-def open_node(ros_arguments: Sequence[str]) -> Iterator[RosNode]:
-    """A node with a context of its own, both gone at the end; signals are left to the caller."""
+def open_node(ros_arguments: Sequence[str], name: str) -> Iterator[RosNode]:
+    """A node ``name`` with a context of its own, both gone at the end; signals are left to the caller."""
     context = Context()
     arguments = ["--ros-args", *ros_arguments] if ros_arguments else []
     try:
@@ -36,8 +36,8 @@ def open_node(ros_arguments: Sequence[str]) -> Iterator[RosNode]:
     except RosError as error:
         raise UsageError(error.cause, place="--ros-args", remedy="see the ROS 2 manual") from error
     try:
-        with ros_errors(NODE_NAME):
-            node = Node(NODE_NAME, context=context)
+        with ros_errors(name):
+            node = Node(name, context=context)
         executor = SingleThreadedExecutor(context=context)
         executor.add_node(node)
         try:
@@ -90,16 +90,25 @@ class RosNode:
     def publishers(self, topic: str) -> Sequence[Endpoint]:
         """Who publishes ``topic`` now, as far as discovered."""
         with ros_errors(topic):
-            found = self._node.get_publishers_info_by_topic(topic)
-        return [
-            Endpoint(
-                node=f"{one.node_namespace.rstrip('/')}/{one.node_name}",
-                type_name=one.topic_type,
-                reliable=is_reliable(one.qos_profile),
-                transient_local=is_transient_local(one.qos_profile),
-            )
-            for one in found
-        ]
+            return [_endpoint(one) for one in self._node.get_publishers_info_by_topic(topic)]
+
+    def subscribers(self, topic: str) -> Sequence[Endpoint]:
+        """Who subscribes to ``topic`` now, as far as discovered."""
+        with ros_errors(topic):
+            return [_endpoint(one) for one in self._node.get_subscriptions_info_by_topic(topic)]
+
+    def topics(self) -> Mapping[str, Sequence[str]]:
+        """The types of each topic that somebody publishes or subscribes to, by its full name."""
+        with ros_errors():
+            return dict(self._node.get_topic_names_and_types())
+
+    def begins_with_header(self, type_name: str) -> bool:
+        """Whether messages of that type begin with a std_msgs/Header; not where it is not installed."""
+        return begins_with_header(type_name)
+
+    def diagnostics_publisher(self, topic: str) -> Callable[[Sequence[Diagnostic]], None]:
+        """What sends a diagnostic_msgs/msg/DiagnosticArray on ``topic``; both may raise ``RosError``."""
+        return diagnostics_publisher(self._node, topic)
 
     def text_publisher(self, topic: str, qos: Qos) -> Callable[[str], None]:
         """What sends a std_msgs/msg/String on ``topic``; both may raise ``RosError``."""
@@ -124,3 +133,12 @@ class RosNode:
         if wake_ns is not None and not self._clock.ros_time_is_active:
             timeout_s = min(longest_s, max(wake_ns - self.now_ns(), 0) / NS_PER_S)
         self._executor.spin_once(timeout_sec=timeout_s)
+
+
+def _endpoint(info: Any) -> Endpoint:
+    return Endpoint(
+        node=f"{info.node_namespace.rstrip('/')}/{info.node_name}",
+        type_name=info.topic_type,
+        reliable=is_reliable(info.qos_profile),
+        transient_local=is_transient_local(info.qos_profile),
+    )

@@ -13,11 +13,15 @@ from rclpy.serialization import deserialize_message
 from smarttestudo.adapters.ros.message_types import message_type
 from smarttestudo.adapters.ros.qos import qos_profile
 from smarttestudo.domain.errors import RosError
+from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Inlet, Outlet, Qos, Receive
 
 
 class RclpyPath:
-    """Raw subscriptions and publishers of a node. It does not tell the publishers of a topic apart."""
+    """Raw subscriptions and publishers of a node."""
+
+    tells_publishers = False
+    can_rest = False
 
     def __init__(self, node: Any) -> None:
         self._node = node
@@ -30,8 +34,16 @@ class RclpyPath:
             return False
         return True
 
-    def subscribe(self, topic: str, type_name: str, qos: Qos, receive: Receive) -> Inlet:
-        """Have ``receive`` called with each message. Raises ``RosError``."""
+    def subscribe(
+        self,
+        topic: str,
+        type_name: str,
+        qos: Qos,
+        receive: Receive,
+        *,
+        priority: int = 0,  # noqa: ARG002 - rclpy's executor serves all alike
+    ) -> Inlet:
+        """Have ``receive`` called with each message; ``priority`` is not heeded. Raises ``RosError``."""
 
         def received(payload: bytes) -> None:
             receive(payload, None)
@@ -48,17 +60,29 @@ class RclpyPath:
             handle = self._node.create_publisher(message_type(type_name, topic), topic, qos_profile(qos))
         return _Outlet(self._node, handle, topic)
 
-    def decode(self, topic: str, type_name: str, payload: bytes) -> object:
+    def decode(self, topic: str, type_name: str, payload: Payload) -> object:
         """The message of a payload that came on ``topic``. Raises ``RosError``."""
         with ros_errors(topic):
-            message: object = deserialize_message(payload, message_type(type_name, topic))
+            message: object = deserialize_message(payload[:], message_type(type_name, topic))
         return message
 
 
 class _Inlet:
+    sent = None
+    dropped = 0
+
     def __init__(self, node: Any, handle: Any) -> None:
         self._node = node
         self._handle = handle
+
+    def rest(self) -> None:
+        return
+
+    def work(self) -> None:
+        return
+
+    def take_newest(self) -> bool:
+        return False
 
     def close(self) -> None:
         self._node.destroy_subscription(self._handle)
@@ -70,9 +94,9 @@ class _Outlet:
         self._handle = handle
         self._topic = topic
 
-    def publish(self, payload: bytes) -> None:
+    def publish(self, payload: Payload) -> None:
         with ros_errors(self._topic):
-            self._handle.publish(payload)
+            self._handle.publish(payload[:])
 
     def close(self) -> None:
         self._node.destroy_publisher(self._handle)

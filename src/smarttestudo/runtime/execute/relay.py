@@ -6,10 +6,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Hashable, Sequence
-from typing import NamedTuple, cast
+from typing import NamedTuple
 
 from smarttestudo.domain.observation import SourceChanged
-from smarttestudo.pacing.cdr import FrameReader, header_stamp
+from smarttestudo.domain.payload import Payload
+from smarttestudo.pacing.cdr import STAMPED_BYTES, FrameReader, header_stamp
 from smarttestudo.pacing.follower import Follower
 from smarttestudo.pacing.sample import Pass, Sample, StreamKind
 from smarttestudo.pacing.topic_pacer import TopicPacer
@@ -24,7 +25,7 @@ class Relayed(NamedTuple):
 
     topic: str
     stamp_ns: int
-    payload: bytes
+    payload: Payload
     size_bytes: int
     repeated: bool
 
@@ -73,14 +74,14 @@ class Relay:
         for relay in (self, *self.followers):
             relay.statistics.target.change(relay.target_hz, now_ns)
 
-    def offer(self, payload: bytes, size_bytes: int, publisher: Hashable, now_ns: int) -> Sequence[Relayed]:
+    def offer(self, payload: Payload, size_bytes: int, publisher: Hashable, now_ns: int) -> Sequence[Relayed]:
         """What passes now that a message arrived."""
         self.statistics.arrived.record(now_ns, size_bytes)
         sample = Sample(payload=payload, size_bytes=size_bytes, publisher=publisher)
         if self._has_frames:
-            sample.frames = self._frames.child_frames(payload)
+            sample.frames = self._frames.child_frames(payload[:])
         if self.followers or self.leader:
-            sample.stamp = header_stamp(payload)
+            sample.stamp = header_stamp(payload[:STAMPED_BYTES])
         passes = self.pacer.offer(sample, now_ns)
         return self._relayed(passes, now_ns) if passes else ()
 
@@ -105,6 +106,5 @@ class Relay:
         for sample, repeated in passes:
             statistics.relayed.record(now_ns, sample.size_bytes)
             statistics.repeated += repeated
-            payload = cast("bytes", sample.payload)
-            relayed.append(Relayed(self.topic, now_ns, payload, sample.size_bytes, repeated))
+            relayed.append(Relayed(self.topic, now_ns, sample.payload, sample.size_bytes, repeated))
         return relayed

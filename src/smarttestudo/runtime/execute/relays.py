@@ -8,6 +8,7 @@ from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.observation import SourceChanged
+from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.domain.units import ns_from_s
 from smarttestudo.pacing.follower import Follower, leaders
@@ -55,7 +56,7 @@ class Relays:
             self._arm(relay)
 
     def offer(
-        self, topic: str, payload: bytes, size_bytes: int, publisher: Hashable, now_ns: int
+        self, topic: str, payload: Payload, size_bytes: int, publisher: Hashable, now_ns: int
     ) -> Sequence[Relayed]:
         """What to relay now that a message arrived; nothing for topics without a relay."""
         relay = self._relays.get(topic)

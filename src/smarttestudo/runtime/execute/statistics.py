@@ -12,21 +12,21 @@ from smarttestudo.domain.units import NS_PER_S
 
 
 class Flow:
-    """Messages counted on one side of a relay; ``span_ns`` is the time from the first to the last."""
+    """Messages counted on one side of a relay; the last came at ``last_ns``, ``span_ns`` after the first."""
 
-    __slots__ = ("_last_ns", "messages", "size_bytes", "span_ns")
+    __slots__ = ("last_ns", "messages", "size_bytes", "span_ns")
 
     def __init__(self) -> None:
         self.messages = 0
         self.size_bytes = 0
         self.span_ns = 0
-        self._last_ns = 0
+        self.last_ns = 0
 
     def record(self, now_ns: int, size_bytes: int) -> None:
         """Count a message."""
-        if self.messages and now_ns > self._last_ns:
-            self.span_ns += now_ns - self._last_ns
-        self._last_ns = now_ns
+        if self.messages and now_ns > self.last_ns:
+            self.span_ns += now_ns - self.last_ns
+        self.last_ns = now_ns
         self.messages += 1
         self.size_bytes += size_bytes
 

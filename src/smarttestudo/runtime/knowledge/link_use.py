@@ -45,6 +45,16 @@ class LinkUse:
         """The link now carries ``budget_kb_per_s``; the next ``update`` plans anew."""
         self._keeper.budget_kb_per_s = budget_kb_per_s
 
+    @property
+    def budget_kb_per_s(self) -> float:
+        """What the link carries."""
+        return self._keeper.budget_kb_per_s
+
+    @property
+    def floors_break_budget(self) -> bool:
+        """Whether the floors alone are too much now."""
+        return not self._keeper.plan.floors_fit
+
     def record(self, topic: str, now_ns: int, size_bytes: int) -> None:
         """A source sent a message; topics without a relay do not count."""
         if topic in self._unmeasured:

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from smarttestudo.visualizer.loss.curve import CurvePoint, LossCurve
 from smarttestudo.visualizer.loss.tables import measured
-from smarttestudo.visualizer.table import Column, Number, Row, Table
+from smarttestudo.visualizer.table import Column, Number, Row, Table, printable
 
 _MOST_FIELDS = 7
 
@@ -15,7 +15,7 @@ def curve_table(curve: LossCurve) -> Table:
     """The error of each field at rising rates; of many fields the first, all are in ``--json``."""
     shown = curve.fields[:_MOST_FIELDS]
     hidden = len(curve.fields) - len(shown)
-    title = f"{curve.topic}: RMSE over time of who holds the last value received, by rate"
+    title = f"{printable(curve.topic)}: RMSE over time of who holds the last value received, by rate"
     if curve.breakpoints:
         tiers = ", ".join(f"{rate_hz:g}" for rate_hz in curve.breakpoints.tiers_hz)
         title += f"\nProposed tiers: {tiers} Hz\n({curve.breakpoints.origin})"

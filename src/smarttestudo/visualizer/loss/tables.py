@@ -21,11 +21,12 @@ from smarttestudo.visualizer.loss.report import (
 from smarttestudo.visualizer.table import Align, Cell, Column, Number, Row, Table, Text
 
 _SMALL = 0.01
-_MOST_DECIMALS = 9
+_NOISE = 1e-9
 _PERCENT = 100.0
 _ERROR_NOTE = (
     "Error over time against A, in the field's unit: of who holds the last value received, and of who looks "
-    "back and interpolates between those received. %: RMSE relative to the field's range in A."
+    "back and interpolates between those received. %: RMSE relative to the field's range in A. Fields that "
+    "never changed are left out."
 )
 _AGE_NOTE = "Age: time since the newest message received. Hz: messages over the recording's duration."
 _CROSSING_NOTE = (
@@ -142,11 +143,11 @@ def image_table(report: LossReport) -> Table:
 
 def measured(value: float | None) -> Number:
     """``value`` in three significant digits, in two below 0.01."""
-    if not value:
-        return Number(value, decimals=0)
+    if value is None or abs(value) < _NOISE:
+        return Number(None if value is None else 0.0, decimals=0)
     digits = 3 if abs(value) >= _SMALL else 2
     decimals = digits - 1 - math.floor(math.log10(abs(value)))
-    return Number(value, decimals=min(max(decimals, 0), _MOST_DECIMALS))
+    return Number(value, decimals=max(decimals, 0))
 
 
 def _error_row(loss: FieldLoss) -> Row:

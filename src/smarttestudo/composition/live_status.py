@@ -1,0 +1,196 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a live run does now, from its loop, what its topics are linked to, and the time between looks."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from smarttestudo.composition.topic_link import TopicLink
+from smarttestudo.domain.decision import PlannedRate
+from smarttestudo.domain.profile import TopicProfile
+from smarttestudo.domain.status import (
+    ProcessReading,
+    RulesInForce,
+    RuntimeStatus,
+    Silence,
+    TopicCounts,
+    TopicStatus,
+)
+from smarttestudo.domain.units import NS_PER_S, ns_from_s
+from smarttestudo.pacing.cdr import HEADER_BYTES, STAMP_BYTES
+from smarttestudo.pacing.sample import StreamKind
+from smarttestudo.runtime.execute.flow_meter import FlowMeter
+from smarttestudo.runtime.execute.message_age import MessageAge
+from smarttestudo.runtime.execute.relay import Relayed
+from smarttestudo.runtime.execute.statistics import RelayStatistics
+from smarttestudo.runtime.relay_loop import RelayLoop
+
+TOLERANCE_PERCENT = 5.0
+_ERROR_AFTER_NS = 5 * NS_PER_S
+# What a pacer's credit and the edges of a window may add or take.
+_MESSAGES_EXPLAINED = 3
+_BYTES_PER_MB = 1_000_000
+_BEGINNING = slice(HEADER_BYTES + STAMP_BYTES)
+
+
+class _Meters:
+    """Both sides of one relay."""
+
+    __slots__ = ("age", "arrived", "relayed", "statistics", "target_hz")
+
+    def __init__(self, statistics: RelayStatistics) -> None:
+        self.statistics = statistics
+        self.arrived = FlowMeter(statistics.arrived)
+        self.relayed = FlowMeter(statistics.relayed)
+        self.age = MessageAge()
+        self.target_hz = statistics.target.rate_hz
+
+    def look(self, link: TopicLink, profile: TopicProfile, now_ns: int) -> None:
+        """Measure anew; the output from its last change of target on."""
+        if self.target_hz != self.statistics.target.rate_hz:
+            self.target_hz = self.statistics.target.rate_hz
+            self.relayed.restart()
+        stale_after_s = profile.stale_after_s
+        self.arrived.look(
+            now_ns,
+            stale_after_ns=None if stale_after_s is None else ns_from_s(stale_after_s),
+            transient_local=link.transient_local,
+        )
+        self.relayed.look(now_ns, transient_local=link.transient_local)
+        self.age.look(now_ns, self.statistics.relayed.messages)
+
+
+class _Error(NamedTuple):
+    """How far the output's rate is off, and whether that is as it should be."""
+
+    percent: float | None
+    is_explained: bool
+
+
+class LiveStatus:
+    """Measures a live run; ``look`` is to be called about once a second."""
+
+    def __init__(self, node: str, start: ProcessReading) -> None:
+        self._node = node
+        self._start = self._process = start
+        self._meters: dict[str, _Meters] = {}
+
+    def note(self, relayed: Relayed) -> None:
+        """A message was relayed."""
+        meters = self._meters.get(relayed.topic)
+        if meters is not None:
+            # A copy: the payload may lie in a buffer that the next message takes.
+            meters.age.note(bytes(relayed.payload[_BEGINNING]), relayed.stamp_ns)
+
+    def look(
+        self,
+        loop: RelayLoop,
+        links: Mapping[str, TopicLink],
+        rules: RulesInForce,
+        process: ProcessReading,
+        now_ns: int,
+    ) -> RuntimeStatus:
+        """The status at ``now_ns`` on the node's clock; ``links`` are those of all relayed topics."""
+        before, self._process = self._process, process
+        elapsed_ns = process.steady_ns - before.steady_ns
+        resident = process.resident_bytes
+        return RuntimeStatus(
+            node=self._node,
+            stamp_ns=now_ns,
+            uptime_s=(process.steady_ns - self._start.steady_ns) / NS_PER_S,
+            rules=rules,
+            budget_kb_per_s=loop.budget_kb_per_s,
+            floors_break_budget=loop.floors_break_budget,
+            cpu_percent=100 * (process.cpu_ns - before.cpu_ns) / elapsed_ns if elapsed_ns > 0 else None,
+            memory_mb=None if resident is None else resident / _BYTES_PER_MB,
+            topics=self._topics(loop, links, now_ns),
+        )
+
+    def _topics(self, loop: RelayLoop, links: Mapping[str, TopicLink], now_ns: int) -> dict[str, TopicStatus]:
+        statistics, discarded = loop.topics, loop.discarded
+        self._meters = {topic: self._metered(topic, statistics[topic]) for topic in links}
+        for topic, link in links.items():
+            self._meters[topic].look(link, loop.profile.topic(topic), now_ns)
+        return {
+            topic: _topic_status(
+                link,
+                loop.plan[topic],
+                self._meters[topic],
+                _counts(statistics[topic], discarded.get(topic, 0), loop.undecodable.get(topic, 0)),
+            )
+            for topic, link in links.items()
+        }
+
+    def _metered(self, topic: str, statistics: RelayStatistics) -> _Meters:
+        meters = self._meters.get(topic)
+        # New rules may come with new statistics.
+        return meters if meters is not None and meters.statistics is statistics else _Meters(statistics)
+
+
+def _topic_status(link: TopicLink, planned: PlannedRate, meters: _Meters, counts: TopicCounts) -> TopicStatus:
+    source_hz = meters.arrived.rate_hz
+    expected_hz = None if source_hz is None else min(meters.target_hz, source_hz)
+    error = _error(meters, expected_hz, link)
+    is_still = meters.arrived.is_silent or meters.target_hz == 0
+    return TopicStatus(
+        output=link.output,
+        type_name=link.type_name,
+        reason=planned.reason,
+        rule=planned.rule,
+        line=planned.line,
+        target_hz=meters.target_hz,
+        source_hz=source_hz,
+        expected_hz=expected_hz,
+        actual_hz=0.0 if is_still else meters.relayed.rate_hz,
+        error_percent=error.percent,
+        keeps_rate=error.is_explained,
+        stamped_hz=meters.age.stamped_hz if link.has_header else None,
+        delay_ms=meters.age.delay_ms if link.has_header else None,
+        in_kb_per_s=meters.arrived.kb_per_s,
+        out_kb_per_s=meters.relayed.kb_per_s,
+        publishers=link.publishers,
+        subscribers=link.subscribers,
+        incompatible=link.incompatible,
+        problem=link.problem,
+        silence=_silence(link, meters),
+        counts=counts,
+    )
+
+
+def _counts(statistics: RelayStatistics, discarded: int, undecodable: int) -> TopicCounts:
+    return TopicCounts(
+        received=statistics.arrived.messages,
+        relayed=statistics.relayed.messages,
+        repeated=statistics.repeated,
+        discarded=discarded,
+        undecodable=undecodable,
+    )
+
+
+def _error(meters: _Meters, expected_hz: float | None, link: TopicLink) -> _Error:
+    actual_hz, span_ns = meters.relayed.rate_hz, meters.relayed.span_ns
+    kind = StreamKind.of(type_name=link.type_name or "", transient_local=link.transient_local)
+    paces_messages = kind is StreamKind.VOLATILE and not meters.statistics.repeated
+    if not (expected_hz and actual_hz and paces_messages) or span_ns < _ERROR_AFTER_NS:
+        return _Error(None, is_explained=True)
+    if link.publishers > 1 and actual_hz > expected_hz:
+        # Where publishers are told apart, each has the rate for itself.
+        return _Error(None, is_explained=True)
+    percent = 100 * (actual_hz / expected_hz - 1)
+    messages_off = abs(actual_hz - expected_hz) * span_ns / NS_PER_S
+    return _Error(percent, abs(percent) <= TOLERANCE_PERCENT or messages_off <= _MESSAGES_EXPLAINED)
+
+
+def _silence(link: TopicLink, meters: _Meters) -> Silence | None:
+    reasons = {
+        Silence.OFF: meters.target_hz == 0,
+        Silence.NO_PUBLISHER: link.publishers == 0,
+        Silence.CANNOT_RELAY: link.problem is not None,
+        Silence.NO_SUBSCRIBER: link.subscribers == 0,
+        Silence.INCOMPATIBLE_QOS: link.subscribers == len(link.incompatible),
+        Silence.NO_MESSAGE: meters.statistics.arrived.messages == 0,
+        Silence.SOURCE_SILENT: meters.arrived.is_silent,
+    }
+    return next((reason for reason, holds in reasons.items() if holds), None)

@@ -1,0 +1,131 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a live runtime does at one moment."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum
+
+from smarttestudo.domain.decision import Reason
+
+
+class Silence(Enum):
+    """Why nobody receives anything of a relayed topic. The first that holds is said."""
+
+    OFF = "Off"
+    NO_PUBLISHER = "no publisher"
+    CANNOT_RELAY = "cannot be relayed"
+    NO_SUBSCRIBER = "no subscriber"
+    INCOMPATIBLE_QOS = "incompatible QoS"
+    NO_MESSAGE = "no message yet"
+    SOURCE_SILENT = "source is silent"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ProcessReading:
+    """CPU time that a process took since its start, when that was read, and its resident memory if known."""
+
+    cpu_ns: int
+    steady_ns: int
+    resident_bytes: int | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RulesInForce:
+    """The files that the rules came from, and the SHA-256 of their text in hexadecimal."""
+
+    paths: tuple[str, ...] = ()
+    sha256: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TopicCounts:
+    """Messages of one topic since the start.
+
+    ``received`` came, ``relayed`` went out, ``repeated`` of those for another time, ``dropped`` were held
+    back by the pacer. ``discarded`` met no decision of the topic they are paced with, ``undecodable`` could
+    not be read by a check.
+    """
+
+    received: int = 0
+    relayed: int = 0
+    repeated: int = 0
+    discarded: int = 0
+    undecodable: int = 0
+
+    @property
+    def dropped(self) -> int:
+        """Messages that came and were not relayed."""
+        return self.received - (self.relayed - self.repeated)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TopicStatus:
+    """One relayed topic.
+
+    ``reason``, ``rule`` and ``line`` are those of its planned rate. Rates are (n − 1) / (last − first) over
+    about ten seconds, those of the output since its target last changed. ``target_hz`` is infinite for Full
+    and 0 for Off, ``expected_hz`` the lesser of target and source, ``error_percent`` how far ``actual_hz``
+    lies above it, and not ``keeps_rate`` that it is off by more than pacing explains. ``stamped_hz`` is the
+    rate by the messages' own header stamps and ``delay_ms`` how old the last one was when it was relayed.
+    ``incompatible`` are nodes that subscribe to the output with a QoS it cannot serve, ``problem`` says why
+    the topic cannot be relayed. A number that the messages do not determine is ``None``.
+    """
+
+    output: str
+    type_name: str | None
+    reason: Reason
+    rule: str | None
+    line: int | None
+    target_hz: float
+    source_hz: float | None
+    expected_hz: float | None
+    actual_hz: float | None
+    error_percent: float | None
+    keeps_rate: bool
+    stamped_hz: float | None
+    delay_ms: float | None
+    in_kb_per_s: float
+    out_kb_per_s: float
+    publishers: int
+    subscribers: int
+    incompatible: tuple[str, ...]
+    problem: str | None
+    silence: Silence | None
+    counts: TopicCounts
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RuntimeStatus:
+    """All of a runtime: its node, its rules, the link, itself, and its topics by source.
+
+    ``stamp_ns`` is the node's clock, ``uptime_s`` real time since the start, ``cpu_percent`` of one core
+    since the last status, ``memory_mb`` what is resident.
+    """
+
+    node: str
+    stamp_ns: int
+    uptime_s: float
+    rules: RulesInForce
+    budget_kb_per_s: float | None
+    floors_break_budget: bool
+    cpu_percent: float | None
+    memory_mb: float | None
+    topics: Mapping[str, TopicStatus]
+
+    @property
+    def in_kb_per_s(self) -> float:
+        """What comes in of all relayed topics."""
+        return sum(topic.in_kb_per_s for topic in self.topics.values())
+
+    @property
+    def out_kb_per_s(self) -> float:
+        """What goes out on all monitored topics."""
+        return sum(topic.out_kb_per_s for topic in self.topics.values())
+
+    @property
+    def is_fallback(self) -> bool:
+        """Whether everything is relayed because there are no valid rules."""
+        return any(topic.reason is Reason.FALLBACK for topic in self.topics.values())
