@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from statistics import fmean
@@ -69,20 +70,29 @@ def _series(
     value_of: Callable[[SecondBin], float],
 ) -> Series:
     first = -(-span.start_ns // NS_PER_S)
-    values = [0.0] * max(span.end_ns // NS_PER_S - first, 0)
+    seconds = max(span.end_ns // NS_PER_S - first, 0)
+    # A jump of the clock makes decades of seconds without a message; only the others are kept.
+    values: dict[int, float] = defaultdict(float)
     for trace in traces:
         for bin_ in trace.bins():
-            if 0 <= bin_.second - first < len(values):
+            if 0 <= bin_.second - first < seconds:
                 values[bin_.second - first] += value_of(bin_)
-    width = -(-len(values) // max_points) or 1
+    width = -(-seconds // max_points) or 1
+    stretches: list[list[float]] = [[] for _ in range(0, seconds, width)]
+    for second, value in values.items():
+        stretches[second // width].append(value)
     offset_s = (first * NS_PER_S - span.start_ns) / NS_PER_S
     return tuple(
-        _point(values[start : start + width], offset_s + start) for start in range(0, len(values), width)
+        _point(found, offset_s + index * width, min(width, seconds - index * width))
+        for index, found in enumerate(stretches)
     )
 
 
-def _point(values: Sequence[float], start_s: float) -> SeriesPoint:
-    """The stretch from ``start_s`` on, with the value of each of its seconds."""
+def _point(values: Sequence[float], start_s: float, seconds: int) -> SeriesPoint:
+    """The stretch of ``seconds`` from ``start_s`` on, with the values of those that are not 0."""
     return SeriesPoint(
-        t_s=start_s + len(values) / 2, lowest=min(values), mean=fmean(values), highest=max(values)
+        t_s=start_s + seconds / 2,
+        lowest=min(values) if len(values) == seconds else 0,
+        mean=sum(values) / seconds,
+        highest=max(values, default=0),
     )

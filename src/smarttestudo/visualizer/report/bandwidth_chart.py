@@ -24,7 +24,7 @@ from smarttestudo.visualizer.report.wide_chart import (
 from smarttestudo.visualizer.series import Series, SeriesPoint, coarser
 
 HEIGHT = 230.0
-MAX_POINTS = 300
+MAX_POINTS = 200
 KB_PER_S = "KB/s"
 
 

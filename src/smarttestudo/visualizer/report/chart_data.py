@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from smarttestudo.visualizer.floor import PathPoint
 from smarttestudo.visualizer.report.bandwidth_chart import (
@@ -17,6 +17,7 @@ from smarttestudo.visualizer.report.map_frame import MapFrame
 from smarttestudo.visualizer.report.rate_chart import rate_scale, rate_ticks
 from smarttestudo.visualizer.report.run_report import RunReport, TopicSeries
 from smarttestudo.visualizer.report.scale import Scale
+from smarttestudo.visualizer.report.spans import long_enough
 from smarttestudo.visualizer.report.stack import layers
 from smarttestudo.visualizer.report.wide_chart import value_scale
 from smarttestudo.visualizer.rule_timeline import by_topic
@@ -24,8 +25,8 @@ from smarttestudo.visualizer.series import Series, coarser
 from smarttestudo.visualizer.table import printable
 from smarttestudo.visualizer.targets import TargetSpan, target_spans
 
-MOST_NUMBERS = 25_000
-MOST_TARGETS = 200
+_MOST_NUMBERS = 12_000
+_MOST_TARGETS = 600
 _FEWEST_POINTS, _MOST_POINTS = 50, 1000
 _ARRAYS_PER_TOPIC = 6
 _DIGITS = 4
@@ -43,49 +44,62 @@ def chart_data(
     The more topics are ``shown``, the fewer points each has; the least and the greatest value of what a
     point stands for stay.
     """
-    fair_points = MOST_NUMBERS // (_ARRAYS_PER_TOPIC * max(len(shown), 1))
+    topics = max(len(shown), 1)
+    fair_points = _MOST_NUMBERS // (_ARRAYS_PER_TOPIC * topics)
     max_points = min(max(fair_points, _FEWEST_POINTS), _MOST_POINTS)
     decisions = by_topic(report.decisions)
     numbers = {
         "duration": report.duration_s,
-        "names": [report.names.before, report.names.after],
         "isPair": report.is_pair,
         "budget": report.budget_kb_per_s,
         "topics": [
-            _topic(series, target_spans(decisions.get(series.topic, []), report.duration_s), max_points)
+            _topic(
+                series,
+                target_spans(decisions.get(series.topic, []), report.duration_s),
+                max_points=max_points,
+                most_targets=_MOST_TARGETS // topics,
+            )
             for series in shown
         ],
-        "total": {
-            "top": value_scale(highest_total_kb_per_s(report), 0.0).values[-1],
-            "before": _course(report.total.before.kb_per_s, max_points),
-            "after": _course(report.total.after.kb_per_s, max_points),
-        },
-        "stack": {
-            "top": value_scale(highest_stacked_kb_per_s(report), 0.0).values[-1],
-            "layers": [
-                {"name": printable(layer.name), **_course(layer.points, max_points, mean=True)}
-                for layer in layers(report, of_second=report.is_pair)
-            ],
-        },
-        "lanes": [
-            {
-                "name": printable(row.name),
-                "spans": [
-                    [_s(span.start_s), _s(span.end_s), printable(span.text), span.css_class]
-                    for span in row.spans
-                ],
-            }
-            for row in rows
-        ],
-        "path": []
-        if frame is None
-        else [[_s(point.t_s), *map(_place, frame.place(point))] for point in path],
+        "total": _total(report, max_points),
+        "stack": _stack(report, max_points),
+        "lanes": [_lane(row) for row in rows],
+        "path": [] if frame is None else [_place(point, frame) for point in path],
     }
     text = json.dumps(numbers, allow_nan=False, separators=(",", ":"), ensure_ascii=True)
     return text.replace("<", "\\u003c")
 
 
-def _topic(series: TopicSeries, targets: Sequence[TargetSpan], max_points: int) -> dict[str, object]:
+def _total(report: RunReport, max_points: int) -> dict[str, object]:
+    return {
+        "top": value_scale(highest_total_kb_per_s(report), 0.0).values[-1],
+        "before": _course(report.total.before.kb_per_s, max_points),
+        "after": _course(report.total.after.kb_per_s, max_points),
+    }
+
+
+def _stack(report: RunReport, max_points: int) -> dict[str, object]:
+    return {
+        "top": value_scale(highest_stacked_kb_per_s(report), 0.0).values[-1],
+        "layers": [
+            {"name": printable(layer.name), **_course(layer.points, max_points, mean=True)}
+            for layer in layers(report, of_second=report.is_pair)
+        ],
+    }
+
+
+def _lane(row: Lane) -> dict[str, object]:
+    return {
+        "name": printable(row.name),
+        "spans": [
+            [_s(span.start_s), _s(span.end_s), printable(span.text), span.css_class] for span in row.spans
+        ],
+    }
+
+
+def _topic(
+    series: TopicSeries, targets: Sequence[TargetSpan], *, max_points: int, most_targets: int
+) -> dict[str, object]:
     y = rate_scale(series, targets)
     return {
         "name": printable(series.topic),
@@ -98,9 +112,15 @@ def _topic(series: TopicSeries, targets: Sequence[TargetSpan], max_points: int) 
         "afterKb": _course(series.after.kb_per_s, max_points, mean=True),
         "targets": [
             [_s(span.start_s), _s(span.end_s), None if span.rate.is_full else span.rate.hz]
-            for span in targets[:MOST_TARGETS]
+            for span in _bounded(targets, most_targets)
         ],
     }
+
+
+def _bounded(targets: Sequence[TargetSpan], most: int) -> Iterable[TargetSpan]:
+    if len(targets) <= most:
+        return targets
+    return long_enough(targets, (targets[-1].end_s - targets[0].start_s) / most)
 
 
 def _from_foot(y: Scale) -> list[float]:
@@ -110,10 +130,13 @@ def _from_foot(y: Scale) -> list[float]:
 
 
 def _course(series: Series, max_points: int, *, mean: bool = False) -> dict[str, object]:
-    """Times, and least and greatest values, once where they are the same throughout; or the means."""
+    """First time and step, and least and greatest values, once where they are the same; or the means."""
     points = coarser(series, max_points)
+    if not points:
+        return {"start": 0, "step": 1, "high": []}
     highest = [_round(point.mean if mean else point.highest) for point in points]
-    course: dict[str, object] = {"t": [_s(point.t_s) for point in points], "high": highest}
+    step_s = points[1].t_s - points[0].t_s if len(points) > 1 else 1
+    course: dict[str, object] = {"start": _s(points[0].t_s), "step": _s(step_s), "high": highest}
     lowest = [_round(point.lowest) for point in points]
     if not mean and lowest != highest:
         course["low"] = lowest
@@ -129,8 +152,8 @@ def _s(seconds: float) -> float:
     return _round_to(seconds, 2)
 
 
-def _place(value: float) -> float:
-    return _round_to(value, 1)
+def _place(point: PathPoint, frame: MapFrame) -> list[float]:
+    return [_s(point.t_s), *(_round_to(place, 1) for place in frame.place(point))]
 
 
 def _round_to(value: float, decimals: int) -> float:

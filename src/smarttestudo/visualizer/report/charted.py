@@ -7,7 +7,7 @@ from __future__ import annotations
 from smarttestudo.visualizer.report.run_report import RunReport, TopicSeries
 from smarttestudo.visualizer.rule_timeline import by_topic
 
-MAX_CHARTS = 40
+MAX_CHARTS = 24
 
 
 def charted_series(report: RunReport) -> list[TopicSeries]:

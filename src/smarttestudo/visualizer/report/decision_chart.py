@@ -5,12 +5,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from smarttestudo.domain.decision import Decision
 from smarttestudo.visualizer.report.markup import Markup, tag
 from smarttestudo.visualizer.report.rule_styles import RuleStyles
 from smarttestudo.visualizer.report.scale import Scale
+from smarttestudo.visualizer.report.spans import LaneSpan, long_enough
 from smarttestudo.visualizer.report.wide_chart import BOTTOM, time_axis, time_scale, wide_svg
 from smarttestudo.visualizer.rule_timeline import RuleSpan, block_at, by_topic, deciding_spans
 from smarttestudo.visualizer.targets import target_spans
@@ -19,19 +20,9 @@ MAX_LANES = 24
 LANE, GAP = 20.0, 4.0
 LANES_LEFT = 210.0
 MOST_DECIDED = "Most topics"
-_THINNEST = 0.8
+_MOST_SPANS = 600
 _CHARACTER_WIDTH = 6.4
 _LONGEST_NAME = 32
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class LaneSpan:
-    """From ``start_s`` to ``end_s``: what is written on the bar, and its look."""
-
-    start_s: float
-    end_s: float
-    text: str
-    css_class: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -47,8 +38,9 @@ def lanes(decisions: Sequence[Decision], duration_s: float, styles: RuleStyles) 
     leading = _named_lane(deciding_spans(decisions, duration_s), styles)
     groups = by_topic(decisions)
     busiest = set(sorted(groups, key=lambda topic: -len(groups[topic]))[: MAX_LANES - 1])
-    own = (_topic_lane(topic, groups[topic], duration_s, styles) for topic in groups if topic in busiest)
-    return (leading, *own)
+    own = [_topic_lane(topic, groups[topic], duration_s, styles) for topic in groups if topic in busiest]
+    most = _MOST_SPANS // (1 + len(own))
+    return tuple(_bounded(lane, duration_s, most) for lane in (leading, *own))
 
 
 def decision_chart(rows: Sequence[Lane], duration_s: float) -> Markup:
@@ -62,6 +54,13 @@ def decision_chart(rows: Sequence[Lane], duration_s: float) -> Markup:
         meaning="Rate given to each topic over time, in the colour of the rule that decided it",
         css_class="lanes",
     )
+
+
+def _bounded(lane: Lane, duration_s: float, most: int) -> Lane:
+    """``lane`` in at most about ``most`` spans."""
+    if len(lane.spans) <= most:
+        return lane
+    return replace(lane, spans=tuple(long_enough(lane.spans, duration_s / most)))
 
 
 def _named_lane(spans: Sequence[RuleSpan], styles: RuleStyles) -> Lane:
@@ -98,13 +97,8 @@ def _topic_lane(topic: str, decisions: Sequence[Decision], duration_s: float, st
 def _lane(row: Lane, top: float, x: Scale) -> Iterator[Markup]:
     name = row.name if len(row.name) <= _LONGEST_NAME else f"…{row.name[1 - _LONGEST_NAME :]}"
     yield tag("text", name, class_="lane-name", x=LANES_LEFT - 10, y=top + 14, text_anchor="end")
-    left: float | None = None
     for span in row.spans:
-        left = x(span.start_s) if left is None else left
-        width = x(span.end_s) - left
-        if width < _THINNEST:
-            continue
+        left, width = x(span.start_s), x(span.end_s) - x(span.start_s)
         yield tag("rect", class_=f"bar {span.css_class}", x=left, y=top, width=width, height=LANE)
         if _CHARACTER_WIDTH * len(span.text) + 8 < width:
             yield tag("text", span.text, class_="bar-name", x=left + 6, y=top + 14)
-        left = None

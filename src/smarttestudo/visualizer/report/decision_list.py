@@ -13,7 +13,7 @@ from smarttestudo.visualizer.report.scale import label
 from smarttestudo.visualizer.rule_timeline import deciding_block
 from smarttestudo.visualizer.table import format_number
 
-MAX_DECISIONS = 500
+MAX_DECISIONS = 200
 _DIGITS = 5
 _HEADINGS = ("Time", "Topic", "Rate", "Decided by, and what it read")
 _NOTES = {

@@ -13,8 +13,8 @@ from smarttestudo.visualizer.report.rule_styles import RuleStyles
 from smarttestudo.visualizer.report.run_report import RuleText, RunReport
 from smarttestudo.visualizer.report.sections import section
 
-MAX_RULE_LINES = 1000
-MAX_RULE_CHARACTERS = 60_000
+MAX_RULE_LINES = 400
+MAX_RULE_CHARACTERS = 30_000
 _EXPLANATION = "A decision changes the rate of a topic, because a rule begins or ceases to hold."
 
 
@@ -26,7 +26,7 @@ def decision_section(report: RunReport, rows: Sequence[Lane], styles: RuleStyles
         chart = [tag("figure", drawing, class_="chart timeline", data_chart="lanes")]
         columns.append(_scrolling("Decisions", [decision_list(report.decisions, styles)]))
     if report.rules:
-        columns.append(_scrolling("Rules", [part for rule in report.rules for part in _rule_file(rule)]))
+        columns.append(_scrolling("Rules", list(_rule_files(report.rules))))
     heading = "What the rules decided" if rows else "The rules"
     return section(
         heading,
@@ -42,14 +42,20 @@ def _scrolling(heading: str, content: Sequence[Markup]) -> Markup:
     return tag("div", tag("h3", heading), box)
 
 
-def _rule_file(rule: RuleText) -> Iterator[Markup]:
-    lines = rule.text[:MAX_RULE_CHARACTERS].splitlines()
-    numbered = (
-        part
-        for number, line in enumerate(lines[:MAX_RULE_LINES], start=1)
-        for part in (tag("span", f"{number:>4}  ", class_="number"), line, "\n")
-    )
-    yield tag("h4", rule.path, class_="words name")
-    yield tag("pre", *numbered)
-    if len(rule.text) > MAX_RULE_CHARACTERS or len(lines) > MAX_RULE_LINES:
-        yield tag("p", "The file goes on; this is its beginning.", class_="note")
+def _rule_files(rules: Sequence[RuleText]) -> Iterator[Markup]:
+    """The files with the line numbers that decisions name, as much of them all as there is room for."""
+    lines_left, characters_left = MAX_RULE_LINES, MAX_RULE_CHARACTERS
+    for rule in rules:
+        lines = rule.text[:characters_left].splitlines()[:lines_left]
+        lines_left -= len(lines)
+        characters_left -= sum(map(len, lines))
+        yield tag("h4", rule.path, class_="words name")
+        yield tag("pre", *_numbered(lines))
+        if len(lines) < len(rule.text.splitlines()):
+            yield tag("p", "The file goes on; this is its beginning.", class_="note")
+
+
+def _numbered(lines: Sequence[str]) -> Iterator[Markup | str]:
+    for number, line in enumerate(lines, start=1):
+        yield tag("span", f"{number:>4}  ", class_="number")
+        yield f"{line}\n"

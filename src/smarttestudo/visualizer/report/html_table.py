@@ -24,7 +24,7 @@ def html_table(table: Table) -> Markup:
     body = tag("tbody", *(_row(row, table.columns) for row in (*rows[:MAX_ROWS], *sums)))
     caption = tag("caption", table.title, class_="unseen")
     return tag(
-        "figure", tag("table", caption, tag("thead", head), body, class_="sortable"), *notes, class_="wide"
+        "figure", tag("table", caption, tag("thead", head), body, data_sortable="yes"), *notes, class_="wide"
     )
 
 

@@ -48,7 +48,7 @@ def layer_legend(stack: Sequence[Layer]) -> Markup:
         )
         for index, layer in enumerate(stack, start=1)
     ]
-    return tag("ul", *reversed(entries), class_="legend layers")
+    return tag("ul", *reversed(entries), class_="legend")
 
 
 def _runs(report: RunReport) -> Iterator[Markup]:

@@ -17,6 +17,7 @@ _WIDTH = 600.0
 _TALLEST = 690.0
 _LEFT, _RIGHT, _TOP, _BOTTOM = 40.0, 8.0, 8.0, 38.0
 _LEAST_SPAN_M = 2.0
+_LEAST_REACH_M = 20.0
 _GRID_LINES = 8
 
 
@@ -97,12 +98,12 @@ def _sides_m(area: Rectangle) -> tuple[tuple[float, float], tuple[float, float]]
 
 
 def _with_near_sides(core_m: Sequence[float], sides_m: Iterable[float]) -> list[float]:
-    """``core_m`` with the sides of zones that lie no farther off than it is long; those may be anywhere."""
+    """``core_m`` with the sides of zones that are near it; rules may put one anywhere."""
     finite_m = filter(math.isfinite, sides_m)
     if not core_m:
         return list(finite_m)
     low_m, high_m = min(core_m), max(core_m)
-    reach_m = max(high_m - low_m, _LEAST_SPAN_M)
+    reach_m = max(2 * (high_m - low_m), _LEAST_REACH_M)
     return [*core_m, *(side_m for side_m in finite_m if low_m - reach_m <= side_m <= high_m + reach_m)]
 
 

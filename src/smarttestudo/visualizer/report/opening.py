@@ -35,7 +35,7 @@ def opening(
     )
     if plan is None:
         return tag("header", words)
-    return tag("header", words, tag("figure", plan.drawing, class_="floor"), class_="with-map")
+    return tag("header", words, tag("figure", plan.drawing), class_="with-map")
 
 
 def _kept_together(sentence: str) -> str:

@@ -12,7 +12,7 @@ from itertools import pairwise
 from smarttestudo.visualizer.floor import PathPoint
 from smarttestudo.visualizer.rule_timeline import DecidingBlock, RuleSpan, block_at
 
-MAX_POINTS = 2000
+MAX_POINTS = 1000
 _FARTHEST_M = 1e7
 
 
@@ -30,7 +30,7 @@ def known_places(path: Iterable[PathPoint]) -> list[PathPoint]:
 
 
 def thinned(path: Sequence[PathPoint], max_points: int = MAX_POINTS) -> list[PathPoint]:
-    """``path`` with points left out that lie within a two-thousandth of its length of the last kept one."""
+    """``path`` with points left out that lie within a thousandth of its length of the last kept one."""
     if len(path) <= max_points:
         return list(path)
     spacing_m = sum(_distance_m(a, b) for a, b in pairwise(path)) / max_points

@@ -6,12 +6,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from statistics import median
-from typing import TypeVar
 
 from smarttestudo.visualizer.report.markup import Markup, coordinate, tag
 from smarttestudo.visualizer.report.rule_styles import RuleStyles
 from smarttestudo.visualizer.report.run_report import TopicHistory, TopicSeries
 from smarttestudo.visualizer.report.scale import Scale, label, linear, multiples, round_step
+from smarttestudo.visualizer.report.spans import long_enough
 from smarttestudo.visualizer.rule_timeline import RuleSpan
 from smarttestudo.visualizer.series import SeriesPoint, coarser
 from smarttestudo.visualizer.targets import TargetSpan
@@ -23,10 +23,9 @@ _BREAK_AT = 2.5
 _LOWER_TOP, _UPPER_FOOT = _TOP + 38.0, _TOP + 22.0
 _HEADROOM = 1.15
 MAX_POINTS = 300
-_BEFORE_POINTS = 50
+_BEFORE_POINTS = 40
 _TIME_TOLERANCE = 1.005
-_Span = TypeVar("_Span", RuleSpan, TargetSpan)
-_THINNEST = 0.5
+_THINNEST = 1.0
 
 
 def rate_chart(
@@ -80,8 +79,9 @@ def rate_scale(series: TopicSeries, targets: Sequence[TargetSpan]) -> Scale:
 
 def _shading(spans: Sequence[RuleSpan], styles: RuleStyles, x: Scale) -> Iterator[Markup]:
     """A tint behind the chart and a strip under it, in the look of the block that decided the topic."""
-    for span, left, width in _visible(spans, x):
+    for span in long_enough(spans, _shortest_s(x)):
         css_class = styles.of(span.block).css_class
+        left, width = x(span.start_s), x(span.end_s) - x(span.start_s)
         yield tag("rect", class_=f"tint {css_class}", x=left, y=_TOP, width=width, height=_FOOT - _TOP)
         yield tag("rect", class_=f"strip {css_class}", x=left, y=_FOOT + 2, width=width, height=4.0)
 
@@ -127,19 +127,13 @@ def _band(points: Sequence[SeriesPoint], x: Scale, y: Scale, css_class: str) -> 
 def _target_line(targets: Iterable[TargetSpan], x: Scale, y: Scale) -> Markup:
     """The planned rate in steps; a gap where it was Full."""
     steps = (
-        f"M{coordinate(left)} {coordinate(y(span.rate.hz))}h{coordinate(width)}"
-        for span, left, width in _visible(targets, x)
+        f"M{coordinate(x(span.start_s))} {coordinate(y(span.rate.hz))}H{coordinate(x(span.end_s))}"
+        for span in long_enough(targets, _shortest_s(x))
         if not span.rate.is_full
     )
     return tag("path", class_="target", d="".join(steps))
 
 
-def _visible(spans: Iterable[_Span], x: Scale) -> Iterator[tuple[_Span, float, float]]:
-    """Each span with its left end and width; one too thin to see is part of the next."""
-    left: float | None = None
-    for span in spans:
-        left = x(span.start_s) if left is None else left
-        width = x(span.end_s) - left
-        if width >= _THINNEST:
-            yield span, left, width
-            left = None
+def _shortest_s(x: Scale) -> float:
+    """What is too thin to be seen."""
+    return _THINNEST * (x.values[1] - x.values[0]) / (x.places[1] - x.places[0])

@@ -18,7 +18,7 @@ from smarttestudo.visualizer.rule_timeline import by_topic, deciding_spans
 from smarttestudo.visualizer.table import format_number
 from smarttestudo.visualizer.targets import target_spans
 
-_POINTS_OF_ALL_CHARTS = 5000
+_POINTS_OF_ALL_CHARTS = 2000
 
 
 def section(heading: str, *content: Markup, explanation: str = "") -> Markup:

@@ -93,12 +93,12 @@ function stackedChart(figure) {
   const { layers, top } = data.stack;
   if (!layers.length) return;
   const sums = layers.map((_, index) =>
-    layers[0].t.map((_, at) => layers.slice(0, index + 1).reduce((sum, layer) => sum + layer.high[at], 0)),
+    layers[0].high.map((_, at) => layers.slice(0, index + 1).reduce((sum, layer) => sum + layer.high[at], 0)),
   );
   // The highest first: each covers the foot of the one before.
   const order = layers.map((_, index) => index).reverse();
   timeChart(figure, {
-    columns: [layers[0].t, ...order.map((index) => sums[index])],
+    columns: [timesOf(layers[0]), ...order.map((index) => sums[index])],
     series: order.map((index) => ({
       stroke: () => colour("--paper"),
       fill: () => colour(`--share-${index + 1}`),

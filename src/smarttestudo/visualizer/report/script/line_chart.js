@@ -117,5 +117,6 @@ function courseSeries(course, stroke, width) {
 }
 
 function courseColumns(course) {
-  return course.low ? [course.t, course.high, course.low] : [course.t, course.high];
+  const columns = [timesOf(course), course.high];
+  return course.low ? [...columns, course.low] : columns;
 }

@@ -16,7 +16,7 @@ for (const figure of document.querySelectorAll("figure[data-chart]")) {
 }
 const map = document.querySelector("svg.map");
 if (map && data.path.length) followOnMap(map);
-document.querySelectorAll("table.sortable").forEach(sortable);
+document.querySelectorAll("table[data-sortable]").forEach(sortable);
 document.querySelectorAll("tr[data-time]").forEach(movesCursor);
 timeBar();
 document.documentElement.classList.add("scripted");

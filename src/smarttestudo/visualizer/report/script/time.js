@@ -68,13 +68,16 @@ function lastIndex(times, seconds) {
   return low - 1;
 }
 
+// The times of a course's points, which have the same distance throughout.
+function timesOf(course) {
+  return course.high.map((_, index) => course.start + index * course.step);
+}
+
 // The value of a course at the point nearest to `seconds`; null where it has none.
 function valueAt(course, seconds) {
-  const times = course.t;
-  if (!times.length) return null;
-  const index = clamp(lastIndex(times, seconds), 0, times.length - 1);
-  const next = Math.min(index + 1, times.length - 1);
-  return course.high[times[next] - seconds < seconds - times[index] ? next : index];
+  if (!course.high.length) return null;
+  const index = Math.round((seconds - course.start) / course.step);
+  return course.high[clamp(index, 0, course.high.length - 1)];
 }
 
 function number(value) {

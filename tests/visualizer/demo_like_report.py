@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""A page of the size and shape of the demo's: 200 s, nine topics, two zones, a round through both."""
+"""A report of the size and shape of the demo's: 200 s, nine topics, two zones, a round through both."""
 
 from __future__ import annotations
 
@@ -12,20 +12,12 @@ from smarttestudo.domain.decision import Decision, PlannedRate, Reason
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.units import NS_PER_S, ns_from_s
 from smarttestudo.visualizer.comparison import compare
-from smarttestudo.visualizer.report import (
-    Fact,
-    FloorPlan,
-    Obstacle,
-    ObstacleKind,
-    PageInput,
-    PathPoint,
-    Rectangle,
-    RuleText,
-    TopicSeries,
-    Zone,
-)
-from smarttestudo.visualizer.rate_series import rate_series
+from smarttestudo.visualizer.floor import FloorPlan, Obstacle, ObstacleKind, PathPoint, Rectangle, Zone
+from smarttestudo.visualizer.loss.errors import ErrorSize, FieldError
+from smarttestudo.visualizer.loss.report import Age, Carried, FieldLoss, LossReport, TopicArm, TopicLoss
+from smarttestudo.visualizer.report import Fact, RuleText, RunReport, TopicHistory, TopicSeries
 from smarttestudo.visualizer.rule_timeline import by_topic
+from smarttestudo.visualizer.series import bandwidth_series, rate_series
 from smarttestudo.visualizer.statistics import RecordingSpan, topic_statistics
 from smarttestudo.visualizer.targets import mean_target, target_spans
 from smarttestudo.visualizer.trace import TraceAccumulator
@@ -51,6 +43,7 @@ BLOCKS = {
     CORRIDOR: (14, {"/odom": 4, "/cmd_vel": 4, "/scan": 4}),
     SCAFFOLDING: (25, {"/odom": 10, "/cmd_vel": 10, "/scan": 10, "/camera/image_raw/compressed": 10}),
 }
+_ARMS = {"sent": 5100, "received": 1689, "fixed": 1500}
 VISITS = ((31.25, CORRIDOR), (81.5, SCAFFOLDING), (143.75, None))
 
 RULES = """begin
@@ -119,7 +112,9 @@ _RACKS_M = (
 )
 
 
-def demo_like_page(*, title: str = "A TurtleBot3 patrols a warehouse", seconds: float = SECONDS) -> PageInput:
+def demo_like_report(
+    *, title: str = "A TurtleBot3 patrols a warehouse", seconds: float = SECONDS
+) -> RunReport:
     decisions = _decisions()
     before = {topic: _source(topic) for topic in SOURCES}
     after = {topic: _relayed(topic, [one for one in decisions if one.topic == topic]) for topic in SOURCES}
@@ -132,16 +127,19 @@ def demo_like_page(*, title: str = "A TurtleBot3 patrols a warehouse", seconds: 
         },
     )
     series = tuple(
-        TopicSeries(
-            topic=topic, before=rate_series(before[topic], SPAN), after=rate_series(after[topic], SPAN)
-        )
+        TopicSeries(topic=topic, before=_history([before[topic]]), after=_history([after[topic]]))
         for topic in SOURCES
     )
-    return PageInput(
+    total = TopicSeries(
+        topic="All topics", before=_history(list(before.values())), after=_history(list(after.values()))
+    )
+    return RunReport(
         title=title,
         duration_s=seconds,
         comparison=comparison,
         series=series,
+        total=total,
+        loss=_loss(),
         decisions=decisions,
         rules=(RuleText(path="examples/warehouse.adirf", text=RULES),),
         provenance=(
@@ -152,6 +150,50 @@ def demo_like_page(*, title: str = "A TurtleBot3 patrols a warehouse", seconds: 
         ),
         floor_plan=_floor_plan(),
         path=_path(),
+    )
+
+
+def _history(traces: list[TraceAccumulator]) -> TopicHistory:
+    rate_hz = rate_series(traces[0], SPAN) if len(traces) == 1 else ()
+    return TopicHistory(rate_hz=rate_hz, kb_per_s=bandwidth_series(traces, SPAN))
+
+
+def _loss() -> LossReport:
+    """The position of /odom, 1.2 cm off along x and 0.5 cm along y; 4 mm in all at fixed rates."""
+
+    def error(rmse: float) -> FieldError:
+        size = ErrorSize(rmse=rmse, maximum=3 * rmse, relative_rmse=rmse / 20, relative_maximum=3 * rmse / 20)
+        return FieldError(hold=size, interpolated=size)
+
+    age = Age(mean_s=0.1, p95_s=0.2, max_s=0.3)
+    arms = {name: TopicArm(messages=count, size_bytes=720 * count, age=age) for name, count in _ARMS.items()}
+    return LossReport(
+        a="demo-out/baseline",
+        b="demo-out/adaptive",
+        duration_s=SECONDS,
+        topics=(
+            TopicLoss(
+                topic="/odom",
+                received_topic="/odom",
+                type_name="nav_msgs/msg/Odometry",
+                fixed_hz=20.0,
+                **arms,
+            ),
+        ),
+        fields=tuple(
+            FieldLoss(
+                topic="/odom",
+                field=name,
+                unit="m",
+                value_range=20.0,
+                received=error(rmse),
+                fixed=error(fixed),
+            )
+            for name, rmse, fixed in (("pose_x", 0.012, 0.004), ("pose_y", 0.005, 0.0))
+        ),
+        crossings=(),
+        images=(),
+        carried=Carried(sent_bytes=3_600_000, received_bytes=1_200_000, fixed_bytes=1_100_000),
     )
 
 
