@@ -116,7 +116,7 @@ def _report(arguments: argparse.Namespace, profile: Profile, rules: LoadedRules 
             explanation=""
             if b is None
             else f"A is what the robot sent ({a}), B what was received of it ({b}).",
-            names=RunNames(before="A", after="B"),
+            names=RunNames(before="A" if b else a.resolve().name, after="B"),
             mapping=topic_mapping(arguments.map),
             topics=arguments.topics,
             rule_set=rules.rule_set if rules else None,

@@ -20,7 +20,7 @@ def summary_sentence(comparison: Comparison, decisions: int, loss: LossReport | 
     Of what is not known nothing is said; of a single recording there is only its bandwidth.
     """
     change = comparison.bandwidth_change_percent
-    parts = [f"{bandwidth_text(comparison.before_kb_per_s)} bandwidth"]
+    parts = [bandwidth_text(comparison.before_kb_per_s)]
     if change is not None:
         parts = [f"{format_number(change, 0, signed=True)} % bandwidth"]
     if decisions:

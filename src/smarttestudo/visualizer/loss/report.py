@@ -263,7 +263,8 @@ class LossReport:
 
 
 def _distance_m(errors: Mapping[str, FieldError | None]) -> float | None:
-    """The RMSE of a distance from those of its coordinates."""
-    if not all(errors.get(axis) for axis in _POSITION[:2]):
+    """The RMSE of a distance from those of its coordinates; one that never changed has none, and is 0."""
+    known = [errors[axis] for axis in _POSITION if axis in errors]
+    if not any(axis in errors for axis in _POSITION[:2]) or None in known:
         return None
-    return math.hypot(*(error.hold.rmse for axis in _POSITION if (error := errors.get(axis))))
+    return math.hypot(*(error.hold.rmse for error in known if error))
