@@ -75,7 +75,9 @@ def latch(node: Any, name: str, topic: dict[str, Any]) -> list[Any]:
 def listen(streams: dict[str, Stream], stopped: threading.Event) -> None:
     for line in sys.stdin:
         if line.strip() == "move":
-            streams["odom"].message.pose.pose.position.x = 5.0
+            for stream in streams.values():
+                if hasattr(stream.message, "pose"):
+                    stream.message.pose.pose.position.x = 5.0
         else:
             break
     stopped.set()

@@ -4,33 +4,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import groupby
 from operator import attrgetter
 from pathlib import Path
 
-from smarttestudo.adapters.rosbag import RosbagDecoder, open_recording, qos_in_words
+from smarttestudo.adapters.rosbag import MessageTypes, RosbagDecoder, open_recording
 from smarttestudo.composition.robot_places import Places, places_in
+from smarttestudo.composition.topic_counter import RunCounter, TopicCounter
 from smarttestudo.domain.errors import RecordingError
-from smarttestudo.domain.intervals import Intervals
-from smarttestudo.domain.recording import Channel, RecordedSize, RecordingReader
-from smarttestudo.visualizer.bag_summary import BagSummary, BagTopic
+from smarttestudo.domain.recording import RecordedSize, RecordingReader
+from smarttestudo.pacing.cdr import HEADER_BYTES, STAMP_BYTES
+from smarttestudo.visualizer.bag_summary import BagSummary
 from smarttestudo.visualizer.floor import PathPoint
-from smarttestudo.visualizer.interval_histogram import IntervalHistogram
-from smarttestudo.visualizer.statistics import RecordingSpan, topic_statistics
-from smarttestudo.visualizer.trace import TraceAccumulator
+from smarttestudo.visualizer.statistics import RecordingSpan
 
 _MESSAGES_PER_REPORT = 4096
 _topic_of = attrgetter("topic")
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class TopicRun:
-    """How one topic came over time."""
-
-    trace: TraceAccumulator
-    histogram: IntervalHistogram
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,22 +29,25 @@ class MeasuredRun:
     """A recording's numbers, its topics over time by name, and the places of the robot, if known."""
 
     summary: BagSummary
-    topics: Mapping[str, TopicRun]
+    topics: Mapping[str, RunCounter]
     path: tuple[PathPoint, ...]
 
 
-def measure_bag(path: Path, report: Callable[[float], None]) -> BagSummary:
+def measure_bag(path: Path, report: Callable[[float], None], *, with_latency: bool = False) -> BagSummary:
     """The topics of the recording at ``path``, by name; ``report`` is told the share done now and then.
 
-    Sizes are those that the recording declares, and where it does not, those of its messages.
+    Sizes are those that the recording declares, and where it does not, those of its messages. Latency needs
+    the beginning of each payload.
 
     Raises:
         RecordingError: it cannot be read, or is empty.
     """
     with open_recording(path) as recording:
-        counters = {channel.topic: _TopicCounter() for channel in recording.channels}
-        _count(recording, recording.sizes(), counters, report)
-        return _summary(path, recording, counters)
+        types = MessageTypes()
+        counters = {channel.topic: TopicCounter(with_latency=with_latency) for channel in recording.channels}
+        sizes = _sizes_noting_latency(recording, types, counters) if with_latency else recording.sizes()
+        _count(path, recording, sizes, counters, report)
+        return _summary(path, recording, counters, _undefined(recording, types))
 
 
 def measure_run(
@@ -68,44 +62,18 @@ def measure_run(
         RecordingError: it cannot be read, or is empty.
     """
     with open_recording(path) as recording:
-        counters = {channel.topic: _RunCounter() for channel in recording.channels}
-        places = _Followed(recording, by_transforms=by_transforms) if with_places else None
-        _count(recording, places.sizes() if places else recording.sizes(), counters, report)
+        counters = {channel.topic: RunCounter() for channel in recording.channels}
+        robot = _Robot(recording, by_transforms=by_transforms) if with_places else None
+        _count(path, recording, robot.sizes() if robot else recording.sizes(), counters, report)
         return MeasuredRun(
-            summary=_summary(path, recording, counters, places.notices() if places else ()),
-            topics={
-                topic: TopicRun(trace=one.trace, histogram=one.histogram) for topic, one in counters.items()
-            },
-            path=places.path if places else (),
+            summary=_summary(path, recording, counters, robot.notices() if robot else ()),
+            topics=counters,
+            path=robot.path if robot else (),
         )
 
 
-class _TopicCounter:
-    __slots__ = ("intervals", "trace")
-
-    def __init__(self) -> None:
-        self.trace = TraceAccumulator()
-        self.intervals = Intervals()
-
-    def add(self, stamp_ns: int, size_bytes: int) -> None:
-        self.trace.add(stamp_ns, size_bytes)
-        self.intervals.record(stamp_ns)
-
-
-class _RunCounter(_TopicCounter):
-    __slots__ = ("histogram",)
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.histogram = IntervalHistogram()
-
-    def add(self, stamp_ns: int, size_bytes: int) -> None:
-        super().add(stamp_ns, size_bytes)
-        self.histogram.record(stamp_ns)
-
-
-class _Followed:
-    """Follows the robot while its messages are counted; one that cannot be decoded costs a place."""
+class _Robot:
+    """Is followed while its messages are counted; one that cannot be decoded costs a place."""
 
     def __init__(self, recording: RecordingReader, *, by_transforms: bool) -> None:
         self._recording = recording
@@ -116,7 +84,7 @@ class _Followed:
 
     @property
     def path(self) -> tuple[PathPoint, ...]:
-        """Where the robot was."""
+        """Where it was."""
         return tuple(self._places.path) if self._places else ()
 
     def sizes(self) -> Iterator[RecordedSize]:
@@ -131,39 +99,52 @@ class _Followed:
                 self._undecodable += 1
             yield channel, stamp_ns, len(payload)
 
-    def notices(self) -> tuple[str, ...]:
+    def notices(self) -> Iterator[str]:
         """What could not be decoded."""
-        count = self._undecodable
-        return (f"{count:,} places of the robot could not be decoded",) if count else ()
+        if self._undecodable:
+            yield f"{self._undecodable:,} places of the robot could not be decoded"
+
+
+def _sizes_noting_latency(
+    recording: RecordingReader, types: MessageTypes, counters: Mapping[str, TopicCounter]
+) -> Iterator[RecordedSize]:
+    stamped = {
+        (channel.topic, channel.type_name) for channel in recording.channels if types.has_header(channel)
+    }
+    for channel, stamp_ns, (size_bytes, head) in recording.heads(HEADER_BYTES + STAMP_BYTES):
+        if (channel.topic, channel.type_name) in stamped:
+            counters[channel.topic].add_stamp(stamp_ns, head)
+        yield channel, stamp_ns, size_bytes
 
 
 def _count(
+    path: Path,
     recording: RecordingReader,
-    sizes: Iterator[RecordedSize],
-    counters: Mapping[str, _TopicCounter],
+    sizes: Iterable[RecordedSize],
+    counters: Mapping[str, TopicCounter],
     report: Callable[[float], None],
 ) -> None:
     declared_bytes, messages = recording.declared_bytes, recording.message_count
+    if not messages:
+        lost = "; ".join(recording.notices())
+        raise RecordingError("the bag holds no message", place=str(path), remedy=lost or None)
     for number, (channel, stamp_ns, size_bytes) in enumerate(sizes):
         counters[channel.topic].add(stamp_ns, declared_bytes.get(channel.topic, size_bytes))
-        if number % _MESSAGES_PER_REPORT == 0 and messages:
+        if number % _MESSAGES_PER_REPORT == 0:
             report(number / messages)
 
 
 def _summary(
     path: Path,
     recording: RecordingReader,
-    counters: Mapping[str, _TopicCounter],
-    more_notices: Sequence[str] = (),
+    counters: Mapping[str, TopicCounter],
+    more_notices: Iterable[str],
 ) -> BagSummary:
     """The summary of a recording that was counted."""
-    if not any(counter.trace.messages for counter in counters.values()):
-        lost = "; ".join(recording.notices())
-        raise RecordingError("the bag holds no message", place=str(path), remedy=lost or None)
     span = RecordingSpan(start_ns=recording.start_ns, end_ns=recording.end_ns)
     by_topic = groupby(sorted(recording.channels, key=_topic_of), key=_topic_of)
     topics = tuple(
-        _topic(tuple(channels), counters[topic], span, is_declared=topic in recording.declared_bytes)
+        counters[topic].topic(tuple(channels), span, is_declared=topic in recording.declared_bytes)
         for topic, channels in by_topic
     )
     return BagSummary(
@@ -171,19 +152,15 @@ def _summary(
         storage=recording.storage,
         span=span,
         topics=topics,
+        readable_share=recording.readable_share,
         notices=(*recording.notices(), *more_notices),
     )
 
 
-def _topic(
-    channels: Sequence[Channel], counter: _TopicCounter, span: RecordingSpan, *, is_declared: bool
-) -> BagTopic:
-    """The topic of ``channels``, of which there are several if it has several types."""
-    return BagTopic(
-        name=channels[0].topic,
-        type_name=" or ".join(channel.type_name for channel in channels),
-        qos=qos_in_words(profile for channel in channels for profile in channel.qos),
-        statistics=topic_statistics(counter.trace, span, declared=is_declared),
-        longest_gap_s=counter.intervals.longest_s,
-        jitter_s=counter.intervals.jitter_s,
-    )
+def _undefined(recording: RecordingReader, types: MessageTypes) -> Iterator[str]:
+    for channel in recording.channels:
+        if not types.is_defined(channel):
+            yield (
+                f"{channel.topic}: neither the recording nor ROS 2 defines {channel.type_name}; "
+                "its messages are counted, but cannot be decoded"
+            )

@@ -12,7 +12,7 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from smarttestudo.adapters.files.toml_text import KeyPath, read_toml
+from smarttestudo.adapters.files.toml_text import KeyPath, parse_toml, read_toml_text
 from smarttestudo.domain.errors import ProfileError
 from smarttestudo.domain.names import is_topic_name, resolve_topic
 from smarttestudo.domain.profile import LevelUnit, Profile, TopicProfile
@@ -25,7 +25,12 @@ def load_profile(path: Path) -> Profile:
 
     Raises ``ProfileError`` for the first key that is unknown or holds a value that it cannot.
     """
-    values, lines = read_toml(path)
+    return parse_profile(read_toml_text(path), path)
+
+
+def parse_profile(text: str, path: Path) -> Profile:
+    """The profile in ``text``, which is that of ``path``; see ``load_profile``."""
+    values, lines = parse_toml(text, path)
     return _ProfileReader(path=path, lines=lines).profile(values)
 
 

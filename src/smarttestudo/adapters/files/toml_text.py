@@ -22,12 +22,11 @@ _KEY = re.compile(r"\s*([A-Za-z0-9_.\"'/-]+)\s*=")
 _AT_LINE = re.compile(r"(.*) \(at line (\d+), column (\d+)\)\Z", re.DOTALL)
 
 
-def read_toml(path: Path) -> tuple[dict[str, object], dict[KeyPath, int]]:
-    """The values of the file at ``path``, and the line of each table and key by its path.
+def parse_toml(text: str, path: Path) -> tuple[dict[str, object], dict[KeyPath, int]]:
+    """The values in ``text``, which is that of ``path``, and the line of each table and key by its path.
 
-    Raises ``ProfileError`` with the place for a file that cannot be read or is no TOML.
+    Raises ``ProfileError`` with the place for what is no TOML.
     """
-    text = _read_text(path)
     try:
         values: dict[str, object] = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
@@ -39,7 +38,8 @@ def read_toml(path: Path) -> tuple[dict[str, object], dict[KeyPath, int]]:
     return values, _lines_of_keys(text)
 
 
-def _read_text(path: Path) -> str:
+def read_toml_text(path: Path) -> str:
+    """The text of the file at ``path``. Raises ``ProfileError`` where it cannot be read."""
     try:
         with path.open("rb") as file:
             data = file.read(MAX_PROFILE_BYTES + 1)
