@@ -157,7 +157,7 @@ def test_without_scripts_every_drawing_and_number_is_there(browser: Browser, tmp
         "−89 % bandwidth, 24 decisions, /odom error 1.3 cm",
         "0.4 cm",
         "31.2",
-        "195.00",
+        "180,380.00",
         "20,861.96",
     ):
         assert text in words

@@ -62,7 +62,7 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--decisions", metavar="FILE", type=Path, help="write the decisions (JSON Lines)")
     parser.add_argument(
-        "--report", metavar="FILE", type=Path, help="write a page that shows the replay (HTML)"
+        "--report", metavar="FILE", type=Path, help="write a report that shows the replay (HTML)"
     )
     parser.add_argument("--json", action="store_true", help="print one JSON object instead of a table")
 

@@ -28,7 +28,8 @@ from smarttestudo.domain.robot import Robot
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.pacing.sample import WhenSlow
 from smarttestudo.visualizer.comparison import Comparison
-from smarttestudo.visualizer.report import Fact, RuleText, render_report
+from smarttestudo.visualizer.loss.report import LossReport
+from smarttestudo.visualizer.report import Fact, RuleText, RunReport, render_report
 
 BASELINE = "baseline"
 ADAPTIVE = "adaptive"
@@ -61,9 +62,10 @@ class DemoRequest:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DemoOutcome:
-    """Both runs compared, the number of decisions, and what was lost, left out or odd, a line each."""
+    """Both runs compared, what the operator lost, the number of decisions, and what was odd, a line each."""
 
     comparison: Comparison
+    loss: LossReport | None
     decisions: int
     notices: tuple[str, ...]
 
@@ -83,9 +85,11 @@ def run_demo(request: DemoRequest) -> DemoOutcome:
             decisions, notices = _in_virtual_time(request, folder, rules)
         else:
             decisions, notices = _in_real_time(request, folder, request.robot)
-        comparison = _write_report(request, folder, rules, decisions)
+        report = _write_report(request, folder, rules, decisions)
         (folder / MARKER).write_text(json.dumps(_settings(request), indent=2) + "\n", "utf-8")
-    return DemoOutcome(comparison=comparison, decisions=len(decisions), notices=notices)
+    return DemoOutcome(
+        comparison=report.comparison, loss=report.loss, decisions=len(decisions), notices=notices
+    )
 
 
 def _in_virtual_time(
@@ -162,7 +166,7 @@ def _replay(request: DemoRequest, folder: Path, rules: RuleText) -> tuple[Replay
 
 def _write_report(
     request: DemoRequest, folder: Path, rules: RuleText, decisions: Sequence[Decision]
-) -> Comparison:
+) -> RunReport:
     """Measure both recordings as they lie on disk, and show them."""
     report = bag_report(
         ReportRequest(
@@ -179,7 +183,7 @@ def _write_report(
         )
     )
     (folder / REPORT).write_text(render_report(report), "utf-8")
-    return report.comparison
+    return report
 
 
 def _rule_set(rules: RuleText) -> RuleSet:

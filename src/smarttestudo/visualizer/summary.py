@@ -11,6 +11,7 @@ from smarttestudo.visualizer.loss.report import LossReport
 from smarttestudo.visualizer.table import MISSING, format_number
 
 _KB_PER_MB = 1000
+_FEWER = 0.97
 _LENGTHS = ((1.0, 1.0, "m"), (0.01, 100.0, "cm"), (0.0, 1000.0, "mm"))
 
 
@@ -48,6 +49,35 @@ def position_error(loss: LossReport) -> PositionError | None:
             fixed_m = loss.fixed_position_rmse_m(shared.topic)
             return PositionError(topic=shared.topic, received_m=received_m, fixed_m=fixed_m)
     return None
+
+
+def loss_sentences(loss: LossReport) -> tuple[str, ...]:
+    """The error of the position, that of fixed rates, and what those pay for theirs; none if unknown."""
+    error = position_error(loss)
+    if error is None:
+        return ()
+    received = length_text(error.received_m, beside_m=error.fixed_m or 0.0)
+    if error.fixed_m is None:
+        return (f"Who holds the last position of {error.topic} is {received} off (RMSE).",)
+    fixed = length_text(error.fixed_m, beside_m=error.received_m)
+    compared = (
+        f"Who holds the last position of {error.topic} is {received} off (RMSE); "
+        f"at the best fixed rates for the same bytes, {fixed}."
+    )
+    price = fixed_price(loss)
+    return (compared, price) if price else (compared,)
+
+
+def fixed_price(loss: LossReport) -> str:
+    """Of which topic fixed rates bring fewer messages, the one with the most bytes if several; or nothing."""
+    poorer = [one for one in loss.topics if one.fixed.messages < _FEWER * one.received.messages]
+    if not poorer:
+        return ""
+    one = max(poorer, key=lambda topic: topic.received.size_bytes)
+    return (
+        f"For that, fixed rates bring {one.fixed.messages:,} messages of {one.topic}, "
+        f"where rules bring {one.received.messages:,}."
+    )
 
 
 def length_text(length_m: float, *, beside_m: float = 0.0) -> str:

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle as Patch
+from matplotlib.patheffects import withStroke
 from matplotlib.transforms import Affine2D
 
 from smarttestudo.adapters.figures.looks import FAINT, INK, RACK, WALL, plain, rule_look
@@ -67,6 +68,8 @@ def _draw_floor(axes: Axes, plan: FloorPlan, styles: RuleStyles) -> None:
             xytext=(4, -9),
             textcoords="offset points",
             fontsize=7,
+            path_effects=[withStroke(linewidth=2, foreground="white")],
+            zorder=5,
         )
     for obstacle in plan.obstacles:
         area = obstacle.footprint

@@ -13,9 +13,7 @@ from smarttestudo.visualizer.report.bars import Bar, bars
 from smarttestudo.visualizer.report.html_table import html_table
 from smarttestudo.visualizer.report.markup import Markup, tag
 from smarttestudo.visualizer.report.sections import section
-from smarttestudo.visualizer.summary import length_text, position_error
-
-_FEWER = 0.97
+from smarttestudo.visualizer.summary import fixed_price, length_text, position_error
 
 
 def loss_section(loss: LossReport, names: RunNames) -> Markup:
@@ -44,18 +42,6 @@ def _position(loss: LossReport, names: RunNames) -> Iterator[Markup]:
             if value is not None
         ]
     )
-    yield from _price(loss)
-
-
-def _price(loss: LossReport) -> Iterator[Markup]:
-    """Which topic the fixed rates have fewer messages of, the one with the most bytes if several."""
-    poorer = [one for one in loss.topics if one.fixed.messages < _FEWER * one.received.messages]
-    if not poorer:
-        return
-    one = max(poorer, key=lambda topic: topic.received.size_bytes)
-    yield tag(
-        "p",
-        f"For that, fixed rates bring {one.fixed.messages:,} messages of {one.topic}, "
-        f"where rules bring {one.received.messages:,}.",
-        class_="note words",
-    )
+    price = fixed_price(loss)
+    if price:
+        yield tag("p", price, class_="note words")

@@ -22,6 +22,7 @@ _FOOT = _HEIGHT - _BOTTOM
 _BREAK_AT = 2.5
 _LOWER_TOP, _UPPER_FOOT = _TOP + 38.0, _TOP + 22.0
 _HEADROOM = 1.15
+_LEAST_HZ = 0.001
 MAX_POINTS = 300
 _BEFORE_POINTS = 40
 _TIME_TOLERANCE = 1.005
@@ -66,7 +67,7 @@ def rate_scale(series: TopicSeries, targets: Sequence[TargetSpan]) -> Scale:
     highest_hz = max([*before_hz, *received_hz], default=0.0)
     shown_hz = [min(rate_hz, _BREAK_AT * highest_hz) if highest_hz else rate_hz for rate_hz in planned_hz]
     near_hz = max([*shown_hz, *received_hz], default=0.0)
-    if near_hz == 0 or far_hz <= _BREAK_AT * near_hz:
+    if near_hz < _LEAST_HZ or far_hz <= _BREAK_AT * near_hz:
         return linear((0.0, max(near_hz, far_hz, 1.0) * _HEADROOM), (_FOOT, _TOP))
     top_hz = far_hz * 1.05
     usual_hz = min(median(before_hz), far_hz) * 0.95
