@@ -161,3 +161,9 @@ def test_without_matplotlib_one_line_says_how_to_get_it(desk: Desk, monkeypatch:
     assert ran.err == (
         "error: this command needs the package matplotlib; pip install 'smarttestudo[studio]'\n"
     )
+
+
+def test_a_recording_too_short_for_a_rate_has_a_report_that_says_so(desk: Desk) -> None:
+    write_bag(desk.folder / "short", small_mission(0.04))
+    assert desk.report("short").code == 0
+    assert "the recording holds no whole second" in desk.html

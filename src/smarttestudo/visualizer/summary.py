@@ -21,7 +21,8 @@ def summary_sentence(comparison: Comparison, decisions: int, loss: LossReport | 
     Of what is not known nothing is said; of a single recording there is only its bandwidth.
     """
     change = comparison.bandwidth_change_percent
-    parts = [bandwidth_text(comparison.before_kb_per_s)]
+    known = comparison.before_kb_per_s is not None
+    parts = [bandwidth_text(comparison.before_kb_per_s) if known else "too short to tell a bandwidth"]
     if change is not None:
         parts = [f"{format_number(change, 0, signed=True)} % bandwidth"]
     if decisions:
