@@ -3,10 +3,10 @@
 """Counts on ``/count``, listens to what ``/testudo/count`` has of it, and has the rules reloaded meanwhile.
 
 usage: echo_counter.py PATH '["begin … end", …]' N
-N times, the file at PATH gets the next of the texts, ``~/reload`` is called, and numbers go on until one that
-was sent after the answer is back. At most a few messages are on the way, so that no queue overflows however
-busy the machine is: a number that is missing was lost by somebody. Prints the result: how many reloads
-succeeded, how many numbers came back, and those that did not follow the one before.
+N times, the file at PATH gets the next of the texts and ``~/reload`` is called, while numbers go on; after
+every tenth, until one that was sent after the answer is back. At most a few messages are on the way, so that
+no queue overflows however busy the machine is: a number that is missing was lost by somebody. Prints the
+result: how many reloads succeeded, how many numbers came back, and those that did not follow the one before.
 """
 
 from __future__ import annotations
@@ -58,10 +58,12 @@ class Counter:
         path.write_text(text, encoding="utf-8")
         answer = self.client.call_async(Trigger.Request())
         self.count_until(answer.done)
+        return bool(answer.result().success)
+
+    def hear_what_is_sent_now(self) -> None:
         sent = self.sent
         self.count_until(lambda: self.heard > sent)
         sys.stdout.write(f"heard {self.heard}\n")
-        return bool(answer.result().success)
 
 
 def main() -> None:
@@ -69,7 +71,11 @@ def main() -> None:
     rclpy.init()
     counter = Counter()
     counter.wait_for_listener()
-    succeeded = sum(counter.reload(path, texts[number % len(texts)]) for number in range(count))
+    succeeded = 0
+    for number in range(count):
+        succeeded += counter.reload(path, texts[number % len(texts)])
+        if number % 10 == 9:
+            counter.hear_what_is_sent_now()
     result = {"succeeded": succeeded, "heard": counter.heard, "broken": counter.broken}
     sys.stdout.write(f"result {json.dumps(result)}\n")
     counter.node.destroy_node()

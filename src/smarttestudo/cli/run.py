@@ -9,8 +9,10 @@ from contextlib import ExitStack
 from pathlib import Path
 
 from smarttestudo.adapters.files.decision_log import growing_decision_log
+from smarttestudo.adapters.files.input_log import input_log
 from smarttestudo.adapters.ros import open_robot
 from smarttestudo.cli.loop_options import add_ros_arguments, add_rules
+from smarttestudo.cli.output_domain import add_output_domain, output_domain
 from smarttestudo.cli.stop_signals import stop_signals
 from smarttestudo.composition.live_decisions import Decided
 from smarttestudo.composition.monitored_topics import DEFAULT_OUTPUT_TOPIC
@@ -41,6 +43,7 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
         metavar="NAME",
         help=f"names of the relayed topics (default: {DEFAULT_OUTPUT_TOPIC})",
     )
+    add_output_domain(parser)
     parser.add_argument(
         "--topic-prefix",
         metavar="NAME",
@@ -49,6 +52,12 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--decisions", metavar="FILE", type=Path, help="append the decisions to a file (JSON Lines)"
+    )
+    parser.add_argument(
+        "--record-inputs",
+        metavar="DIR",
+        type=Path,
+        help="record what the loop sees into a new folder; 'testudo replay DIR' decides the same from it",
     )
     parser.add_argument(
         "--data-path",
@@ -71,13 +80,21 @@ def run(arguments: argparse.Namespace) -> int:
     """Relay until a signal comes."""
     with ExitStack() as opened:
         stopped = opened.enter_context(stop_signals())
-        data_path = DataPathKind(arguments.data_path)
-        robot = opened.enter_context(open_robot(arguments.ros_args, data_path=data_path))
+        robot = opened.enter_context(
+            open_robot(
+                arguments.ros_args,
+                data_path=DataPathKind(arguments.data_path),
+                output_domain=output_domain(arguments),
+            )
+        )
         parameters = RunParameters(robot, _given(arguments))
         decided: list[Decided] = []
         if parameters.request.decisions is not None:
             decided.append(opened.enter_context(growing_decision_log(parameters.request.decisions)))
-        run_live(parameters, robot, stopped, decided)
+        note = None
+        if parameters.request.record_inputs is not None:
+            note = opened.enter_context(input_log(parameters.request.record_inputs))
+        run_live(parameters, robot, stopped, decided, note)
     return 0
 
 
@@ -91,4 +108,5 @@ def _given(arguments: argparse.Namespace) -> dict[str, ParameterValue]:
         "when_slow": arguments.when_slow,
         "budget_kb_per_s": arguments.budget,
         "decisions_file": None if arguments.decisions is None else str(arguments.decisions),
+        "record_inputs": None if arguments.record_inputs is None else str(arguments.record_inputs),
     }

@@ -15,7 +15,7 @@ from smarttestudo.adapters.files.rule_files import find_rule_files, read_rule_te
 from smarttestudo.adapters.files.toml_text import read_toml_text
 from smarttestudo.adirf.normal_form import Resolve
 from smarttestudo.adirf.rule_set import RuleSet
-from smarttestudo.composition.monitored_topics import monitored_topics
+from smarttestudo.composition.monitored_topics import OutputTopic, monitored_topics
 from smarttestudo.composition.rule_sets import LoadedRules, check_texts
 from smarttestudo.domain.errors import RuleFileError, TestudoError
 from smarttestudo.domain.profile import Profile
@@ -28,7 +28,8 @@ PUSHED = "rules_text"
 class LiveRules:
     """Rules that can hold: what they mean, and the texts that say so, by path.
 
-    ``monitored`` is the monitored topic of each relayed one.
+    ``monitored`` is the monitored topic of each relayed one, ``names`` the full name of each topic by the
+    name that the texts use.
     """
 
     rule_set: RuleSet
@@ -37,6 +38,7 @@ class LiveRules:
     in_force: RulesInForce = field(default_factory=RulesInForce)
     texts: Mapping[str, str] = field(default_factory=dict)
     profile_text: str | None = None
+    names: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def rules_hash(self) -> str:
@@ -63,7 +65,7 @@ class LiveRuleFiles:
     """The rule files and the profile of a live run; several threads may read at a time."""
 
     def __init__(
-        self, rules: Sequence[Path], profile: Path | None, *, resolve: Resolve, output_topic: str
+        self, rules: Sequence[Path], profile: Path | None, *, resolve: Resolve, output_topic: OutputTopic
     ) -> None:
         self._rules = rules
         self._profile = profile
@@ -118,10 +120,15 @@ class LiveRuleFiles:
         return None if self._profile is None else read_toml_text(self._profile)
 
     def _checked(self, texts: Mapping[str, str], profile_text: str | None) -> LiveRules:
+        names: dict[str, str] = {}
+
+        def resolve(topic: str) -> str:
+            return names.setdefault(topic, self._resolve(topic))
+
         profile = None
         if self._profile is not None and profile_text is not None:
-            profile = parse_profile(profile_text, self._profile).resolved(self._resolve)
-        loaded = check_texts(texts, profile=profile, resolve=self._resolve)
+            profile = parse_profile(profile_text, self._profile).resolved(resolve)
+        loaded = check_texts(texts, profile=profile, resolve=resolve)
         _refuse_errors(loaded)
         return LiveRules(
             rule_set=loaded.rule_set,
@@ -130,6 +137,7 @@ class LiveRuleFiles:
             in_force=loaded.in_force,
             texts=texts,
             profile_text=profile_text,
+            names=names,
         )
 
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Iterable
 
 from smarttestudo.adapters.files.own_process import read_own_process
+from smarttestudo.composition.input_recorder import InputRecorder
 from smarttestudo.composition.live_decisions import LiveDecisions
 from smarttestudo.composition.live_losses import LiveLosses
 from smarttestudo.composition.live_rules import LiveRules
@@ -18,21 +19,30 @@ from smarttestudo.domain.observation import LinkBudget
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Robot
 from smarttestudo.runtime.execute.relay import Relayed
-from smarttestudo.runtime.relay_loop import RelayLoop
 
 LOOK_PERIOD_S = 0.2
 STATUS_PERIOD_S = 1.0
 
 
 class LiveRun:
-    """Drives a loop, which follows ``rules``, in the node's time."""
+    """Drives a loop, which follows ``rules``, in the node's time; ``is_lazy`` is that of ``LiveTopics``."""
 
-    def __init__(self, robot: Robot, loop: RelayLoop, rules: LiveRules, decisions: LiveDecisions) -> None:
+    def __init__(
+        self,
+        robot: Robot,
+        inputs: InputRecorder,
+        rules: LiveRules,
+        decisions: LiveDecisions,
+        *,
+        is_lazy: bool = True,
+    ) -> None:
         self._robot = robot
-        self._loop = loop
+        self._inputs = inputs
+        self._loop = loop = inputs.loop(rules, robot.now_ns())
         self._decisions = decisions
         self._rules = rules
-        self._topics = LiveTopics(robot, rules.monitored, loop.watched, self._receive, self._priority_of)
+        self._topics = LiveTopics(robot, self._receive, self._priority_of, is_lazy=is_lazy)
+        self._topics.follow(rules.monitored, loop.watched, loop.leaders)
         robot.log.info(f"Data path: {robot.data_path.description}")
         self._losses = LiveLosses(robot.log)
         self._sampling = LiveSampling(loop)
@@ -51,9 +61,10 @@ class LiveRun:
 
     def reload(self, rules: LiveRules) -> None:
         """Let other rules hold; to be called between two messages, that is, within ``Robot.wait``."""
-        self._rules = rules
-        self._publish(self._loop.reload(rules.rule_set, rules.profile, self._robot.now_ns()))
-        self._topics.follow(rules.monitored, self._loop.watched)
+        self._rules, now_ns = rules, self._robot.now_ns()
+        self._inputs.note_rules(rules, now_ns)
+        self._publish(self._loop.reload(rules.rule_set, rules.profile, now_ns))
+        self._topics.follow(rules.monitored, self._loop.watched, self._loop.leaders)
         self._look()
 
     def set_budget(self, budget_kb_per_s: float) -> None:

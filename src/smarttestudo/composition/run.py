@@ -8,19 +8,24 @@ from collections.abc import Callable, Sequence
 from functools import partial
 
 from smarttestudo.composition.fallback import Fallback
+from smarttestudo.composition.input_recorder import InputRecorder, Note
 from smarttestudo.composition.live_decisions import Decided, LiveDecisions
 from smarttestudo.composition.live_rules import LiveRuleFiles
 from smarttestudo.composition.live_run import LOOK_PERIOD_S, LiveRun
+from smarttestudo.composition.monitored_topics import OutputTopic
 from smarttestudo.composition.rule_keeper import RuleKeeper, first_rules
 from smarttestudo.composition.run_parameters import RunParameters
 from smarttestudo.domain.robot import Robot
-from smarttestudo.runtime.relay_loop import RelayLoop
 
 
 def run_live(
-    parameters: RunParameters, robot: Robot, stopped: Callable[[], bool], decided: Sequence[Decided] = ()
+    parameters: RunParameters,
+    robot: Robot,
+    stopped: Callable[[], bool],
+    decided: Sequence[Decided] = (),
+    note: Note | None = None,
 ) -> None:
-    """Relay until ``stopped``; ``decided`` are given the decisions.
+    """Relay until ``stopped``; ``decided`` are given the decisions, ``note`` what the loop is given.
 
     Raises:
         RosError: decisions cannot be published at all.
@@ -28,8 +33,9 @@ def run_live(
     """
     request = parameters.request
     resolve = partial(_resolved, robot.resolve, request.topic_prefix)
-    files = LiveRuleFiles(request.rules, request.profile, resolve=resolve, output_topic=request.output_topic)
-    fallback = Fallback(robot, output_topic=request.output_topic, topic_prefix=request.topic_prefix)
+    output_topic = OutputTopic(pattern=request.output_topic, is_elsewhere=robot.has_output_domain)
+    files = LiveRuleFiles(request.rules, request.profile, resolve=resolve, output_topic=output_topic)
+    fallback = Fallback(robot, output_topic=output_topic, topic_prefix=request.topic_prefix)
     first = first_rules(robot, files, request.rules_text)
     decisions = LiveDecisions(robot, decided)
     if robot.now_ns() == 0:
@@ -41,10 +47,8 @@ def run_live(
     if first.rules is None:
         fallback.look()
     rules = first.rules or fallback.rules()
-    loop = RelayLoop(
-        rules.rule_set, rules.profile, robot.now_ns(), request.when_slow, request.budget_kb_per_s
-    )
-    live = LiveRun(robot, loop, rules, decisions)
+    inputs = InputRecorder(robot, request, note)
+    live = LiveRun(robot, inputs, rules, decisions, is_lazy=note is None)
     keeper = RuleKeeper(robot, live, files, fallback, first)
     with keeper.keep():
         parameters.serve(keeper.accept)

@@ -66,6 +66,11 @@ PARAMETERS = (
         is_typed=False,
     ),
     Parameter(name="decisions_file", description="File to append the decisions to (JSON Lines).", value=""),
+    Parameter(
+        name="record_inputs",
+        description="New folder to record into what the loop sees, for testudo replay.",
+        value="",
+    ),
 )
 
 
@@ -85,6 +90,7 @@ class RunRequest:
     when_slow: WhenSlow = WhenSlow.PASS
     budget_kb_per_s: float | None = None
     decisions: Path | None = None
+    record_inputs: Path | None = None
 
 
 class RunParameters:
@@ -123,6 +129,7 @@ def _request(values: Mapping[str, ParameterValue]) -> RunRequest:
         when_slow=_when_slow(values["when_slow"]),
         budget_kb_per_s=budget_parameter(values["budget_kb_per_s"]),
         decisions=_path(values["decisions_file"]),
+        record_inputs=_path(values["record_inputs"]),
     )
 
 

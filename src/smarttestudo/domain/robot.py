@@ -30,6 +30,8 @@ class Qos:
 class Endpoint:
     """A publisher or subscriber of a topic, with the full name of its node.
 
+    ``gid`` is unique to it, and what ``Receive`` is told of a publisher where the data path tells publishers
+    apart. ``asks`` are further policies by which a subscriber asks for more than a publisher of ours offers.
     It has no depth: that cannot be discovered of a remote one.
     """
 
@@ -37,6 +39,23 @@ class Endpoint:
     type_name: str
     reliable: bool
     transient_local: bool
+    gid: bytes = b""
+    asks: tuple[str, ...] = ()
+
+
+class DiscoveryRange(Enum):
+    """How far a node looks for others."""
+
+    LOCALHOST = "localhost"
+    SUBNET = "subnet"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OutputDomain:
+    """The ROS domain of the operators, and how far it reaches; ``None``: as far as the environment says."""
+
+    number: int
+    discovery: DiscoveryRange | None = None
 
 
 class Inlet(Protocol):
@@ -131,7 +150,10 @@ class RobotLog(Protocol):
 
 
 class Robot(Protocol):
-    """A node among the robot's own."""
+    """A node among the robot's own.
+
+    What it publishes goes to the operators, who may be in another domain, and so may be the subscribers.
+    """
 
     @property
     def name(self) -> str:
@@ -145,6 +167,10 @@ class Robot(Protocol):
     def data_path(self) -> DataPath:
         """Messages in and out. May raise ``RosError``."""
 
+    @property
+    def has_output_domain(self) -> bool:
+        """Whether the operators are in another domain than the robot."""
+
     def now_ns(self) -> int:
         """The node's clock, which is 0 while simulated time has not begun."""
 
@@ -154,8 +180,14 @@ class Robot(Protocol):
     def publishers(self, topic: str) -> Sequence[Endpoint]:
         """Who publishes ``topic`` now, as far as discovered."""
 
+    def publisher_count(self, topic: str) -> int:
+        """How many publishers ``publishers`` would find, for a fraction of its cost."""
+
     def subscribers(self, topic: str) -> Sequence[Endpoint]:
-        """Who subscribes to ``topic`` now, as far as discovered."""
+        """Which operators subscribe to ``topic`` now, as far as discovered."""
+
+    def subscriber_count(self, topic: str) -> int:
+        """How many subscribers ``subscribers`` would find, for a fraction of its cost."""
 
     def topics(self) -> Mapping[str, Sequence[str]]:
         """The types of each topic that somebody publishes or subscribes to, by its full name."""

@@ -72,6 +72,11 @@ class RelayLoop:
         return self._relays.statistics
 
     @property
+    def leaders(self) -> Mapping[str, str]:
+        """The topic that each topic paced with another one follows."""
+        return self._relays.leaders
+
+    @property
     def undecodable(self) -> Mapping[str, int]:
         """Messages that checks would have read but that could not be decoded, by topic."""
         return self._knowledge.undecodable

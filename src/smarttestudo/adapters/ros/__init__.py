@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
 from smarttestudo.domain.errors import RosError
-from smarttestudo.domain.robot import DataPathKind, Robot
+from smarttestudo.domain.robot import DataPathKind, OutputDomain, Robot
 
 NODE_NAME = "smarttestudo"
 
@@ -19,12 +19,15 @@ def open_robot(
     *,
     name: str = NODE_NAME,
     data_path: DataPathKind = DataPathKind.AUTO,
+    output_domain: OutputDomain | None = None,
 ) -> Iterator[Robot]:
     """A node ``name`` on the graph; ``ros_arguments`` are what follows ``--ros-args``.
 
+    With an ``output_domain`` all that it publishes goes there.
+
     Raises:
         RosError: rclpy is missing, the node cannot be made, or the data path does not work here.
-        UsageError: the arguments are none of ROS.
+        UsageError: the arguments are none of ROS, or the output domain is the robot's.
     """
     try:
         import rclpy  # noqa: F401, PLC0415  a laptop lacks it
@@ -35,5 +38,5 @@ def open_robot(
         ) from error
     from smarttestudo.adapters.ros.node import open_node  # noqa: PLC0415  needs rclpy
 
-    with open_node(ros_arguments, name, data_path) as node:
+    with open_node(ros_arguments, name, data_path, output_domain) as node:
         yield node

@@ -14,18 +14,18 @@ from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.robot import DataPathKind
 
 
-def open_data_path(node: Any, executor: Any, kind: DataPathKind) -> RclPath | RclpyPath:
-    """The path of that kind, or the best that works here.
+def open_data_path(node: Any, executor: Any, kind: DataPathKind, operators: Any) -> RclPath | RclpyPath:
+    """The path of that kind, or the best that works here. ``operators`` publishes.
 
     Raises ``RosError`` where librcl was asked for and does not work.
     """
     if kind is DataPathKind.RCLPY:
-        return RclpyPath(node, executor, "as asked for")
+        return RclpyPath(node, executor, operators, "as asked for")
     try:
         library = RclLibrary()
         layout = tested_layout(node, library)
     except RosError as error:
         if kind is DataPathKind.RCL:
             raise
-        return RclpyPath(node, executor, f"at a higher cost, because {error.cause}")
-    return RclPath(node, executor, library, layout)
+        return RclpyPath(node, executor, operators, f"at a higher cost, because {error.cause}")
+    return RclPath(node, executor, library, layout, operators)

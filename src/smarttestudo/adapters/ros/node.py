@@ -18,8 +18,9 @@ from rclpy.signals import SignalHandlerOptions
 from smarttestudo.adapters.ros.data_path import open_data_path
 from smarttestudo.adapters.ros.diagnostics import diagnostics_publisher
 from smarttestudo.adapters.ros.message_types import begins_with_header, message_type
+from smarttestudo.adapters.ros.output_domain import operators_node
 from smarttestudo.adapters.ros.parameters import NodeParameters
-from smarttestudo.adapters.ros.qos import is_reliable, is_transient_local, qos_profile
+from smarttestudo.adapters.ros.qos import further_policies, is_reliable, is_transient_local, qos_profile
 from smarttestudo.adapters.ros.rcl_path import RclPath
 from smarttestudo.adapters.ros.rclpy_path import RclpyPath
 from smarttestudo.adapters.ros.real_timers import RealTimers
@@ -28,7 +29,7 @@ from smarttestudo.adapters.ros.services import offer_trigger
 from smarttestudo.domain.diagnostic import Diagnostic
 from smarttestudo.domain.errors import RosError, UsageError
 from smarttestudo.domain.parameter import Accept, Parameter, ParameterValue
-from smarttestudo.domain.robot import DataPath, DataPathKind, Endpoint, Qos, RobotLog
+from smarttestudo.domain.robot import DataPath, DataPathKind, Endpoint, OutputDomain, Qos, RobotLog
 from smarttestudo.domain.units import NS_PER_S
 
 CLOCK_PERIOD_S = 0.2
@@ -36,7 +37,9 @@ CLOCK_PERIOD_S = 0.2
 
 
 @contextmanager
-def open_node(ros_arguments: Sequence[str], name: str, data_path: DataPathKind) -> Iterator[RosNode]:
+def open_node(
+    ros_arguments: Sequence[str], name: str, data_path: DataPathKind, output_domain: OutputDomain | None
+) -> Iterator[RosNode]:
     """A node ``name`` with a context of its own, both gone at the end; signals are left to the caller."""
     context = Context()
     arguments = ["--ros-args", *ros_arguments] if ros_arguments else []
@@ -50,11 +53,14 @@ def open_node(ros_arguments: Sequence[str], name: str, data_path: DataPathKind) 
             node = Node(name, context=context)
         executor = SingleThreadedExecutor(context=context)
         executor.add_node(node)
-        robot = RosNode(node, executor, data_path)
         try:
-            yield robot
+            with operators_node(node, output_domain) as operators:
+                robot = RosNode(node, executor, data_path, operators)
+                try:
+                    yield robot
+                finally:
+                    robot.close()
         finally:
-            robot.close()
             executor.shutdown()
             node.destroy_node()
     finally:
@@ -62,10 +68,11 @@ def open_node(ros_arguments: Sequence[str], name: str, data_path: DataPathKind) 
 
 
 class RosNode:
-    """An rclpy node with an executor of one thread, as a ``Robot``."""
+    """An rclpy node with an executor of one thread, as a ``Robot``; the node ``operators`` publishes."""
 
-    def __init__(self, node: Any, executor: Any, data_path_kind: DataPathKind) -> None:
+    def __init__(self, node: Any, executor: Any, data_path_kind: DataPathKind, operators: Any) -> None:
         self._node = node
+        self._operators = operators
         self._executor = executor
         self._clock = node.get_clock()
         self._data_path_kind = data_path_kind
@@ -91,8 +98,15 @@ class RosNode:
     def data_path(self) -> DataPath:
         """Messages in and out, by the path that works here. Raises ``RosError``."""
         if self._data_path is None:
-            self._data_path = open_data_path(self._node, self._executor, self._data_path_kind)
+            self._data_path = open_data_path(
+                self._node, self._executor, self._data_path_kind, self._operators
+            )
         return self._data_path
+
+    @property
+    def has_output_domain(self) -> bool:
+        """Whether the operators are in another domain than the robot."""
+        return self._operators is not self._node
 
     def now_ns(self) -> int:
         """The node's clock, which is 0 while simulated time has not begun."""
@@ -113,10 +127,22 @@ class RosNode:
         with ros_errors(topic):
             return [_endpoint(one) for one in self._node.get_publishers_info_by_topic(topic)]
 
+    def publisher_count(self, topic: str) -> int:
+        """How many publishers ``publishers`` would find, for a fraction of its cost."""
+        with ros_errors(topic):
+            count: int = self._node.count_publishers(topic)
+        return count
+
     def subscribers(self, topic: str) -> Sequence[Endpoint]:
         """Who subscribes to ``topic`` now, as far as discovered."""
         with ros_errors(topic):
-            return [_endpoint(one) for one in self._node.get_subscriptions_info_by_topic(topic)]
+            return [_endpoint(one) for one in self._operators.get_subscriptions_info_by_topic(topic)]
+
+    def subscriber_count(self, topic: str) -> int:
+        """How many subscribers ``subscribers`` would find, for a fraction of its cost."""
+        with ros_errors(topic):
+            count: int = self._operators.count_subscribers(topic)
+        return count
 
     def topics(self) -> Mapping[str, Sequence[str]]:
         """The types of each topic that somebody publishes or subscribes to, by its full name."""
@@ -129,13 +155,13 @@ class RosNode:
 
     def diagnostics_publisher(self, topic: str) -> Callable[[Sequence[Diagnostic]], None]:
         """What sends a diagnostic_msgs/msg/DiagnosticArray on ``topic``; both may raise ``RosError``."""
-        return diagnostics_publisher(self._node, topic)
+        return diagnostics_publisher(self._operators, topic, self._clock)
 
     def text_publisher(self, topic: str, qos: Qos) -> Callable[[str], None]:
         """What sends a std_msgs/msg/String on ``topic``; both may raise ``RosError``."""
         text_type = message_type("std_msgs/msg/String", topic)
         with ros_errors(topic):
-            publisher = self._node.create_publisher(text_type, topic, qos_profile(qos))
+            publisher = self._operators.create_publisher(text_type, topic, qos_profile(qos))
 
         def publish(text: str) -> None:
             with ros_errors(topic):
@@ -192,4 +218,6 @@ def _endpoint(info: Any) -> Endpoint:
         type_name=info.topic_type,
         reliable=is_reliable(info.qos_profile),
         transient_local=is_transient_local(info.qos_profile),
+        gid=bytes(info.endpoint_gid),
+        asks=further_policies(info.qos_profile),
     )

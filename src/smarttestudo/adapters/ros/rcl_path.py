@@ -27,8 +27,11 @@ from smarttestudo.domain.robot import Inlet, Outlet, Qos, Receive
 class RclPath:
     """Subscriptions whose messages rclpy's executor never sees, and publishers that take them as they are."""
 
-    def __init__(self, node: Any, executor: Any, library: RclLibrary, layout: InfoLayout) -> None:
+    def __init__(
+        self, node: Any, executor: Any, library: RclLibrary, layout: InfoLayout, operators: Any
+    ) -> None:
         self._node = node
+        self._operators = operators
         self._library = library
         self._layout = layout
         self._failures: set[str] = set()
@@ -70,7 +73,7 @@ class RclPath:
 
     def advertise(self, topic: str, type_name: str, qos: Qos) -> Outlet:
         """Publish on ``topic``. Raises ``RosError``."""
-        return RclOutlet(self._node, self._library, topic, type_name, qos)
+        return RclOutlet(self._operators, self._library, topic, type_name, qos)
 
     def decode(self, topic: str, type_name: str, payload: Payload) -> object:
         """The message of a payload that came on ``topic``. Raises ``RosError``."""

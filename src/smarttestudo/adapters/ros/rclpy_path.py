@@ -14,14 +14,15 @@ from smarttestudo.domain.robot import Inlet, Outlet, Qos, Receive
 
 
 class RclpyPath:
-    """Raw subscriptions and publishers of a node."""
+    """Raw subscriptions of a node, and publishers of the node ``operators``."""
 
     tells_publishers = False
     can_rest = False
 
-    def __init__(self, node: Any, executor: Any, why: str) -> None:
+    def __init__(self, node: Any, executor: Any, operators: Any, why: str) -> None:
         self.description = f"rclpy, {why}"
         self._node = node
+        self._operators = operators
         self._executor = executor
 
     def knows(self, type_name: str) -> bool:
@@ -51,8 +52,8 @@ class RclpyPath:
     def advertise(self, topic: str, type_name: str, qos: Qos) -> Outlet:
         """Publish on ``topic``. Raises ``RosError``."""
         with ros_errors(topic):
-            handle = self._node.create_publisher(message_type(type_name, topic), topic, qos_profile(qos))
-        return _Outlet(self._node, handle, topic)
+            handle = self._operators.create_publisher(message_type(type_name, topic), topic, qos_profile(qos))
+        return _Outlet(self._operators, handle, topic)
 
     def decode(self, topic: str, type_name: str, payload: Payload) -> object:
         """The message of a payload that came on ``topic``. Raises ``RosError``."""

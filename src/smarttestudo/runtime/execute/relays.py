@@ -41,6 +41,13 @@ class Relays:
         return {topic: relay.statistics for topic, relay in self._relays.items()}
 
     @property
+    def leaders(self) -> Mapping[str, str]:
+        """The topic that each topic paced with another one follows."""
+        return {
+            topic: relay.leader.topic for topic, relay in self._relays.items() if relay.leader is not None
+        }
+
+    @property
     def discarded(self) -> Mapping[str, int]:
         """Messages of topics paced with another one for which no decision of the leader was found."""
         return {
