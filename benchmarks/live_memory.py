@@ -3,8 +3,8 @@
 """Whether the memory of ``testudo run`` stays flat.
 
 Run it with ``python benchmarks/live_memory.py`` where ROS 2 is installed; it takes half an hour. The demo's
-robot patrols, an operator hears every relay, and the rules change once a minute. Resident memory is read every
-ten seconds; its growth is the slope of a straight line through the readings after the first two minutes.
+robot patrols, an operator hears every relay, and the rules change once a minute. Resident memory is read
+every ten seconds; its growth is the slope of a straight line through the readings after the first minutes.
 """
 
 from __future__ import annotations
