@@ -17,7 +17,7 @@ EXIT_ERROR = 1
 EXIT_USAGE = 2
 EXIT_INTERRUPTED = 130
 STUDIO_PACKAGES = frozenset(
-    {"apsw", "highspy", "lz4", "mcap", "numpy", "PIL", "rich", "rosbags", "ruamel", "zstandard"}
+    {"apsw", "highspy", "lz4", "matplotlib", "mcap", "numpy", "PIL", "rich", "rosbags", "ruamel", "zstandard"}
 )
 
 
