@@ -65,6 +65,11 @@ class Process:
         self.say(json.dumps(request))
         return json.loads(self.line_with("reply ").removeprefix("reply "))
 
+    def hears_more(self) -> None:
+        """Wait until a recorder has heard all its topics for a second from now on."""
+        self.say("more")
+        self.line_with("more")
+
     def signal(self, number: int) -> None:
         self._process.send_signal(number)
 

@@ -32,15 +32,20 @@ def lines(path: Path) -> list[dict[str, Any]]:
     return [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()]
 
 
-def drive(robot: SmallRobot, rules: str, *arguments: str) -> tuple[Process, Process]:
-    """A runtime that saw the robot enter the zone and leave it, and the source."""
+def drive(
+    robot: SmallRobot, rules: str, *arguments: str, recorder: Process | None = None
+) -> tuple[Process, Process]:
+    """A runtime that saw the robot enter the zone and leave it, as the recorder did, and the source."""
     runtime = robot.runtime(rules, *arguments)
     source = robot.source(**TOPICS)
     runtime.line_with("/imu: 50 Hz → 5 Hz (default)")
-    source.say("move")
-    runtime.line_with("/imu: 5 Hz → 50 Hz (block: Zone)")
-    source.say("home")
-    runtime.line_with("/imu: 50 Hz → 5 Hz (default)")
+    if recorder is not None:
+        recorder.hears_more()
+    for place, decision in (("move", "5 Hz → 50 Hz (block: Zone)"), ("home", "50 Hz → 5 Hz (default)")):
+        source.say(place)
+        runtime.line_with(f"/imu: {decision}")
+        if recorder is not None:
+            recorder.hears_more()
     return runtime, source
 
 
@@ -64,7 +69,7 @@ def test_over_an_ordinary_recording_they_are_the_same_within_50_ms(robot: SmallR
     for attempt in range(ATTEMPTS):
         bag, out, live, replayed = (tmp_path / f"{name}{attempt}" for name in ("bag", "out", "live", "again"))
         recorder = robot.recorder(bag, **TOPICS)
-        runtime, source = drive(robot, ZONE, "--decisions", str(live))
+        runtime, source = drive(robot, ZONE, "--decisions", str(live), recorder=recorder)
         recorder.result()
         for process in (source, runtime):
             process.end()
