@@ -71,6 +71,7 @@ class _Editor:
         self._ending = "\r\n" if "\r\n" in text else "\n"
         self._lines: list[str | None] = list(text.splitlines())
         self._behind: dict[int, list[str]] = {}
+        self._new_tables: list[str] = []
         self._places = lines
         self._headers = sorted(lines[key] for key in lines if self._is_header(lines[key]))
 
@@ -172,9 +173,10 @@ class _Editor:
             self._lines[number - 1] = None
 
     def _add_table(self, name: str, keys: Mapping[str, Value]) -> None:
-        lines = ["", f"[{_TOPICS}.{json.dumps(name)}]"]
-        lines += [f"{key} = {toml_value(value)}" for key, value in keys.items() if value is not None]
-        self._behind.setdefault(len(self._lines), []).extend(lines)
+        self._new_tables += ["", f"[{_TOPICS}.{json.dumps(name)}]"]
+        self._new_tables += [
+            f"{key} = {toml_value(value)}" for key, value in keys.items() if value is not None
+        ]
 
     def _text(self) -> str:
         lines = list(self._all_lines())
@@ -188,6 +190,7 @@ class _Editor:
             if line is not None:
                 yield line
             yield from self._behind.get(number, ())
+        yield from self._new_tables
 
 
 def toml_value(value: str | float | Sequence[float]) -> str:

@@ -22,6 +22,7 @@ from smarttestudo.adirf.syntax import Block, Statement
 from smarttestudo.domain.errors import RuleFileError
 
 _END_IF = "EndIf"
+_NO_COLLECTION = "put 'begin' and 'end' around the rules"
 
 
 class EditError(RuleFileError):
@@ -140,21 +141,21 @@ def _put(
     part: Part, index: int, others: Sequence[Entry], content: Statement | str, body: str, line_end: str
 ) -> list[Splice]:
     """Puts ``body``, which holds ``content``, before number ``index`` of ``others``."""
-    before = others[index - 1] if index > 0 else None
-    following = others[index] if index < len(others) else None
-    point = before.stretch if before is not None else part.begin
+    before, following = others[:index][-1:], others[index : index + 1]
+    point = before[0].stretch if before else part.begin
     if point is None:
-        raise EditError("there is no collection to write in", remedy="put 'begin' and 'end' around the rules")
-    splices = []
-    if before is not None and _takes_in(before, content):
-        splices.append(_end_if(before, line_end))
-    is_block = isinstance(content, Block)
-    if before is not None and (is_block or isinstance(before.statement, Block)):
+        raise EditError("there is no collection to write in", remedy=_NO_COLLECTION)
+    splices = [_end_if(one, line_end) for one in before if _takes_in(one, content)]
+    if any(_is_apart(one, content) for one in before):
         body = line_end + body
-    if following is not None and (is_block or isinstance(following.statement, Block)):
-        body += "" if _is_blank_behind(point) else line_end
-    splices.append(addition(point, body, line_end))
-    return splices
+    if any(_is_apart(one, content) for one in following) and not _is_blank_behind(point):
+        body += line_end
+    return [*splices, addition(point, body, line_end)]
+
+
+def _is_apart(neighbour: Entry, content: Statement | str) -> bool:
+    """Whether an empty line goes between them, as the formatter has it."""
+    return isinstance(content, Block) or isinstance(neighbour.statement, Block)
 
 
 def _is_blank_behind(point: Stretch) -> bool:
