@@ -13,7 +13,7 @@ help:
 	@echo "make test            everything that must hold: style, types, layers, tests"
 	@echo "make lint            style, types and layers only"
 	@echo "make format          format the code"
-	@echo "make docs            regenerate docs/reference from the code"
+	@echo "make docs            regenerate docs/reference and worlds from the code"
 	@echo "make test-jazzy      the live tests on ROS 2 Jazzy"
 	@echo "make test-lowest     the tests with the lowest allowed versions (PYTHON=python3.10)"
 	@echo "make wheels-aarch64  show that an ARM robot and laptop install binary wheels only"
@@ -38,6 +38,7 @@ format: $(VENV)/dev.stamp
 
 docs: $(VENV)/dev.stamp
 	$(BIN)/python scripts/make_reference.py
+	$(BIN)/python scripts/make_world.py
 
 test-jazzy: $(VENV)/dev.stamp
 	PYTHON=$(BIN)/python UV=$(BIN)/uv sh scripts/test_jazzy.sh
@@ -52,7 +53,7 @@ benchmarks: $(VENV)/dev.stamp
 	for benchmark in benchmarks/*.py; do $(BIN)/python $$benchmark || exit 1; done
 
 clean:
-	rm -rf $(VENV) build dist demo-out .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
+	rm -rf $(VENV) build install log dist demo-out .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
 
 $(VENV)/bin/python:
 	@PYTHON=$(PYTHON) sh scripts/check_python.sh

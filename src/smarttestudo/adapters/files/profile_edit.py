@@ -7,6 +7,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
 
 from smarttestudo.adapters.files.toml_text import KeyPath, parse_toml
 from smarttestudo.domain.errors import ProfileError
@@ -19,7 +20,7 @@ _TOPICS = "topics"
 
 
 def edited_profile(
-    text: str, path: str, top: Mapping[str, Value], topics: Mapping[str, Mapping[str, Value]]
+    text: str, path: Path, top: Mapping[str, Value], topics: Mapping[str, Mapping[str, Value]]
 ) -> str:
     """``text`` with the keys ``top`` and, by the name that the text has for them, those of ``topics``.
 
@@ -39,10 +40,10 @@ def edited_profile(
     return edited
 
 
-def _too_free(path: str) -> ProfileError:
+def _too_free(path: Path) -> ProfileError:
     return ProfileError(
         "the profile is written in a way that a table cannot edit",
-        place=path,
+        place=str(path),
         remedy='write each topic as a table of its own, [topics."/odom"], or edit the text',
     )
 

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 from smarttestudo.adapters.files.profile import parse_profile
 from smarttestudo.adirf.checks import CheckContext, check_rules
@@ -25,7 +26,9 @@ class Draft:
 
     def profile(self) -> Profile | None:
         """The profile; ``ProfileError`` for one that cannot be read."""
-        return None if self.profile_text is None else parse_profile(self.profile_text, self.profile_name)
+        return (
+            None if self.profile_text is None else parse_profile(self.profile_text, Path(self.profile_name))
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -13,8 +13,8 @@ from smarttestudo.domain.recording import (
     RecordedMessage,
     RecordedSize,
     RecordingReader,
+    Storage,
 )
-from smarttestudo.domain.recording import Storage
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.visualizer.page import PathPoint
 from smarttestudo.visualizer.trace import TraceAccumulator

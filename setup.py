@@ -1,0 +1,92 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The shared files of the ROS package, and pyproject.toml for those who do not read it themselves.
+
+Setuptools before 61 (ROS 2 Humble's) does not know pyproject.toml, and ``colcon build --symlink-install``
+runs a link to this file in another folder.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+import warnings
+from pathlib import Path
+from typing import Any
+
+import setuptools
+
+ROOT = Path(__file__).resolve().parent
+SHARE = "share/smarttestudo"
+SHARED_FOLDERS = ("launch", "worlds", "profiles", "examples", "examples/quality", "extras")
+FIRST_TO_READ_PYPROJECT = 61
+
+
+def shared_files() -> list[tuple[str, list[str]]]:
+    """What goes to share, by folder."""
+    return [
+        ("share/ament_index/resource_index/packages", ["resource/smarttestudo"]),
+        (SHARE, ["package.xml"]),
+        *((f"{SHARE}/{folder}", files_in(folder)) for folder in SHARED_FOLDERS),
+    ]
+
+
+def files_in(folder: str) -> list[str]:
+    """The files of a folder, from here."""
+    return sorted(f"{folder}/{path.name}" for path in (ROOT / folder).iterdir() if path.is_file())
+
+
+def reads_pyproject() -> bool:
+    """Whether setuptools finds and understands pyproject.toml."""
+    version = int(setuptools.__version__.partition(".")[0])
+    return version >= FIRST_TO_READ_PYPROJECT and Path("pyproject.toml").exists()
+
+
+def from_pyproject() -> dict[str, Any]:
+    """What an installation needs of pyproject.toml."""
+    pyproject = toml_parser().loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    project, tool = pyproject["project"], pyproject["tool"]["setuptools"]
+    (source,) = tool["packages"]["find"]["where"]
+    package = ROOT / source / project["name"]
+    version = re.search(r'__version__ = "(.+)"', (package / "__init__.py").read_text(encoding="utf-8"))
+    patterns = tool["package-data"][project["name"]]
+    return {
+        "name": project["name"],
+        "version": version[1],
+        "package_dir": {"": source},
+        "packages": setuptools.find_packages(str(ROOT / source)),
+        "package_data": {
+            project["name"]: [
+                str(path.relative_to(package)) for one in patterns for path in package.glob(one)
+            ]
+        },
+        "entry_points": {"console_scripts": [f"{name} = {to}" for name, to in project["scripts"].items()]},
+    }
+
+
+def toml_parser() -> Any:
+    """The standard library's, from Python 3.11 on."""
+    try:
+        import tomllib  # noqa: PLC0415  not before Python 3.11
+    except ImportError:
+        try:
+            import tomli as tomllib  # noqa: PLC0415  what it was before
+        except ImportError:
+            sys.exit("setup.py: error: Python 3.10 needs tomli; sudo apt install python3-tomli")
+    return tomllib
+
+
+def install() -> None:
+    """Do what pip or colcon asks."""
+    if not reads_pyproject():
+        setuptools.setup(data_files=shared_files(), **from_pyproject())
+        return
+    # Who builds a workspace need not know that setuptools calls this part of pyproject.toml beta.
+    warnings.filterwarnings("ignore", message=r"Support for `\[tool\.setuptools\]`")
+    distribution = setuptools.setup(data_files=shared_files())
+    # colcon reads a distribution back as literals, and setuptools makes an object of requires-python.
+    for owner in (distribution, distribution.metadata):
+        owner.python_requires = str(owner.python_requires)
+
+
+install()

@@ -1,0 +1,74 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""SmartTestudo as a package of a ROS workspace: what colcon builds and ros2 run starts."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+from pathlib import Path
+from xml.etree import ElementTree
+
+import tomli
+
+from ros.ros_processes import SmallRobot
+from ros_package.workspace import ROOT
+from smarttestudo import __version__
+
+RULES = "begin SetFrequency /imu 10 end"
+IMU = {"type": "sensor_msgs/msg/Imu"}
+
+
+def in_environment_of(package: Path, executable: Path) -> list[str]:
+    """The command that starts an executable as ros2 run does, after the setup file of its workspace."""
+    return ["sh", "-c", '. "$0" && exec "$@"', str(package.parent / "local_setup.sh"), str(executable)]
+
+
+def test_ros2_run_finds_an_executable_that_relays_until_a_signal_comes(
+    robot: SmallRobot, installed: Path
+) -> None:
+    rules = robot.folder / "rules.adirf"
+    rules.write_text(RULES, encoding="utf-8")
+    operator = robot.operator(imu=IMU)
+    executable = installed / "lib" / "smarttestudo" / "smart_testudo"
+    runtime = robot.command(
+        *in_environment_of(installed, executable),
+        *("--rules", str(rules), "--ros-args", "-r", "__node:=testudo_of_the_workspace"),
+    )
+    robot.source(imu={**IMU, "hz": 50})
+    operator.line_with("heard")
+    runtime.signal(signal.SIGINT)
+    assert runtime.exit_code() == 0
+    assert any("[testudo_of_the_workspace]: /imu: 10 Hz (default)" in line for line in runtime.output)
+
+
+def test_launch_files_worlds_profiles_rules_and_the_service_are_shared(installed: Path) -> None:
+    share = installed / "share"
+    assert (share / "ament_index" / "resource_index" / "packages" / "smarttestudo").is_file()
+    for folder in ("launch", "worlds", "profiles", "examples", "extras"):
+        source = {path.relative_to(ROOT) for path in (ROOT / folder).rglob("*") if path.is_file()}
+        shared = share / "smarttestudo"
+        assert source
+        assert {path.relative_to(shared) for path in (shared / folder).rglob("*") if path.is_file()} == source
+
+
+def test_a_build_by_links_holds_the_same_package(installed: Path, linked: Path) -> None:
+    for folder in ("share/smarttestudo", "lib/smarttestudo"):
+        names = {path.name for path in (installed / folder).iterdir()}
+        assert {path.name for path in (linked / folder).iterdir()} >= names - {"hook"}
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    for name in ("testudo", "smart_testudo"):
+        command = [*in_environment_of(linked, linked / "lib" / "smarttestudo" / name), "--help"]
+        done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+        assert (done.returncode, done.stderr) == (0, "")
+        assert done.stdout.startswith("usage: testudo")
+
+
+def test_package_xml_says_what_pyproject_says() -> None:
+    package = ElementTree.parse(ROOT / "package.xml").getroot()
+    project = tomli.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert package.findtext("name") == project["name"]
+    assert package.findtext("version") == __version__
+    assert package.findtext("description") == project["description"]
+    assert package.findtext("license") == project["license"]["text"]

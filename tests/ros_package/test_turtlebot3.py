@@ -1,0 +1,89 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What is there for a TurtleBot3: launch file, world and profiles. Gazebo itself is not run here."""
+
+from __future__ import annotations
+
+import ast
+import runpy
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+from ros_package.workspace import ROOT
+from smarttestudo.adapters.files.profile import load_profile
+from smarttestudo.cli.main import main
+from smarttestudo.simulation.floor_plan import ObstacleKind, Rectangle
+from smarttestudo.simulation.geometry import Point
+from smarttestudo.simulation.readings import Topic
+from smarttestudo.simulation.robot import RobotModel
+from smarttestudo.simulation.warehouse import warehouse
+
+LAUNCH_FILES = sorted((ROOT / "launch").glob("*.launch.py"))
+WORLD = ROOT / "worlds" / "warehouse.sdf"
+PROFILE = ROOT / "profiles" / "turtlebot3.toml"
+RULES = ROOT / "examples" / "warehouse.adirf"
+
+
+@pytest.mark.parametrize("path", LAUNCH_FILES, ids=lambda path: path.name)
+def test_a_launch_file_compiles_and_describes_a_launch(path: Path) -> None:
+    tree = ast.parse(path.read_text(encoding="utf-8"), path)
+    compile(tree, path, "exec")
+    functions = {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
+    assert "generate_launch_description" in functions
+
+
+def test_a_launch_file_names_only_files_that_the_package_shares() -> None:
+    named = [
+        ROOT.joinpath(*[part.value for part in call.args[1:]])
+        for path in LAUNCH_FILES
+        for call in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(call, ast.Call)
+        and isinstance(call.func, ast.Name)
+        and call.func.id == "shared"
+        and isinstance(call.args[0], ast.Constant)
+        and call.args[0].value == "smarttestudo"
+    ]
+    assert len(named) == 3
+    assert [path for path in named if not path.is_file()] == []
+
+
+def test_the_world_is_what_make_docs_writes() -> None:
+    make_world = runpy.run_path(str(ROOT / "scripts" / "make_world.py"))["world"]
+    assert WORLD.read_text(encoding="utf-8") == make_world(warehouse())
+
+
+def test_every_obstacle_of_the_floor_plan_is_seen_and_felt_in_the_world() -> None:
+    plan, world = warehouse(), ElementTree.parse(WORLD).getroot()
+    for kind in ObstacleKind:
+        boxes = [
+            " ".join(f"{number:g}" for number in (x_m, y_m, one.height_m / 2))
+            for one in plan.obstacles
+            if one.kind is kind
+            for x_m, y_m in [middle(one.footprint)]
+        ]
+        for part in ("collision", "visual"):
+            poses = world.findall(f".//model[@name='{kind.value}s']/link/{part}/pose")
+            assert [pose.text.removesuffix(" 0 0 0") for pose in poses] == boxes
+
+
+def middle(footprint: Rectangle) -> tuple[float, float]:
+    centre_x_m = (footprint.min_x_m + footprint.max_x_m) / 2
+    return round(centre_x_m, 3), round((footprint.min_y_m + footprint.max_y_m) / 2, 3)
+
+
+def test_a_turtlebot3_fits_where_the_launch_file_puts_it() -> None:
+    assert warehouse().clearance_m(Point(0.0, 0.0)) > 2 * RobotModel().radius_m
+
+
+def test_the_profile_knows_the_topics_of_the_simulated_turtlebot3() -> None:
+    assert set(load_profile(PROFILE).topics) == {topic.value for topic in Topic}
+
+
+def test_the_warehouse_rules_fit_the_profile(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["check", str(RULES), "--profile", str(PROFILE)]) == 0
+    printed = capsys.readouterr().out
+    assert "fits the budget in every situation" in printed
+    assert "warning" not in printed
+    assert main(["optimize", str(RULES), "--profile", str(PROFILE)]) == 0

@@ -1,0 +1,30 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The package in a workspace of its own, built as on a robot."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+OF_A_ROS_PACKAGE = ("setup.py", "setup.cfg", "pyproject.toml", "package.xml", "README.md", "LICENSE")
+OF_A_ROS_PACKAGE_FOLDERS = ("resource", "launch", "worlds", "profiles", "examples", "extras", "src")
+
+
+def build(workspace: Path, *options: str) -> Path:
+    """The installed package after ``colcon build`` of a copy of what belongs to it."""
+    source = workspace / "src" / "smarttestudo"
+    source.mkdir(parents=True)
+    for name in OF_A_ROS_PACKAGE:
+        shutil.copy(ROOT / name, source)
+    for name in OF_A_ROS_PACKAGE_FOLDERS:
+        shutil.copytree(
+            ROOT / name, source / name, ignore=shutil.ignore_patterns("__pycache__", "*.egg-info")
+        )
+    command = [sys.executable, "-m", "colcon", "build", "--packages-select", "smarttestudo", *options]
+    done = subprocess.run(command, cwd=workspace, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return workspace / "install" / "smarttestudo"
