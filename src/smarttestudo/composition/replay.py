@@ -51,7 +51,7 @@ class ReplayRequest:
 
     ``output_topic`` names monitored topics, with ``{topic}`` for the source's full name. ``decided`` is given
     decisions in order, some at a time, ``report`` the share of the recording that is done, 0 … 1. Where there
-    is a ``writer``, it takes what is relayed, and no recording is made.
+    is a ``writer``, it takes what is relayed, and no recording is made; ``arrived`` is shown every message.
     """
 
     recording: RecordingReader
@@ -65,6 +65,7 @@ class ReplayRequest:
     decided: Callable[[Sequence[Decision]], None] = _ignore
     report: Callable[[float], None] = _ignore
     writer: RecordingWriter | None = None
+    arrived: Callable[[Channel, int, bytes], None] | None = None
 
 
 def replay(request: ReplayRequest) -> ReplayOutcome:
@@ -175,9 +176,11 @@ class _Run:
         loop, declared_bytes = self._loop, self._request.recording.declared_bytes
         sources = self._sources_needed()
         decoded = frozenset(topic for topic in sources if loop.reads(topic))
-        report_ns = 0
+        report_ns, arrived = 0, self._request.arrived
         for channel, stamp_ns, payload in self._request.recording.messages():
             topic = channel.topic
+            if arrived is not None:
+                arrived(channel, stamp_ns, payload)
             if sources.get(topic) is not channel:
                 if topic in sources:
                     self._second_types[topic] += 1

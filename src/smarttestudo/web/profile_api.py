@@ -75,7 +75,7 @@ class ProfileApi:
         topics = known_topics(
             profile=None
             if request.profile_text is None
-            else parse_profile(request.profile_text, "the profile"),
+            else parse_profile(request.profile_text, Path("profile.toml")),
             bag_topics={} if request.bag is None else topics_of_bag(self._folder.bag(request.bag)),
             rules=None if request.text is None else parse(request.text, "the rules"),
         )

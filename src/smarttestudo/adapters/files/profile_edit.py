@@ -30,6 +30,8 @@ def edited_profile(
     one by one (inline tables, dotted keys).
     """
     values, lines = parse_toml(text, path)
+    if _wanted(values, top, topics) == values:
+        return text
     edited = _Editor(text, lines).edit(values, top, topics)
     try:
         after, _ = parse_toml(edited, path)

@@ -16,10 +16,11 @@ from smarttestudo.composition.optimize_tiers import tier_rates_for
 from smarttestudo.composition.replay import ReplayRequest, replay
 from smarttestudo.composition.replay_outcome import ReplayOutcome
 from smarttestudo.composition.ruler.checked_text import CheckedText, Draft, RefusedTextError
-from smarttestudo.composition.ruler.watched_recording import CountingWriter, WatchedRecording
+from smarttestudo.composition.ruler.replay_watch import ArrivalWatch, CountingWriter
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.profile import Profile
+from smarttestudo.domain.recording import RecordingReader
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
 from smarttestudo.visualizer.page import PathPoint
 from smarttestudo.visualizer.trace import TraceAccumulator
@@ -78,9 +79,9 @@ def try_rules(draft: Draft, bag: Path, report: Callable[[float], None]) -> Trial
         RecordingError: the bag cannot be read.
     """
     decisions: list[Decision] = []
-    with open_recording(bag) as opened:
-        recording = WatchedRecording(opened, RosbagDecoder())
-        writer = CountingWriter(opened.declared_bytes)
+    with open_recording(bag) as recording:
+        watch = ArrivalWatch(recording, RosbagDecoder())
+        writer = CountingWriter(recording.declared_bytes)
         outcome = replay(
             ReplayRequest(
                 recording=recording,
@@ -90,12 +91,14 @@ def try_rules(draft: Draft, bag: Path, report: Callable[[float], None]) -> Trial
                 decided=lambda some: decisions.extend(some[: MAX_DECISIONS - len(decisions)]),
                 report=report,
                 writer=writer,
+                arrived=watch.arrived,
             )
         )
-        return _trial(recording, writer, outcome, tuple(decisions))
+        bins = _bins(recording.start_ns, recording.end_ns)
+        return _trial(watch, writer, outcome, tuple(decisions), bins)
 
 
-def _compiled(draft: Draft, recording: WatchedRecording) -> RuleSet:
+def _compiled(draft: Draft, recording: RecordingReader) -> RuleSet:
     profile = draft.profile()
     bag_topics = {channel.topic: channel.type_name for channel in recording.channels}
     document = read_document(draft.text, draft.name)
@@ -108,25 +111,23 @@ def _compiled(draft: Draft, recording: WatchedRecording) -> RuleSet:
 
 
 def _trial(
-    recording: WatchedRecording,
+    watch: ArrivalWatch,
     writer: CountingWriter,
     outcome: ReplayOutcome,
     decisions: tuple[Decision, ...],
+    bins: _Bins,
 ) -> Trial:
-    first_s = recording.start_ns // NS_PER_S
-    seconds = recording.end_ns // NS_PER_S - first_s + 1
-    bins = _Bins(first_s=first_s, seconds=seconds, width_s=max(-(-seconds // MAX_BINS), 1))
     return Trial(
         duration_s=outcome.duration_s,
         bin_s=float(bins.width_s),
         topics=tuple(
-            _topic(topic, recording.traces, writer.traces, target_hz=one.target_hz, bins=bins)
+            _topic(topic, watch.traces, writer.traces, target_hz=one.target_hz, bins=bins)
             for topic, one in outcome.topics.items()
-            if topic in recording.traces
+            if topic in watch.traces
         ),
         decisions=decisions,
         decision_count=outcome.decisions,
-        path=tuple(recording.path),
+        path=tuple(watch.path),
         notices=outcome.notices,
     )
 
@@ -146,6 +147,12 @@ class _Bins:
             # What is held back to the end is relayed after it.
             counts[min(at, len(counts) - 1)] += bin_.messages
         return tuple(count / self.width_s for count in counts)
+
+
+def _bins(start_ns: int, end_ns: int) -> _Bins:
+    first_s = start_ns // NS_PER_S
+    seconds = end_ns // NS_PER_S - first_s + 1
+    return _Bins(first_s=first_s, seconds=seconds, width_s=max(-(-seconds // MAX_BINS), 1))
 
 
 def _topic(
