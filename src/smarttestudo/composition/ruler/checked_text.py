@@ -72,11 +72,10 @@ def require_usable(draft: Draft) -> CheckedText:
     return checked
 
 
-def fixed(draft: Draft, index: int) -> str:
+def fixed(checked: CheckedText, index: int) -> str:
     """The text with the fix of finding number ``index``; ``EditError`` where there is none."""
-    checked = check_text(draft)
     fix = checked.findings[index].fix if 0 <= index < len(checked.findings) else None
     if fix is None:
         raise EditError(f"the text has no finding {index} with a fix", remedy="read the document again")
     start, end = checked.document.places.range(fix.span)
-    return apply(draft.text, [Splice(start, end, fix.replacement)])
+    return apply(checked.document.text, [Splice(start, end, fix.replacement)])
