@@ -66,6 +66,7 @@ def _rule_routes(api: rules_api.RulesApi) -> Iterable[BaseRoute]:
     yield _route("/api/format", schema.DocumentRequest, rules_api.format_text)
     yield _route("/api/fix", schema.FixRequest, api.fix)
     yield _route("/api/download", schema.DocumentRequest, rules_api.download)
+    yield _route("/api/diff", schema.DifferenceRequest, rules_api.difference)
     yield _route("/api/export", schema.ExportRequest, rules_api.export)
     yield _route("/api/import", schema.ImportRequest, api.import_rules)
     yield _route("/api/optimize", schema.OptimizeRequest, optimize_api.optimize)

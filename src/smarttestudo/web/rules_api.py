@@ -9,7 +9,9 @@ from functools import lru_cache
 
 from smarttestudo.adirf.document import Document, deleted, inserted, moved, read_document, replaced
 from smarttestudo.adirf.formatter import format_rules
+from smarttestudo.adirf.parser import parse
 from smarttestudo.composition.ruler.checked_text import CheckedText, Draft, check_text, fixed
+from smarttestudo.composition.ruler.difference import differences
 from smarttestudo.composition.ruler.sharing import download_text, exported, imported
 from smarttestudo.web import schemas as schema
 from smarttestudo.web.document_json import document_model
@@ -74,6 +76,12 @@ def download(request: schema.DocumentRequest) -> schema.TextAnswer:
 def export(request: schema.ExportRequest) -> schema.TextAnswer:
     """A rule file of some statements."""
     return schema.TextAnswer(text=exported(read_document(request.text, request.name), request.ids))
+
+
+def difference(request: schema.DifferenceRequest) -> schema.DifferenceAnswer:
+    """What differs between two texts, in words."""
+    old, new = parse(request.old_text, "before"), parse(request.new_text, "after")
+    return schema.DifferenceAnswer(changes=differences(old, new))
 
 
 def _draft(

@@ -338,6 +338,19 @@ class ImportRequest(Struct, frozen=True, kw_only=True):
     profile_name: str = "profile.toml"
 
 
+class DifferenceRequest(Struct, frozen=True, kw_only=True):
+    """``POST /api/diff`` → ``DifferenceAnswer``: what differs for a robot between two texts."""
+
+    old_text: str
+    new_text: str
+
+
+class DifferenceAnswer(Struct, frozen=True, kw_only=True):
+    """Sentences such as ``Corridor: /scan 4 → 6 Hz``; none where only the layout differs."""
+
+    changes: tuple[str, ...]
+
+
 class TryRequest(Struct, frozen=True, kw_only=True):
     """``POST /api/try`` → ``TryAnswer``; ``run`` names the try in ``Progress`` messages of ``/ws``."""
 
