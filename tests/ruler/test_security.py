@@ -65,11 +65,13 @@ def test_a_web_socket_of_another_site_is_not_opened(examples_page: Page, origin:
     assert refused.value.response.status_code == 403
 
 
-def test_a_web_socket_says_who_it_is(examples_page: Page) -> None:
+def test_a_web_socket_says_who_it_is_and_listens_to_nothing(examples_page: Page) -> None:
     url = f"ws://127.0.0.1:{examples_page.port}/ws"
     with connect(url, origin=examples_page.origin, proxy=None) as page:  # type: ignore[arg-type]
         assert '"kind":"hello"' in str(page.recv(timeout=TIMEOUT_S))
         page.send(b"\0" * 10)
+        page.send("{}")
+        page.send(" " * 3_000_000)
         with pytest.raises(ConnectionClosed):
             page.recv(timeout=TIMEOUT_S)
 
@@ -108,8 +110,10 @@ def test_only_this_machine_needs_no_token() -> None:
     for host in ("127.0.0.1", "localhost", "::1"):
         assert Access.at(host, 8750).token is None
     for host in ("0.0.0.0", "::", "192.168.0.7", "robot"):
-        access = Access.at(host, 8750)
+        access = Access.at(host, 8750, machine="Lab-7")
         assert access.token is not None
+        assert access.url.startswith(f"http://{'Lab-7' if host in ('0.0.0.0', '::') else host}:8750/")
+        assert all(access.allows_host(f"{name}:8750") for name in ("lab-7", "Lab-7.local", "10.0.0.5"))
         assert access.token in access.url
         assert access.token not in repr(access)
 

@@ -52,7 +52,7 @@ SECURITY_HEADERS: Mapping[str, str] = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Access:
-    """Where the server listens, by which names it may be called, and the token that it asks for, if any."""
+    """How the server is called: its address, all its names, and the token that it asks for, if any."""
 
     host: str
     port: int
@@ -60,10 +60,13 @@ class Access:
     token: str | None = field(default=None, repr=False)
 
     @staticmethod
-    def at(host: str, port: int, *, names: frozenset[str] = frozenset()) -> Access:
-        """Access on ``host``; other machines, if they can reach it, need a token."""
+    def at(host: str, port: int, *, machine: str = "localhost") -> Access:
+        """Access on ``host`` of the computer called ``machine``; others, if they can reach it, need a token."""
         token = None if is_loopback(host) else secrets.token_urlsafe(32)
-        return Access(host=host, port=port, names=frozenset({host, *names}), token=token)
+        names = frozenset(name.lower() for name in (host, machine, f"{machine}.local"))
+        # 0.0.0.0 is every address of this computer, and none that a browser can open.
+        shown = machine if _is_every_address(host) else host
+        return Access(host=shown, port=port, names=names, token=token)
 
     @property
     def url(self) -> str:
@@ -160,6 +163,10 @@ def _is_address(name: str) -> bool:
     except ValueError:
         return False
     return True
+
+
+def _is_every_address(name: str) -> bool:
+    return _is_address(name) and ip_address(name).is_unspecified
 
 
 def _split(host: str) -> tuple[str | None, int]:

@@ -32,8 +32,7 @@ def serve(
     ``started`` is told how to get in, once the server listens. Raises ``PortError`` where it cannot listen.
     """
     with listening(host, port) as listener:
-        names = frozenset({socket.gethostname(), f"{socket.gethostname()}.local"})
-        access = Access.at(host, listener.getsockname()[1], names=names)
+        access = Access.at(host, listener.getsockname()[1], machine=socket.gethostname())
         started(access)
         server = server_of(ruler_app(folder, access, opened=opened))
         # Ctrl-C is how a server ends: uvicorn raises it again once it has ended well.

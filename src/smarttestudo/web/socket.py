@@ -25,10 +25,9 @@ class Listeners:
         try:
             await _send(socket, Hello(version=__version__))
             self._open.add(socket)
-            while True:
-                await socket.receive_text()
-        except (WebSocketDisconnect, KeyError):
-            # A page that sends binary data has gone wrong: it is let go as well.
+            while (await socket.receive())["type"] != "websocket.disconnect":
+                pass
+        except WebSocketDisconnect:
             return
         finally:
             self._open.discard(socket)
