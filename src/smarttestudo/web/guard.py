@@ -61,7 +61,7 @@ class Access:
 
     @staticmethod
     def at(host: str, port: int, *, machine: str = "localhost") -> Access:
-        """Access on ``host`` of the computer called ``machine``; others, if they can reach it, need a token."""
+        """Access on ``host`` of the computer ``machine``; others, if they can reach it, need a token."""
         token = None if is_loopback(host) else secrets.token_urlsafe(32)
         names = frozenset(name.lower() for name in (host, machine, f"{machine}.local"))
         # 0.0.0.0 is every address of this computer, and none that a browser can open.
