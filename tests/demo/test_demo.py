@@ -87,6 +87,19 @@ def test_the_screen_shows_both_tables_with_their_sum_and_where_to_look(
     assert (whole_demo.code, whole_demo.stderr) == (0, "")
 
 
+def test_the_screen_and_the_report_show_what_fixed_rates_would_have_done(
+    whole_demo: Ran, demo_out: Path
+) -> None:
+    page = (demo_out / "report.html").read_text("utf-8")
+
+    assert (
+        "Who holds the last position of /odom is 1.9 cm off (RMSE); at the best fixed rates"
+        in whole_demo.stdout
+    )
+    assert "Best fixed rates" in page
+    assert len(page.encode()) < 500_000
+
+
 def test_both_recordings_declare_the_size_of_whole_camera_frames(whole_demo: Ran, demo_out: Path) -> None:
     expected = {"/camera/image_raw": 6_220_872, "/camera/image_raw/compressed": 420_000}
 

@@ -13,7 +13,7 @@ import pytest
 from smarttestudo.composition.fallback import is_hidden
 from smarttestudo.composition.live_decisions import decision_line
 from smarttestudo.composition.live_rules import LiveRuleFiles, LiveRules
-from smarttestudo.composition.monitored_topics import is_monitored
+from smarttestudo.composition.monitored_topics import OutputTopic, is_monitored
 from smarttestudo.domain.decision import Decision, PlannedRate, Reason
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.names import resolve_topic
@@ -25,7 +25,9 @@ GOOD = "begin\n  SetFrequency /imu 10\nend\n"
 def files_at(
     *paths: Path, profile: Path | None = None, output_topic: str = "/testudo{topic}"
 ) -> LiveRuleFiles:
-    return LiveRuleFiles(paths, profile, resolve=resolve_topic, output_topic=output_topic)
+    return LiveRuleFiles(
+        paths, profile, resolve=resolve_topic, output_topic=OutputTopic(pattern=output_topic)
+    )
 
 
 def written(path: Path, text: str) -> Path:
@@ -120,10 +122,10 @@ def test_any_change_of_the_files_can_be_seen_without_reading_them(tmp_path: Path
 def test_hidden_topics_and_monitored_ones_are_known_by_name() -> None:
     assert is_hidden("/arm/_action/feedback")
     assert not is_hidden("/arm_1/joint_states")
-    assert is_monitored("/testudo/imu", "/testudo{topic}")
-    assert not is_monitored("/testudo_imu", "/testudo{topic}")
-    assert is_monitored("/op/imu/thin", "/op{topic}/thin")
-    assert not is_monitored("/imu", "{topic}")
+    assert is_monitored("/testudo/imu", OutputTopic(pattern="/testudo{topic}"))
+    assert not is_monitored("/testudo_imu", OutputTopic(pattern="/testudo{topic}"))
+    assert is_monitored("/op/imu/thin", OutputTopic(pattern="/op{topic}/thin"))
+    assert not is_monitored("/imu", OutputTopic(pattern="{topic}"))
 
 
 def test_the_end_of_a_topic_reads_well_and_comes_back_from_a_log() -> None:
@@ -133,3 +135,13 @@ def test_the_end_of_a_topic_reads_well_and_comes_back_from_a_log() -> None:
     )
     assert decision_line(end) == "/imu: no longer relayed (reload)"
     assert Decision.from_json(end.to_json()) == end
+
+
+def test_outputs_in_a_domain_of_their_own_may_be_named_like_their_sources() -> None:
+    output_topic = OutputTopic(pattern="{topic}", is_elsewhere=True)
+    rules = LiveRuleFiles([], None, resolve=resolve_topic, output_topic=output_topic).check(GOOD)
+    assert rules.monitored == {"/imu": "/imu"}
+    with pytest.raises(UsageError, match="another topic"):
+        LiveRuleFiles([], None, resolve=resolve_topic, output_topic=output_topic).check(
+            "begin SetFrequency /diagnostics 1 end"
+        )

@@ -8,6 +8,7 @@ import fcntl
 import importlib.util
 import tempfile
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -18,9 +19,8 @@ from ros.ros_processes import SmallRobot
 DOMAINS = range(1, 102)
 
 
-@pytest.fixture(scope="session")
-def domain() -> Iterator[int]:
-    """A domain that no other test run on this machine has."""
+@contextmanager
+def free_domain() -> Iterator[int]:
     for number in DOMAINS:
         with (Path(tempfile.gettempdir()) / f"smarttestudo-test-domain-{number}").open("w") as lock:
             try:
@@ -30,6 +30,20 @@ def domain() -> Iterator[int]:
             yield number
             return
     pytest.fail("all ROS domains are taken by other test runs")
+
+
+@pytest.fixture(scope="session")
+def domain() -> Iterator[int]:
+    """A domain that no other test run on this machine has."""
+    with free_domain() as number:
+        yield number
+
+
+@pytest.fixture(scope="session")
+def other_domain(domain: int) -> Iterator[int]:
+    """One more."""
+    with free_domain() as number:
+        yield number
 
 
 @pytest.fixture

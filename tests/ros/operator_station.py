@@ -3,10 +3,12 @@
 """The operator's side: notes when each monitored message arrives.
 
 usage: operator_station.py SPAN_S '{"imu": {"type": "sensor_msgs/msg/Imu", "transient_local": false}, …}'
+A topic is heard by the name ``/testudo/imu``, or as its ``topic`` says, and not ``reliable`` unless latched.
 Prints ``heard N`` when every topic has been heard for N times SPAN_S, first to last message. With SPAN_S 0 it
 prints it whenever of each topic the last ``messages`` (default 1) have come, and were due ``within_s``
-(default: any time). Each line on stdin prints the result so far, ``stop`` ends it: arrivals as [seconds,
-value, seconds at which it was due], where the value is the x of an Odometry or the text of a String.
+(default: any time), and all its ``values`` came. The line ``graph`` on stdin prints the topics there are, any
+other the result so far, and ``stop`` ends it: arrivals as [seconds, value, seconds at which it was due], the
+value being the x of an Odometry or the text of a String.
 """
 
 from __future__ import annotations
@@ -37,14 +39,18 @@ class Station:
     def subscribe(self, node: Any, name: str, topic: dict[str, Any]) -> Any:
         package, _, type_name = topic["type"].split("/")
         latched = topic.get("transient_local", False)
+        reliable = topic.get("reliable", latched)
         qos = QoSProfile(
             depth=100,
-            reliability=ReliabilityPolicy.RELIABLE if latched else ReliabilityPolicy.BEST_EFFORT,
+            reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
             durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
         )
         message_type = getattr(importlib.import_module(f"{package}.msg"), type_name)
         return node.create_subscription(
-            message_type, f"/testudo/{name}", lambda message: self.note(name, message), qos
+            message_type,
+            topic.get("topic", f"/testudo/{name}"),
+            lambda message: self.note(name, message),
+            qos,
         )
 
     def note(self, name: str, message: Any) -> None:
@@ -58,7 +64,11 @@ class Station:
         if not self.span_s:
             messages = self.topics[name].get("messages", 1)
             within_s = self.topics[name].get("within_s", math.inf)
-            return len(arrivals) >= messages and arrivals[-1][2] - arrivals[-messages][2] <= within_s
+            return (
+                len(arrivals) >= messages
+                and arrivals[-1][2] - arrivals[-messages][2] <= within_s
+                and {*self.topics[name].get("values", [])} <= {value for _, value, _ in arrivals}
+            )
         return bool(arrivals) and arrivals[-1][0] - arrivals[0][0] >= self.span_s * (self.heard + 1)
 
 
@@ -87,6 +97,10 @@ def main() -> None:
         rclpy.spin_once(node, timeout_sec=0.1)
         if not lines.empty():
             line = lines.get().strip()
+            if line == "graph":
+                topics = [name for name, _ in node.get_topic_names_and_types()]
+                sys.stdout.write(f"graph {json.dumps(topics)}\n")
+                continue
             sys.stdout.write(f"result {json.dumps(station.arrivals)}\n")
     node.destroy_node()
     rclpy.shutdown()

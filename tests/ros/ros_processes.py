@@ -55,6 +55,11 @@ class Process:
         self.say(line)
         return json.loads(self.line_with("result ").removeprefix("result "))
 
+    def topics(self) -> set[str]:
+        """All topics that an operator station sees."""
+        self.say("graph")
+        return set(json.loads(self.line_with("graph ").removeprefix("graph ")))
+
     def ask(self, *request: Any) -> Any:
         """What ``remote_control.py`` answers."""
         self.say(json.dumps(request))
@@ -112,9 +117,13 @@ class SmallRobot:
         """A process that publishes; topics as ``source.py`` wants them, by name without the slash."""
         return self._start([str(FOLDER / "source.py"), json.dumps(topics)])
 
-    def operator(self, *, span_s: float = 0.0, **topics: dict[str, Any]) -> Process:
+    def operator(
+        self, *, span_s: float = 0.0, domain: int | None = None, **topics: dict[str, Any]
+    ) -> Process:
         """A process that records what ``/testudo`` has of the topics; see ``operator_station.py``."""
-        process = self._start([str(FOLDER / "operator_station.py"), str(span_s), json.dumps(topics)])
+        script = [str(FOLDER / "operator_station.py"), str(span_s), json.dumps(topics)]
+        elsewhere = {} if domain is None else {"ROS_DOMAIN_ID": str(domain)}
+        process = self._start(script, **elsewhere)
         process.line_with("ready")
         return process
 
@@ -160,5 +169,5 @@ class SmallRobot:
         for process in self._processes:
             process.end()
 
-    def _start(self, arguments: list[str]) -> Process:
-        return self.command(sys.executable, *arguments)
+    def _start(self, arguments: list[str], **environment: str) -> Process:
+        return self.command(sys.executable, *arguments, **environment)

@@ -3,16 +3,21 @@
 """A robot's sources: publishes each topic on a schedule, which it catches up with after a stall.
 
 usage: source.py '{"imu": {"type": "sensor_msgs/msg/Imu", "hz": 195, "reliable": true}, …}'
-The stamp of a message, or the ``linear.y`` of a Twist, is the monotonic time at which it was due. A topic
-without ``hz`` is latched: ``texts`` are published once, each by a publisher of its own. On stdin the line
-``move`` puts the robot of an Odometry at x = 5, ``home`` at x = 0, ``stop`` ends it. With each message, a
-Clock goes on by ``step_ms``.
+The stamp of a message, or the ``linear.y`` of a Twist, is the monotonic time at which it was due. An Odometry
+is at ``x``, a String is numbered. A Clock begins at ``from_s`` and goes on by ``step_ms`` with each message.
+A topic without ``hz`` is latched: ``texts`` are published once, each by a publisher of its own. ``topic`` is
+the topic's name where it is not the key.
+
+Lines on stdin, about all topics or those named: ``move odom`` puts the robot at x = 5, ``home odom`` at 0;
+``spoil odom`` sends bytes that are no message until ``heal odom``; ``hush odom`` sends no more;
+``press estop`` sends true, and then no more; ``rewind clock`` begins again at 0. ``stop`` ends it.
 """
 
 from __future__ import annotations
 
 import importlib
 import json
+import math
 import sys
 import threading
 import time
@@ -20,24 +25,28 @@ from typing import Any
 
 import rclpy
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from std_msgs.msg import String
 
 NS_PER_MS = 1_000_000
 NS_PER_S = 1_000_000_000
+NO_MESSAGE = b"\x00\x01\x00\x00\x01"
 PLACES_M = {"move": 5.0, "home": 0.0}
 
 
 class Stream:
     def __init__(self, node: Any, name: str, topic: dict[str, Any]) -> None:
-        message_type = message_class(topic["type"])
-        policy = ReliabilityPolicy.RELIABLE if topic.get("reliable", True) else ReliabilityPolicy.BEST_EFFORT
+        self.message = message_class(topic["type"])()
         self.publisher = node.create_publisher(
-            message_type, f"/{name}", QoSProfile(depth=10, reliability=policy)
+            type(self.message), f"/{topic.get('topic', name)}", qos_of(topic)
         )
-        self.message = message_type()
+        if hasattr(self.message, "pose"):
+            self.message.pose.pose.position.x = topic.get("x", 0.0)
         self.period_s = 1.0 / topic["hz"]
+        self.clock_ns = topic.get("from_s", 0) * NS_PER_S
         self.step_ns = topic.get("step_ms", 0) * NS_PER_MS
         self.start_s = time.monotonic()
         self.sent = 0
+        self.is_spoilt = False
 
     @property
     def due_s(self) -> float:
@@ -45,10 +54,22 @@ class Stream:
 
     def send(self) -> None:
         write_due(self.message, self.due_s)
-        self.sent += 1
+        if isinstance(self.message, String):
+            self.message.data = str(self.sent)
         if self.step_ns:
-            self.message.clock.sec, self.message.clock.nanosec = divmod(self.sent * self.step_ns, NS_PER_S)
-        self.publisher.publish(self.message)
+            self.clock_ns += self.step_ns
+            self.message.clock.sec, self.message.clock.nanosec = divmod(self.clock_ns, NS_PER_S)
+        self.sent += 1
+        self.publisher.publish(NO_MESSAGE if self.is_spoilt else self.message)
+
+
+def qos_of(topic: dict[str, Any]) -> QoSProfile:
+    reliable, latched = topic.get("reliable", True), topic.get("transient_local", False)
+    return QoSProfile(
+        depth=10,
+        reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
+    )
 
 
 def write_due(message: Any, due_s: float) -> None:
@@ -73,14 +94,27 @@ def latch(node: Any, name: str, topic: dict[str, Any]) -> list[Any]:
     return publishers
 
 
+def obey(stream: Stream, command: str) -> None:
+    if command in PLACES_M and hasattr(stream.message, "pose"):
+        stream.message.pose.pose.position.x = PLACES_M[command]
+    elif command == "hush":
+        stream.period_s = math.inf
+    elif command in {"spoil", "heal"}:
+        stream.is_spoilt = command == "spoil"
+    elif command == "press":
+        stream.period_s = math.inf
+        stream.publisher.publish(type(stream.message)(data=True))
+    elif command == "rewind":
+        stream.clock_ns = 0
+
+
 def listen(streams: dict[str, Stream], stopped: threading.Event) -> None:
     for line in sys.stdin:
-        x_m = PLACES_M.get(line.strip())
-        if x_m is None:
+        if line.strip() == "stop":
             break
-        for stream in streams.values():
-            if hasattr(stream.message, "pose"):
-                stream.message.pose.pose.position.x = x_m
+        command, *names = line.split()
+        for name in names or streams:
+            obey(streams[name], command)
     stopped.set()
 
 
@@ -99,7 +133,7 @@ def main() -> None:
             if stream.due_s <= now_s:
                 stream.send()
         due_s = min((stream.due_s for stream in streams.values()), default=now_s + 0.1)
-        stopped.wait(max(due_s - time.monotonic(), 0))
+        stopped.wait(min(max(due_s - time.monotonic(), 0), 0.1))
     del latched
     node.destroy_node()
     rclpy.shutdown()

@@ -42,6 +42,13 @@ def test_a_latched_output_holds_two_messages_of_each_publisher_and_at_least_ten(
     assert source_of(*[endpoint()] * 7).qos.depth == 10
 
 
+def test_a_subscription_has_room_for_all_that_several_publishers_latched() -> None:
+    latched = endpoint(transient_local=True)
+    assert source_of(latched, latched).inlet_qos == Qos(reliable=True, transient_local=True, depth=100)
+    assert source_of(*[latched] * 70).inlet_qos.depth == 140
+    assert source_of(endpoint()).inlet_qos == source_of(endpoint()).qos
+
+
 def test_a_source_without_publishers_stays_what_it_was() -> None:
     before = source_of(endpoint(reliable=False))
     gone = source_of(before=before)

@@ -78,7 +78,7 @@ def test_a_robot_that_enters_a_zone_raises_the_rate_of_another_topic(robot: Smal
     runtime.line_with("/imu: 50 Hz → 5 Hz (default)")
     # A pacer that aims at 5 Hz lets at most 9 messages pass in a second.
     operator = robot.operator(odom={"type": ODOMETRY}, imu={"type": IMU, "messages": 25, "within_s": 1.0})
-    source.say("move")
+    source.say("move odom")
     runtime.line_with("/imu: 5 Hz → 50 Hz (block: Zone)")
     operator.line_with("heard")
 

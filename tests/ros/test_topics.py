@@ -7,6 +7,7 @@ from __future__ import annotations
 from ros.ros_processes import SmallRobot
 
 IMU = "sensor_msgs/msg/Imu"
+ODOMETRY = "nav_msgs/msg/Odometry"
 TEXT = "std_msgs/msg/String"
 
 
@@ -47,3 +48,52 @@ def test_the_last_decisions_are_there_for_a_late_subscriber(robot: SmallRobot) -
     operator.line_with("heard")
     (_, line, _), *_ = operator.result()["decisions"]
     assert '"topic": "/imu"' in line
+
+
+def test_a_topic_is_heard_only_while_an_operator_listens(robot: SmallRobot) -> None:
+    runtime = robot.runtime("begin SetFrequency /imu Full SetFrequency /map_name Full end")
+    robot.source(imu={"type": IMU, "hz": 50}, map_name={"type": TEXT, "texts": ["ground floor"]})
+    runtime.line_with("not subscribed, as no operator listens")
+    runtime.line_with("not subscribed, as no operator listens")
+    topics = {"imu": {"type": IMU}, "map_name": {"type": TEXT, "transient_local": True}}
+    operator = robot.operator(**topics)
+    operator.line_with("heard")
+    operator.result()
+    runtime.line_with(": not subscribed, as no operator listens")
+    runtime.line_with(": not subscribed, as no operator listens")
+    again = robot.operator(**topics)
+    again.line_with("heard")
+    assert [text for _, text, _ in again.result()["map_name"]] == ["ground floor"]
+
+
+def test_a_topic_that_comes_back_with_another_type_is_relayed_again(robot: SmallRobot) -> None:
+    runtime = robot.runtime("begin SetFrequency /pose Full end")
+    source = robot.source(pose={"type": IMU, "hz": 50})
+    robot.operator(pose={"type": IMU}).line_with("heard")
+    source.say("stop")
+    runtime.line_with("/pose: no publisher left")
+    robot.source(pose={"type": ODOMETRY, "hz": 50})
+    robot.operator(pose={"type": ODOMETRY}).line_with("heard")
+
+
+def test_an_operator_who_asks_for_too_much_is_named(robot: SmallRobot) -> None:
+    runtime = robot.runtime("begin SetFrequency /imu Full end")
+    robot.source(imu={"type": IMU, "hz": 50, "reliable": False})
+    robot.operator(imu={"type": IMU, "reliable": True})
+    runtime.line_with("/testudo/imu: /operator asks for reliable delivery, which /imu does not offer")
+
+
+def test_what_another_smarttestudo_sends_on_a_topic_of_the_robot_is_left_out(robot: SmallRobot) -> None:
+    robot.source(
+        odom={"type": ODOMETRY, "hz": 50, "x": 1.0},
+        own={"type": ODOMETRY, "topic": "testudo/odom", "hz": 50, "x": 7.0},
+    )
+    second = robot.runtime("begin SetFrequency /odom Full end", "--ros-args", "-r", "__node:=second")
+    first = robot.runtime("begin SetFrequency /testudo/odom Full end")
+    first.line_with("/testudo/odom: also published by a SmartTestudo, whose messages are not relayed")
+    operator = robot.operator(odom={"type": ODOMETRY, "topic": "/testudo/testudo/odom"})
+    second.line_with("/odom: subscribed, as an operator listens")
+    operator.result("go on")
+    for _ in range(20):
+        operator.line_with("heard")
+    assert {x for _, x, _ in operator.result()["odom"]} == {7.0}

@@ -9,7 +9,7 @@ import math
 import pytest
 
 from runtime.loop_driver import SECOND
-from smarttestudo.composition.live_source import can_serve
+from smarttestudo.composition.live_source import not_offered
 from smarttestudo.domain.decision import Reason
 from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.domain.robot import Endpoint, Qos
@@ -164,8 +164,8 @@ def test_a_subscriber_may_ask_for_less_than_is_offered_but_not_for_more() -> Non
         return Endpoint(node="/rviz", type_name="", reliable=reliable, transient_local=transient_local)
 
     best, least = Qos(reliable=True, transient_local=True), Qos(reliable=False, transient_local=False)
-    assert can_serve(best, asked(reliable=True, transient_local=True))
-    assert can_serve(best, asked(reliable=False, transient_local=False))
-    assert can_serve(least, asked(reliable=False, transient_local=False))
-    assert not can_serve(least, asked(reliable=True, transient_local=False))
-    assert not can_serve(least, asked(reliable=False, transient_local=True))
+    assert not not_offered(best, asked(reliable=True, transient_local=True))
+    assert not not_offered(best, asked(reliable=False, transient_local=False))
+    assert not not_offered(least, asked(reliable=False, transient_local=False))
+    assert not_offered(least, asked(reliable=True, transient_local=False))
+    assert not_offered(least, asked(reliable=False, transient_local=True))

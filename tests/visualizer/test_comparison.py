@@ -12,7 +12,7 @@ from smarttestudo.domain.decision import Decision, PlannedRate, Reason
 from smarttestudo.domain.rate import Rate
 from smarttestudo.visualizer.comparison import Comparison, change_percent, compare
 from smarttestudo.visualizer.statistics import TopicStatistics
-from smarttestudo.visualizer.summary import bandwidth_text, summary_sentence
+from smarttestudo.visualizer.summary import bandwidth_text, length_text, summary_sentence
 from smarttestudo.visualizer.targets import Target, mean_target, target_spans
 
 
@@ -124,7 +124,26 @@ def test_mean_targets_equal_a_sum_over_small_steps(
 def test_a_run_in_one_sentence() -> None:
     found = compare({"/a": carrying(1.0, 100.0)}, {"/a": carrying(1.0, 19.0)})
     assert summary_sentence(found, 14) == "−81 % bandwidth, 14 decisions"
-    assert summary_sentence(Comparison(topics=()), 1) == "1 decision"
+    assert summary_sentence(found, 1) == "−81 % bandwidth, 1 decision"
+
+
+def test_what_is_not_known_is_not_said() -> None:
+    pair = compare({"/a": carrying(1.0, 100.0)}, {"/a": carrying(1.0, 19.0)})
+    alone = compare({"/a": carrying(1.0, 100.0)}, {})
+    assert summary_sentence(pair, 0) == "−81 % bandwidth"
+    assert summary_sentence(alone, 0) == "100.0 KB/s"
+
+
+@pytest.mark.parametrize(
+    ("length_m", "text"),
+    [(0.0, "0.0 mm"), (0.0043, "4.3 mm"), (0.0213, "2.1 cm"), (1.26, "1.3 m"), (250.0, "250.0 m")],
+)
+def test_a_length_is_told_in_the_unit_that_reads_best(length_m: float, text: str) -> None:
+    assert length_text(length_m) == text
+
+
+def test_two_lengths_are_told_in_one_unit() -> None:
+    assert length_text(0.0043, beside_m=0.019) == "0.4 cm"
 
 
 @pytest.mark.parametrize(

@@ -13,22 +13,25 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from smarttestudo.domain.rate import Rate
-from smarttestudo.visualizer.page import FloorPlan, PathPoint, Rectangle, TopicSeries, Zone
-from smarttestudo.visualizer.page.floor_map import floor_map
-from smarttestudo.visualizer.page.path_line import path_pieces, thinned
-from smarttestudo.visualizer.page.rate_chart import rate_chart
-from smarttestudo.visualizer.page.rule_styles import RuleStyles
-from smarttestudo.visualizer.page.scale import Scale, multiples, round_step
-from smarttestudo.visualizer.rate_series import RatePoint
+from smarttestudo.visualizer.floor import FloorPlan, PathPoint, Rectangle, Zone
+from smarttestudo.visualizer.report import TopicHistory, TopicSeries
+from smarttestudo.visualizer.report.floor_map import floor_map
+from smarttestudo.visualizer.report.path_line import path_pieces, thinned
+from smarttestudo.visualizer.report.rate_chart import rate_chart
+from smarttestudo.visualizer.report.rule_styles import RuleStyles
+from smarttestudo.visualizer.report.scale import Scale, multiples, round_step
 from smarttestudo.visualizer.rule_timeline import DecidingBlock, RuleSpan, block_at
+from smarttestudo.visualizer.series import SeriesPoint
 from smarttestudo.visualizer.targets import TargetSpan
 
 BLOCK = DecidingBlock(rule="Hall", line=3)
 SPANS = (RuleSpan(start_s=0.0, end_s=5.0, block=None), RuleSpan(start_s=5.0, end_s=9.0, block=BLOCK))
 
 
-def constant(hz: int) -> tuple[RatePoint, ...]:
-    return tuple(RatePoint(t_s=at + 0.5, lowest_hz=hz, highest_hz=hz) for at in range(10))
+def constant(hz: int) -> TopicHistory:
+    return TopicHistory(
+        rate_hz=tuple(SeriesPoint(t_s=at + 0.5, lowest=hz, mean=hz, highest=hz) for at in range(10))
+    )
 
 
 def chart(before_hz: int, after_hz: int, target: Rate | None = None) -> ET.Element:
@@ -52,7 +55,7 @@ def map_of(path: list[tuple[float, float]], *zones: Zone) -> ET.Element:
     points = [PathPoint(t_s=float(at), x_m=x_m, y_m=y_m) for at, (x_m, y_m) in enumerate(path)]
     drawing = floor_map(FloorPlan(zones=zones), points, SPANS, RuleStyles(SPANS))
     assert drawing is not None
-    return ET.fromstring(drawing.html)
+    return ET.fromstring(drawing.drawing.html)
 
 
 rising = st.lists(st.floats(0, 1e6), min_size=2, max_size=5, unique=True).map(sorted)

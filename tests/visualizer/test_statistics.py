@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import statistics
 from collections import Counter
 from itertools import groupby
 
@@ -12,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.visualizer.rate_series import coarser, rate_series
+from smarttestudo.visualizer.series import MAX_POINTS, bandwidth_series, coarser, rate_series
 from smarttestudo.visualizer.statistics import RecordingSpan, topic_statistics
 from smarttestudo.visualizer.trace import TraceAccumulator
 
@@ -108,8 +109,9 @@ def test_a_chart_shows_the_least_and_the_greatest_rate_of_each_stretch(
     found = rate_series(trace_of(messages), span, max_points=max_points)
 
     assert len(found) <= max_points
-    assert [(point.lowest_hz, point.highest_hz) for point in found] == [
-        (min(counts[index] for index in group), max(counts[index] for index in group)) for group in groups
+    in_groups = [[counts[index] for index in group] for group in groups]
+    assert [(point.lowest, point.mean, point.highest) for point in found] == [
+        (min(values), pytest.approx(statistics.fmean(values)), max(values)) for values in in_groups
     ]
     for point, group in zip(found, groups, strict=True):
         middle_s = first + (group[0] + group[-1] + 1) / 2 - span.start_ns / NS_PER_S
@@ -120,7 +122,7 @@ def test_a_jump_of_the_clock_over_decades_costs_no_memory_and_no_time() -> None:
     trace = trace_of([(0, 1), (1_700_000_000 * NS_PER_S, 1), (1_700_000_003 * NS_PER_S, 1)])
     span = RecordingSpan(start_ns=0, end_ns=1_700_000_003 * NS_PER_S)
     assert len(list(trace.bins())) == 3
-    assert len(rate_series(trace, span)) <= 300
+    assert len(rate_series(trace, span)) <= MAX_POINTS
     assert topic_statistics(trace, span).binned_hz == 3 / 1_700_000_004
 
 
@@ -130,5 +132,17 @@ def test_joining_neighbours_keeps_the_extremes(messages: list[Message], max_poin
     joined = coarser(points, max_points)
     assert len(joined) <= max_points
     if points:
-        assert max(point.highest_hz for point in joined) == max(point.highest_hz for point in points)
-        assert min(point.lowest_hz for point in joined) == min(point.lowest_hz for point in points)
+        assert max(point.highest for point in joined) == max(point.highest for point in points)
+        assert min(point.lowest for point in joined) == min(point.lowest for point in points)
+
+
+@given(traces, traces)
+def test_the_bandwidth_of_several_topics_is_their_sum_in_each_second(
+    one: list[Message], other: list[Message]
+) -> None:
+    span = span_of([*one, *other])
+    parts = [bandwidth_series([trace_of(messages)], span) for messages in (one, other)]
+    together = bandwidth_series([trace_of(one), trace_of(other)], span)
+    assert [point.mean for point in together] == [
+        pytest.approx(first.mean + second.mean) for first, second in zip(*parts, strict=True)
+    ]

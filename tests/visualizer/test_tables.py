@@ -20,7 +20,7 @@ from smarttestudo.visualizer.plain_table import plain_table
 from smarttestudo.visualizer.statistics import TopicStatistics
 from smarttestudo.visualizer.table import Align, Column, Number, Row, Table, Text, format_cell, format_number
 from smarttestudo.visualizer.targets import Target
-from visualizer.demo_like_page import demo_like_page
+from visualizer.demo_like_report import demo_like_report
 
 GOLDEN = Path(__file__).parent / "golden"
 _ESCAPE_SEQUENCE = re.compile(r"\x1b\[[0-9;]*m")
@@ -54,7 +54,7 @@ def shown(table: Table, terminal: Terminal) -> list[str]:
 @pytest.mark.parametrize(("name", "build"), [("frequency", frequency_table), ("bandwidth", bandwidth_table)])
 @pytest.mark.parametrize("width", [80, 60])
 def test_the_demos_tables_read_as_in_the_golden_file(name: str, build: object, width: int) -> None:
-    table = {"frequency": frequency_table, "bandwidth": bandwidth_table}[name](demo_like_page().comparison)
+    table = {"frequency": frequency_table, "bandwidth": bandwidth_table}[name](demo_like_report().comparison)
     golden = (GOLDEN / f"{name}-{width}.txt").read_text(encoding="utf-8")
     assert plain_table(table, width=width) + "\n" == golden
 
@@ -120,7 +120,7 @@ def test_no_name_can_move_the_cursor_or_break_a_line(name: str) -> None:
 
 def test_a_pipe_gets_the_plain_table_whole() -> None:
     pipe = io.StringIO()
-    table = bandwidth_table(demo_like_page().comparison)
+    table = bandwidth_table(demo_like_report().comparison)
     print_table(table, pipe)
     assert pipe.getvalue() == plain_table(table) + "\n"
 
@@ -133,7 +133,7 @@ def test_a_terminal_of_80_columns_shows_every_cell_whole(
     monkeypatch.setenv("TERM", "xterm-256color")
     if not rich_installed:
         monkeypatch.setitem(sys.modules, "rich.console", None)
-    comparison = demo_like_page().comparison
+    comparison = demo_like_report().comparison
     for table in (frequency_table(comparison), bandwidth_table(comparison)):
         lines = shown(table, Terminal())
         assert max(map(len, lines)) <= 80

@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from smarttestudo.cli import bag_loss
+from smarttestudo.cli import bag_figures, bag_loss, bag_report
 from smarttestudo.cli.bag_options import add_map, add_topics_and_form, topic_mapping
 from smarttestudo.cli.bag_output import print_csv, print_json, print_notices, print_tables
 from smarttestudo.cli.progress import progress
@@ -27,13 +27,15 @@ _TABLES: Mapping[str, tuple[str, Callable[[BagSummary], Table]]] = {
     "bandwidth": ("how much each topic carried, and the sum", bag_tables.bandwidth_table),
 }
 
+_DRAWN = {"rates": bag_figures.Drawn.RATES, "bandwidth": bag_figures.Drawn.BANDWIDTH}
+
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add ``bag`` to the subcommands."""
     parser = commands.add_parser(
         "bag",
         help="show what recordings hold: rates, bandwidth, one against another",
-        description="Show what recordings hold. Only `loss` reads payloads, so the rest is fast.",
+        description="Show what recordings hold. Only `loss` and `report` read payloads, so the rest is fast.",
     )
     actions = parser.add_subparsers(title="actions", metavar="ACTION", required=True)
     for name, (purpose, table) in _TABLES.items():
@@ -49,9 +51,12 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
                 help="also how late each topic came: receive time minus header.stamp "
                 "(reads the beginning of every message)",
             )
-        action.set_defaults(run=_run_summary, table=table, latency=False)
+        action.set_defaults(run=_run_summary, table=table, latency=False, figures=None)
+        if name in _DRAWN:
+            bag_figures.add_figures(action, _DRAWN[name])
     _add_compare(actions)
     bag_loss.add_action(actions)
+    bag_report.add_action(actions)
 
 
 def _add_compare(actions: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -66,6 +71,7 @@ def _add_compare(actions: argparse._SubParsersAction[argparse.ArgumentParser]) -
     action.add_argument("b", metavar="B", type=Path, help="the recording beside it")
     add_map(action)
     add_topics_and_form(action)
+    bag_figures.add_figures(action, bag_figures.Drawn.BOTH)
     action.set_defaults(run=_run_compare)
 
 
@@ -84,6 +90,8 @@ def _run_summary(arguments: argparse.Namespace) -> int:
     else:
         print_tables([arguments.table(summary) for summary in summaries])
     print_notices(notice for summary in summaries for notice in summary.notices)
+    if arguments.figures is not None:
+        bag_figures.draw_each(arguments)
     return 0
 
 
@@ -104,6 +112,8 @@ def _run_compare(arguments: argparse.Namespace) -> int:
         print(f"A: {a.name}\nB: {b.name}\n")  # noqa: T201
         print_tables(_compare_tables(compared))
     print_notices((*a.notices, *b.notices))
+    if arguments.figures is not None:
+        bag_figures.draw_pair(arguments, arguments.a, arguments.b, mapping=mapping, folder=arguments.figures)
     return 0
 
 

@@ -10,8 +10,8 @@ from collections.abc import Sequence
 from smarttestudo.domain.errors import UsageError
 
 
-def add_topics_and_form(action: argparse.ArgumentParser) -> None:
-    """Add ``--topics``, and ``--json`` or ``--csv``."""
+def add_topics(action: argparse.ArgumentParser) -> None:
+    """Add ``--topics``."""
     action.add_argument(
         "--topics",
         metavar="NAME",
@@ -20,6 +20,11 @@ def add_topics_and_form(action: argparse.ArgumentParser) -> None:
         default=[],
         help="only these topics, by name or pattern ('/camera/*')",
     )
+
+
+def add_topics_and_form(action: argparse.ArgumentParser) -> None:
+    """Add ``--topics``, and ``--json`` or ``--csv``."""
+    add_topics(action)
     form = action.add_mutually_exclusive_group()
     form.add_argument("--json", action="store_true", help="print one JSON object instead of tables")
     form.add_argument("--csv", action="store_true", help="print comma-separated values instead of tables")

@@ -23,6 +23,7 @@ from smarttestudo.visualizer.comparison_tables import bandwidth_table, frequency
 
 if TYPE_CHECKING:
     from smarttestudo.composition.demo import DemoOutcome
+    from smarttestudo.visualizer.loss.report import LossReport
 
 _DEFAULT_OUT = Path("demo-out")
 _DEFAULT_SECONDS = 200.0
@@ -97,6 +98,7 @@ def _print(outcome: DemoOutcome, out: Path) -> None:
     for table in (frequency_table(outcome.comparison), bandwidth_table(outcome.comparison)):
         print_table(table)
         print()  # noqa: T201
+    _print_loss(outcome.loss)
     for notice in outcome.notices:
         print(f"note: {notice}", file=sys.stderr)  # noqa: T201
     written = {
@@ -104,7 +106,7 @@ def _print(outcome: DemoOutcome, out: Path) -> None:
         demo.ADAPTIVE: "what the operator received (rosbag2)",
         demo.DECISIONS: f"every change of a rate, with its reason: {outcome.decisions} decisions",
         demo.RULES: "the rules",
-        demo.REPORT: "map, rates over time and tables in one page",
+        demo.REPORT: "all of it in one page: map, decisions, rates, bandwidth, losses",
     }
     width = max(len(str(out / name)) for name in written)
     for name, meaning in written.items():
@@ -116,3 +118,10 @@ def _print(outcome: DemoOutcome, out: Path) -> None:
         f"\nOpen {report} in a browser. Then change the rules and see what the operator gets:\n"
         f"  testudo replay {baseline} --rules {rules} --output my-recording"
     )
+
+
+def _print_loss(loss: LossReport | None) -> None:
+    from smarttestudo.visualizer.summary import loss_sentences  # noqa: PLC0415  see run
+
+    for sentence in () if loss is None else (*loss_sentences(loss), ""):
+        print(sentence)  # noqa: T201

@@ -21,6 +21,7 @@ STUDIO_PACKAGES = frozenset(
         "apsw",
         "highspy",
         "lz4",
+        "matplotlib",
         "mcap",
         "msgspec",
         "numpy",

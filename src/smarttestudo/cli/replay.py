@@ -68,7 +68,7 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--decisions", metavar="FILE", type=Path, help="write the decisions (JSON Lines)")
     parser.add_argument(
-        "--report", metavar="FILE", type=Path, help="write a page that shows the replay (HTML)"
+        "--report", metavar="FILE", type=Path, help="write a report that shows the replay (HTML)"
     )
     parser.add_argument("--json", action="store_true", help="print one JSON object instead of a table")
 
@@ -154,26 +154,32 @@ def _replay(
                 )
             )
         if arguments.report is not None:
-            write_report(_report(arguments, outcome, decisions, rules))
+            write_report(_report(arguments, outcome, decisions, profile, rules))
         return outcome
 
 
 def _report(
-    arguments: argparse.Namespace, outcome: ReplayOutcome, decisions: Sequence[Decision], rules: LoadedRules
+    arguments: argparse.Namespace,
+    outcome: ReplayOutcome,
+    decisions: Sequence[Decision],
+    profile: Profile,
+    rules: LoadedRules,
 ) -> str:
-    from smarttestudo.composition.replay_report import ReportRequest, replay_report  # noqa: PLC0415  see run
+    from smarttestudo.composition.replay_report import replay_report  # noqa: PLC0415  see run
+    from smarttestudo.visualizer.report import render_report  # noqa: PLC0415
 
-    with progress("Measuring both recordings") as report:
-        return replay_report(
-            ReportRequest(
-                bag=arguments.bag,
-                output=arguments.output,
-                monitored={name: topic.monitored_topic for name, topic in outcome.topics.items()},
-                decisions=decisions,
-                rule_texts=rules.texts,
-                report=report,
-            )
+    return render_report(
+        replay_report(
+            bag=arguments.bag,
+            output=arguments.output,
+            outcome=outcome,
+            decisions=decisions,
+            profile=profile,
+            budget_kb_per_s=arguments.budget,
+            rules=rules,
+            progress=progress,
         )
+    )
 
 
 def _print(outcome: ReplayOutcome, *, as_json: bool) -> None:

@@ -12,6 +12,7 @@ from smarttestudo.adapters.files.decision_log import growing_decision_log
 from smarttestudo.adapters.files.input_log import input_log
 from smarttestudo.adapters.ros import open_robot
 from smarttestudo.cli.loop_options import add_ros_arguments, add_rules
+from smarttestudo.cli.output_domain import add_output_domain, output_domain
 from smarttestudo.cli.stop_signals import stop_signals
 from smarttestudo.composition.live_decisions import Decided
 from smarttestudo.composition.monitored_topics import DEFAULT_OUTPUT_TOPIC
@@ -19,6 +20,7 @@ from smarttestudo.composition.run import run_live
 from smarttestudo.composition.run_parameters import RunParameters
 from smarttestudo.domain.names import is_topic_prefix
 from smarttestudo.domain.parameter import ParameterValue
+from smarttestudo.domain.robot import DataPathKind
 
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -41,6 +43,7 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
         metavar="NAME",
         help=f"names of the relayed topics (default: {DEFAULT_OUTPUT_TOPIC})",
     )
+    add_output_domain(parser)
     parser.add_argument(
         "--topic-prefix",
         metavar="NAME",
@@ -49,6 +52,13 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--decisions", metavar="FILE", type=Path, help="append the decisions to a file (JSON Lines)"
+    )
+    parser.add_argument(
+        "--data-path",
+        choices=[kind.value for kind in DataPathKind],
+        default=DataPathKind.AUTO.value,
+        help="how messages are taken and published: through librcl at the least cost, or through rclpy "
+        "(default: librcl if it works here)",
     )
     parser.add_argument(
         "--record-inputs",
@@ -70,7 +80,13 @@ def run(arguments: argparse.Namespace) -> int:
     """Relay until a signal comes."""
     with ExitStack() as opened:
         stopped = opened.enter_context(stop_signals())
-        robot = opened.enter_context(open_robot(arguments.ros_args))
+        robot = opened.enter_context(
+            open_robot(
+                arguments.ros_args,
+                data_path=DataPathKind(arguments.data_path),
+                output_domain=output_domain(arguments),
+            )
+        )
         parameters = RunParameters(robot, _given(arguments))
         decided: list[Decided] = []
         if parameters.request.decisions is not None:

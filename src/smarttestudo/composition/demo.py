@@ -5,8 +5,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from importlib.resources import files
 from pathlib import Path
@@ -15,12 +14,12 @@ from smarttestudo import __version__
 from smarttestudo.adapters.files.decision_log import decision_log, read_decisions
 from smarttestudo.adapters.rosbag import open_recording
 from smarttestudo.adirf.parser import parse
-from smarttestudo.adirf.rule_set import compile_rules
+from smarttestudo.adirf.rule_set import RuleSet, compile_rules
+from smarttestudo.composition.bag_report import Progress, ReportRequest, bag_report
 from smarttestudo.composition.demo_folder import MARKER, demo_folder
 from smarttestudo.composition.demo_live import LiveDemoRequest, record_live
-from smarttestudo.composition.demo_measure import measure_run
 from smarttestudo.composition.demo_mission import bytes_per_second, record_mission
-from smarttestudo.composition.demo_page import demo_page
+from smarttestudo.composition.demo_warehouse import warehouse_floor
 from smarttestudo.composition.replay import ReplayRequest, replay
 from smarttestudo.composition.replay_outcome import ReplayOutcome
 from smarttestudo.domain.decision import Decision
@@ -28,20 +27,20 @@ from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.robot import Robot
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.pacing.sample import WhenSlow
-from smarttestudo.simulation.readings import Topic
-from smarttestudo.simulation.warehouse import warehouse
 from smarttestudo.visualizer.comparison import Comparison
-from smarttestudo.visualizer.page import Fact, RuleText, render_page
-from smarttestudo.visualizer.run_pair import compare_runs
+from smarttestudo.visualizer.loss.report import LossReport
+from smarttestudo.visualizer.report import Fact, RuleText, RunReport, render_report
 
 BASELINE = "baseline"
 ADAPTIVE = "adaptive"
 DECISIONS = "decisions.jsonl"
 REPORT = "report.html"
 RULES = "warehouse.adirf"
-
-Progress = Callable[[str], AbstractContextManager[Callable[[float], None]]]
-"""Shows how far the work of the given name is while its block lasts, told as a share of 0 … 1."""
+_TITLE = "A TurtleBot3 patrols a warehouse"
+_EXPLANATION = (
+    "Default is everything that the robot published. SmartTestudo is what an operator received of it while "
+    "rules about the robot's own state gave each topic its rate."
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,9 +62,10 @@ class DemoRequest:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DemoOutcome:
-    """Both runs compared, the number of decisions, and what was lost, left out or odd, a line each."""
+    """Both runs compared, what the operator lost, the number of decisions, and what was odd, a line each."""
 
     comparison: Comparison
+    loss: LossReport | None
     decisions: int
     notices: tuple[str, ...]
 
@@ -85,9 +85,11 @@ def run_demo(request: DemoRequest) -> DemoOutcome:
             decisions, notices = _in_virtual_time(request, folder, rules)
         else:
             decisions, notices = _in_real_time(request, folder, request.robot)
-        comparison = _write_report(request, folder, rules, decisions)
+        report = _write_report(request, folder, rules, decisions)
         (folder / MARKER).write_text(json.dumps(_settings(request), indent=2) + "\n", "utf-8")
-    return DemoOutcome(comparison=comparison, decisions=len(decisions), notices=notices)
+    return DemoOutcome(
+        comparison=report.comparison, loss=report.loss, decisions=len(decisions), notices=notices
+    )
 
 
 def _in_virtual_time(
@@ -139,7 +141,6 @@ def _since(start_ns: int, decision: Decision) -> Decision:
 def _replay(request: DemoRequest, folder: Path, rules: RuleText) -> tuple[ReplayOutcome, Sequence[Decision]]:
     """The baseline under the rules."""
     decisions: list[Decision] = []
-    rule_set = compile_rules([parse(rules.text, rules.path).file], resolve_topic)
     with (
         request.progress("Replaying it under the rules") as report,
         decision_log(folder / DECISIONS) as log,
@@ -153,7 +154,7 @@ def _replay(request: DemoRequest, folder: Path, rules: RuleText) -> tuple[Replay
         outcome = replay(
             ReplayRequest(
                 recording=recording,
-                rule_set=rule_set,
+                rule_set=_rule_set(rules),
                 output=folder / ADAPTIVE,
                 when_slow=request.when_slow,
                 decided=decided,
@@ -165,27 +166,28 @@ def _replay(request: DemoRequest, folder: Path, rules: RuleText) -> tuple[Replay
 
 def _write_report(
     request: DemoRequest, folder: Path, rules: RuleText, decisions: Sequence[Decision]
-) -> Comparison:
+) -> RunReport:
     """Measure both recordings as they lie on disk, and show them."""
-    odometry_topic = Topic.ODOM.value
-    with request.progress("Measuring what was published") as report:
-        baseline = measure_run(folder / BASELINE, odometry_topic=odometry_topic, report=report)
-    with request.progress("Measuring what was received") as report:
-        adaptive = measure_run(folder / ADAPTIVE, odometry_topic=odometry_topic, report=report)
-    comparison = compare_runs(
-        baseline.statistics, adaptive.statistics, decisions, end_s=baseline.span.duration_s
+    report = bag_report(
+        ReportRequest(
+            a=folder / BASELINE,
+            b=folder / ADAPTIVE,
+            title=_TITLE,
+            explanation=_EXPLANATION,
+            rule_set=_rule_set(rules),
+            rule_texts={rules.path: rules.text},
+            decisions=decisions,
+            floor_plan=warehouse_floor(),
+            provenance=tuple(_provenance(request)),
+            progress=request.progress,
+        )
     )
-    page = demo_page(
-        baseline=baseline,
-        adaptive=adaptive,
-        comparison=comparison,
-        decisions=decisions,
-        rules=rules,
-        plan=warehouse(),
-        provenance=_provenance(request),
-    )
-    (folder / REPORT).write_text(render_page(page), "utf-8")
-    return comparison
+    (folder / REPORT).write_text(render_report(report), "utf-8")
+    return report
+
+
+def _rule_set(rules: RuleText) -> RuleSet:
+    return compile_rules([parse(rules.text, rules.path).file], resolve_topic)
 
 
 def _provenance(request: DemoRequest) -> list[Fact]:

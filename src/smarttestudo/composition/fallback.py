@@ -7,7 +7,7 @@ from __future__ import annotations
 from smarttestudo.adirf.rule_set import fallback_rules
 from smarttestudo.composition.live_decisions import DECISIONS_TOPIC
 from smarttestudo.composition.live_rules import LiveRules
-from smarttestudo.composition.monitored_topics import is_monitored, monitored_topics
+from smarttestudo.composition.monitored_topics import OutputTopic, is_monitored, monitored_topics
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.robot import Robot
 
@@ -22,7 +22,7 @@ class Fallback:
     word those for which ``output_topic`` makes no name of their own; ``UsageError`` where it never does.
     """
 
-    def __init__(self, robot: Robot, *, output_topic: str, topic_prefix: str) -> None:
+    def __init__(self, robot: Robot, *, output_topic: OutputTopic, topic_prefix: str) -> None:
         self._robot = robot
         self._output_topic = output_topic
         self._topic_prefix = topic_prefix

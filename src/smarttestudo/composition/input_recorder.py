@@ -27,6 +27,11 @@ class InputRecorder:
         self._request = request
         self._note = note
 
+    @property
+    def is_recording(self) -> bool:
+        """Whether all that comes is to be recorded."""
+        return self._note is not None
+
     def loop(self, rules: LiveRules, start_ns: int) -> RelayLoop:
         """A loop that starts with ``rules``."""
         request = self._request

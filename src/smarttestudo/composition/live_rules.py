@@ -15,7 +15,7 @@ from smarttestudo.adapters.files.rule_files import find_rule_files, read_rule_te
 from smarttestudo.adapters.files.toml_text import read_toml_text
 from smarttestudo.adirf.normal_form import Resolve
 from smarttestudo.adirf.rule_set import RuleSet
-from smarttestudo.composition.monitored_topics import monitored_topics
+from smarttestudo.composition.monitored_topics import OutputTopic, monitored_topics
 from smarttestudo.composition.rule_sets import LoadedRules, check_texts
 from smarttestudo.domain.errors import RuleFileError, TestudoError
 from smarttestudo.domain.profile import Profile
@@ -65,7 +65,7 @@ class LiveRuleFiles:
     """The rule files and the profile of a live run; several threads may read at a time."""
 
     def __init__(
-        self, rules: Sequence[Path], profile: Path | None, *, resolve: Resolve, output_topic: str
+        self, rules: Sequence[Path], profile: Path | None, *, resolve: Resolve, output_topic: OutputTopic
     ) -> None:
         self._rules = rules
         self._profile = profile

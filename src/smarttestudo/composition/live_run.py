@@ -9,7 +9,9 @@ from collections.abc import Callable, Hashable, Iterable
 from smarttestudo.adapters.files.own_process import read_own_process
 from smarttestudo.composition.input_recorder import InputRecorder
 from smarttestudo.composition.live_decisions import LiveDecisions
+from smarttestudo.composition.live_losses import LiveLosses
 from smarttestudo.composition.live_rules import LiveRules
+from smarttestudo.composition.live_sampling import LiveSampling
 from smarttestudo.composition.live_status import LiveStatus
 from smarttestudo.composition.live_topics import LiveTopics
 from smarttestudo.composition.status_announcer import StatusAnnouncer
@@ -33,7 +35,11 @@ class LiveRun:
         self._loop = loop = inputs.loop(rules, robot.now_ns())
         self._decisions = decisions
         self._rules = rules
-        self._topics = LiveTopics(robot, rules.monitored, loop.watched, self._receive)
+        self._topics = LiveTopics(robot, self._receive, self._priority_of, is_lazy=not inputs.is_recording)
+        self._topics.follow(rules.monitored, loop.watched, loop.leaders)
+        robot.log.info(f"Data path: {robot.data_path.description}")
+        self._losses = LiveLosses(robot.log)
+        self._sampling = LiveSampling(loop)
         self._status = LiveStatus(robot.name, read_own_process())
         self._announcer = StatusAnnouncer(robot)
 
@@ -43,10 +49,8 @@ class LiveRun:
         self._robot.every(STATUS_PERIOD_S, self._tell)
         while not stopped():
             self._report()
-            self._robot.wait(self._loop.next_wake_ns, LOOK_PERIOD_S)
-            now_ns, wake_ns = self._robot.now_ns(), self._loop.next_wake_ns
-            if wake_ns is not None and wake_ns <= now_ns:
-                self._publish(self._loop.on_wake(now_ns))
+            self._robot.wait(self._wake_ns, LOOK_PERIOD_S)
+            self._wake()
         self._report()
 
     def reload(self, rules: LiveRules) -> None:
@@ -54,7 +58,7 @@ class LiveRun:
         self._rules, now_ns = rules, self._robot.now_ns()
         self._inputs.note_rules(rules, now_ns)
         self._publish(self._loop.reload(rules.rule_set, rules.profile, now_ns))
-        self._topics.follow(rules.monitored, self._loop.watched)
+        self._topics.follow(rules.monitored, self._loop.watched, self._loop.leaders)
         self._look()
 
     def set_budget(self, budget_kb_per_s: float) -> None:
@@ -62,8 +66,28 @@ class LiveRun:
         budget = LinkBudget(link_kb_per_s=budget_kb_per_s)
         self._publish(self._loop.on_budget(budget, self._robot.now_ns()))
 
+    def _priority_of(self, topic: str) -> float:
+        return self._loop.profile.topic(topic).priority
+
+    @property
+    def _wake_ns(self) -> int | None:
+        loop_ns, sampling_ns = self._loop.next_wake_ns, self._sampling.wake_ns
+        if loop_ns is None or sampling_ns is None:
+            return sampling_ns if loop_ns is None else loop_ns
+        return min(loop_ns, sampling_ns)
+
+    def _wake(self) -> None:
+        now_ns = self._robot.now_ns()
+        wake_ns = self._loop.next_wake_ns
+        if wake_ns is not None and wake_ns <= now_ns:
+            self._publish(self._loop.on_wake(now_ns))
+        wake_ns = self._sampling.wake_ns
+        if wake_ns is not None and wake_ns <= now_ns:
+            self._sampling.on_wake(now_ns)
+
     def _receive(self, topic: str, payload: Payload, publisher: Hashable) -> None:
         message = self._topics.decoded(topic, payload) if self._loop.reads(topic) else None
+        self._sampling.received(topic, len(payload))
         now_ns = self._robot.now_ns()
         self._publish(
             self._loop.on_message(topic, now_ns, payload, len(payload), message=message, publisher=publisher)
@@ -75,6 +99,8 @@ class LiveRun:
         self._publish(self._loop.on_wake(now_ns))
         for change in self._topics.look():
             self._publish(self._loop.on_source(change, now_ns))
+        self._sampling.look(self._topics.inlets_of_one(), now_ns)
+        self._losses.look(self._topics.inlets(), now_ns)
 
     def _publish(self, relayed: Iterable[Relayed]) -> None:
         for one in relayed:
@@ -87,4 +113,7 @@ class LiveRun:
         self._announcer.announce(status)
 
     def _report(self) -> None:
-        self._decisions.report(self._loop.take_decisions())
+        decisions = self._loop.take_decisions()
+        if decisions:
+            self._decisions.report(decisions)
+            self._sampling.look(self._topics.inlets_of_one(), self._robot.now_ns())

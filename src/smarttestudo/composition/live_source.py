@@ -5,24 +5,35 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from smarttestudo.domain.robot import Endpoint, Qos
 
 DEPTH = 10
+# The last messages of all publishers come at once, and one may keep more of them than ten others.
+LATCHED_INLET_DEPTH = 100
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LiveSource:
     """What the publishers of a topic have in common.
 
-    ``other_types`` are types that some publish beside ``type_name``; those publishers do not count.
+    ``other_types`` are types that some publish beside ``type_name``; those publishers do not count. ``gids``
+    are those of the publishers, of the last ones where none is left; a source with others is still the same.
     """
 
     type_name: str
     publishers: int
     qos: Qos
     other_types: tuple[str, ...] = ()
+    gids: frozenset[bytes] = field(default=frozenset(), compare=False)
+
+    @property
+    def inlet_qos(self) -> Qos:
+        """What a subscription asks for, ``qos`` being what an outlet offers."""
+        if not self.qos.transient_local:
+            return self.qos
+        return replace(self.qos, depth=max(LATCHED_INLET_DEPTH, self.qos.depth))
 
 
 def live_source(endpoints: Sequence[Endpoint], before: LiveSource | None) -> LiveSource | None:
@@ -46,6 +57,7 @@ def live_source(endpoints: Sequence[Endpoint], before: LiveSource | None) -> Liv
             depth=max(DEPTH, 2 * len(counted)) if transient_local else DEPTH,
         ),
         other_types=tuple(other for other in types if other != type_name),
+        gids=frozenset(endpoint.gid for endpoint in counted),
     )
 
 
@@ -58,8 +70,10 @@ def suits(had: LiveSource, now: LiveSource) -> bool:
     )
 
 
-def can_serve(offered: Qos, subscriber: Endpoint) -> bool:
-    """Whether ``subscriber`` receives what is published with ``offered``: it may not ask for more."""
-    return (offered.reliable or not subscriber.reliable) and (
-        offered.transient_local or not subscriber.transient_local
-    )
+def not_offered(offered: Qos, subscriber: Endpoint) -> tuple[str, ...]:
+    """What ``subscriber`` asks for beyond ``offered``; if there is anything, it receives nothing."""
+    unmet = {
+        "reliable delivery": subscriber.reliable and not offered.reliable,
+        "transient local durability": subscriber.transient_local and not offered.transient_local,
+    }
+    return (*(policy for policy, is_unmet in unmet.items() if is_unmet), *subscriber.asks)

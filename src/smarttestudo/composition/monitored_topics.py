@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from smarttestudo.adirf.rule_set import RuleSet
 from smarttestudo.composition.live_decisions import DECISIONS_TOPIC
 from smarttestudo.composition.replay_topics import TOPIC_PLACEHOLDER, output_name
@@ -15,10 +17,22 @@ OWN_TOPICS = frozenset({DECISIONS_TOPIC, STATUS_TOPIC, DIAGNOSTICS_TOPIC})
 """What a SmartTestudo publishes beside monitored topics."""
 
 
-def monitored_topics(rule_set: RuleSet, output_topic: str) -> dict[str, str]:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OutputTopic:
+    """How monitored topics are named: ``pattern`` has ``{topic}`` for the source's full name.
+
+    ``is_elsewhere``: they are in another domain than their sources, whose names they may have.
+    """
+
+    pattern: str = DEFAULT_OUTPUT_TOPIC
+    is_elsewhere: bool = False
+
+
+def monitored_topics(rule_set: RuleSet, output_topic: OutputTopic) -> dict[str, str]:
     """The monitored topic of each relayed one; ``UsageError`` where a name is invalid or taken."""
-    monitored = {topic: output_name(topic, output_topic) for topic in rule_set.relayed}
-    taken = {*rule_set.relayed, *(signal.topic for signal in rule_set.signals), *OWN_TOPICS}
+    monitored = {topic: output_name(topic, output_topic.pattern) for topic in rule_set.relayed}
+    sources = {*rule_set.relayed, *(signal.topic for signal in rule_set.signals)}
+    taken = OWN_TOPICS if output_topic.is_elsewhere else OWN_TOPICS | sources
     for topic, name in monitored.items():
         if name in taken:
             cause = f"{topic} would be relayed to {name}, which is another topic's name"
@@ -27,7 +41,7 @@ def monitored_topics(rule_set: RuleSet, output_topic: str) -> dict[str, str]:
     return monitored
 
 
-def is_monitored(topic: str, output_topic: str) -> bool:
+def is_monitored(topic: str, output_topic: OutputTopic) -> bool:
     """Whether ``topic`` is named like a monitored one; never where those have the names of their sources."""
-    before, _, after = output_topic.partition(TOPIC_PLACEHOLDER)
+    before, _, after = output_topic.pattern.partition(TOPIC_PLACEHOLDER)
     return bool(before or after) and topic.startswith(f"{before}/") and topic.endswith(after)

@@ -214,7 +214,7 @@ class _Run:
             self._write(self._loop.on_wake(wake_ns))
 
     def _write(self, relayed: Iterable[Relayed]) -> None:
-        for topic, stamp_ns, payload, _, _ in relayed:
+        for topic, stamp_ns, payload, *_ in relayed:
             self._writer.write(self._outputs[topic], stamp_ns, payload[:])
 
     def _report(self, stamp_ns: int) -> int:

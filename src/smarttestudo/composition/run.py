@@ -12,6 +12,7 @@ from smarttestudo.composition.input_recorder import InputRecorder, Note
 from smarttestudo.composition.live_decisions import Decided, LiveDecisions
 from smarttestudo.composition.live_rules import LiveRuleFiles
 from smarttestudo.composition.live_run import LOOK_PERIOD_S, LiveRun
+from smarttestudo.composition.monitored_topics import OutputTopic
 from smarttestudo.composition.rule_keeper import RuleKeeper, first_rules
 from smarttestudo.composition.run_parameters import RunParameters
 from smarttestudo.domain.robot import Robot
@@ -32,8 +33,9 @@ def run_live(
     """
     request = parameters.request
     resolve = partial(_resolved, robot.resolve, request.topic_prefix)
-    files = LiveRuleFiles(request.rules, request.profile, resolve=resolve, output_topic=request.output_topic)
-    fallback = Fallback(robot, output_topic=request.output_topic, topic_prefix=request.topic_prefix)
+    output_topic = OutputTopic(pattern=request.output_topic, is_elsewhere=robot.has_output_domain)
+    files = LiveRuleFiles(request.rules, request.profile, resolve=resolve, output_topic=output_topic)
+    fallback = Fallback(robot, output_topic=output_topic, topic_prefix=request.topic_prefix)
     first = first_rules(robot, files, request.rules_text)
     decisions = LiveDecisions(robot, decided)
     if robot.now_ns() == 0:

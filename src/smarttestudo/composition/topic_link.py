@@ -4,10 +4,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-from smarttestudo.composition.live_source import LiveSource, can_serve
-from smarttestudo.domain.robot import Robot
+from smarttestudo.composition.live_source import LiveSource, not_offered
+from smarttestudo.domain.robot import Endpoint, Robot
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -27,12 +28,17 @@ class TopicLink:
     problem: str | None = None
 
 
-def topic_link(robot: Robot, output: str, source: LiveSource | None, problem: str | None) -> TopicLink:
+def topic_link(
+    robot: Robot,
+    output: str,
+    source: LiveSource | None,
+    subscribers: Sequence[Endpoint],
+    problem: str | None,
+) -> TopicLink:
     """The links of a topic whose publishers make ``source``, relayed to ``output``.
 
     ``problem`` says why it cannot be relayed.
     """
-    subscribers = robot.subscribers(output)
     if source is None:
         return TopicLink(output=output, subscribers=len(subscribers), problem=problem)
     return TopicLink(
@@ -42,6 +48,6 @@ def topic_link(robot: Robot, output: str, source: LiveSource | None, problem: st
         transient_local=source.qos.transient_local,
         has_header=robot.begins_with_header(source.type_name),
         subscribers=len(subscribers),
-        incompatible=tuple(sorted({one.node for one in subscribers if not can_serve(source.qos, one)})),
+        incompatible=tuple(sorted({one.node for one in subscribers if not_offered(source.qos, one)})),
         problem=problem,
     )

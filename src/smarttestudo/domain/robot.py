@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
+from enum import Enum
 from typing import Protocol
 
 from smarttestudo.domain.diagnostic import Diagnostic
@@ -29,6 +30,8 @@ class Qos:
 class Endpoint:
     """A publisher or subscriber of a topic, with the full name of its node.
 
+    ``gid`` is unique to it, and what ``Receive`` is told of a publisher where the data path tells publishers
+    apart. ``asks`` are further policies by which a subscriber asks for more than a publisher of ours offers.
     It has no depth: that cannot be discovered of a remote one.
     """
 
@@ -36,13 +39,29 @@ class Endpoint:
     type_name: str
     reliable: bool
     transient_local: bool
+    gid: bytes = b""
+    asks: tuple[str, ...] = ()
+
+
+class DiscoveryRange(Enum):
+    """How far a node looks for others."""
+
+    LOCALHOST = "localhost"
+    SUBNET = "subnet"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OutputDomain:
+    """The ROS domain of the operators, and how far it reaches; ``None``: as far as the environment says."""
+
+    number: int
+    discovery: DiscoveryRange | None = None
 
 
 class Inlet(Protocol):
     """A subscription to a source.
 
-    It can ``rest``, where its path can: then messages wake nobody and all but the newest are dropped, until
-    ``take_newest`` hands that one out.
+    It can rest, where its path can: then messages wake nobody, and all but the newest are skipped.
     """
 
     @property
@@ -51,16 +70,19 @@ class Inlet(Protocol):
 
     @property
     def dropped(self) -> int:
-        """Messages that were lost on their way or in a full queue; not those dropped by resting."""
+        """Messages that were lost on their way or in a full queue; not those skipped by resting."""
 
     def rest(self) -> None:
         """Wake for no message from now on, where the path can do that."""
 
+    def rouse(self) -> None:
+        """Receive the next message, then rest on; the newest that came while resting is kept for now."""
+
+    def take_kept(self) -> bool:
+        """Receive what ``rouse`` kept, since nothing newer came; whether there was anything."""
+
     def work(self) -> None:
         """Receive every message again."""
-
-    def take_newest(self) -> bool:
-        """Receive the newest message that came while resting; if there is none, the next one wakes."""
 
     def close(self) -> None:
         """Receive nothing more."""
@@ -76,11 +98,23 @@ class Outlet(Protocol):
         """Send nothing more."""
 
 
+class DataPathKind(Enum):
+    """How messages come in and go out: directly through librcl, through rclpy, or the former if it works."""
+
+    AUTO = "auto"
+    RCL = "rcl"
+    RCLPY = "rclpy"
+
+
 class DataPath(Protocol):
     """How serialized messages come in and go out. Callbacks run within ``Robot.wait``."""
 
     def knows(self, type_name: str) -> bool:
         """Whether the message type is installed."""
+
+    @property
+    def description(self) -> str:
+        """Which path this is, and why or what it can do, for the log."""
 
     @property
     def tells_publishers(self) -> bool:
@@ -91,7 +125,7 @@ class DataPath(Protocol):
         """Whether inlets can rest, and still say how much their source sends."""
 
     def subscribe(
-        self, topic: str, type_name: str, qos: Qos, receive: Receive, *, priority: int = 0
+        self, topic: str, type_name: str, qos: Qos, receive: Receive, *, priority: float = 1.0
     ) -> Inlet:
         """Have ``receive`` called with each message. Raises ``RosError``.
 
@@ -116,7 +150,10 @@ class RobotLog(Protocol):
 
 
 class Robot(Protocol):
-    """A node among the robot's own."""
+    """A node among the robot's own.
+
+    What it publishes goes to the operators, who may be in another domain, and so may be the subscribers.
+    """
 
     @property
     def name(self) -> str:
@@ -128,7 +165,11 @@ class Robot(Protocol):
 
     @property
     def data_path(self) -> DataPath:
-        """Messages in and out."""
+        """Messages in and out. May raise ``RosError``."""
+
+    @property
+    def has_output_domain(self) -> bool:
+        """Whether the operators are in another domain than the robot."""
 
     def now_ns(self) -> int:
         """The node's clock, which is 0 while simulated time has not begun."""
@@ -139,8 +180,14 @@ class Robot(Protocol):
     def publishers(self, topic: str) -> Sequence[Endpoint]:
         """Who publishes ``topic`` now, as far as discovered."""
 
+    def publisher_count(self, topic: str) -> int:
+        """How many publishers ``publishers`` would find, for a fraction of its cost."""
+
     def subscribers(self, topic: str) -> Sequence[Endpoint]:
-        """Who subscribes to ``topic`` now, as far as discovered."""
+        """Which operators subscribe to ``topic`` now, as far as discovered."""
+
+    def subscriber_count(self, topic: str) -> int:
+        """How many subscribers ``subscribers`` would find, for a fraction of its cost."""
 
     def topics(self) -> Mapping[str, Sequence[str]]:
         """The types of each topic that somebody publishes or subscribes to, by its full name."""

@@ -38,6 +38,11 @@ class Streams(ABC, Generic[AnyStream]):
         self._opens_to_prune = OPENS_TO_PRUNE
         self.wake_ns = NEVER_NS
 
+    @property
+    def due_ns(self) -> int | None:
+        """When the next message may pass; ``None`` while any may."""
+        return min((stream.grid.due_ns for stream in self._streams.values()), default=None)
+
     @abstractmethod
     def offer(self, sample: Sample, now_ns: int) -> Sequence[Pass]:
         """What passes now that ``sample`` arrived: the sample or nothing."""

@@ -53,6 +53,17 @@ class TopicPacer(Pacer):
         wake_ns = self._streams.wake_ns
         return wake_ns if wake_ns < NEVER_NS else None
 
+    @property
+    def due_ns(self) -> int | None:
+        """When the next message may pass; ``None`` while any may."""
+        return self._streams.due_ns
+
+    @property
+    def may_skip(self) -> bool:
+        """Whether what comes before ``due_ns`` makes no difference, but for the last word."""
+        is_volatile = self._kind is StreamKind.VOLATILE and self._when_slow is WhenSlow.PASS
+        return is_volatile and not self._announcer.followers
+
     def offer(self, sample: Sample, now_ns: int, /) -> Sequence[Pass]:
         """What to relay now that ``sample`` arrived: the sample or nothing."""
         self._see(now_ns)

@@ -72,6 +72,11 @@ class RelayLoop:
         return self._relays.statistics
 
     @property
+    def leaders(self) -> Mapping[str, str]:
+        """The topic that each topic paced with another one follows."""
+        return self._relays.leaders
+
+    @property
     def undecodable(self) -> Mapping[str, int]:
         """Messages that checks would have read but that could not be decoded, by topic."""
         return self._knowledge.undecodable
@@ -110,6 +115,23 @@ class RelayLoop:
         """Whether a check reads fields of ``topic``, so that its messages must be decoded."""
         watched = self._knowledge.watched.get(topic)
         return watched is not None and bool(watched.fields)
+
+    def may_skip(self, topic: str) -> bool:
+        """Whether the messages of ``topic`` that are not due need not be passed in, but for the last one.
+
+        So it is where no check reads anything of it, no budget counts it and its pacer does not hold it back
+        for others; tell ``on_skipped`` how many there were.
+        """
+        needs_all = topic in self._watched or self._knowledge.link is not None
+        return not needs_all and self._relays.may_skip(topic)
+
+    def due_ns(self, topic: str) -> int | None:
+        """When the next message of a topic that ``may_skip`` may pass; ``None``: at once."""
+        return self._relays.due_ns(topic)
+
+    def on_skipped(self, topic: str, messages: int, size_bytes: int) -> None:
+        """So many messages, of that size together, came since the last one and were not passed in."""
+        self._relays.skipped(topic, messages, size_bytes)
 
     def on_message(
         self,

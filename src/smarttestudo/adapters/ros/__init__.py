@@ -8,18 +8,26 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
 from smarttestudo.domain.errors import RosError
-from smarttestudo.domain.robot import Robot
+from smarttestudo.domain.robot import DataPathKind, OutputDomain, Robot
 
 NODE_NAME = "smarttestudo"
 
 
 @contextmanager
-def open_robot(ros_arguments: Sequence[str] = (), *, name: str = NODE_NAME) -> Iterator[Robot]:
+def open_robot(
+    ros_arguments: Sequence[str] = (),
+    *,
+    name: str = NODE_NAME,
+    data_path: DataPathKind = DataPathKind.AUTO,
+    output_domain: OutputDomain | None = None,
+) -> Iterator[Robot]:
     """A node ``name`` on the graph; ``ros_arguments`` are what follows ``--ros-args``.
 
+    With an ``output_domain`` all that it publishes goes there.
+
     Raises:
-        RosError: rclpy is missing, or the node cannot be made.
-        UsageError: the arguments are none of ROS.
+        RosError: rclpy is missing, the node cannot be made, or the data path does not work here.
+        UsageError: the arguments are none of ROS, or the output domain is the robot's.
     """
     try:
         import rclpy  # noqa: F401, PLC0415  a laptop lacks it
@@ -30,5 +38,5 @@ def open_robot(ros_arguments: Sequence[str] = (), *, name: str = NODE_NAME) -> I
         ) from error
     from smarttestudo.adapters.ros.node import open_node  # noqa: PLC0415  needs rclpy
 
-    with open_node(ros_arguments, name) as node:
+    with open_node(ros_arguments, name, data_path, output_domain) as node:
         yield node

@@ -8,14 +8,14 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from smarttestudo.adapters.ros.message_types import message_type
-from smarttestudo.adapters.ros.rclpy_path import ros_errors
+from smarttestudo.adapters.ros.ros_errors import ros_errors
 from smarttestudo.domain.diagnostic import Diagnostic
 
 DEPTH = 10
 
 
-def diagnostics_publisher(node: Any, topic: str) -> Callable[[Sequence[Diagnostic]], None]:
-    """What sends a DiagnosticArray on ``topic``; both may raise ``RosError``."""
+def diagnostics_publisher(node: Any, topic: str, clock: Any) -> Callable[[Sequence[Diagnostic]], None]:
+    """What sends a DiagnosticArray, stamped by ``clock``, on ``topic``; both may raise ``RosError``."""
     array_type = message_type("diagnostic_msgs/msg/DiagnosticArray", topic)
     status_type = message_type("diagnostic_msgs/msg/DiagnosticStatus", topic)
     value_type = message_type("diagnostic_msgs/msg/KeyValue", topic)
@@ -24,7 +24,7 @@ def diagnostics_publisher(node: Any, topic: str) -> Callable[[Sequence[Diagnosti
 
     def publish(diagnostics: Sequence[Diagnostic]) -> None:
         message = array_type()
-        message.header.stamp = node.get_clock().now().to_msg()
+        message.header.stamp = clock.now().to_msg()
         message.status = [
             status_type(
                 level=bytes([one.level]),

@@ -8,7 +8,11 @@ import importlib
 import re
 from typing import Any
 
+from rclpy.serialization import deserialize_message
+
+from smarttestudo.adapters.ros.ros_errors import ros_errors
 from smarttestudo.domain.errors import RosError
+from smarttestudo.domain.payload import Payload
 
 _TYPE_NAME = re.compile(r"([a-z][a-z0-9_]*)/msg/([A-Z][A-Za-z0-9]*)\Z")
 
@@ -31,6 +35,22 @@ def message_type(type_name: str, topic: str) -> Any:
             place=topic,
             remedy=f"install the ROS package {package}, or source the workspace that holds it",
         ) from error
+
+
+def is_installed(type_name: str) -> bool:
+    """Whether ``type_name`` is a message type that can be used here."""
+    try:
+        message_type(type_name, type_name)
+    except RosError:
+        return False
+    return True
+
+
+def decoded(topic: str, type_name: str, payload: Payload) -> object:
+    """The message of a payload that came on ``topic``. Raises ``RosError``."""
+    with ros_errors(topic):
+        message: object = deserialize_message(payload[:], message_type(type_name, topic))
+    return message
 
 
 def begins_with_header(type_name: str) -> bool:

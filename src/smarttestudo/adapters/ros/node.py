@@ -4,32 +4,42 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any
 
 import rclpy
-from rclpy.clock import Clock, ClockType
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
+from smarttestudo.adapters.ros.data_path import open_data_path
 from smarttestudo.adapters.ros.diagnostics import diagnostics_publisher
 from smarttestudo.adapters.ros.message_types import begins_with_header, message_type
+from smarttestudo.adapters.ros.output_domain import operators_node
 from smarttestudo.adapters.ros.parameters import NodeParameters
-from smarttestudo.adapters.ros.qos import is_reliable, is_transient_local, qos_profile
-from smarttestudo.adapters.ros.rclpy_path import RclpyPath, ros_errors
+from smarttestudo.adapters.ros.qos import further_policies, is_reliable, is_transient_local, qos_profile
+from smarttestudo.adapters.ros.rcl_path import RclPath
+from smarttestudo.adapters.ros.rclpy_path import RclpyPath
+from smarttestudo.adapters.ros.real_timers import RealTimers
+from smarttestudo.adapters.ros.ros_errors import ros_errors
 from smarttestudo.adapters.ros.services import offer_trigger
 from smarttestudo.domain.diagnostic import Diagnostic
 from smarttestudo.domain.errors import RosError, UsageError
 from smarttestudo.domain.parameter import Accept, Parameter, ParameterValue
-from smarttestudo.domain.robot import DataPath, Endpoint, Qos, RobotLog
+from smarttestudo.domain.robot import DataPath, DataPathKind, Endpoint, OutputDomain, Qos, RobotLog
 from smarttestudo.domain.units import NS_PER_S
+
+CLOCK_PERIOD_S = 0.2
+"""How often to look whether time is simulated; a parameter of the node may change that."""
 
 
 @contextmanager
-def open_node(ros_arguments: Sequence[str], name: str) -> Iterator[RosNode]:
+def open_node(
+    ros_arguments: Sequence[str], name: str, data_path: DataPathKind, output_domain: OutputDomain | None
+) -> Iterator[RosNode]:
     """A node ``name`` with a context of its own, both gone at the end; signals are left to the caller."""
     context = Context()
     arguments = ["--ros-args", *ros_arguments] if ros_arguments else []
@@ -44,7 +54,12 @@ def open_node(ros_arguments: Sequence[str], name: str) -> Iterator[RosNode]:
         executor = SingleThreadedExecutor(context=context)
         executor.add_node(node)
         try:
-            yield RosNode(node, executor)
+            with operators_node(node, output_domain) as operators:
+                robot = RosNode(node, executor, data_path, operators)
+                try:
+                    yield robot
+                finally:
+                    robot.close()
         finally:
             executor.shutdown()
             node.destroy_node()
@@ -53,14 +68,18 @@ def open_node(ros_arguments: Sequence[str], name: str) -> Iterator[RosNode]:
 
 
 class RosNode:
-    """An rclpy node with an executor of one thread, as a ``Robot``."""
+    """An rclpy node with an executor of one thread, as a ``Robot``; the node ``operators`` publishes."""
 
-    def __init__(self, node: Any, executor: Any) -> None:
+    def __init__(self, node: Any, executor: Any, data_path_kind: DataPathKind, operators: Any) -> None:
         self._node = node
+        self._operators = operators
         self._executor = executor
         self._clock = node.get_clock()
-        self._steady = Clock(clock_type=ClockType.STEADY_TIME)
-        self._data_path = RclpyPath(node)
+        self._data_path_kind = data_path_kind
+        self._data_path: RclPath | RclpyPath | None = None
+        self._timers = RealTimers()
+        self._look_at_clock()
+        self.every(CLOCK_PERIOD_S, self._look_at_clock)
         self._parameters = NodeParameters(node)
 
     @property
@@ -77,11 +96,23 @@ class RosNode:
 
     @property
     def data_path(self) -> DataPath:
-        """Messages in and out."""
+        """Messages in and out, by the path that works here. Raises ``RosError``."""
+        if self._data_path is None:
+            self._data_path = open_data_path(
+                self._node, self._executor, self._data_path_kind, self._operators
+            )
         return self._data_path
+
+    @property
+    def has_output_domain(self) -> bool:
+        """Whether the operators are in another domain than the robot."""
+        return self._operators is not self._node
 
     def now_ns(self) -> int:
         """The node's clock, which is 0 while simulated time has not begun."""
+        # Unless simulated, the clock of ROS is the system's, and that is asked for every message.
+        if not self._is_simulated:
+            return time.time_ns()
         nanoseconds: int = self._clock.now().nanoseconds
         return nanoseconds
 
@@ -96,10 +127,22 @@ class RosNode:
         with ros_errors(topic):
             return [_endpoint(one) for one in self._node.get_publishers_info_by_topic(topic)]
 
+    def publisher_count(self, topic: str) -> int:
+        """How many publishers ``publishers`` would find, for a fraction of its cost."""
+        with ros_errors(topic):
+            count: int = self._node.count_publishers(topic)
+        return count
+
     def subscribers(self, topic: str) -> Sequence[Endpoint]:
         """Who subscribes to ``topic`` now, as far as discovered."""
         with ros_errors(topic):
-            return [_endpoint(one) for one in self._node.get_subscriptions_info_by_topic(topic)]
+            return [_endpoint(one) for one in self._operators.get_subscriptions_info_by_topic(topic)]
+
+    def subscriber_count(self, topic: str) -> int:
+        """How many subscribers ``subscribers`` would find, for a fraction of its cost."""
+        with ros_errors(topic):
+            count: int = self._operators.count_subscribers(topic)
+        return count
 
     def topics(self) -> Mapping[str, Sequence[str]]:
         """The types of each topic that somebody publishes or subscribes to, by its full name."""
@@ -112,13 +155,13 @@ class RosNode:
 
     def diagnostics_publisher(self, topic: str) -> Callable[[Sequence[Diagnostic]], None]:
         """What sends a diagnostic_msgs/msg/DiagnosticArray on ``topic``; both may raise ``RosError``."""
-        return diagnostics_publisher(self._node, topic)
+        return diagnostics_publisher(self._operators, topic, self._clock)
 
     def text_publisher(self, topic: str, qos: Qos) -> Callable[[str], None]:
         """What sends a std_msgs/msg/String on ``topic``; both may raise ``RosError``."""
         text_type = message_type("std_msgs/msg/String", topic)
         with ros_errors(topic):
-            publisher = self._node.create_publisher(text_type, topic, qos_profile(qos))
+            publisher = self._operators.create_publisher(text_type, topic, qos_profile(qos))
 
         def publish(text: str) -> None:
             with ros_errors(topic):
@@ -128,8 +171,7 @@ class RosNode:
 
     def steady_ns(self) -> int:
         """Time that only goes forward, from an unknown start."""
-        nanoseconds: int = self._steady.now().nanoseconds
-        return nanoseconds
+        return time.monotonic_ns()
 
     def declare(self, parameters: Sequence[Parameter], accept: Accept) -> Mapping[str, ParameterValue]:
         """Have these parameters, to be called once; their values. Raises ``UsageError`` for a wrong one."""
@@ -145,15 +187,29 @@ class RosNode:
 
     def every(self, period_s: float, act: Callable[[], None]) -> None:
         """Have ``act`` called again and again, in real time."""
-        self._node.create_timer(period_s, act, clock=self._steady)
+        self._timers.add(period_s, act, time.monotonic())
 
     def wait(self, wake_ns: int | None, longest_s: float) -> None:
         """Handle what comes next; return after it, at ``wake_ns`` or after ``longest_s`` in real time."""
-        timeout_s = longest_s
+        timeout_s = min(longest_s, max(self._timers.due_s - time.monotonic(), 0.0))
         # Simulated time moves only with a message on /clock, and that ends the wait.
-        if wake_ns is not None and not self._clock.ros_time_is_active:
-            timeout_s = min(longest_s, max(wake_ns - self.now_ns(), 0) / NS_PER_S)
-        self._executor.spin_once(timeout_sec=timeout_s)
+        if wake_ns is not None and not self._is_simulated:
+            timeout_s = min(timeout_s, max(wake_ns - time.time_ns(), 0) / NS_PER_S)
+        if self._data_path is None:
+            self._executor.spin_once(timeout_sec=timeout_s)
+        else:
+            self._data_path.wait(timeout_s)
+        now_s = time.monotonic()
+        if now_s >= self._timers.due_s:
+            self._timers.act(now_s)
+
+    def close(self) -> None:
+        """Receive and send nothing more."""
+        if self._data_path is not None:
+            self._data_path.close()
+
+    def _look_at_clock(self) -> None:
+        self._is_simulated = self._clock.ros_time_is_active
 
 
 def _endpoint(info: Any) -> Endpoint:
@@ -162,4 +218,6 @@ def _endpoint(info: Any) -> Endpoint:
         type_name=info.topic_type,
         reliable=is_reliable(info.qos_profile),
         transient_local=is_transient_local(info.qos_profile),
+        gid=bytes(info.endpoint_gid),
+        asks=further_policies(info.qos_profile),
     )

@@ -6,9 +6,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, LivelinessPolicy, QoSProfile, ReliabilityPolicy
 
 from smarttestudo.domain.robot import Qos
+
+LARGEST_NS = 2**63 - 1
 
 
 def qos_profile(qos: Qos) -> Any:
@@ -28,3 +30,18 @@ def is_reliable(profile: Any) -> bool:
 def is_transient_local(profile: Any) -> bool:
     """Whether a discovered publisher keeps its last messages for late subscribers."""
     return bool(profile.durability == DurabilityPolicy.TRANSIENT_LOCAL)
+
+
+def further_policies(profile: Any) -> tuple[str, ...]:
+    """What a discovered subscriber asks for that publishers with ``qos_profile`` do not offer."""
+    asked = {
+        "a deadline": _is_finite(profile.deadline),
+        "manual liveliness": profile.liveliness == LivelinessPolicy.MANUAL_BY_TOPIC,
+        "a liveliness lease": _is_finite(profile.liveliness_lease_duration),
+    }
+    return tuple(policy for policy, is_asked in asked.items() if is_asked)
+
+
+def _is_finite(duration: Any) -> bool:
+    # 0 stands for the default, which is infinite; the middleware shows infinity as its largest number.
+    return bool(0 < duration.nanoseconds < LARGEST_NS)

@@ -4,35 +4,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import Any
 
-from rclpy.serialization import deserialize_message
-
-from smarttestudo.adapters.ros.message_types import message_type
+from smarttestudo.adapters.ros.message_types import decoded, is_installed, message_type
 from smarttestudo.adapters.ros.qos import qos_profile
-from smarttestudo.domain.errors import RosError
+from smarttestudo.adapters.ros.ros_errors import ros_errors
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Inlet, Outlet, Qos, Receive
 
 
 class RclpyPath:
-    """Raw subscriptions and publishers of a node."""
+    """Raw subscriptions of a node, and publishers of the node ``operators``."""
 
     tells_publishers = False
     can_rest = False
 
-    def __init__(self, node: Any) -> None:
+    def __init__(self, node: Any, executor: Any, operators: Any, why: str) -> None:
+        self.description = f"rclpy, {why}"
         self._node = node
+        self._operators = operators
+        self._executor = executor
 
     def knows(self, type_name: str) -> bool:
         """Whether the message type is installed."""
-        try:
-            message_type(type_name, type_name)
-        except RosError:
-            return False
-        return True
+        return is_installed(type_name)
 
     def subscribe(
         self,
@@ -41,7 +36,7 @@ class RclpyPath:
         qos: Qos,
         receive: Receive,
         *,
-        priority: int = 0,  # noqa: ARG002 - rclpy's executor serves all alike
+        priority: float = 1.0,  # noqa: ARG002 - rclpy's executor serves all alike
     ) -> Inlet:
         """Have ``receive`` called with each message; ``priority`` is not heeded. Raises ``RosError``."""
 
@@ -57,14 +52,19 @@ class RclpyPath:
     def advertise(self, topic: str, type_name: str, qos: Qos) -> Outlet:
         """Publish on ``topic``. Raises ``RosError``."""
         with ros_errors(topic):
-            handle = self._node.create_publisher(message_type(type_name, topic), topic, qos_profile(qos))
-        return _Outlet(self._node, handle, topic)
+            handle = self._operators.create_publisher(message_type(type_name, topic), topic, qos_profile(qos))
+        return _Outlet(self._operators, handle, topic)
 
     def decode(self, topic: str, type_name: str, payload: Payload) -> object:
         """The message of a payload that came on ``topic``. Raises ``RosError``."""
-        with ros_errors(topic):
-            message: object = deserialize_message(payload[:], message_type(type_name, topic))
-        return message
+        return decoded(topic, type_name, payload)
+
+    def wait(self, timeout_s: float) -> None:
+        """Deliver what comes next; return after it or after ``timeout_s``."""
+        self._executor.spin_once(timeout_sec=timeout_s)
+
+    def close(self) -> None:
+        """Deliver nothing more."""
 
 
 class _Inlet:
@@ -78,11 +78,14 @@ class _Inlet:
     def rest(self) -> None:
         return
 
-    def work(self) -> None:
+    def rouse(self) -> None:
         return
 
-    def take_newest(self) -> bool:
+    def take_kept(self) -> bool:
         return False
+
+    def work(self) -> None:
+        return
 
     def close(self) -> None:
         self._node.destroy_subscription(self._handle)
@@ -100,14 +103,3 @@ class _Outlet:
 
     def close(self) -> None:
         self._node.destroy_publisher(self._handle)
-
-
-@contextmanager
-def ros_errors(place: str | None = None) -> Iterator[None]:
-    """Make a ``RosError`` of what rclpy raises in the block."""
-    try:
-        yield
-    except RuntimeError as error:
-        # All errors of rcl and the middleware are RuntimeErrors; only their first line is for people.
-        cause = (str(error).splitlines() or [type(error).__name__])[0]
-        raise RosError(cause, place=place) from error

@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from smarttestudo.adapters.ros.rclpy_path import ros_errors
+from smarttestudo.adapters.ros.ros_errors import ros_errors
 from smarttestudo.domain.errors import RosError, TestudoError
 
 

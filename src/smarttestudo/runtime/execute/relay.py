@@ -22,7 +22,8 @@ from smarttestudo.runtime.execute.statistics import RelayStatistics
 class Relayed(NamedTuple):
     """A message to publish now on the monitored topic of ``topic``; ``repeated``: it was relayed before.
 
-    ``payload`` and ``size_bytes`` are those of its arrival. A tuple, because one is made for all that passes.
+    ``payload``, ``size_bytes`` and ``publisher`` are those of its arrival. A tuple, because one is made for
+    all that passes.
     """
 
     topic: str
@@ -30,6 +31,7 @@ class Relayed(NamedTuple):
     payload: Payload
     size_bytes: int
     repeated: bool
+    publisher: Hashable = None
 
 
 class Relay:
@@ -143,7 +145,9 @@ class Relay:
         for sample, repeated in passes:
             statistics.relayed.record(now_ns, sample.size_bytes)
             statistics.repeated += repeated
-            relayed.append(Relayed(self.topic, now_ns, sample.payload, sample.size_bytes, repeated))
+            relayed.append(
+                Relayed(self.topic, now_ns, sample.payload, sample.size_bytes, repeated, sample.publisher)
+            )
         return relayed
 
 

@@ -12,6 +12,7 @@ from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.profile import Profile
 from smarttestudo.pacing.follower import Follower, leaders
 from smarttestudo.pacing.sample import WhenSlow
+from smarttestudo.pacing.topic_pacer import TopicPacer
 from smarttestudo.runtime.execute.relay import Relay, Relayed
 from smarttestudo.runtime.execute.statistics import RelayStatistics
 from smarttestudo.runtime.knowledge.alarm_clock import AlarmClock
@@ -40,6 +41,13 @@ class Relays:
         return {topic: relay.statistics for topic, relay in self._relays.items()}
 
     @property
+    def leaders(self) -> Mapping[str, str]:
+        """The topic that each topic paced with another one follows."""
+        return {
+            topic: relay.leader.topic for topic, relay in self._relays.items() if relay.leader is not None
+        }
+
+    @property
     def discarded(self) -> Mapping[str, int]:
         """Messages of topics paced with another one for which no decision of the leader was found."""
         return {
@@ -47,6 +55,20 @@ class Relays:
             for topic, relay in self._relays.items()
             if isinstance(relay.pacer, Follower)
         }
+
+    def may_skip(self, topic: str) -> bool:
+        """Whether messages of ``topic`` that come before ``due_ns`` make no difference, but for the last."""
+        relay = self._relays.get(topic)
+        return relay is not None and isinstance(relay.pacer, TopicPacer) and relay.pacer.may_skip
+
+    def due_ns(self, topic: str) -> int | None:
+        """When the next message of ``topic``, of which some may be skipped, may pass; ``None``: at once."""
+        pacer = self._relays[topic].pacer
+        return pacer.due_ns if isinstance(pacer, TopicPacer) else None
+
+    def skipped(self, topic: str, messages: int, size_bytes: int) -> None:
+        """Count what was sent, yet not looked at."""
+        self._relays[topic].statistics.arrived.skip(messages, size_bytes)
 
     def change_topics(self, topics: Sequence[str], profile: Profile, now_ns: int) -> list[Relayed]:
         """Relay these topics from now on; those that were relayed before go on as they are."""

@@ -30,6 +30,12 @@ class Flow:
         self.messages += 1
         self.size_bytes += size_bytes
 
+    def skip(self, messages: int, size_bytes: int) -> None:
+        """Count messages that came before the next one to be recorded and were not looked at."""
+        if self.messages:
+            self.messages += messages
+            self.size_bytes += size_bytes
+
     @property
     def mean_hz(self) -> float | None:
         """(n − 1) / (last − first); ``None`` where that is undefined."""

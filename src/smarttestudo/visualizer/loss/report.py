@@ -232,11 +232,11 @@ class LossReport:
 
     def position_rmse_m(self, topic: str) -> float | None:
         """How far from the robot its held position was: RMSE of the distance in m, ``None`` without poses."""
-        errors = {loss.field: loss.received for loss in self.fields_of(topic)}
-        if not all(errors.get(axis) for axis in _POSITION[:2]):
-            return None
-        held = [error.hold.rmse for axis in _POSITION if (error := errors.get(axis))]
-        return math.hypot(*held)
+        return _distance_m({loss.field: loss.received for loss in self.fields_of(topic)})
+
+    def fixed_position_rmse_m(self, topic: str) -> float | None:
+        """What ``position_rmse_m`` is with the best fixed rates."""
+        return _distance_m({loss.field: loss.fixed for loss in self.fields_of(topic)})
 
     def to_json(self) -> dict[str, object]:
         """The object that ``--json`` prints."""
@@ -260,3 +260,11 @@ class LossReport:
             for arm, error in (("b", loss.received), ("fixed", loss.fixed)):
                 row |= {f"{arm}_{key}": value for key, value in error_columns(error).items()}
             yield row
+
+
+def _distance_m(errors: Mapping[str, FieldError | None]) -> float | None:
+    """The RMSE of a distance from those of its coordinates; one that never changed has none, and is 0."""
+    known = [errors[axis] for axis in _POSITION if axis in errors]
+    if not any(axis in errors for axis in _POSITION[:2]) or None in known:
+        return None
+    return math.hypot(*(error.hold.rmse for error in known if error))

@@ -1,0 +1,81 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Processes that answer questions and can be measured from outside."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+# A parent of another environment leaves these, and then the ROS of this one does not load.
+NOT_INHERITED = ("_ROS_WHEELS_BOOTSTRAP_COMPLETE", "LD_LIBRARY_PATH")
+
+
+LARGE_MESSAGES = Path(__file__).parents[2] / "profiles" / "fastdds_large_messages.xml"
+
+
+def environment(domain: int, *, large_messages: bool) -> dict[str, str]:
+    """The environment of a process on that ROS domain, of this machine only."""
+    settings = {name: value for name, value in os.environ.items() if name not in NOT_INHERITED}
+    settings |= {"ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
+    if large_messages:
+        # The second is the name before Kilted.
+        for name in ("FASTDDS_DEFAULT_PROFILES_FILE", "FASTRTPS_DEFAULT_PROFILES_FILE"):
+            settings[name] = str(LARGE_MESSAGES)
+    return settings
+
+
+class Process:
+    """A process of one role, which answers questions."""
+
+    def __init__(self, arguments: Sequence[str], environment: dict[str, str]) -> None:
+        self._process = subprocess.Popen(
+            arguments,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            text=True,
+            env=environment,
+        )
+
+    def ask(self, question: str) -> Any:
+        """The answer to a line."""
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        self._process.stdin.write(f"{question}\n")
+        self._process.stdin.flush()
+        return json.loads(self._process.stdout.readline())
+
+    @property
+    def cpu_s(self) -> float:
+        """CPU time of all its threads so far, to the nanosecond."""
+        tasks = Path(f"/proc/{self._process.pid}/task")
+        return sum(int((task / "schedstat").read_text().split()[0]) for task in tasks.iterdir()) / 1e9
+
+    @property
+    def resident_mb(self) -> float:
+        """Resident memory."""
+        status = Path(f"/proc/{self._process.pid}/status").read_text()
+        line = next(line for line in status.splitlines() if line.startswith("VmRSS"))
+        return int(line.split()[1]) * 1024 / 1e6
+
+    def end(self) -> None:
+        """End it."""
+        self._process.terminate()
+        self._process.communicate()
+
+
+@contextmanager
+def processes(commands: Sequence[Sequence[str]], environment: dict[str, str]) -> Iterator[list[Process]]:
+    """The processes of some commands, ended at the end."""
+    started = [Process(command, environment) for command in commands]
+    try:
+        yield started
+    finally:
+        for process in started:
+            process.end()

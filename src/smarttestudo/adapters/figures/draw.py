@@ -1,0 +1,79 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Figures of a run as files, the same bytes for the same run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping
+from enum import Enum
+from pathlib import Path
+
+from matplotlib import rc_context
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from smarttestudo.adapters.figures.intervals import intervals_figure
+from smarttestudo.adapters.figures.looks import SETTINGS
+from smarttestudo.adapters.figures.over_time import bandwidth_figure, rates_figure, total_figure
+from smarttestudo.adapters.figures.path import path_figure
+from smarttestudo.adapters.files.whole_file import OutputFileError
+from smarttestudo.visualizer.report import RunReport
+
+_DPI = 200
+# Neither format may hold a date or a version, which would make each run's bytes differ.
+_METADATA: Mapping[str, dict[str, None]] = {
+    "png": {"Software": None},
+    "svg": {"Date": None, "Creator": None},
+}
+
+
+class FigureKind(Enum):
+    """What a figure shows; the value is its file's name."""
+
+    RATES = "rates"
+    BANDWIDTH = "bandwidth"
+    TOTAL = "total"
+    INTERVALS = "intervals"
+    PATH = "path"
+
+
+_DRAWN: Mapping[FigureKind, Callable[[RunReport], Figure | None]] = {
+    FigureKind.RATES: rates_figure,
+    FigureKind.BANDWIDTH: bandwidth_figure,
+    FigureKind.TOTAL: total_figure,
+    FigureKind.INTERVALS: intervals_figure,
+    FigureKind.PATH: path_figure,
+}
+
+
+def draw_figures(report: RunReport, kinds: Collection[FigureKind], folder: Path) -> list[Path]:
+    """Draw each of ``kinds`` that there is something to see of, as PNG and SVG in ``folder``.
+
+    Raises:
+        OutputFileError: a file cannot be written.
+    """
+    written = []
+    with rc_context(SETTINGS):
+        for kind in FigureKind:
+            figure = _DRAWN[kind](report) if kind in kinds else None
+            if figure is not None:
+                written += _save(figure, folder, kind.value)
+    return written
+
+
+def _save(figure: Figure, folder: Path, name: str) -> list[Path]:
+    FigureCanvasAgg(figure)
+    paths = []
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for form, metadata in _METADATA.items():
+            path = folder / f"{name}.{form}"
+            figure.savefig(path, format=form, dpi=_DPI, metadata=metadata, bbox_inches="tight")
+            paths.append(path)
+    except OSError as error:
+        raise OutputFileError(
+            f"the figures cannot be written: {error.strerror or error}",
+            place=str(folder),
+            remedy="name another folder",
+        ) from error
+    return paths

@@ -1,0 +1,85 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""``--figures`` of the actions of ``testudo bag``."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Mapping, Sequence
+from enum import Enum
+from pathlib import Path
+
+from smarttestudo.cli.loop_options import budget_kb_per_s
+from smarttestudo.cli.progress import progress
+
+
+class Drawn(Enum):
+    """What the figures of an action show."""
+
+    RATES = "rates over time and a histogram of the times between messages"
+    BANDWIDTH = "bandwidth over time, and all topics stacked"
+    BOTH = "rates and bandwidth over time, all topics stacked, and a histogram of the times between messages"
+
+
+def add_figures(action: argparse.ArgumentParser, drawn: Drawn) -> None:
+    """Add ``--figures``, and where bandwidth is drawn ``--budget``."""
+    add_figures_folder(action, drawn.value)
+    if drawn is not Drawn.RATES:
+        add_budget(action)
+    action.set_defaults(drawn=drawn)
+
+
+def add_figures_folder(action: argparse.ArgumentParser, content: str) -> None:
+    """Add ``--figures``; ``content`` is what they show."""
+    action.add_argument("--figures", metavar="DIR", type=Path, help=f"write figures (PNG and SVG): {content}")
+
+
+def add_budget(action: argparse.ArgumentParser) -> None:
+    """Add ``--budget``."""
+    action.add_argument(
+        "--budget",
+        metavar="N",
+        type=budget_kb_per_s,
+        help="KB/s that all topics together may take: a line in the figures",
+    )
+
+
+def draw_each(arguments: argparse.Namespace) -> None:
+    """Draw each of the bags; several have a folder each."""
+    bags: Sequence[Path] = arguments.bags
+    for number, bag in enumerate(bags, start=1):
+        folder = arguments.figures if len(bags) == 1 else arguments.figures / f"{number}-{bag.resolve().name}"
+        draw_pair(arguments, bag, None, mapping={}, folder=folder)
+
+
+def draw_pair(
+    arguments: argparse.Namespace, a: Path, b: Path | None, *, mapping: Mapping[str, str], folder: Path
+) -> None:
+    """Draw the bag ``a``, with ``b`` over it if there is one, and say where."""
+    from smarttestudo.composition import bag_figures  # noqa: PLC0415  needs packages a robot lacks
+    from smarttestudo.composition.bag_report import ReportRequest  # noqa: PLC0415
+    from smarttestudo.visualizer.comparison_tables import RunNames  # noqa: PLC0415
+
+    kinds = {
+        Drawn.RATES: bag_figures.RATES,
+        Drawn.BANDWIDTH: bag_figures.BANDWIDTH,
+        Drawn.BOTH: bag_figures.RATES | bag_figures.BANDWIDTH,
+    }
+    request = ReportRequest(
+        a=a,
+        b=b,
+        title=str(a),
+        names=RunNames(before="A", after="B"),
+        mapping=mapping,
+        topics=arguments.topics,
+        budget_kb_per_s=getattr(arguments, "budget", None),
+        progress=progress,
+    )
+    print_written(bag_figures.draw_courses(request, kinds[arguments.drawn], folder))
+
+
+def print_written(paths: Sequence[Path]) -> None:
+    """Say which figures there are, where they do not disturb what a program reads."""
+    for path in paths:
+        print(f"wrote {path}", file=sys.stderr)  # noqa: T201

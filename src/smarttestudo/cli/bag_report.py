@@ -1,0 +1,143 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""``testudo bag report``: one recording, or two beside each other, as one HTML file."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from smarttestudo import __version__
+from smarttestudo.adapters.files.decision_log import read_decisions
+from smarttestudo.adapters.files.profile import load_profile
+from smarttestudo.adapters.files.whole_file import whole_file
+from smarttestudo.cli.bag_figures import add_budget, add_figures_folder, print_written
+from smarttestudo.cli.bag_options import add_map, add_topics, topic_mapping
+from smarttestudo.cli.bag_output import print_notices
+from smarttestudo.cli.finding_text import print_findings
+from smarttestudo.cli.progress import progress
+from smarttestudo.composition.rule_sets import LoadedRules, load_rules
+from smarttestudo.domain.profile import Profile
+
+if TYPE_CHECKING:
+    from smarttestudo.visualizer.report import RunReport
+
+EXIT_ERROR = 1
+_DEFAULT_OUTPUT = Path("report.html")
+
+
+def add_action(actions: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add ``report`` to the actions of ``bag``."""
+    action = actions.add_parser(
+        "report",
+        help="one HTML file: rates, bandwidth, decisions, path and loss, for any browser and for paper",
+        description="Write one HTML file that shows a recording, or two of one run beside each other: A as "
+        "sent, B as received. It needs no network and no other file.",
+    )
+    action.add_argument("a", metavar="A", type=Path, help="the recording, as the robot sent it")
+    action.add_argument(
+        "b", metavar="B", type=Path, nargs="?", help="the same run as the operator received it"
+    )
+    action.add_argument(
+        "--rules",
+        metavar="FILE",
+        nargs="+",
+        action="extend",
+        type=Path,
+        default=[],
+        help="the rule files of B, or folders of them; shown, with their zones on the map",
+    )
+    action.add_argument(
+        "--decisions", metavar="FILE", type=Path, help="what --decisions wrote when B came to be"
+    )
+    action.add_argument(
+        "--profile", metavar="FILE", type=Path, help="tiers and priorities of the topics (TOML)"
+    )
+    add_budget(action)
+    action.add_argument(
+        "--nav2-map", metavar="FILE", type=Path, help="the map under the path: the .yaml beside its image"
+    )
+    add_map(action)
+    add_topics(action)
+    add_figures_folder(action, "all that the report draws")
+    action.add_argument(
+        "-o",
+        "--output",
+        metavar="FILE",
+        type=Path,
+        default=_DEFAULT_OUTPUT,
+        help="the report (default: %(default)s)",
+    )
+    action.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Write the report; 1 if the rules have an error."""
+    profile = None if arguments.profile is None else load_profile(arguments.profile)
+    rules = load_rules(arguments.rules, profile=profile) if arguments.rules else None
+    if rules is not None and rules.errors:
+        print_findings(rules.errors, rules.texts, sys.stderr)
+        return EXIT_ERROR
+    with whole_file(arguments.output, "the report") as write:
+        report = _report(arguments, profile or Profile(), rules)
+        write(_html(report))
+    if arguments.figures is not None:
+        from smarttestudo.composition.bag_figures import draw_report  # noqa: PLC0415  as below
+
+        print_written(draw_report(report, arguments.figures))
+    print(f"{arguments.output}: {_summary(report)}")  # noqa: T201
+    print_notices(report.notices)
+    return 0
+
+
+def _report(arguments: argparse.Namespace, profile: Profile, rules: LoadedRules | None) -> RunReport:
+    from smarttestudo.adapters.files.nav2_map import read_nav2_map  # noqa: PLC0415  needs packages a robot lacks
+    from smarttestudo.composition.bag_report import ReportRequest, bag_report  # noqa: PLC0415
+    from smarttestudo.visualizer.comparison_tables import RunNames  # noqa: PLC0415
+    from smarttestudo.visualizer.floor import FloorPlan  # noqa: PLC0415
+    from smarttestudo.visualizer.report import Fact  # noqa: PLC0415
+
+    a, b = arguments.a, arguments.b
+    occupancy = None if arguments.nav2_map is None else read_nav2_map(arguments.nav2_map)
+    facts = {
+        "SmartTestudo": __version__,
+        "A": a,
+        "B": b,
+        "Decisions": arguments.decisions,
+        "Map": arguments.nav2_map,
+    }
+    return bag_report(
+        ReportRequest(
+            a=a,
+            b=b,
+            title=a.resolve().name if b is None else f"{a.resolve().name} beside {b.resolve().name}",
+            explanation=""
+            if b is None
+            else f"A is what the robot sent ({a}), B what was received of it ({b}).",
+            names=RunNames(before="A" if b else a.resolve().name, after="B"),
+            mapping=topic_mapping(arguments.map),
+            topics=arguments.topics,
+            rule_set=rules.rule_set if rules else None,
+            rule_texts=rules.texts if rules else {},
+            decisions=read_decisions(arguments.decisions) if arguments.decisions else (),
+            profile=profile,
+            budget_kb_per_s=arguments.budget,
+            floor_plan=FloorPlan(occupancy=occupancy),
+            provenance=tuple(Fact(label=label, value=str(value)) for label, value in facts.items() if value),
+            progress=progress,
+        )
+    )
+
+
+def _html(report: RunReport) -> str:
+    from smarttestudo.visualizer.report import render_report  # noqa: PLC0415  as above
+
+    return render_report(report)
+
+
+def _summary(report: RunReport) -> str:
+    from smarttestudo.visualizer.summary import summary_sentence  # noqa: PLC0415  as above
+
+    return summary_sentence(report.comparison, len(report.decisions), report.loss)

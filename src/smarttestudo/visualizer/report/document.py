@@ -1,0 +1,94 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The report as one HTML document."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from smarttestudo.visualizer.report.chart_data import chart_data
+from smarttestudo.visualizer.report.charted import charted_series
+from smarttestudo.visualizer.report.decision_chart import Lane, lanes
+from smarttestudo.visualizer.report.decision_section import decision_section
+from smarttestudo.visualizer.report.floor_map import FloorMap, floor_map
+from smarttestudo.visualizer.report.html_table import html_table
+from smarttestudo.visualizer.report.loss_section import loss_section
+from smarttestudo.visualizer.report.markup import Markup, tag
+from smarttestudo.visualizer.report.opening import opening
+from smarttestudo.visualizer.report.rule_styles import RuleStyles, styles_of
+from smarttestudo.visualizer.report.run_report import RunReport, TopicSeries
+from smarttestudo.visualizer.report.scripts import content_policy, script_elements, style
+from smarttestudo.visualizer.report.sections import (
+    bandwidth_section,
+    notices_section,
+    provenance_section,
+    rates_section,
+    section,
+)
+from smarttestudo.visualizer.rule_timeline import RuleSpan, deciding_spans
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Drawn:
+    """What several parts of the report show."""
+
+    shown: Sequence[TopicSeries]
+    spans: Sequence[RuleSpan]
+    styles: RuleStyles
+    rows: Sequence[Lane]
+    plan: FloorMap | None
+
+
+def render_report(report: RunReport) -> str:
+    """One HTML document that needs nothing else: no network, no other file.
+
+    Its drawings and tables are there without scripts; with them, a cursor and a zoom run through all charts
+    and the map. Its size is bounded, whatever the length of the run and the number of topics.
+    """
+    drawn = _draw(report)
+    frame, path = (drawn.plan.frame, drawn.plan.line) if drawn.plan else (None, ())
+    data = chart_data(report, drawn.shown, drawn.rows, frame, path)
+    body = tag("body", tag("main", *_parts(report, drawn)), *script_elements(data))
+    return "<!DOCTYPE html>\n" + tag("html", _head(report.title), body, lang="en").html + "\n"
+
+
+def _draw(report: RunReport) -> _Drawn:
+    spans = deciding_spans(report.decisions, report.duration_s)
+    styles = styles_of(report.decisions, report.duration_s)
+    return _Drawn(
+        shown=charted_series(report),
+        spans=spans,
+        styles=styles,
+        rows=lanes(report.decisions, report.duration_s, styles) if report.decisions else (),
+        plan=floor_map(report.floor_plan, report.path, spans, styles),
+    )
+
+
+def _head(title: str) -> Markup:
+    return tag(
+        "head",
+        tag("meta", charset="utf-8"),
+        tag("meta", http_equiv="Content-Security-Policy", content=content_policy()),
+        tag("meta", name="viewport", content="width=device-width, initial-scale=1"),
+        tag("meta", name="color-scheme", content="light dark"),
+        tag("title", title),
+        tag("style", Markup(style())),
+    )
+
+
+def _parts(report: RunReport, drawn: _Drawn) -> Iterator[Markup]:
+    yield opening(report, drawn.plan, drawn.spans, drawn.styles)
+    if drawn.rows or report.rules:
+        yield decision_section(report, drawn.rows, drawn.styles)
+    if drawn.shown:
+        yield rates_section(report, drawn.shown, drawn.styles)
+        yield bandwidth_section(report)
+    if report.loss is not None:
+        yield loss_section(report.loss, report.names)
+    for table in report.shown_tables:
+        yield section(table.title, html_table(table))
+    if report.notices:
+        yield notices_section(report.notices)
+    if report.provenance:
+        yield provenance_section(report.provenance)

@@ -1,0 +1,88 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Everything that the report of one run shows."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from smarttestudo.domain.decision import Decision
+from smarttestudo.visualizer.comparison import Comparison
+from smarttestudo.visualizer.comparison_tables import RunNames, bandwidth_table, frequency_table
+from smarttestudo.visualizer.floor import FloorPlan, PathPoint
+from smarttestudo.visualizer.interval_histogram import IntervalBin
+from smarttestudo.visualizer.loss.report import LossReport
+from smarttestudo.visualizer.series import Series
+from smarttestudo.visualizer.table import Table
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TopicHistory:
+    """A topic over time in one recording; empty where the recording does not have it."""
+
+    rate_hz: Series = ()
+    kb_per_s: Series = ()
+    intervals: tuple[IntervalBin, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TopicSeries:
+    """A topic over time in both recordings."""
+
+    topic: str
+    before: TopicHistory = field(default_factory=TopicHistory)
+    after: TopicHistory = field(default_factory=TopicHistory)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RuleText:
+    """A rule file as its author wrote it."""
+
+    path: str
+    text: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Fact:
+    """One line about where the report comes from: a recording, a version, a seed."""
+
+    label: str
+    value: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunReport:
+    """One recording, or two beside each other. Every text may come from a stranger.
+
+    Times are in seconds since the first recording's start, those of ``decisions`` too. ``explanation`` says
+    what is compared; ``total`` is the bandwidth of all topics together. Of a pair, ``tables`` may be left
+    empty for the usual two.
+    """
+
+    title: str
+    duration_s: float
+    comparison: Comparison
+    series: tuple[TopicSeries, ...]
+    decisions: tuple[Decision, ...]
+    explanation: str = ""
+    total: TopicSeries = field(default_factory=lambda: TopicSeries(topic="All topics"))
+    names: RunNames = field(default_factory=RunNames)
+    tables: tuple[Table, ...] = ()
+    budget_kb_per_s: float | None = None
+    loss: LossReport | None = None
+    rules: tuple[RuleText, ...] = ()
+    provenance: tuple[Fact, ...] = ()
+    notices: tuple[str, ...] = ()
+    floor_plan: FloorPlan | None = None
+    path: tuple[PathPoint, ...] = ()
+
+    @property
+    def is_pair(self) -> bool:
+        """Whether there is a second recording."""
+        return any(pair.after is not None for pair in self.comparison.topics)
+
+    @property
+    def shown_tables(self) -> tuple[Table, ...]:
+        """``tables``, or those of the comparison."""
+        usual = (frequency_table, bandwidth_table)
+        return self.tables or tuple(table(self.comparison, self.names) for table in usual)

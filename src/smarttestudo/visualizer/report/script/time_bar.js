@@ -1,0 +1,49 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+
+// The bar at the foot of the window: the time by keyboard, what holds then, and the zoom.
+
+function timeBar() {
+  const bar = document.createElement("form");
+  bar.className = "time-bar";
+  bar.setAttribute("aria-label", "Time");
+  const slider = document.createElement("input");
+  Object.assign(slider, { type: "range", min: 0, max: data.duration, step: data.duration / 1000 || 1, value: 0 });
+  slider.setAttribute("aria-label", "Time in the recording, in seconds");
+  const words = document.createElement("output");
+  const whole = button("Whole run", () => time.showAll());
+  bar.append(
+    slider,
+    words,
+    button("−", () => time.zoom(2), "Zoom out"),
+    button("+", () => time.zoom(0.5), "Zoom in"),
+    whole,
+  );
+  slider.addEventListener("input", () => time.moveTo(slider.valueAsNumber));
+  bar.addEventListener("submit", (event) => event.preventDefault());
+  time.watch(() => {
+    if (time.now !== null) slider.value = time.now;
+    slider.setAttribute("aria-valuetext", words.textContent = sentence());
+    whole.disabled = time.isWhole();
+  });
+  document.body.append(bar);
+}
+
+function sentence() {
+  if (time.now === null) return "Point at a chart or the map; drag across a chart to zoom.";
+  const parts = [seconds(time.now)];
+  const lane = data.lanes[0];
+  const span = lane && lane.spans.find(([start, end]) => start <= time.now && time.now < end);
+  if (span) parts.push(span[2]);
+  parts.push(`${number(valueAt(data.total.before, time.now))}${arrow(data.total.after)} KB/s`);
+  return parts.join(" · ");
+}
+
+function button(text, act, label = text) {
+  const made = document.createElement("button");
+  made.type = "button";
+  made.textContent = text;
+  made.setAttribute("aria-label", label);
+  made.addEventListener("click", act);
+  return made;
+}

@@ -1,0 +1,64 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The scripts and styles of the report, and the policy that admits these and nothing else."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+from importlib.resources import files
+
+from smarttestudo.visualizer.report.markup import Markup, tag
+
+DATA_ID = "chart-data"
+_FOLDER = files("smarttestudo.visualizer.report")
+# In the order in which they build upon each other.
+_OWN = (
+    "time.js",
+    "look.js",
+    "line_chart.js",
+    "charts.js",
+    "lanes.js",
+    "map.js",
+    "time_bar.js",
+    "tables.js",
+    "start.js",
+)
+
+
+def style() -> str:
+    """The style sheets as one."""
+    return _read("vendor/uplot/uPlot.min.css") + "\n" + _read("report.css")
+
+
+def script() -> str:
+    """The charts' library uPlot with its licence, and the report's own scripts."""
+    licence = _read("vendor/uplot/LICENSE").rstrip()
+    own = "\n".join(_without_head(_read(f"script/{name}")) for name in _OWN)
+    library = _read("vendor/uplot/uPlot.iife.min.js")
+    return f'/*\n{licence}\n*/\n{library}\n(() => {{\n"use strict";\n{own}\n}})();\n'
+
+
+def script_elements(data: str) -> tuple[Markup, Markup]:
+    """``data``, which is JSON without ``<``, and what shows it."""
+    holder = tag("script", Markup(data), type="application/json", id=DATA_ID)
+    return holder, tag("script", Markup(script()))
+
+
+def content_policy() -> str:
+    """A content security policy under which nothing is loaded and only these scripts and styles count."""
+    allowed = f"script-src '{_digest(script())}'; style-src '{_digest(style())}'"
+    return f"default-src 'none'; {allowed}; base-uri 'none'; form-action 'none'"
+
+
+def _digest(text: str) -> str:
+    return "sha256-" + base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
+
+
+def _read(name: str) -> str:
+    return _FOLDER.joinpath(name).read_text(encoding="utf-8")
+
+
+def _without_head(text: str) -> str:
+    """A script without the lines about its licence, which is the project's."""
+    return "\n".join(line for line in text.splitlines() if not line.startswith("// SPDX-"))

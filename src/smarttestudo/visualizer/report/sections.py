@@ -1,0 +1,106 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The parts of the report below the first screen."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from smarttestudo.visualizer.comparison import TopicComparison
+from smarttestudo.visualizer.report.bandwidth_chart import stacked_chart, total_chart
+from smarttestudo.visualizer.report.legends import layer_legend, rate_legend, run_legend
+from smarttestudo.visualizer.report.markup import Markup, name_parts, tag
+from smarttestudo.visualizer.report.rate_chart import MAX_POINTS, rate_chart
+from smarttestudo.visualizer.report.rule_styles import RuleStyles
+from smarttestudo.visualizer.report.run_report import Fact, RunReport, TopicSeries
+from smarttestudo.visualizer.report.stack import layers
+from smarttestudo.visualizer.rule_timeline import by_topic, deciding_spans
+from smarttestudo.visualizer.table import format_number
+from smarttestudo.visualizer.targets import target_spans
+
+_POINTS_OF_ALL_CHARTS = 2000
+
+
+def section(heading: str, *content: Markup, explanation: str = "") -> Markup:
+    """A part of the report under its heading."""
+    lines = [tag("p", explanation, class_="explanation")] if explanation else []
+    return tag("section", tag("h2", heading), *lines, *content)
+
+
+def rates_section(report: RunReport, shown: Sequence[TopicSeries], styles: RuleStyles) -> Markup:
+    """A small chart for each topic that is ``shown``."""
+    charts = tag("div", *_rate_figures(report, shown, styles), class_="charts")
+    left_out = len(report.series) - len(shown)
+    note = [tag("p", f"{left_out:,} more topics are in the tables.", class_="note")] if left_out else []
+    shading = ", shaded by the rule that decided the topic" if report.decisions else ""
+    return section(
+        "Rate of each topic",
+        rate_legend(report, styles),
+        charts,
+        *note,
+        explanation=f"Messages in each second{shading}.{_stretches(report)}",
+    )
+
+
+def bandwidth_section(report: RunReport) -> Markup:
+    """All topics together over time, and what they consist of."""
+    stacked = report.names.after if report.is_pair else report.names.before
+    total = tag("figcaption", tag("span", "All topics", class_="name"))
+    parts = tag(
+        "figcaption", tag("span", f"{stacked}, by topic" if report.is_pair else "By topic", class_="name")
+    )
+    return section(
+        "Bandwidth",
+        run_legend(report),
+        tag("figure", total, total_chart(report), class_="chart", data_chart="total"),
+        layer_legend(layers(report, of_second=report.is_pair)),
+        tag("figure", parts, stacked_chart(report), class_="chart", data_chart="stack"),
+        explanation="What the topics shown here carry together in each second.",
+    )
+
+
+def notices_section(notices: Sequence[str]) -> Markup:
+    """What was lost or odd."""
+    return section("Good to know", tag("ul", *(tag("li", notice, class_="words") for notice in notices)))
+
+
+def provenance_section(facts: Sequence[Fact]) -> Markup:
+    """Where all this comes from."""
+    entries = (tag("div", tag("dt", fact.label), tag("dd", fact.value, class_="words")) for fact in facts)
+    return section("Where this comes from", tag("dl", *entries, class_="facts"))
+
+
+def _rate_figures(report: RunReport, shown: Sequence[TopicSeries], styles: RuleStyles) -> Iterator[Markup]:
+    pairs = {pair.topic: pair for pair in report.comparison.topics}
+    decisions = by_topic(report.decisions)
+    max_points = min(MAX_POINTS, _POINTS_OF_ALL_CHARTS // max(len(shown), 1))
+    for index, series in enumerate(shown):
+        own = decisions.get(series.topic, [])
+        spans = deciding_spans(own, report.duration_s)
+        targets = target_spans(own, report.duration_s)
+        chart = rate_chart(
+            series, targets, spans, styles, duration_s=report.duration_s, max_points=max_points
+        )
+        caption = _caption(series.topic, pairs.get(series.topic))
+        yield tag("figure", caption, chart, class_="chart", data_chart=f"rate {index}")
+
+
+def _caption(topic: str, pair: TopicComparison | None) -> Markup:
+    change = None if pair is None else pair.change_percent
+    number = "" if change is None else f"{format_number(change, 0, signed=True)} %"
+    return tag(
+        "figcaption",
+        tag("span", *name_parts(topic), class_="words name"),
+        tag("span", number, class_="quiet readout"),
+    )
+
+
+def _stretches(report: RunReport) -> str:
+    """Says so where a point of a chart stands for more than a second, or where there is none."""
+    if not any(one.before.rate_hz or one.after.rate_hz for one in report.series):
+        return " There is none to show: the recording holds no whole second."
+    points = next((one.before.rate_hz for one in report.series if len(one.before.rate_hz) > 1), ())
+    seconds = points[1].t_s - points[0].t_s if points else 1.0
+    if seconds < 2:
+        return ""
+    return f" Each point stands for {seconds:,.0f} s, from the least to the greatest rate among them."

@@ -1,0 +1,97 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Figures as files: all that were asked for, the same each time, readable without colour."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from smarttestudo.adapters.figures import FigureKind, draw_figures
+from smarttestudo.adapters.figures.looks import AREAS, rule_look
+from smarttestudo.adapters.files.whole_file import OutputFileError
+from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.visualizer.comparison import Comparison
+from smarttestudo.visualizer.interval_histogram import IntervalHistogram
+from smarttestudo.visualizer.report import RunReport, TopicHistory, TopicSeries
+from smarttestudo.visualizer.report.rule_styles import DEFAULTS, OTHERS, STYLED_BLOCKS, RuleStyle
+from smarttestudo.visualizer.series import SeriesPoint
+from visualizer.demo_like_report import demo_like_report
+
+EMPTY = RunReport(title="", duration_s=0.0, comparison=Comparison(topics=()), series=(), decisions=())
+
+
+def small_report() -> RunReport:
+    """Two topics of the demo with intervals, so that drawing it takes little time."""
+    report = demo_like_report()
+    histogram = IntervalHistogram()
+    for stamp_ns in range(0, 100 * 40_000_000, 40_000_000):
+        histogram.record(stamp_ns)
+    series = tuple(
+        replace(one, before=replace(one.before, intervals=histogram.bins())) for one in report.series[:2]
+    )
+    return replace(report, series=series, budget_kb_per_s=30.0)
+
+
+def test_each_figure_is_a_png_and_an_svg_of_the_same_bytes_each_time(tmp_path: Path) -> None:
+    report = small_report()
+    once, again = (draw_figures(report, FigureKind, tmp_path / name) for name in ("once", "again"))
+    assert {path.name for path in once} == {
+        f"{kind.value}.{form}" for kind in FigureKind for form in ("png", "svg")
+    }
+    for one, other in zip(once, again, strict=True):
+        assert one.read_bytes() == other.read_bytes()
+        assert one.stat().st_size > 5000
+
+
+def test_only_what_was_asked_for_and_can_be_drawn_is_written(tmp_path: Path) -> None:
+    assert draw_figures(EMPTY, FigureKind, tmp_path / "none") == []
+    written = draw_figures(small_report(), {FigureKind.PATH}, tmp_path)
+    assert [path.name for path in written] == ["path.png", "path.svg"]
+
+
+def test_names_from_strangers_are_drawn_as_they_are(tmp_path: Path) -> None:
+    history = TopicHistory(rate_hz=(SeriesPoint(t_s=1.0, lowest=1, mean=1, highest=1),))
+    names = ("/$x^$", "/{a}", "/<script>")
+    report = replace(
+        EMPTY, duration_s=2.0, series=tuple(TopicSeries(topic=name, before=history) for name in names)
+    )
+    draw_figures(report, {FigureKind.RATES}, tmp_path)
+    assert "<script>" not in (tmp_path / "rates.svg").read_text()
+
+
+def test_a_folder_that_cannot_be_made_is_told_in_one_line(tmp_path: Path) -> None:
+    (tmp_path / "figures").touch()
+    with pytest.raises(OutputFileError, match=r"figures: error: the figures cannot be written: File exists"):
+        draw_figures(small_report(), {FigureKind.PATH}, tmp_path / "figures")
+
+
+def test_looks_differ_by_more_than_their_colour() -> None:
+    own = [RuleStyle(css_class=f"by-rule-{index}", name="") for index in range(1, STYLED_BLOCKS + 1)]
+    lines = [rule_look(style) for style in (*own, DEFAULTS, OTHERS)]
+    assert len({(line.dash, line.width) for line in lines}) == len(lines)
+    assert all(one.hatch != other.hatch for one, other in pairwise(AREAS))
+
+
+@given(st.lists(st.integers(1, 10**12), min_size=1, max_size=50))
+def test_every_interval_lies_in_the_bin_that_counts_it(intervals_ns: list[int]) -> None:
+    histogram = IntervalHistogram()
+    stamp_ns = 0
+    histogram.record(stamp_ns)
+    for interval_ns in intervals_ns:
+        stamp_ns += interval_ns
+        histogram.record(stamp_ns)
+    bins = histogram.bins()
+    assert sum(one.count for one in bins) == len(intervals_ns)
+    for one in bins:
+        inside = [
+            interval_ns
+            for interval_ns in intervals_ns
+            if one.from_s * (1 - 1e-9) <= interval_ns / NS_PER_S < one.to_s * (1 + 1e-9)
+        ]
+        assert len(inside) >= one.count
