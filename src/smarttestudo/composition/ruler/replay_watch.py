@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import Channel, MessageDecoder, RecordingReader
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.visualizer.page import PathPoint
+from smarttestudo.visualizer.floor import PathPoint
 from smarttestudo.visualizer.trace import TraceAccumulator
 
 ODOMETRY = "nav_msgs/msg/Odometry"

@@ -22,7 +22,7 @@ from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.recording import RecordingReader
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
-from smarttestudo.visualizer.page import PathPoint
+from smarttestudo.visualizer.floor import PathPoint
 from smarttestudo.visualizer.trace import TraceAccumulator
 
 MAX_BINS = 300
