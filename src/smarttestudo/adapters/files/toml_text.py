@@ -35,6 +35,8 @@ def parse_toml(text: str, path: Path) -> tuple[dict[str, object], dict[KeyPath, 
             (matched[1], f"{path}:{matched[2]}:{matched[3]}") if matched else (str(error), str(path))
         )
         raise ProfileError(f"not valid TOML: {cause}", place=place) from error
+    except RecursionError as error:
+        raise ProfileError("the values nest too deep", place=str(path)) from error
     return values, _lines_of_keys(text)
 
 

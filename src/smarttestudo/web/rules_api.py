@@ -1,0 +1,132 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What the page asks about rules: their statements, edits, formatting, and rules that come and go."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+
+from smarttestudo.adirf.document import Document, deleted, inserted, moved, read_document, replaced
+from smarttestudo.adirf.formatter import format_rules
+from smarttestudo.adirf.parser import parse
+from smarttestudo.composition.ruler.checked_text import CheckedText, Draft, check_text, fixed
+from smarttestudo.composition.ruler.difference import differences
+from smarttestudo.composition.ruler.sharing import download_text, exported, imported
+from smarttestudo.web import schemas as schema
+from smarttestudo.web.document_json import document_model
+from smarttestudo.web.statement_json import new_statement
+from smarttestudo.web.statement_schemas import DocumentModel
+
+_TEXTS_KEPT = 4
+
+
+class RulesApi:
+    """Texts are read and checked once, however often the page asks about the last few."""
+
+    def __init__(self) -> None:
+        self._check: Callable[[Draft], CheckedText] = lru_cache(maxsize=_TEXTS_KEPT)(check_text)
+
+    def document(self, request: schema.DocumentRequest) -> DocumentModel:
+        """Statements and findings of a text."""
+        return document_model(self._check(_draft(request)))
+
+    def edit(self, request: schema.EditRequest) -> schema.EditAnswer:
+        """A text with one statement edited."""
+        before = self._check(_draft(request)).document
+        text = _edited(before, request.edit)
+        return self._answer(request, text, _edited_number(before, request.edit))
+
+    def fix(self, request: schema.FixRequest) -> schema.EditAnswer:
+        """A text with one finding's fix."""
+        text = fixed(self._check(_draft(request)), request.index)
+        return self._answer(request, text, None)
+
+    def import_rules(self, request: schema.ImportRequest) -> schema.EditAnswer:
+        """A text with statements of another one."""
+        before = read_document(request.text, request.name)
+        text = imported(before, read_document(request.other_text, "the imported file"), request.ids)
+        return self._answer(request, text, None)
+
+    def _answer(
+        self,
+        request: schema.EditRequest | schema.FixRequest | schema.ImportRequest,
+        text: str,
+        number: int | None,
+    ) -> schema.EditAnswer:
+        checked = self._check(_draft(request, text))
+        entries = checked.document.entries
+        return schema.EditAnswer(
+            text=text,
+            document=document_model(checked),
+            id=entries[number].id if number is not None and number < len(entries) else None,
+        )
+
+
+def format_text(request: schema.DocumentRequest) -> schema.TextAnswer:
+    """A text in the house style; one with errors as it is."""
+    return schema.TextAnswer(text=format_rules(request.text, request.name))
+
+
+def download(request: schema.DocumentRequest) -> schema.TextAnswer:
+    """The rule file with numbers."""
+    return schema.TextAnswer(text=download_text(_draft(request)))
+
+
+def export(request: schema.ExportRequest) -> schema.TextAnswer:
+    """A rule file of some statements."""
+    return schema.TextAnswer(text=exported(read_document(request.text, request.name), request.ids))
+
+
+def difference(request: schema.DifferenceRequest) -> schema.DifferenceAnswer:
+    """What differs between two texts, in words."""
+    old, new = parse(request.old_text, "before"), parse(request.new_text, "after")
+    return schema.DifferenceAnswer(changes=differences(old, new))
+
+
+def _draft(
+    request: schema.DocumentRequest | schema.FixRequest | schema.EditRequest | schema.ImportRequest,
+    text: str | None = None,
+) -> Draft:
+    """What the request is about, with another ``text`` where one is given."""
+    return Draft(
+        text=request.text if text is None else text,
+        name=request.name,
+        profile_text=request.profile_text,
+        profile_name=request.profile_name,
+    )
+
+
+def _edited(before: Document, change: schema.AnyEdit) -> str:
+    match change:
+        case schema.Replace():
+            return replaced(before, change.id, new_statement(change.statement))
+        case schema.Insert():
+            return inserted(before, change.collection, change.index, new_statement(change.statement))
+        case schema.Delete():
+            return deleted(before, change.id)
+        case schema.Move():
+            return moved(before, change.id, change.collection, change.index)
+
+
+def _edited_number(before: Document, change: schema.AnyEdit) -> int | None:
+    """Which statement of the new text was edited, counted from 0."""
+    ids = [entry.id for entry in before.entries]
+    match change:
+        case schema.Replace():
+            return ids.index(change.id)
+        case schema.Delete():
+            return None
+        case schema.Insert():
+            return _number_at(before, change.collection, change.index, without=None)
+        case schema.Move():
+            return _number_at(before, change.collection, change.index, without=change.id)
+
+
+def _number_at(before: Document, collection: str, index: int, *, without: str | None) -> int:
+    number = 0
+    for part in before.parts:
+        if part.id == collection:
+            break
+        number += sum(entry.id != without for entry in part.entries)
+    return number + index
