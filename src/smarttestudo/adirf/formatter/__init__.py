@@ -2,6 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Syntax tree to text: the house style of rule files."""
 
-from smarttestudo.adirf.formatter.rule_file import first_line_end, format_file, format_rules
+from smarttestudo.adirf.formatter.rule_file import (
+    first_line_end,
+    format_condition,
+    format_file,
+    format_heading,
+    format_rules,
+    format_statement,
+)
 
-__all__ = ["first_line_end", "format_file", "format_rules"]
+__all__ = ["first_line_end", "format_condition", "format_file", "format_heading", "format_rules", "format_statement"]

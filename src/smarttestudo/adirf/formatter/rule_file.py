@@ -9,7 +9,7 @@ from smarttestudo.adirf.formatter.lines import LineWriter
 from smarttestudo.adirf.formatter.values import rate_text
 from smarttestudo.adirf.parser import parse
 from smarttestudo.adirf.parser.headings import quoted
-from smarttestudo.adirf.syntax import Block, Collection, KeepAtLeast, RuleFile, SetFrequency, Statement
+from smarttestudo.adirf.syntax import Block, Collection, Condition, KeepAtLeast, RuleFile, SetFrequency, Statement
 
 
 def format_rules(text: str, path: str) -> str:
@@ -33,6 +33,28 @@ def format_file(file: RuleFile, *, line_end: str = "\n") -> str:
         _write_collection(writer, collection)
     writer.comments(0, file.footer)
     return writer.text().replace("\n", line_end)
+
+
+def format_statement(statement: Statement) -> str:
+    """The lines of one statement without indentation, each ended by LF."""
+    writer = LineWriter()
+    _write_statement(writer, 0, statement)
+    return writer.text()
+
+
+def format_condition(condition: Condition) -> str:
+    """The lines of what stands behind ``If``, without indentation, each ended by LF."""
+    writer = LineWriter()
+    write_condition(writer, 0, "", condition)
+    return writer.text()
+
+
+def format_heading(block: Block) -> str:
+    """``Rule "name" [Priority n]``, or nothing for a block without name and priority."""
+    if block.name is None and block.priority is None:
+        return ""
+    priority = "" if block.priority is None else f" Priority {block.priority}"
+    return f"Rule {quoted(block.name if block.name is not None else block.label)}{priority}"
 
 
 def _write_collection(writer: LineWriter, collection: Collection) -> None:
@@ -70,7 +92,7 @@ def _write_statement(writer: LineWriter, level: int, statement: Statement) -> No
 
 
 def _write_block(writer: LineWriter, level: int, block: Block) -> None:
-    heading = _heading(block)
+    heading = format_heading(block)
     if heading:
         writer.line(level, heading, block.trivia.beside)
         writer.comments(level, block.if_trivia.above)
@@ -87,10 +109,3 @@ def _write_block(writer: LineWriter, level: int, block: Block) -> None:
     if block.has_end_if:
         writer.comments(level + 1, block.end_if_trivia.above)
         writer.line(level, "EndIf", block.end_if_trivia.beside)
-
-
-def _heading(block: Block) -> str:
-    if block.name is None and block.priority is None:
-        return ""
-    priority = "" if block.priority is None else f" Priority {block.priority}"
-    return f"Rule {quoted(block.name if block.name is not None else block.label)}{priority}"

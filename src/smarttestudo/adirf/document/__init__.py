@@ -1,0 +1,32 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""A rule file as statements with their places, and edits that touch one statement and nothing else."""
+
+from smarttestudo.adirf.document.document import Document, Entry, Part, read_document
+from smarttestudo.adirf.document.edits import (
+    EditError,
+    NewStatement,
+    comment_texts,
+    deleted,
+    inserted,
+    moved,
+    replaced,
+)
+from smarttestudo.adirf.document.meaning import meaning
+from smarttestudo.adirf.document.places import Places
+
+__all__ = [
+    "Document",
+    "EditError",
+    "Entry",
+    "NewStatement",
+    "Part",
+    "Places",
+    "comment_texts",
+    "deleted",
+    "inserted",
+    "meaning",
+    "moved",
+    "read_document",
+    "replaced",
+]

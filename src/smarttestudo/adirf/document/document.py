@@ -1,0 +1,179 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Which stretch of a text is which statement."""
+
+from __future__ import annotations
+
+import hashlib
+from bisect import bisect_left, bisect_right
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import count
+
+from smarttestudo.adirf.comments import Comment
+from smarttestudo.adirf.document.places import Places
+from smarttestudo.adirf.document.stretch import Stretch
+from smarttestudo.adirf.document.unparsed import broken_places, split_unparsed
+from smarttestudo.adirf.parser import ParseResult, parse
+from smarttestudo.adirf.parser.cursor import STATEMENT_STARTS
+from smarttestudo.adirf.parser.tokens import TokenKind
+from smarttestudo.adirf.syntax import Collection, Statement
+
+_KEY_DIGITS = 12
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Entry:
+    """One statement of a text; ``statement`` is ``None`` for text that does not parse.
+
+    ``id`` names it in this very text. ``key`` comes from its words, so that it survives edits elsewhere.
+    """
+
+    id: str
+    key: str
+    statement: Statement | None
+    stretch: Stretch
+
+    @property
+    def comments(self) -> tuple[Comment, ...]:
+        """The comments directly above it."""
+        return self.stretch.comments
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Part:
+    """A collection: its statements in order, and where the first would be put.
+
+    ``begin`` is the keyword, ``None`` for statements and other text outside any ``begin … end``.
+    """
+
+    id: str
+    begin: Stretch | None
+    start: int
+    end: int
+    entries: tuple[Entry, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Document:
+    """A text with its parse, its words, and its statements."""
+
+    text: str
+    result: ParseResult
+    words: Stretch
+    parts: tuple[Part, ...]
+
+    @property
+    def places(self) -> Places:
+        """Its lines and columns as offsets."""
+        return self.words.places
+
+    @property
+    def entries(self) -> tuple[Entry, ...]:
+        """The statements of all parts, in the order of the text."""
+        return tuple(entry for part in self.parts for entry in part.entries)
+
+    def entry_at(self, offset: int) -> Entry | None:
+        """The statement whose words hold ``offset``."""
+        entries = self.entries
+        at = bisect_right(entries, offset, key=lambda one: one.stretch.start) - 1
+        return entries[at] if at >= 0 and offset <= entries[at].stretch.end else None
+
+    def entry(self, name: str) -> Entry | None:
+        """The statement with the id ``name``."""
+        return next((one for one in self.entries if one.id == name), None)
+
+    def behind(self, words: Stretch) -> Stretch | None:
+        """The word behind ``words``."""
+        at = bisect_left(self.words.offsets, words.end)
+        return self.words[at] if at < len(self.words) else None
+
+    def part_of(self, entry: Entry) -> Part:
+        """The collection that holds ``entry``."""
+        return next(part for part in self.parts if entry in part.entries)
+
+
+def read_document(text: str, path: str) -> Document:
+    """The statements of ``text``; every word of it is in one, but for ``begin`` and ``end``."""
+    result = parse(text, path)
+    places = Places(text)
+    words = Stretch.of(result.tokens[:-1], text, places)
+    parts = tuple(_Reader(result, places).parts(words))
+    return Document(text=text, result=result, words=words, parts=parts)
+
+
+class _Reader:
+    def __init__(self, result: ParseResult, places: Places) -> None:
+        self._collections: Mapping[int, Collection] = {
+            places.range(one.span)[0]: one for one in reversed(result.file.collections)
+        }
+        broken = broken_places(result, places)
+        ranges = ((places.range(one.span), one) for one in result.file.statements)
+        self._statements: Mapping[int, tuple[int, Statement | None]] = {
+            start: (end, None if _is_any_between(broken, start, end) else one)
+            for (start, end), one in ranges
+        }
+        self._places = places
+        self._ids = count(1)
+        self._keys: Counter[str] = Counter()
+
+    def parts(self, words: Stretch) -> Iterator[Part]:
+        at, number = 0, count(1)
+        while at < len(words):
+            found = self._collections.get(words.offsets[at])
+            if found:
+                after = bisect_left(words.offsets, self._places.range(found.span)[1], lo=at + 1)
+            else:
+                after = next(
+                    (i for i in range(at + 1, len(words)) if words.offsets[i] in self._collections), len(words)
+                )
+            yield self._part(f"c{next(number)}", words[at:after], is_collection=found is not None)
+            at = after
+
+    def _part(self, name: str, words: Stretch, *, is_collection: bool) -> Part:
+        has_begin = is_collection and words.tokens[0].kind not in STATEMENT_STARTS
+        has_end = is_collection and words.tokens[-1].kind is TokenKind.END
+        body = words[int(has_begin) : len(words) - int(has_end)]
+        return Part(
+            id=name,
+            begin=words[0] if has_begin else None,
+            start=words.start,
+            end=words.end,
+            entries=tuple(self._entries(body)),
+        )
+
+    def _entries(self, words: Stretch) -> Iterator[Entry]:
+        at, loose = 0, 0
+        while at < len(words):
+            end, statement = self._statements.get(words.offsets[at], (0, None))
+            if not end:
+                at += 1
+                continue
+            yield from self._unparsed(words[loose:at])
+            loose = bisect_left(words.offsets, end, lo=at + 1)
+            yield self._entry(statement, words[at:loose])
+            at = loose
+        yield from self._unparsed(words[loose:at])
+
+    def _unparsed(self, words: Stretch) -> Iterator[Entry]:
+        for first, last in split_unparsed(words.tokens):
+            yield self._entry(None, words[first:last])
+
+    def _entry(self, statement: Statement | None, words: Stretch) -> Entry:
+        return Entry(
+            id=f"s{next(self._ids)}",
+            key=self._key([token.text for token in words.tokens]),
+            statement=statement,
+            stretch=words,
+        )
+
+    def _key(self, words: Sequence[str]) -> str:
+        digest = hashlib.sha256(" ".join(words).encode("utf-8", "surrogatepass")).hexdigest()[:_KEY_DIGITS]
+        self._keys[digest] += 1
+        return f"{digest}-{self._keys[digest]}"
+
+
+def _is_any_between(places: Sequence[int], start: int, end: int) -> bool:
+    at = bisect_left(places, start)
+    return at < len(places) and places[at] <= end

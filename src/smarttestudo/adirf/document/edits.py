@@ -1,0 +1,199 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Edits of one statement; every other statement, comment and blank line keeps its bytes.
+
+The one thing that an edit may add elsewhere is an ``EndIf``, where a block would else take in what follows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from smarttestudo.adirf.document.document import Document, Entry, Part
+from smarttestudo.adirf.document.meaning import meaning
+from smarttestudo.adirf.document.rewriting import rewritten
+from smarttestudo.adirf.document.splices import Splice, addition, apply, comment_lines, removal
+from smarttestudo.adirf.document.stretch import Stretch
+from smarttestudo.adirf.formatter import first_line_end, format_statement
+from smarttestudo.adirf.formatter.lines import INDENT
+from smarttestudo.adirf.parser import parse
+from smarttestudo.adirf.syntax import Block, Statement
+from smarttestudo.domain.errors import RuleFileError
+
+_END_IF = "EndIf"
+
+
+class EditError(RuleFileError):
+    """An edit of a statement or collection that is not there, or that the language cannot say."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NewStatement:
+    """What to write: a statement or raw text; ``comments`` go above it, ``None`` leaves those there are."""
+
+    content: Statement | str
+    comments: Sequence[str] | None = None
+
+
+def replaced(document: Document, name: str, new: NewStatement) -> str:
+    """The text with ``new`` in the place of statement ``name``; what is the same in both keeps its bytes."""
+    entry = _entry(document, name)
+    _require_sayable(new)
+    part = document.part_of(entry)
+    at = part.entries.index(entry)
+    line_end = first_line_end(document.text)
+    splices = rewritten(entry, _closed(new.content), line_end)
+    if new.comments is not None and list(new.comments) != comment_texts(entry):
+        splices.append(_comments_above(entry.stretch, new.comments, line_end))
+    if at > 0 and _takes_in(part.entries[at - 1], new.content):
+        splices.append(_end_if(part.entries[at - 1], line_end))
+    return apply(document.text, splices)
+
+
+def inserted(document: Document, part_name: str, index: int, new: NewStatement) -> str:
+    """The text with ``new`` before the statement that is number ``index`` of the collection."""
+    _require_sayable(new)
+    part = _part(document, part_name)
+    if not 0 <= index <= len(part.entries):
+        raise EditError(f"the collection has no place {index}", remedy="read the document again")
+    line_end = first_line_end(document.text)
+    indent = _indent(part, index)
+    lines = [*comment_lines(new.comments or ()), *_printed(_closed(new.content)).split("\n")]
+    body = line_end.join(f"{indent}{line}" if line else "" for line in lines)
+    return apply(document.text, _put(part, index, part.entries, new.content, body, line_end))
+
+
+def deleted(document: Document, name: str) -> str:
+    """The text without statement ``name`` and its own comments."""
+    entry = _entry(document, name)
+    return apply(document.text, _taken_out(document, entry))
+
+
+def moved(document: Document, name: str, part_name: str, index: int) -> str:
+    """The text with statement ``name``, as it is written, at place ``index`` among the collection's others."""
+    entry = _entry(document, name)
+    part = _part(document, part_name)
+    others = tuple(one for one in part.entries if one is not entry)
+    if not 0 <= index <= len(others):
+        raise EditError(f"the collection has no place {index}", remedy="read the document again")
+    if entry in part.entries and part.entries.index(entry) == index:
+        return document.text
+    stretch, line_end = entry.stretch, first_line_end(document.text)
+    indent = stretch.indent if stretch.indent is not None else _indent(part, 0)
+    body = indent + document.text[stretch.own_start : stretch.own_end]
+    following = others[index] if index < len(others) else None
+    if following is not None and _takes_in(entry, following.statement):
+        body += f"{line_end}{indent}{_END_IF}"
+    splices = _taken_out(document, entry)
+    splices += _put(part, index, others, entry.statement or "", body, line_end)
+    return apply(document.text, splices)
+
+
+def comment_texts(entry: Entry) -> list[str]:
+    """The comments directly above ``entry`` without their slashes."""
+    return [comment.text.lstrip("/").removeprefix(" ") for comment in entry.comments]
+
+
+def _entry(document: Document, name: str) -> Entry:
+    entry = document.entry(name)
+    if entry is None:
+        raise EditError(f"the text has no statement {name!r}", remedy="read the document again")
+    return entry
+
+
+def _part(document: Document, name: str) -> Part:
+    part = next((one for one in document.parts if one.id == name), None)
+    if part is None or part.begin is None:
+        raise EditError(
+            f"the text has no collection {name!r} to write in", remedy="put 'begin' and 'end' around the rules"
+        )
+    return part
+
+
+def _require_sayable(new: NewStatement) -> None:
+    """Refuse what would read back as something else: an invalid topic, a rate out of range."""
+    if isinstance(new.content, str):
+        return
+    text = f"begin\n{format_statement(new.content)}end\n"
+    result = parse(text, "statement")
+    if result.findings:
+        first = result.findings[0]
+        raise EditError(first.message, place=first.code, remedy=first.hint or None)
+    if [meaning(one) for one in result.file.statements] != [meaning(new.content)]:
+        raise EditError("a rule file cannot say this statement", remedy="write it as text")
+
+
+def _closed(content: Statement | str) -> Statement | str:
+    """A new block ends by itself, whatever will follow it."""
+    return replace(content, has_end_if=True) if isinstance(content, Block) else content
+
+
+def _printed(content: Statement | str) -> str:
+    return content.strip("\r\n") if isinstance(content, str) else format_statement(content).rstrip("\n")
+
+
+def _indent(part: Part, index: int) -> str:
+    near = [*part.entries[max(index - 1, 0) : index], *part.entries[index : index + 1]]
+    known = next((one.stretch.indent for one in near if one.stretch.indent is not None), None)
+    base = part.begin.indent if part.begin is not None else None
+    return known if known is not None else (base or "") + " " * INDENT
+
+
+def _put(
+    part: Part, index: int, others: Sequence[Entry], content: Statement | str, body: str, line_end: str
+) -> list[Splice]:
+    """Puts ``body``, which holds ``content``, before number ``index`` of ``others``."""
+    before = others[index - 1] if index > 0 else None
+    following = others[index] if index < len(others) else None
+    point = before.stretch if before is not None else part.begin
+    if point is None:
+        raise EditError("there is no collection to write in", remedy="put 'begin' and 'end' around the rules")
+    splices = []
+    if before is not None and _takes_in(before, content):
+        splices.append(_end_if(before, line_end))
+    is_block = isinstance(content, Block)
+    if before is not None and (is_block or isinstance(before.statement, Block)):
+        body = line_end + body
+    if following is not None and (is_block or isinstance(following.statement, Block)):
+        body += "" if _is_blank_behind(point) else line_end
+    splices.append(addition(point, body, line_end))
+    return splices
+
+
+def _is_blank_behind(point: Stretch) -> bool:
+    """Whether an empty line follows the line of ``point``."""
+    at = point.places.after_break(point.places.line_range(point.own_end)[1])
+    return not point.text[at : point.places.line_range(at)[1]].strip()
+
+
+def _taken_out(document: Document, entry: Entry) -> list[Splice]:
+    part = document.part_of(entry)
+    at = part.entries.index(entry)
+    following = part.entries[at + 1] if at + 1 < len(part.entries) else None
+    words = entry.stretch
+    splices = [removal(words, document.behind(words))]
+    if at > 0 and following is not None and _takes_in(part.entries[at - 1], following.statement):
+        splices.append(_end_if(part.entries[at - 1], first_line_end(document.text)))
+    return splices
+
+
+def _takes_in(before: Entry, following: Statement | str | None) -> bool:
+    """Whether ``following`` would become a part of ``before``, a block without ``EndIf``."""
+    is_open = isinstance(before.statement, Block) and not before.statement.has_end_if
+    return is_open and following is not None and not isinstance(following, Block | str)
+
+
+def _end_if(entry: Entry, line_end: str) -> Splice:
+    stretch = entry.stretch
+    behind = line_end if stretch.after.strip() else ""
+    return Splice(
+        stretch.own_end, stretch.own_end, f"{line_end}{stretch.indent or ''}{_END_IF}{behind}"
+    )
+
+
+def _comments_above(stretch: Stretch, comments: Sequence[str], line_end: str) -> Splice:
+    indent = stretch.indent
+    lines = "".join(f"{line}{line_end}{indent or ''}" for line in comment_lines(comments))
+    opening = line_end if indent is None and lines else ""
+    return Splice(stretch.own_start, stretch.start, opening + lines)

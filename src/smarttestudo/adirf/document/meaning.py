@@ -1,0 +1,67 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a statement says, without how it is written."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from smarttestudo.adirf.syntax import And, Block, Check, Condition, Group, KeepAtLeast, Not, Or, Statement
+
+Meaning = tuple[object, ...]
+"""Nested tuples; two statements mean the same when these are equal."""
+
+
+def meaning(statement: Statement) -> Meaning:
+    """Words and numbers of a statement: no places, comments, spellings or parentheses."""
+    match statement:
+        case Block():
+            return (
+                statement.name,
+                statement.priority or 0,
+                condition_meaning(statement.condition),
+                tuple(map(meaning, statement.then)),
+                tuple(map(meaning, statement.otherwise)),
+            )
+        case KeepAtLeast():
+            return ("keep", statement.topic.text, statement.rate.value)
+        case _:
+            return ("set", statement.topic.text, statement.rate.value)
+
+
+def condition_meaning(condition: Condition) -> Meaning:
+    """The checks of a condition and how they are joined."""
+    match condition:
+        case Check():
+            return (condition.topic.text, condition.property, condition.operator, condition.value)
+        case Group():
+            return condition_meaning(condition.operand)
+        case Not():
+            return (Not, condition_meaning(condition.operand))
+        case And() | Or():
+            return (type(condition), *map(condition_meaning, condition.operands))
+
+
+def shape(condition: Condition) -> Meaning:
+    """How the checks of a condition are joined, whatever they say."""
+    match condition:
+        case Check():
+            return ()
+        case Group():
+            return shape(condition.operand)
+        case Not():
+            return (Not, shape(condition.operand))
+        case And() | Or():
+            return (type(condition), *map(shape, condition.operands))
+
+
+def checks_in(condition: Condition) -> Iterator[Check]:
+    """The checks of a condition, in their order."""
+    match condition:
+        case Check():
+            yield condition
+        case Group() | Not():
+            yield from checks_in(condition.operand)
+        case And() | Or():
+            for operand in condition.operands:
+                yield from checks_in(operand)

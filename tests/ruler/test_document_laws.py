@@ -1,0 +1,196 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What holds for edits of statements whatever the file."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from adirf.rule_strategies import NOWHERE, blocks, keep_at_leasts, set_frequencies, written_files
+from smarttestudo.adirf.comments import Comment
+from smarttestudo.adirf.document import (
+    Document,
+    Entry,
+    NewStatement,
+    deleted,
+    inserted,
+    meaning,
+    moved,
+    read_document,
+    replaced,
+)
+from smarttestudo.adirf.parser import parse
+from smarttestudo.adirf.syntax import Block, Statement
+
+ANY_TEXT = st.text(alphabet="begindSEftR()<>=!&|/\"'#*\\ \n\r\t.-0123456789", max_size=60)
+STATEMENTS = st.one_of(set_frequencies(), keep_at_leasts(), blocks())
+
+
+def document_of(text: str) -> Document:
+    return read_document(text, "rules.adirf")
+
+
+def meanings(text: str) -> list[list[object]]:
+    result = parse(text, "rules.adirf")
+    assert result.findings == (), text
+    return [[meaning(one) for one in part.statements] for part in result.file.collections]
+
+
+def words(entry: Entry) -> str:
+    return entry.stretch.text[entry.stretch.start : entry.stretch.end]
+
+
+def comments(text: str) -> list[str]:
+    tokens = parse(text, "rules.adirf").tokens
+    found: list[Comment] = [
+        comment for token in tokens for comment in (*token.above, *((token.beside,) if token.beside else ()))
+    ]
+    return sorted(comment.text for comment in found)
+
+
+def is_subsequence(part: str, whole: str) -> bool:
+    rest = iter(whole)
+    return all(character in rest for character in part)
+
+
+@given(written_files())
+@settings(max_examples=60)
+def test_a_valid_file_is_shown_statement_by_statement(written: object) -> None:
+    document = document_of(written.text)
+    shown = [[entry.statement for entry in part.entries] for part in document.parts]
+    assert shown == [list(part.statements) for part in document.result.file.collections]
+
+
+@given(st.one_of(ANY_TEXT, st.builds(lambda w, cut: w.text[cut:], written_files(), st.integers(0, 80))))
+@settings(max_examples=60)
+def test_every_word_of_any_text_is_in_a_statement_or_is_begin_or_end(text: str) -> None:
+    document = document_of(text)
+    shown = [token.text for entry in document.entries for token in entry.stretch.tokens]
+    frame = {"begin", "end"}
+    written = [token.text for token in document.words.tokens if token.text not in frame]
+    # What stands for a misspelt begin is no statement.
+    assert is_subsequence([word for word in shown if word not in frame], written)
+    assert len(written) - len([word for word in shown if word not in frame]) <= len(document.parts)
+
+
+@given(written_files(), st.data())
+@settings(max_examples=60)
+def test_a_statement_replaced_by_itself_leaves_the_same_bytes(written: object, data: st.DataObject) -> None:
+    document = document_of(written.text)
+    for entry in document.entries:
+        assert replaced(document, entry.id, NewStatement(content=entry.statement)) == written.text
+
+
+@given(written_files(), STATEMENTS, st.data())
+@settings(max_examples=60)
+def test_a_replaced_statement_says_the_new_and_all_others_keep_their_bytes(
+    written: object, new: Statement, data: st.DataObject
+) -> None:
+    document = document_of(written.text)
+    if not document.entries:
+        return
+    at = data.draw(st.integers(0, len(document.entries) - 1))
+    entry = document.entries[at]
+    text = replaced(document, entry.id, NewStatement(content=new))
+    after = document_of(text)
+    assert after.result.findings == (), text
+    assert [meaning(one.statement) for one in after.entries] == [
+        meaning(new if index == at else one.statement) for index, one in enumerate(document.entries)
+    ]
+    assert_others_kept(document, after, [one for i, one in enumerate(document.entries) if i != at], at)
+
+
+def assert_others_kept(before: Document, after: Document, others: Sequence[Entry], skipped: int) -> None:
+    left = [one for index, one in enumerate(after.entries) if index != skipped]
+    for one, other in zip(others, left, strict=True):
+        # The one thing that may be added is an EndIf.
+        assert words(other).startswith(words(one))
+        assert words(other)[len(words(one)) :].split("\n")[-1].strip() in ("", "EndIf")
+
+
+@given(written_files(), st.data())
+@settings(max_examples=60)
+def test_a_small_change_of_a_rule_keeps_all_its_comments(written: object, data: st.DataObject) -> None:
+    document = document_of(written.text)
+    rules = [one for one in document.entries if isinstance(one.statement, Block)]
+    if not rules:
+        return
+    entry = data.draw(st.sampled_from(rules))
+    new = data.draw(blocks())
+    change = data.draw(st.sampled_from(["then", "otherwise", "name", "priority", "all sets"]))
+    match change:
+        case "then":
+            block = replace(entry.statement, then=(*entry.statement.then, *new.then))
+        case "otherwise":
+            block = replace(entry.statement, otherwise=new.otherwise)
+        case "name":
+            block = replace(entry.statement, name="New", label="New")
+        case "priority":
+            block = replace(entry.statement, priority=7, name=entry.statement.name or "N")
+        case _:
+            block = replace(entry.statement, then=new.then)
+    topics = [one.topic.text for one in block.then]
+    if len(set(topics)) < len(topics):
+        return
+    text = replaced(document, entry.id, NewStatement(content=block))
+    kept = {id(one) for one in block.then + block.otherwise}
+    if change in ("then", "name", "priority"):
+        assert comments(text) == comments(written.text)
+    assert meanings(text) == [
+        [meaning(block if one is entry else one.statement) for one in part.entries] for part in document.parts
+    ]
+
+
+@given(written_files(), st.data())
+@settings(max_examples=60)
+def test_a_deleted_statement_takes_nothing_else_along(written: object, data: st.DataObject) -> None:
+    document = document_of(written.text)
+    if not document.entries:
+        return
+    at = data.draw(st.integers(0, len(document.entries) - 1))
+    text = deleted(document, document.entries[at].id)
+    after = document_of(text)
+    assert after.result.findings == (), text
+    others = [one for index, one in enumerate(document.entries) if index != at]
+    assert [meaning(one.statement) for one in after.entries] == [meaning(one.statement) for one in others]
+    assert_others_kept(document, after, others, -1)
+
+
+@given(written_files(), STATEMENTS, st.data())
+@settings(max_examples=60)
+def test_an_inserted_statement_stands_where_it_was_put(
+    written: object, new: Statement, data: st.DataObject
+) -> None:
+    document = document_of(written.text)
+    part = data.draw(st.sampled_from(document.parts))
+    index = data.draw(st.integers(0, len(part.entries)))
+    if isinstance(new, Block):
+        new = replace(new, has_end_if=True)
+    text = inserted(document, part.id, index, NewStatement(content=new, comments=["why", ""]))
+    expected = meanings(written.text)
+    expected[document.parts.index(part)].insert(index, meaning(new))
+    assert meanings(text) == expected
+    assert comments(text) == sorted([*comments(written.text), "// why", "//"])
+
+
+@given(written_files(), st.data())
+@settings(max_examples=60)
+def test_a_moved_statement_goes_as_it_is_written(written: object, data: st.DataObject) -> None:
+    document = document_of(written.text)
+    if not document.entries:
+        return
+    entry = data.draw(st.sampled_from(document.entries))
+    part = data.draw(st.sampled_from(document.parts))
+    count = len([one for one in part.entries if one is not entry])
+    index = data.draw(st.integers(0, count))
+    text = moved(document, entry.id, part.id, index)
+    expected = [[meaning(one.statement) for one in each.entries if one is not entry] for each in document.parts]
+    expected[document.parts.index(part)].insert(index, meaning(entry.statement))
+    assert meanings(text) == expected
+    assert comments(text) == comments(written.text)
+    assert words(entry) in text
+    _ = NOWHERE
