@@ -14,8 +14,10 @@ const BLOCK_STYLES = {
 export function blocklyTheme(root: HTMLElement): Blockly.Theme {
   const colours = getComputedStyle(root);
   const colour = (name: string) => colours.getPropertyValue(name).trim();
-  return Blockly.Theme.defineTheme(`ruler-${colour("--canvas")}`, {
-    name: `ruler-${colour("--canvas")}`,
+  // The name becomes a class of the page's style sheet.
+  const name = `ruler-${colour("--canvas").replace("#", "")}`;
+  return Blockly.Theme.defineTheme(name, {
+    name,
     base: "zelos",
     blockStyles: BLOCK_STYLES as unknown as Record<string, Blockly.Theme.BlockStyle>,
     categoryStyles: {

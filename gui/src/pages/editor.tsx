@@ -3,6 +3,7 @@
 import { useComputed, useSignal } from "@preact/signals";
 import { useEffect, useMemo, useState } from "preact/hooks";
 import { ApiError } from "../api/client";
+import type { Project } from "../api/types";
 import type { PageProps } from "../app";
 import { BlocksPane } from "../panels/blocks_pane";
 import { FindingsPanel } from "../panels/findings_panel";
@@ -22,7 +23,7 @@ export function EditorPage({ api, project, name }: PageProps) {
   const editor = useMemo(() => new RuleEditor(api, name), []);
   const tool = useSignal<Tool>("findings");
   const [state, setState] = useState<"opening" | "open" | { problem: string }>("opening");
-  useEffect(() => void open(editor, setState), []);
+  useEffect(() => void open(editor, project, setState), []);
   useUnsavedWarning(editor);
   useUndoKeys(editor);
   if (state === "opening") return <p class="quiet center">Opening {name} …</p>;
@@ -87,9 +88,11 @@ function useChoices(editor: RuleEditor) {
   ]);
 }
 
-async function open(editor: RuleEditor, done: (state: "open" | { problem: string }) => void): Promise<void> {
+type Opened = "open" | { problem: string };
+
+async function open(editor: RuleEditor, project: Project, done: (state: Opened) => void): Promise<void> {
   try {
-    await editor.open();
+    await editor.open(project.files);
     done("open");
   } catch (error) {
     if (!(error instanceof ApiError)) throw error;

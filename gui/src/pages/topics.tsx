@@ -22,7 +22,7 @@ export function TopicsPage({ api, project, name, refresh }: PageProps) {
       setProblem(error.message);
     }
   };
-  useEffect(() => void guarded(() => editor.open().then(() => setOpen(true))), []);
+  useEffect(() => void guarded(() => editor.open(project.files).then(() => setOpen(true))), []);
   const bags = project.files.filter((file) => file.kind === "bag").map((file) => file.name);
   const isSaved = editor.isSaved.value;
   return (

@@ -11,7 +11,7 @@ export function layoutName(name: string): string {
   return `${name.slice(0, cut)}.${name.slice(cut)}.layout.json`;
 }
 
-/** The saved layout; an unreadable or missing one is empty, for it holds nothing but looks. */
+/** The saved layout; an unreadable one is empty, for it holds nothing but looks. */
 export async function readLayout(api: Api, name: string): Promise<{ layout: Layout; hash: string | null }> {
   try {
     const { text, hash } = await api.read(layoutName(name));

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { computed, signal } from "@preact/signals";
-import { type Api, ApiError } from "../api/client";
-import type { ProfileRow, ProfileTable } from "../api/types";
+import type { Api } from "../api/client";
+import type { ProfileRow, ProfileTable, ProjectFile } from "../api/types";
 
 export const TIER_COUNT = 6;
 
@@ -44,15 +44,13 @@ export class ProfileEditor {
     readonly name: string,
   ) {}
 
-  /** Reads the profile; one that does not exist yet is an empty table. */
-  async open(): Promise<void> {
-    try {
+  /** Reads the profile; one that is not among the `files` of the project is an empty table. */
+  async open(files: readonly ProjectFile[]): Promise<void> {
+    if (files.some((each) => each.name === this.name)) {
       const file = await this.api.read(this.name);
       this.hash = file.hash;
       this.load(await this.api.parseProfile(this.name, file.text), file.text);
-    } catch (error) {
-      if (!(error instanceof ApiError && error.status === 404)) throw error;
-      this.load({ rows: [], budget_kb_per_s: null }, "");
+    } else {
       this.addRow();
     }
     this.isSaved.value = true;

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { batch, computed, signal } from "@preact/signals";
 import { type Api, ApiError, type Rules } from "../api/client";
-import type { Edit, Finding, Repair, RuleDocument, Statement, Vocabulary } from "../api/types";
+import type { Edit, Finding, ProjectFile, Repair, RuleDocument, Statement, Vocabulary } from "../api/types";
 import { type Layout, layoutName, readLayout, writeLayout } from "./layout";
 import { History } from "./history";
 
@@ -54,9 +54,11 @@ export class RuleEditor {
     return { text: this.text.value, name: this.name, profile_text: this.profile.value?.text ?? null };
   }
 
-  async open(): Promise<void> {
+  /** Reads the file, and its layout if it is one of the `files` of the project. */
+  async open(files: readonly ProjectFile[]): Promise<void> {
     const file = await this.api.read(this.name);
-    const side = await readLayout(this.api, this.name);
+    const hasLayout = files.some((each) => each.name === layoutName(this.name));
+    const side = hasLayout ? await readLayout(this.api, this.name) : { layout: {}, hash: null };
     this.layoutHash = side.hash;
     batch(() => {
       this.layout.value = side.layout;
