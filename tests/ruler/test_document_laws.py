@@ -10,7 +10,7 @@ from dataclasses import replace
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from adirf.rule_strategies import NOWHERE, blocks, keep_at_leasts, set_frequencies, written_files
+from adirf.rule_strategies import WrittenFile, blocks, keep_at_leasts, set_frequencies, written_files
 from smarttestudo.adirf.comments import Comment
 from smarttestudo.adirf.document import (
     Document,
@@ -59,7 +59,7 @@ def is_subsequence(part: str, whole: str) -> bool:
 
 @given(written_files())
 @settings(max_examples=60)
-def test_a_valid_file_is_shown_statement_by_statement(written: object) -> None:
+def test_a_valid_file_is_shown_statement_by_statement(written: WrittenFile) -> None:
     document = document_of(written.text)
     shown = [[entry.statement for entry in part.entries] for part in document.parts]
     assert shown == [list(part.statements) for part in document.result.file.collections]
@@ -79,7 +79,9 @@ def test_every_word_of_any_text_is_in_a_statement_or_is_begin_or_end(text: str) 
 
 @given(written_files(), st.data())
 @settings(max_examples=60)
-def test_a_statement_replaced_by_itself_leaves_the_same_bytes(written: object, data: st.DataObject) -> None:
+def test_a_statement_replaced_by_itself_leaves_the_same_bytes(
+    written: WrittenFile, data: st.DataObject
+) -> None:
     document = document_of(written.text)
     for entry in document.entries:
         assert replaced(document, entry.id, NewStatement(content=entry.statement)) == written.text
@@ -88,7 +90,7 @@ def test_a_statement_replaced_by_itself_leaves_the_same_bytes(written: object, d
 @given(written_files(), STATEMENTS, st.data())
 @settings(max_examples=60)
 def test_a_replaced_statement_says_the_new_and_all_others_keep_their_bytes(
-    written: object, new: Statement, data: st.DataObject
+    written: WrittenFile, new: Statement, data: st.DataObject
 ) -> None:
     document = document_of(written.text)
     if not document.entries:
@@ -114,7 +116,7 @@ def assert_others_kept(before: Document, after: Document, others: Sequence[Entry
 
 @given(written_files(), st.data())
 @settings(max_examples=60)
-def test_a_small_change_of_a_rule_keeps_all_its_comments(written: object, data: st.DataObject) -> None:
+def test_a_small_change_of_a_rule_keeps_all_its_comments(written: WrittenFile, data: st.DataObject) -> None:
     document = document_of(written.text)
     rules = [one for one in document.entries if isinstance(one.statement, Block)]
     if not rules:
@@ -137,7 +139,6 @@ def test_a_small_change_of_a_rule_keeps_all_its_comments(written: object, data: 
     if len(set(topics)) < len(topics):
         return
     text = replaced(document, entry.id, NewStatement(content=block))
-    kept = {id(one) for one in block.then + block.otherwise}
     if change in ("then", "name", "priority"):
         assert comments(text) == comments(written.text)
     assert meanings(text) == [
@@ -147,7 +148,7 @@ def test_a_small_change_of_a_rule_keeps_all_its_comments(written: object, data: 
 
 @given(written_files(), st.data())
 @settings(max_examples=60)
-def test_a_deleted_statement_takes_nothing_else_along(written: object, data: st.DataObject) -> None:
+def test_a_deleted_statement_takes_nothing_else_along(written: WrittenFile, data: st.DataObject) -> None:
     document = document_of(written.text)
     if not document.entries:
         return
@@ -163,7 +164,7 @@ def test_a_deleted_statement_takes_nothing_else_along(written: object, data: st.
 @given(written_files(), STATEMENTS, st.data())
 @settings(max_examples=60)
 def test_an_inserted_statement_stands_where_it_was_put(
-    written: object, new: Statement, data: st.DataObject
+    written: WrittenFile, new: Statement, data: st.DataObject
 ) -> None:
     document = document_of(written.text)
     part = data.draw(st.sampled_from(document.parts))
@@ -179,7 +180,7 @@ def test_an_inserted_statement_stands_where_it_was_put(
 
 @given(written_files(), st.data())
 @settings(max_examples=60)
-def test_a_moved_statement_goes_as_it_is_written(written: object, data: st.DataObject) -> None:
+def test_a_moved_statement_goes_as_it_is_written(written: WrittenFile, data: st.DataObject) -> None:
     document = document_of(written.text)
     if not document.entries:
         return
@@ -188,9 +189,10 @@ def test_a_moved_statement_goes_as_it_is_written(written: object, data: st.DataO
     count = len([one for one in part.entries if one is not entry])
     index = data.draw(st.integers(0, count))
     text = moved(document, entry.id, part.id, index)
-    expected = [[meaning(one.statement) for one in each.entries if one is not entry] for each in document.parts]
+    expected = [
+        [meaning(one.statement) for one in each.entries if one is not entry] for each in document.parts
+    ]
     expected[document.parts.index(part)].insert(index, meaning(entry.statement))
     assert meanings(text) == expected
     assert comments(text) == comments(written.text)
     assert words(entry) in text
-    _ = NOWHERE

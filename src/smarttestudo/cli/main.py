@@ -10,14 +10,29 @@ import sys
 from collections.abc import Sequence
 
 from smarttestudo import __version__
-from smarttestudo.cli import bag, check, demo, fmt, optimize, profile, replay, run, simulate
+from smarttestudo.cli import bag, check, demo, fmt, optimize, profile, replay, ruler, run, simulate
 from smarttestudo.domain.errors import TestudoError, UsageError
 
 EXIT_ERROR = 1
 EXIT_USAGE = 2
 EXIT_INTERRUPTED = 130
 STUDIO_PACKAGES = frozenset(
-    {"apsw", "highspy", "lz4", "mcap", "numpy", "PIL", "rich", "rosbags", "ruamel", "zstandard"}
+    {
+        "apsw",
+        "highspy",
+        "lz4",
+        "mcap",
+        "msgspec",
+        "numpy",
+        "PIL",
+        "rich",
+        "rosbags",
+        "ruamel",
+        "starlette",
+        "uvicorn",
+        "websockets",
+        "zstandard",
+    }
 )
 
 
@@ -58,7 +73,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"testudo {__version__}")
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    for command in (demo, check, fmt, run, replay, bag, profile, optimize, simulate):
+    for command in (demo, check, fmt, run, replay, bag, profile, optimize, ruler, simulate):
         command.add_parser(commands)
     return parser
 

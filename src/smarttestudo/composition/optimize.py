@@ -14,10 +14,12 @@ from smarttestudo.adapters.files.profile import load_profile
 from smarttestudo.adapters.files.rule_files import read_rule_text
 from smarttestudo.adirf.checks import CheckContext, check_rules
 from smarttestudo.adirf.parser import parse
+from smarttestudo.adirf.syntax import RuleFile
 from smarttestudo.composition.optimize_changes import infeasible_parts
 from smarttestudo.domain.errors import TestudoError
 from smarttestudo.domain.finding import Finding, Severity
 from smarttestudo.domain.names import resolve_topic
+from smarttestudo.domain.profile import Profile
 from smarttestudo.optimizer.explanation import PartExplanation, explain_part
 from smarttestudo.optimizer.greedy import GreedySolver
 from smarttestudo.optimizer.infeasibility import Infeasibility
@@ -85,26 +87,46 @@ def optimize(request: OptimizeRequest) -> OptimizeOutcome:
     errors = [finding for finding in findings if finding.severity is Severity.ERROR]
     if errors:
         raise RefusedRulesError(errors)
+    return optimize_text(
+        UsableText(text=text, file=result.file),
+        profile,
+        model=request.model,
+        only_named=request.only_named,
+        profile_sha256=sha256_of(request.profile),
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class UsableText:
+    """A rule file without errors: its text and what that parsed to."""
+
+    text: str
+    file: RuleFile
+
+
+def optimize_text(
+    rules: UsableText, profile: Profile, *, model: Model, only_named: bool, profile_sha256: str
+) -> OptimizeOutcome:
+    """Solve ``rules``; ``profile_sha256`` goes into the rewritten file's first line.
+
+    Raises ``ProfileError`` for what the profile lacks.
+    """
     done = optimize_rules(
-        [result.file],
+        [rules.file],
         profile,
         resolve_topic,
-        model=request.model,
+        model=model,
         solver=GreedySolver(),
-        undecided=Undecided.LEFT_OUT if request.only_named else Undecided.APPENDED,
+        undecided=Undecided.LEFT_OUT if only_named else Undecided.APPENDED,
     )
     rewritten = None
     if done.feasible:
-        rewritten = rewrite(text, result.file, done, provenance=_provenance(request, done.budget_kb_per_s))
+        provenance = (
+            f"model {model.value}, budget {kb_text(done.budget_kb_per_s)} KB/s, "
+            f"profile {Path(profile.path).name} (sha256 {profile_sha256})"
+        )
+        rewritten = rewrite(rules.text, rules.file, done, provenance=provenance)
     return OptimizeOutcome(optimization=done, infeasible=infeasible_parts(done), rewritten=rewritten)
-
-
-def _provenance(request: OptimizeRequest, budget_kb_per_s: float) -> str:
-    digest = sha256_of(request.profile)
-    return (
-        f"model {request.model.value}, budget {kb_text(budget_kb_per_s)} KB/s, "
-        f"profile {request.profile.name} (sha256 {digest})"
-    )
 
 
 def _solve_again(

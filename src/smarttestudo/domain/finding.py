@@ -32,7 +32,7 @@ class Finding:
     """One thing the checker has to say about one place of a rule file.
 
     ``code`` is the finding's stable kebab-case name, ``path`` the file as the user named it,
-    ``hint`` one sentence on what to do, or empty.
+    ``hint`` one sentence on what to do, or empty, ``related`` other places of the file that it speaks of.
     """
 
     code: str
@@ -42,6 +42,7 @@ class Finding:
     span: Span
     hint: str = ""
     fix: Fix | None = None
+    related: tuple[Span, ...] = ()
 
     def line_of_text(self) -> str:
         """``file:line:column: severity[code]: message``, the form that editors understand."""

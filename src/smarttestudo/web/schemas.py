@@ -4,7 +4,8 @@
 
 Every request with a body is a POST or PUT of one of the ``…Request``s. An error is ``ErrorAnswer`` with a
 status from 400 on. Texts come and go whole; ``name`` is a file's name in the project, with ``/`` between
-folders, and only says what findings call the text. ``profile_text`` is the text of a profile, or null.
+folders, and only says what findings call the text. ``profile_text`` is the text of a profile, or null, and
+``profile_name`` what errors call it.
 """
 
 from __future__ import annotations
@@ -83,11 +84,12 @@ class SaveAnswer(Struct, frozen=True, kw_only=True):
 
 
 class DocumentRequest(Struct, frozen=True, kw_only=True):
-    """``POST /api/document`` → ``DocumentModel``; also ``/api/format`` and ``/api/download`` → ``TextAnswer``."""
+    """``POST /api/document`` → ``DocumentModel``; ``/api/format`` and ``/api/download`` → ``TextAnswer``."""
 
     text: str
     name: str = "rules.adirf"
     profile_text: str | None = None
+    profile_name: str = "profile.toml"
 
 
 class FixRequest(Struct, frozen=True, kw_only=True):
@@ -97,6 +99,7 @@ class FixRequest(Struct, frozen=True, kw_only=True):
     index: int
     name: str = "rules.adirf"
     profile_text: str | None = None
+    profile_name: str = "profile.toml"
 
 
 class Replace(Struct, frozen=True, kw_only=True, tag_field="kind", tag="replace"):
@@ -110,7 +113,7 @@ class Replace(Struct, frozen=True, kw_only=True, tag_field="kind", tag="replace"
 
 
 class Insert(Struct, frozen=True, kw_only=True, tag_field="kind", tag="insert"):
-    """Put ``statement`` before the one that is number ``index`` in ``collection`` (its length: at the end)."""
+    """Put ``statement`` before number ``index`` of ``collection``; its length puts it at the end."""
 
     collection: str
     index: int
@@ -141,6 +144,7 @@ class EditRequest(Struct, frozen=True, kw_only=True):
     edit: AnyEdit
     name: str = "rules.adirf"
     profile_text: str | None = None
+    profile_name: str = "profile.toml"
 
 
 class EditAnswer(Struct, frozen=True, kw_only=True):
@@ -245,6 +249,7 @@ class OptimizeRequest(Struct, frozen=True, kw_only=True):
     text: str
     profile_text: str
     name: str = "rules.adirf"
+    profile_name: str = "profile.toml"
     model: Model = Model.QUPER
     only_named: bool = False
 
@@ -330,6 +335,7 @@ class ImportRequest(Struct, frozen=True, kw_only=True):
     ids: tuple[str, ...] | None = None
     name: str = "rules.adirf"
     profile_text: str | None = None
+    profile_name: str = "profile.toml"
 
 
 class TryRequest(Struct, frozen=True, kw_only=True):
@@ -339,6 +345,7 @@ class TryRequest(Struct, frozen=True, kw_only=True):
     bag: str
     name: str = "rules.adirf"
     profile_text: str | None = None
+    profile_name: str = "profile.toml"
     run: str = ""
 
 

@@ -27,15 +27,22 @@ def read_toml(path: Path) -> tuple[dict[str, object], dict[KeyPath, int]]:
 
     Raises ``ProfileError`` with the place for a file that cannot be read or is no TOML.
     """
-    text = _read_text(path)
+    return parse_toml(_read_text(path), str(path))
+
+
+def parse_toml(text: str, path: str) -> tuple[dict[str, object], dict[KeyPath, int]]:
+    """The values of ``text``, which errors call ``path``, and the line of each table and key by its path.
+
+    Raises ``ProfileError`` with the place for a text that is no TOML.
+    """
     try:
         values: dict[str, object] = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         matched = _AT_LINE.match(str(error))
-        cause, place = (
-            (matched[1], f"{path}:{matched[2]}:{matched[3]}") if matched else (str(error), str(path))
-        )
+        cause, place = (matched[1], f"{path}:{matched[2]}:{matched[3]}") if matched else (str(error), path)
         raise ProfileError(f"not valid TOML: {cause}", place=place) from error
+    except RecursionError as error:
+        raise ProfileError("the values nest too deep", place=path) from error
     return values, _lines_of_keys(text)
 
 

@@ -28,6 +28,7 @@ def _found(shadow: Shadow) -> Found:
         message=f"{wording.branch_name(branch)} never decides a rate: wherever it holds, "
         f"{wording.listed(rivals)} {verb} by {wording.listed(_reasons(shadow))}",
         hint="give it a higher Priority, or remove it",
+        related=wording.places_in(path, shadow.rivals),
     )
 
 

@@ -29,6 +29,7 @@ def _found(clash: Clash) -> Found:
         message=f"{wording.branch_name(clash.second)} sets {topic} to {here.rate}{others}, "
         f"{wording.branch_with_place(clash.first, seen_from=path)} to {clash.first.rate(topic)}, "
         f"and both hold {f'for example at {state}' if state else 'in some state'}",
+        related=wording.places_in(path, [clash.first]),
         hint="the higher rate wins; give one block a higher Priority, or keep their conditions apart",
     )
 

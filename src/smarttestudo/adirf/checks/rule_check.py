@@ -31,6 +31,7 @@ class Found:
     message: str
     hint: str = ""
     fix: Fix | None = None
+    related: tuple[Span, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -62,4 +63,5 @@ class RuleCheck:
                 span=found.span,
                 hint=found.hint,
                 fix=found.fix,
+                related=found.related,
             )

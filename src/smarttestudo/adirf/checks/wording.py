@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from smarttestudo.adirf.checks.written import Branch, WrittenBlock
 from smarttestudo.adirf.syntax import Check
@@ -65,6 +65,11 @@ def branch_with_place(branch: Branch, *, seen_from: str) -> str:
     if _is_unnamed(block) and block.path == seen_from:
         return branch_name(branch)
     return f"{branch_name(branch)} ({place(block.path, block.block.span, seen_from=seen_from)})"
+
+
+def places_in(path: str, branches: Iterable[Branch]) -> tuple[Span, ...]:
+    """Where the blocks of ``branches`` stand, as far as they are in the file at ``path``."""
+    return tuple(one.block.block.span for one in branches if one.block.path == path)
 
 
 def sentence(text: str) -> str:

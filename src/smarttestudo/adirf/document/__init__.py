@@ -6,7 +6,6 @@ from smarttestudo.adirf.document.document import Document, Entry, Part, read_doc
 from smarttestudo.adirf.document.edits import (
     EditError,
     NewStatement,
-    comment_texts,
     deleted,
     inserted,
     moved,
@@ -14,6 +13,7 @@ from smarttestudo.adirf.document.edits import (
 )
 from smarttestudo.adirf.document.meaning import meaning
 from smarttestudo.adirf.document.places import Places
+from smarttestudo.adirf.document.splices import Splice, apply, comment_texts
 
 __all__ = [
     "Document",
@@ -22,6 +22,8 @@ __all__ = [
     "NewStatement",
     "Part",
     "Places",
+    "Splice",
+    "apply",
     "comment_texts",
     "deleted",
     "inserted",

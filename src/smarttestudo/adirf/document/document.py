@@ -52,6 +52,7 @@ class Part:
     begin: Stretch | None
     start: int
     end: int
+    line: int
     entries: tuple[Entry, ...]
 
 
@@ -111,8 +112,7 @@ class _Reader:
         broken = broken_places(result, places)
         ranges = ((places.range(one.span), one) for one in result.file.statements)
         self._statements: Mapping[int, tuple[int, Statement | None]] = {
-            start: (end, None if _is_any_between(broken, start, end) else one)
-            for (start, end), one in ranges
+            start: (end, None if _is_any_between(broken, start, end) else one) for (start, end), one in ranges
         }
         self._places = places
         self._ids = count(1)
@@ -126,7 +126,8 @@ class _Reader:
                 after = bisect_left(words.offsets, self._places.range(found.span)[1], lo=at + 1)
             else:
                 after = next(
-                    (i for i in range(at + 1, len(words)) if words.offsets[i] in self._collections), len(words)
+                    (i for i in range(at + 1, len(words)) if words.offsets[i] in self._collections),
+                    len(words),
                 )
             yield self._part(f"c{next(number)}", words[at:after], is_collection=found is not None)
             at = after
@@ -140,6 +141,7 @@ class _Reader:
             begin=words[0] if has_begin else None,
             start=words.start,
             end=words.end,
+            line=words.tokens[0].line,
             entries=tuple(self._entries(body)),
         )
 

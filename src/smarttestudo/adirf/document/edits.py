@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from smarttestudo.adirf.document.document import Document, Entry, Part
 from smarttestudo.adirf.document.meaning import meaning
 from smarttestudo.adirf.document.rewriting import rewritten
-from smarttestudo.adirf.document.splices import Splice, addition, apply, comment_lines, removal
+from smarttestudo.adirf.document.splices import Splice, addition, apply, comment_lines, comment_texts, removal
 from smarttestudo.adirf.document.stretch import Stretch
 from smarttestudo.adirf.formatter import first_line_end, format_statement
 from smarttestudo.adirf.formatter.lines import INDENT
@@ -44,7 +44,7 @@ def replaced(document: Document, name: str, new: NewStatement) -> str:
     at = part.entries.index(entry)
     line_end = first_line_end(document.text)
     splices = rewritten(entry, _closed(new.content), line_end)
-    if new.comments is not None and list(new.comments) != comment_texts(entry):
+    if new.comments is not None and list(new.comments) != comment_texts(entry.comments):
         splices.append(_comments_above(entry.stretch, new.comments, line_end))
     if at > 0 and _takes_in(part.entries[at - 1], new.content):
         splices.append(_end_if(part.entries[at - 1], line_end))
@@ -90,11 +90,6 @@ def moved(document: Document, name: str, part_name: str, index: int) -> str:
     return apply(document.text, splices)
 
 
-def comment_texts(entry: Entry) -> list[str]:
-    """The comments directly above ``entry`` without their slashes."""
-    return [comment.text.lstrip("/").removeprefix(" ") for comment in entry.comments]
-
-
 def _entry(document: Document, name: str) -> Entry:
     entry = document.entry(name)
     if entry is None:
@@ -106,7 +101,8 @@ def _part(document: Document, name: str) -> Part:
     part = next((one for one in document.parts if one.id == name), None)
     if part is None or part.begin is None:
         raise EditError(
-            f"the text has no collection {name!r} to write in", remedy="put 'begin' and 'end' around the rules"
+            f"the text has no collection {name!r} to write in",
+            remedy="put 'begin' and 'end' around the rules",
         )
     return part
 
@@ -187,9 +183,7 @@ def _takes_in(before: Entry, following: Statement | str | None) -> bool:
 def _end_if(entry: Entry, line_end: str) -> Splice:
     stretch = entry.stretch
     behind = line_end if stretch.after.strip() else ""
-    return Splice(
-        stretch.own_end, stretch.own_end, f"{line_end}{stretch.indent or ''}{_END_IF}{behind}"
-    )
+    return Splice(stretch.own_end, stretch.own_end, f"{line_end}{stretch.indent or ''}{_END_IF}{behind}")
 
 
 def _comments_above(stretch: Stretch, comments: Sequence[str], line_end: str) -> Splice:

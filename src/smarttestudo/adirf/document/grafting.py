@@ -6,8 +6,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import TypeVar
 
-from smarttestudo.adirf.comments import Trivia
+from smarttestudo.adirf.comments import Comment, Trivia
 from smarttestudo.adirf.document.meaning import Meaning, checks_in, condition_meaning, meaning
 from smarttestudo.adirf.document.stretch import Stretch
 from smarttestudo.adirf.syntax import And, Block, Check, Condition, Group, Not, Or, SetFrequency
@@ -16,9 +17,7 @@ from smarttestudo.adirf.syntax import And, Block, Check, Condition, Group, Not, 
 def grafted(old: Block, new: Block, *, inside: Stretch) -> Block:
     """``new`` with the comments of ``old`` that stand ``inside`` its words, and its way to end."""
     above = tuple(
-        comment
-        for comment in old.trivia.above
-        if inside.places.range(comment.span)[0] >= inside.start
+        comment for comment in old.trivia.above if inside.places.range(comment.span)[0] >= inside.start
     )
     sets = {one.topic.text: one.trivia for one in (*old.then, *old.otherwise)}
     written = {meaning(one): one for one in (*old.then, *old.otherwise)}
@@ -36,15 +35,27 @@ def grafted(old: Block, new: Block, *, inside: Stretch) -> Block:
     )
 
 
-def grafted_condition(old: Condition, new: Condition) -> Condition:
-    """``new`` with the comments and spellings of the checks that it has in common with ``old``."""
-    checks = {condition_meaning(one): one for one in checks_in(old)}
+def grafted_condition(old: Condition, new: Condition, *, beside: Comment | None = None) -> Condition:
+    """``new`` with the comments and spellings of the checks that it has in common with ``old``.
+
+    The comment ``beside`` stays where it is and is left out.
+    """
+    checks = {condition_meaning(one): _without(one, beside) for one in checks_in(old)}
     found = _with_checks(new, checks)
     if isinstance(old, Group) and isinstance(found, And | Or):
         found = Group(operand=found, span=found.span)
     if isinstance(old, Group) and isinstance(found, Group):
-        return replace(found, trivia=old.trivia, closing=old.closing)
+        return replace(found, trivia=_without(old, beside).trivia, closing=old.closing)
     return found
+
+
+_Commented = TypeVar("_Commented", Check, Group)
+
+
+def _without(condition: _Commented, beside: Comment | None) -> _Commented:
+    if beside is None or condition.trivia.beside != beside:
+        return condition
+    return replace(condition, trivia=replace(condition.trivia, beside=None))
 
 
 def _with_checks(condition: Condition, checks: Mapping[Meaning, Check]) -> Condition:

@@ -26,14 +26,16 @@ def rewritten(entry: Entry, new: Statement | str, line_end: str) -> list[Splice]
     """The changes that make ``entry`` say ``new``; none where it does."""
     old, words = entry.statement, entry.stretch
     match old, new:
-        case (None, str()) | (_, str()):
-            return _as_text(words, str(new))
+        case (_, str(text)):
+            return _as_text(words, text)
         case (Block(), Block()):
             return _block(old, new, words, line_end)
-        case (SetFrequency(), SetFrequency()) | (KeepAtLeast(), KeepAtLeast()):
+        case (SetFrequency(), SetFrequency()):
             return _set(old, new, words)
-        case _:
-            return [Splice(words.start, words.end, _lines(new, words, line_end))]
+        case (KeepAtLeast(), KeepAtLeast()):
+            return _set(old, new, words)
+        case (_, statement):
+            return [Splice(words.start, words.end, _lines(statement, words, line_end))]
 
 
 def _as_text(words: Stretch, new: str) -> list[Splice]:
@@ -52,9 +54,7 @@ def _indented(lines: str, indent: str, line_end: str) -> str:
     return f"{line_end}{indent}".join(lines.rstrip("\n").split("\n"))
 
 
-def _set(
-    old: SetFrequency | KeepAtLeast, new: SetFrequency | KeepAtLeast, words: Stretch
-) -> list[Splice]:
+def _set(old: SetFrequency | KeepAtLeast, new: SetFrequency | KeepAtLeast, words: Stretch) -> list[Splice]:
     splices = []
     if old.topic.text != new.topic.text:
         splices.append(Splice(*words.places.range(old.topic.span), new.topic.text))
@@ -96,6 +96,8 @@ def _heading(old: Block, new: Block, words: Stretch, line_end: str) -> list[Spli
     if text and old.name != new.name and (old.priority or 0) == (new.priority or 0) and new.name is not None:
         return [Splice(heading.offsets[1], heading[1].end, quoted(new.name))]
     keeps_line = bool(text or start_of_if.tokens[0].above or heading.tokens[-1].beside)
+    if text and heading.end == start_of_if.start:
+        text += " "
     return [Splice(heading.start, heading.end if keeps_line else start_of_if.start, text)]
 
 
@@ -105,18 +107,15 @@ def _condition(old: Condition, new: Condition, words: Stretch, line_end: str) ->
     if shape(old) == shape(new):
         pairs = zip(checks_in(old), checks_in(new), strict=True)
         return [splice for before, after in pairs for splice in _check(before, after, words)]
-    lines = format_condition(grafted_condition(old, new))
     start, end = words.places.range(old.span)
-    last = words.between(start, end)
-    has_comment = last.tokens[-1].beside is not None
-    return [
-        Splice(
-            start,
-            last.own_end if has_comment else end,
-            _indented(lines, words.indent or "", line_end)
-            + (line_end if not has_comment and lines.rpartition("\n")[2].find("//") >= 0 else ""),
-        )
-    ]
+    place = words.between(start, end)
+    lines = format_condition(grafted_condition(old, new, beside=place.tokens[-1].beside)).rstrip("\n")
+    text = _indented(lines, words.indent or "", line_end)
+    # A comment at the end would hide what stands behind it.
+    is_hiding = (
+        "//" in lines.rpartition("\n")[2] and words.text[end : words.places.line_range(end)[1]].strip()
+    )
+    return [Splice(start, end, f"{text}{line_end}" if is_hiding else text)]
 
 
 def _check(old: Check, new: Check, words: Stretch) -> list[Splice]:
@@ -154,7 +153,5 @@ def _sets(
     if kept != after:
         return None
     return [
-        removal(stretch, None)
-        for stretch, one in zip(stretches, before, strict=True)
-        if one not in after
+        removal(stretch, None) for stretch, one in zip(stretches, before, strict=True) if one not in after
     ]

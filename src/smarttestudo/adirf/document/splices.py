@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from smarttestudo.adirf.comments import COMMENT_START
+from smarttestudo.adirf.comments import COMMENT_START, Comment
 from smarttestudo.adirf.document.places import Places
 from smarttestudo.adirf.document.stretch import Stretch
 from smarttestudo.adirf.parser.tokens import TokenKind
@@ -27,7 +27,8 @@ class Splice:
 
 def apply(text: str, splices: Iterable[Splice]) -> str:
     """``text`` with all ``splices``, which do not overlap; those at one place keep their order."""
-    for splice in reversed(sorted(splices, key=lambda one: (one.start, one.end))):
+    ordered = sorted(splices, key=lambda one: (one.start, one.end))
+    for splice in reversed(ordered):
         text = text[: splice.start] + splice.replacement + text[splice.end :]
     return text
 
@@ -35,6 +36,11 @@ def apply(text: str, splices: Iterable[Splice]) -> str:
 def comment_lines(comments: Iterable[str]) -> list[str]:
     """``comments`` as lines of a rule file; one that has line breaks becomes several."""
     return [f"{COMMENT_START} {line}".rstrip() for comment in comments for line in _BREAK.split(comment)]
+
+
+def comment_texts(comments: Iterable[Comment]) -> list[str]:
+    """What ``comments`` say, without their slashes."""
+    return [comment.text.lstrip("/").removeprefix(" ") for comment in comments]
 
 
 def removal(stretch: Stretch, following: Stretch | None) -> Splice:

@@ -11,4 +11,11 @@ from smarttestudo.adirf.formatter.rule_file import (
     format_statement,
 )
 
-__all__ = ["first_line_end", "format_condition", "format_file", "format_heading", "format_rules", "format_statement"]
+__all__ = [
+    "first_line_end",
+    "format_condition",
+    "format_file",
+    "format_heading",
+    "format_rules",
+    "format_statement",
+]

@@ -9,7 +9,15 @@ from smarttestudo.adirf.formatter.lines import LineWriter
 from smarttestudo.adirf.formatter.values import rate_text
 from smarttestudo.adirf.parser import parse
 from smarttestudo.adirf.parser.headings import quoted
-from smarttestudo.adirf.syntax import Block, Collection, Condition, KeepAtLeast, RuleFile, SetFrequency, Statement
+from smarttestudo.adirf.syntax import (
+    Block,
+    Collection,
+    Condition,
+    KeepAtLeast,
+    RuleFile,
+    SetFrequency,
+    Statement,
+)
 
 
 def format_rules(text: str, path: str) -> str:

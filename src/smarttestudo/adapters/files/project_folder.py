@@ -1,0 +1,215 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The one folder that the Ruler reads and writes; nothing outside it can be named."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+import threading
+from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import Enum
+from pathlib import Path, PurePosixPath
+
+from smarttestudo.adapters.files.rule_files import write_rule_text
+from smarttestudo.domain.errors import TestudoError
+
+MAX_TEXT_BYTES = 1_000_000
+MAX_FILES = 2000
+_MAX_DEPTH = 5
+_LAYOUT = re.compile(r"\.[^/]+\.layout\.json\Z")
+_BAG_SUFFIXES = frozenset({".db3", ".mcap"})
+_SKIPPED = frozenset({"node_modules", "__pycache__", "build", "install", "log"})
+
+
+class FileKind(Enum):
+    """What a file is to the Ruler; the value is its name in JSON."""
+
+    RULES = "rules"
+    PROFILE = "profile"
+    BAG = "bag"
+    MAP = "map"
+    LAYOUT = "layout"
+
+
+_KINDS = {".adirf": FileKind.RULES, ".toml": FileKind.PROFILE, ".yaml": FileKind.MAP, ".yml": FileKind.MAP}
+_WRITABLE = frozenset({FileKind.RULES, FileKind.PROFILE, FileKind.LAYOUT})
+
+
+class ForbiddenPathError(TestudoError):
+    """A name that leads out of the project folder, or to a file that is none of the Ruler's."""
+
+
+class MissingFileError(TestudoError):
+    """A name that no file of the project has."""
+
+
+class ChangedFileError(TestudoError):
+    """A file that somebody else wrote since it was read."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FoundFile:
+    """A file by its name in the project, with ``/`` between folders. A bag may be a folder."""
+
+    name: str
+    kind: FileKind
+    size_bytes: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FileText:
+    """The text of a file, every byte of it, and the SHA-256 of those."""
+
+    text: str
+    sha256: str
+
+
+class ProjectFolder:
+    """Rule files, profiles, bags and maps below ``root``."""
+
+    def __init__(self, root: Path) -> None:
+        self._root = root.resolve()
+        self._writing = threading.Lock()
+
+    @property
+    def name(self) -> str:
+        """The folder's own name."""
+        return self._root.name or str(self._root)
+
+    def files(self) -> tuple[list[FoundFile], bool]:
+        """What the Ruler can open, by name, and whether there is more than it lists."""
+        found: list[FoundFile] = []
+        for file in self._walk(self._root, _MAX_DEPTH):
+            if len(found) == MAX_FILES:
+                return found, True
+            found.append(file)
+        return found, False
+
+    def path(self, name: str) -> Path:
+        """The path of the file or folder ``name``, with links followed; ``ForbiddenPathError`` outside."""
+        parts = PurePosixPath(name).parts
+        is_plain = bool(parts) and not any(bad in name for bad in ("\0", "\\", ":"))
+        if not is_plain or name.startswith("/") or ".." in parts:
+            raise ForbiddenPathError("this is no name of a file in the project", place=name)
+        path = self._root.joinpath(*parts).resolve()
+        if not path.is_relative_to(self._root):
+            raise ForbiddenPathError("this leads out of the project folder", place=name)
+        return path
+
+    def bag(self, name: str) -> Path:
+        """The path of the bag ``name``."""
+        path = self.path(name)
+        if not path.exists():
+            raise MissingFileError("there is no such bag in the project", place=name)
+        return path
+
+    def read(self, name: str) -> FileText:
+        """The text of the rule file, profile, map description or layout ``name``."""
+        self._kind(name)
+        data = self._bytes(self.path(name), name)
+        if len(data) > MAX_TEXT_BYTES:
+            raise TestudoError("the file is larger than 1 MB", place=name, remedy="is it the right one?")
+        try:
+            return FileText(text=data.decode("utf-8"), sha256=_sha256(data))
+        except UnicodeDecodeError as error:
+            raise TestudoError("the file is not UTF-8", place=name, remedy="save it as UTF-8") from error
+
+    def write(self, name: str, text: str, base_sha256: str | None) -> str:
+        """Write ``text`` in one step; the SHA-256 of it.
+
+        Raises ``ChangedFileError`` where the file is not the one that ``base_sha256`` was read of; ``None``
+        means that there is none.
+        """
+        if self._kind(name) not in _WRITABLE:
+            raise ForbiddenPathError("the Ruler does not write such files", place=name)
+        path, data = self.path(name), text.encode("utf-8")
+        if len(data) > MAX_TEXT_BYTES:
+            raise TestudoError(
+                "the text is larger than 1 MB", place=name, remedy="split it into several files"
+            )
+        with self._writing:
+            if self._current_sha256(path, name) != base_sha256:
+                remedy = "read it again, or save under another name"
+                raise ChangedFileError("the file has changed on disk", place=name, remedy=remedy)
+            write_rule_text(path, text)
+        return _sha256(data)
+
+    def _current_sha256(self, path: Path, name: str) -> str | None:
+        return _sha256(self._bytes(path, name)) if path.exists() else None
+
+    def _bytes(self, path: Path, name: str) -> bytes:
+        try:
+            with path.open("rb") as file:
+                return file.read(MAX_TEXT_BYTES + 1)
+        except FileNotFoundError as error:
+            raise MissingFileError("there is no such file in the project", place=name) from error
+        except OSError as error:
+            cause = f"the file cannot be read: {error.strerror}"
+            raise TestudoError(cause, place=name, remedy="check its permissions") from error
+
+    def _kind(self, name: str) -> FileKind:
+        last = PurePosixPath(name).name
+        if _LAYOUT.fullmatch(last):
+            return FileKind.LAYOUT
+        kind = _KINDS.get(PurePosixPath(last).suffix)
+        if kind is None or last.startswith("."):
+            remedy = "rule files end in .adirf, profiles in .toml"
+            raise ForbiddenPathError("this is no file of the Ruler's", place=name, remedy=remedy)
+        return kind
+
+    def _walk(self, folder: Path, depth: int) -> Iterator[FoundFile]:
+        try:
+            entries = sorted(os.scandir(folder), key=lambda one: one.name)
+        except OSError:
+            # A folder that may not be listed has nothing to offer.
+            return
+        for entry in entries:
+            if entry.is_symlink() and not Path(entry.path).resolve().is_relative_to(self._root):
+                continue
+            if entry.is_file():
+                yield from self._file(entry)
+            elif entry.is_dir(follow_symlinks=False) and _is_shown(entry.name) and depth > 0:
+                path = Path(entry.path)
+                if (path / "metadata.yaml").is_file():
+                    yield self._found(path, FileKind.BAG, _folder_bytes(path))
+                else:
+                    yield from self._walk(path, depth - 1)
+
+    def _file(self, entry: os.DirEntry[str]) -> Iterator[FoundFile]:
+        path = Path(entry.path)
+        kind = FileKind.LAYOUT if _LAYOUT.fullmatch(entry.name) else _KINDS.get(path.suffix)
+        if path.suffix in _BAG_SUFFIXES:
+            kind = FileKind.BAG
+        if kind is None or (entry.name.startswith(".") and kind is not FileKind.LAYOUT):
+            return
+        if kind is FileKind.MAP and not _describes_map(path):
+            return
+        yield self._found(path, kind, entry.stat().st_size)
+
+    def _found(self, path: Path, kind: FileKind, size_bytes: int) -> FoundFile:
+        return FoundFile(name=path.relative_to(self._root).as_posix(), kind=kind, size_bytes=size_bytes)
+
+
+def _is_shown(name: str) -> bool:
+    return not name.startswith(".") and name not in _SKIPPED
+
+
+def _describes_map(path: Path) -> bool:
+    """Whether a YAML file looks like that of a nav2 map."""
+    try:
+        with path.open("rb") as file:
+            head = file.read(4096)
+    except OSError:
+        return False
+    return b"image:" in head and b"resolution:" in head
+
+
+def _folder_bytes(folder: Path) -> int:
+    return sum(one.stat().st_size for one in folder.iterdir() if one.is_file())
+
+
+def _sha256(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()

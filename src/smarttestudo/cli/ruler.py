@@ -1,0 +1,67 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""``testudo ruler``: the web page on which rules are built."""
+
+from __future__ import annotations
+
+import argparse
+import threading
+import webbrowser
+from pathlib import Path
+
+from smarttestudo.adapters.files.project_folder import ProjectFolder
+from smarttestudo.domain.errors import RuleFileError
+
+DEFAULT_PORT = 8750
+
+
+def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add ``ruler`` to the subcommands."""
+    parser = commands.add_parser(
+        "ruler",
+        help="build, check and optimize rules on a web page",
+        description="Serve a page on which rules are built, checked, optimized and tried. It reads and "
+        "writes the files of one folder: that of FILE, or FOLDER. Ctrl-C ends it.",
+    )
+    parser.add_argument(
+        "path", metavar="FILE|FOLDER", nargs="?", type=Path, default=Path(), help="default: this folder"
+    )
+    parser.add_argument(
+        "--host",
+        default="127.0.0.1",
+        help="the address to listen on; other machines need the token that is printed (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--port", type=int, default=DEFAULT_PORT, help="0 takes a free one (default: %(default)s)"
+    )
+    parser.add_argument("--no-browser", action="store_true", help="do not open the page in a browser")
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Serve until Ctrl-C."""
+    from smarttestudo.web.guard import Access  # noqa: PLC0415  needs packages a robot lacks
+    from smarttestudo.web.page import is_page_built  # noqa: PLC0415
+    from smarttestudo.web.server import serve  # noqa: PLC0415
+
+    path: Path = arguments.path
+    if not path.is_dir() and path.parent.is_dir() is False:
+        raise RuleFileError("there is no such folder", place=str(path.parent), remedy="check the path")
+    folder = path if path.is_dir() else path.parent
+
+    def started(access: Access) -> None:
+        print(f"ADIRF Ruler of {folder.resolve()}: {access.url} (Ctrl-C ends it)", flush=True)  # noqa: T201
+        if not is_page_built():
+            print("note: the page is not built; 'make gui' builds it", flush=True)  # noqa: T201
+        elif not arguments.no_browser:
+            # A browser may take its time, or wait for the server.
+            threading.Thread(target=webbrowser.open, args=(access.url,), daemon=True).start()
+
+    serve(
+        ProjectFolder(folder),
+        host=arguments.host,
+        port=arguments.port,
+        opened=None if path.is_dir() else path.name,
+        started=started,
+    )
+    return 0

@@ -1,0 +1,79 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""A rule file's text with its statements and findings; what has errors does not leave."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from smarttestudo.adapters.files.profile import parse_profile
+from smarttestudo.adirf.checks import CheckContext, check_rules
+from smarttestudo.adirf.document import Document, EditError, Splice, apply, read_document
+from smarttestudo.domain.errors import RuleFileError
+from smarttestudo.domain.finding import Finding, Severity
+from smarttestudo.domain.profile import Profile
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Draft:
+    """A rule file as an editor holds it, with the text of its profile; findings call them by the names."""
+
+    text: str
+    name: str
+    profile_text: str | None = None
+    profile_name: str = "profile.toml"
+
+    def profile(self) -> Profile | None:
+        """The profile; ``ProfileError`` for one that cannot be read."""
+        return None if self.profile_text is None else parse_profile(self.profile_text, self.profile_name)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CheckedText:
+    """The statements of a text, and what the checker says of them."""
+
+    document: Document
+    findings: tuple[Finding, ...]
+
+    @property
+    def has_errors(self) -> bool:
+        """Whether a finding stops the file from being used."""
+        return any(finding.severity is Severity.ERROR for finding in self.findings)
+
+
+class RefusedTextError(RuleFileError):
+    """Rules with errors, which stay where they are; ``checked`` has the findings."""
+
+    def __init__(self, checked: CheckedText) -> None:
+        errors = [one for one in checked.findings if one.severity is Severity.ERROR]
+        super().__init__(
+            f"the rules have {len(errors)} error{'s' if len(errors) > 1 else ''}: {errors[0].message}",
+            place=f"{errors[0].path}:{errors[0].span.line}:{errors[0].span.column}",
+            remedy="mend them first",
+        )
+        self.checked = checked
+
+
+def check_text(draft: Draft) -> CheckedText:
+    """Read and check ``draft``; ``ProfileError`` for a profile that cannot be read."""
+    document = read_document(draft.text, draft.name)
+    context = CheckContext(profile=draft.profile())
+    return CheckedText(document=document, findings=tuple(check_rules([document.result], context)))
+
+
+def require_usable(draft: Draft) -> CheckedText:
+    """``check_text``, but ``RefusedTextError`` for rules with errors."""
+    checked = check_text(draft)
+    if checked.has_errors:
+        raise RefusedTextError(checked)
+    return checked
+
+
+def fixed(draft: Draft, index: int) -> str:
+    """The text with the fix of finding number ``index``; ``EditError`` where there is none."""
+    checked = check_text(draft)
+    fix = checked.findings[index].fix if 0 <= index < len(checked.findings) else None
+    if fix is None:
+        raise EditError(f"the text has no finding {index} with a fix", remedy="read the document again")
+    start, end = checked.document.places.range(fix.span)
+    return apply(draft.text, [Splice(start, end, fix.replacement)])

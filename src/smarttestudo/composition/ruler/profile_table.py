@@ -1,0 +1,101 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""A profile as a table of topics, and back into its text."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from smarttestudo.adapters.files.profile import parse_profile
+from smarttestudo.adapters.files.profile_edit import edited_profile
+from smarttestudo.adapters.files.toml_text import parse_toml
+from smarttestudo.domain.errors import ProfileError
+from smarttestudo.domain.names import is_topic_name
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TableRow:
+    """One topic by the name that the text has for it; ``None`` stands for a key that is not written."""
+
+    topic: str
+    type_name: str | None = None
+    message_kb: float | None = None
+    source_hz: float | None = None
+    tiers_hz: tuple[float, ...] | None = None
+    priority: float | None = None
+    min_hz: float | None = None
+    max_hz: float | None = None
+
+    def keys(self) -> dict[str, str | float | Sequence[float] | None]:
+        """The keys of the topic's table."""
+        return {
+            "type": self.type_name,
+            "message_kb": self.message_kb,
+            "source_hz": self.source_hz,
+            "tiers_hz": self.tiers_hz,
+            "priority": self.priority,
+            "min_hz": self.min_hz,
+            "max_hz": self.max_hz,
+        }
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ProfileTable:
+    """The rows in the order of the text, and the budget in KB/s."""
+
+    rows: tuple[TableRow, ...]
+    budget_kb_per_s: float | None
+
+
+def read_table(text: str, path: str) -> ProfileTable:
+    """The table of the profile ``text``; ``ProfileError`` for one that has errors."""
+    budget_kb_per_s = parse_profile(text, path).budget_kb_per_s
+    values, _ = parse_toml(text, path)
+    topics = values.get("topics", {})
+    tables: Mapping[str, Mapping[str, object]] = topics if isinstance(topics, Mapping) else {}
+    return ProfileTable(
+        rows=tuple(_row(topic, table) for topic, table in tables.items()), budget_kb_per_s=budget_kb_per_s
+    )
+
+
+def write_table(table: ProfileTable, base_text: str, path: str) -> str:
+    """``base_text`` with the values of ``table``.
+
+    Raises ``ProfileError`` for a row that no profile can hold, and for a text that cannot be edited so.
+    """
+    names = [row.topic for row in table.rows]
+    for name in names:
+        if not is_topic_name(name):
+            raise ProfileError(f"{name!r} is not a valid ROS 2 topic name", place=path)
+        if names.count(name) > 1:
+            raise ProfileError(f"{name} is in the table twice", place=path, remedy="remove one of the rows")
+    text = edited_profile(
+        base_text,
+        path,
+        {"budget_kb_per_s": table.budget_kb_per_s},
+        {row.topic: row.keys() for row in table.rows},
+    )
+    parse_profile(text, path)
+    return text
+
+
+def _row(topic: str, table: Mapping[str, object]) -> TableRow:
+    tiers = table.get("tiers_hz")
+    return TableRow(
+        topic=topic,
+        type_name=_text(table.get("type")),
+        tiers_hz=tuple(float(one) for one in tiers) if isinstance(tiers, list) else None,
+        **{key: _number(table.get(key)) for key in _NUMBERS},
+    )
+
+
+_NUMBERS = ("message_kb", "source_hz", "priority", "min_hz", "max_hz")
+
+
+def _number(value: object) -> float | None:
+    return float(value) if isinstance(value, int | float) else None
+
+
+def _text(value: object) -> str | None:
+    return value if isinstance(value, str) else None

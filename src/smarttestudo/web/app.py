@@ -1,0 +1,107 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The routes of the Ruler's server."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable, Iterable
+from typing import TypeVar
+
+import msgspec
+from starlette.applications import Starlette
+from starlette.concurrency import run_in_threadpool
+from starlette.requests import Request
+from starlette.responses import Response
+from starlette.routing import BaseRoute, Mount, Route, WebSocketRoute
+from starlette.types import ASGIApp
+
+from smarttestudo.adapters.files.project_folder import ProjectFolder
+from smarttestudo.domain.errors import TestudoError
+from smarttestudo.web import optimize_api, rules_api
+from smarttestudo.web import schemas as schema
+from smarttestudo.web.bodies import read_body
+from smarttestudo.web.errors import JSON, RequestError, error_answer
+from smarttestudo.web.guard import Access, Guard
+from smarttestudo.web.page import page_files
+from smarttestudo.web.profile_api import ProfileApi
+from smarttestudo.web.project_api import ProjectApi
+from smarttestudo.web.socket import Listeners
+from smarttestudo.web.try_api import TryApi
+
+_Body = TypeVar("_Body", bound=msgspec.Struct)
+_Handler = Callable[[Request], Awaitable[Response]]
+
+
+def ruler_app(folder: ProjectFolder, access: Access, *, opened: str | None = None) -> ASGIApp:
+    """The server of the project in ``folder``, for whom ``access`` lets in."""
+    listeners = Listeners()
+    routes: list[BaseRoute] = [
+        *_project_routes(ProjectApi(folder, opened)),
+        *_rule_routes(),
+        *_profile_routes(ProfileApi(folder)),
+        Route("/api/try", TryApi(folder, listeners).answer, methods=["POST"]),
+        Route("/api/{path:path}", _no_such_thing, methods=["GET", "POST", "PUT", "DELETE", "PATCH"]),
+        WebSocketRoute("/ws", listeners.serve),
+        Mount("/", page_files()),
+    ]
+    app = Starlette(routes=routes, exception_handlers={TestudoError: _said})
+    return Guard(app, access)
+
+
+def _project_routes(api: ProjectApi) -> Iterable[BaseRoute]:
+    async def project(_: Request) -> Response:
+        return _json(await run_in_threadpool(api.project))
+
+    async def read(request: Request) -> Response:
+        return _json(await run_in_threadpool(api.read, request.query_params.get("name", "")))
+
+    yield Route("/api/project", project, methods=["GET"])
+    yield Route("/api/file", read, methods=["GET"])
+    yield _route("/api/file", schema.SaveRequest, api.save, method="PUT")
+
+
+def _rule_routes() -> Iterable[BaseRoute]:
+    yield _route("/api/document", schema.DocumentRequest, rules_api.document)
+    yield _route("/api/edit", schema.EditRequest, rules_api.edit)
+    yield _route("/api/format", schema.DocumentRequest, rules_api.format_text)
+    yield _route("/api/fix", schema.FixRequest, rules_api.fix)
+    yield _route("/api/download", schema.DocumentRequest, rules_api.download)
+    yield _route("/api/export", schema.ExportRequest, rules_api.export)
+    yield _route("/api/import", schema.ImportRequest, rules_api.import_rules)
+    yield _route("/api/optimize", schema.OptimizeRequest, optimize_api.optimize)
+
+
+def _profile_routes(api: ProfileApi) -> Iterable[BaseRoute]:
+    async def vocabulary(request: Request) -> Response:
+        query = request.query_params
+        return _json(await run_in_threadpool(api.vocabulary_of_files, query.get("profile"), query.get("bag")))
+
+    yield Route("/api/vocabulary", vocabulary, methods=["GET"])
+    yield _route("/api/vocabulary", schema.VocabularyRequest, api.vocabulary)
+    yield _route("/api/profile/parse", schema.ProfileParseRequest, api.parse)
+    yield _route("/api/profile/write", schema.ProfileWriteRequest, api.write)
+    yield _route("/api/profile/measure", schema.ProfileMeasureRequest, api.measure)
+
+
+def _route(
+    path: str, kind: type[_Body], answer: Callable[[_Body], msgspec.Struct], *, method: str = "POST"
+) -> Route:
+    async def handle(request: Request) -> Response:
+        body = await read_body(request, kind)
+        return _json(await run_in_threadpool(answer, body))
+
+    return Route(path, handle, methods=[method])
+
+
+async def _no_such_thing(request: Request) -> Response:
+    raise RequestError(f"there is no {request.method} {request.url.path}", 404)
+
+
+async def _said(_: Request, error: Exception) -> Response:
+    if not isinstance(error, TestudoError):
+        raise error
+    return error_answer(error)
+
+
+def _json(answer: msgspec.Struct) -> Response:
+    return Response(msgspec.json.encode(answer), media_type=JSON)

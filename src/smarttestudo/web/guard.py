@@ -1,0 +1,204 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Who may talk to the server: pages that it served itself, on names that are its own, with its token.
+
+A page of another site can send requests to 127.0.0.1 from the user's browser, also under a name of its own
+that it makes point there (DNS rebinding); it can set neither ``Host`` nor ``Origin``.
+"""
+
+from __future__ import annotations
+
+import secrets
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from http.cookies import CookieError, SimpleCookie
+from ipaddress import ip_address
+from urllib.parse import parse_qs, urlsplit
+
+from starlette.datastructures import Headers, MutableHeaders
+from starlette.responses import RedirectResponse
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+from starlette.websockets import WebSocketClose
+
+from smarttestudo.web.errors import RequestError, error_answer
+
+_FORBIDDEN, _UNAUTHORIZED = 403, 401
+_POLICY_VIOLATION = 1008
+_DEFAULT_PORT = 80
+POLICY = "; ".join(
+    (
+        "default-src 'none'",
+        "script-src 'self'",
+        # Blockly puts its style sheets into the page as <style> elements.
+        "style-src 'self' 'unsafe-inline'",
+        "img-src 'self' data: blob:",
+        "font-src 'self'",
+        "connect-src 'self'",
+        "manifest-src 'self'",
+        "base-uri 'none'",
+        "form-action 'none'",
+        "frame-ancestors 'none'",
+    )
+)
+SECURITY_HEADERS: Mapping[str, str] = {
+    "Content-Security-Policy": POLICY,
+    "X-Content-Type-Options": "nosniff",
+    "X-Frame-Options": "DENY",
+    "Referrer-Policy": "no-referrer",
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cross-Origin-Resource-Policy": "same-origin",
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Access:
+    """Where the server listens, by which names it may be called, and the token that it asks for, if any."""
+
+    host: str
+    port: int
+    names: frozenset[str] = frozenset()
+    token: str | None = field(default=None, repr=False)
+
+    @staticmethod
+    def at(host: str, port: int, *, names: frozenset[str] = frozenset()) -> Access:
+        """Access on ``host``; other machines, if they can reach it, need a token."""
+        token = None if is_loopback(host) else secrets.token_urlsafe(32)
+        return Access(host=host, port=port, names=frozenset({host, *names}), token=token)
+
+    @property
+    def url(self) -> str:
+        """The address to open."""
+        host = f"[{self.host}]" if ":" in self.host else self.host
+        query = f"?token={self.token}" if self.token else ""
+        return f"http://{host}:{self.port}/{query}"
+
+    @property
+    def cookie(self) -> str:
+        """The cookie's name; cookies of one host are shared by all its ports."""
+        return f"testudo_ruler_{self.port}"
+
+    def allows_host(self, host: str | None) -> bool:
+        """Whether ``Host`` names this server. A name can be made to point here by anybody, an address not."""
+        name, port = _split(host or "")
+        if name is None or port != self.port:
+            return False
+        if self.token is None:
+            return name == "localhost" or is_loopback(name)
+        return name in self.names or name == "localhost" or _is_address(name)
+
+    def allows_origin(self, origin: str | None, host: str | None) -> bool:
+        """Whether ``Origin`` is the page that ``host`` itself served."""
+        return origin is not None and origin.lower() == f"http://{host}".lower()
+
+    def knows(self, token: str | None) -> bool:
+        """Whether ``token`` is the one that was printed."""
+        return self.token is None or (
+            token is not None and secrets.compare_digest(token.encode(), self.token.encode())
+        )
+
+
+class Guard:
+    """Lets nothing through to ``app`` that ``access`` does not allow, and marks every answer."""
+
+    def __init__(self, app: ASGIApp, access: Access) -> None:
+        self._app = app
+        self._access = access
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer, or close, what is not allowed."""
+        if scope["type"] == "lifespan":
+            await self._app(scope, receive, send)
+            return
+        refusal = self._refusal(scope)
+        if scope["type"] == "websocket":
+            allowed = refusal is None
+            await (self._app if allowed else WebSocketClose(_POLICY_VIOLATION))(scope, receive, send)
+            return
+        marked = _marked(send)
+        if refusal is not None:
+            await error_answer(refusal)(scope, receive, marked)
+        elif (token := _token_in(scope)) is not None and self._access.token is not None:
+            await self._give_cookie(token)(scope, receive, marked)
+        else:
+            await self._app(scope, receive, marked)
+
+    def _refusal(self, scope: Scope) -> RequestError | None:
+        headers, access = Headers(scope=scope), self._access
+        if not access.allows_host(headers.get("host")):
+            return RequestError(
+                "the server is not called by its own name", _FORBIDDEN, remedy=f"open {access.host}"
+            )
+        origin = headers.get("origin")
+        must_have_origin = scope["type"] == "websocket"
+        if (origin is not None or must_have_origin) and not access.allows_origin(origin, headers.get("host")):
+            return RequestError("the request comes from another site's page", _FORBIDDEN)
+        if headers.get("sec-fetch-site", "none") not in ("none", "same-origin") and _is_api(scope):
+            return RequestError("the request comes from another site's page", _FORBIDDEN)
+        if not access.knows(_token_in(scope) or _cookie_in(headers, access.cookie)):
+            remedy = "open the address with the token that testudo ruler printed"
+            return RequestError("the token is missing or wrong", _UNAUTHORIZED, remedy=remedy)
+        return None
+
+    def _give_cookie(self, token: str) -> RedirectResponse:
+        """Keep the token in a cookie, and out of the address."""
+        answer = RedirectResponse("/", status_code=303)
+        answer.set_cookie(self._access.cookie, token, httponly=True, samesite="strict")
+        return answer
+
+
+def is_loopback(host: str) -> bool:
+    """Whether only this machine can reach ``host``."""
+    try:
+        return ip_address(host).is_loopback
+    except ValueError:
+        return host == "localhost"
+
+
+def _is_address(name: str) -> bool:
+    try:
+        ip_address(name)
+    except ValueError:
+        return False
+    return True
+
+
+def _split(host: str) -> tuple[str | None, int]:
+    try:
+        parts = urlsplit(f"//{host}")
+        port = parts.port
+    except ValueError:
+        return None, 0
+    is_plain = parts.netloc == host and "@" not in host
+    return (parts.hostname if is_plain else None), port or _DEFAULT_PORT
+
+
+def _is_api(scope: Scope) -> bool:
+    return str(scope["path"]).startswith("/api/") or scope["type"] == "websocket"
+
+
+def _token_in(scope: Scope) -> str | None:
+    """The token in the address of the first page."""
+    if scope["type"] != "http" or scope["path"] != "/":
+        return None
+    query = parse_qs(scope["query_string"].decode("latin-1"))
+    return query.get("token", [None])[0]
+
+
+def _cookie_in(headers: Headers, name: str) -> str | None:
+    try:
+        cookie = SimpleCookie(headers.get("cookie", ""))
+    except CookieError:
+        return None
+    return str(cookie[name].value) if name in cookie else None
+
+
+def _marked(send: Send) -> Send:
+    async def mark(message: Message) -> None:
+        if message["type"] == "http.response.start":
+            headers = MutableHeaders(scope=message)
+            for name, value in SECURITY_HEADERS.items():
+                headers[name] = value
+            headers.setdefault("Cache-Control", "no-store")
+        await send(message)
+
+    return mark

@@ -1,0 +1,73 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The Ruler's server on a socket."""
+
+from __future__ import annotations
+
+import socket
+from collections.abc import Callable
+
+import uvicorn
+from starlette.types import ASGIApp
+
+from smarttestudo.adapters.files.project_folder import ProjectFolder
+from smarttestudo.domain.errors import TestudoError
+from smarttestudo.web.app import ruler_app
+from smarttestudo.web.bodies import MAX_BODY_BYTES
+from smarttestudo.web.guard import Access
+
+_STOP_TIMEOUT_S = 2
+
+
+class PortError(TestudoError):
+    """An address that cannot be listened on."""
+
+
+def serve(
+    folder: ProjectFolder, *, host: str, port: int, opened: str | None, started: Callable[[Access], None]
+) -> None:
+    """Serve ``folder`` until the process is asked to stop; port 0 takes a free one.
+
+    ``started`` is told how to get in, once the server listens. Raises ``PortError`` where it cannot listen.
+    """
+    with listening(host, port) as listener:
+        names = frozenset({socket.gethostname(), f"{socket.gethostname()}.local"})
+        access = Access.at(host, listener.getsockname()[1], names=names)
+        started(access)
+        server_of(ruler_app(folder, access, opened=opened)).run(sockets=[listener])
+
+
+def server_of(app: ASGIApp) -> uvicorn.Server:
+    """``app`` as a server; it trusts no proxy, and says nothing of itself."""
+    return uvicorn.Server(
+        uvicorn.Config(
+            app,
+            log_level="warning",
+            access_log=False,
+            server_header=False,
+            date_header=False,
+            proxy_headers=False,
+            ws="websockets-sansio",
+            ws_max_size=MAX_BODY_BYTES,
+            timeout_graceful_shutdown=_STOP_TIMEOUT_S,
+            lifespan="off",
+        )
+    )
+
+
+def listening(host: str, port: int) -> socket.socket:
+    """A socket that listens; ``PortError`` where that is not possible."""
+    try:
+        family = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0][0]
+        listener = socket.socket(family, socket.SOCK_STREAM)
+        try:
+            listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            listener.bind((host, port))
+            listener.listen()
+        except OSError:
+            listener.close()
+            raise
+    except (OSError, OverflowError) as error:
+        cause = f"the server cannot listen there: {getattr(error, 'strerror', None) or error}"
+        raise PortError(cause, place=f"{host}:{port}", remedy="give another --port") from error
+    return listener
