@@ -47,8 +47,8 @@ type Init = (this: Blockly.BlockSvg) => void;
 
 /** Defines every block of the language, once for a page. */
 export function defineBlocks(suggest: Suggestions, buttons: BlockButtons): void {
-  const topicField = (value = "/odom") =>
-    new SuggestionField(value, () => suggest.topics(), "topic", oneWord as Blockly.FieldTextInputValidator);
+  const topicField = (label: string) =>
+    new SuggestionField("/odom", () => suggest.topics(), label, oneWord as Blockly.FieldTextInputValidator);
   const button = (src: string, label: string, act: (block: Blockly.BlockSvg) => void) =>
     new Blockly.FieldImage(src, 22, 22, label, (field) => act(field.getSourceBlock() as Blockly.BlockSvg));
   const removeButton = (label: string) => button(MINUS, label, (block) => buttons.remove(block));
@@ -58,14 +58,14 @@ export function defineBlocks(suggest: Suggestions, buttons: BlockButtons): void 
 
   init("adirf_set", function () {
     const unit = new Blockly.FieldLabel("Hz");
-    const rate = new SuggestionField("10", () => RATE_WORDS, "rate in Hz, or a level", (text) => {
+    const rate = new SuggestionField("10", () => RATE_WORDS, "rate", (text) => {
       const parsed = parseRate(text);
       unit.setValue(parsed?.kind === "hz" ? "Hz" : "");
       return parsed === null ? null : rateText(parsed);
     });
     this.appendDummyInput()
       .appendField("set frequency of")
-      .appendField(topicField(), "TOPIC")
+      .appendField(topicField("topic to send"), "TOPIC")
       .appendField("to")
       .appendField(rate, "RATE")
       .appendField(unit, "UNIT")
@@ -77,7 +77,7 @@ export function defineBlocks(suggest: Suggestions, buttons: BlockButtons): void 
   init("adirf_keep", function () {
     this.appendDummyInput()
       .appendField("keep")
-      .appendField(topicField(), "TOPIC")
+      .appendField(topicField("topic to keep"), "TOPIC")
       .appendField("at least at")
       .appendField(numberField("1", "floor in Hz", 0), "HZ")
       .appendField("Hz")
@@ -97,7 +97,7 @@ export function defineBlocks(suggest: Suggestions, buttons: BlockButtons): void 
     );
     this.appendDummyInput()
       .appendField("", "JOIN")
-      .appendField(topicField(), "TOPIC")
+      .appendField(topicField("topic to check"), "TOPIC")
       .appendField(property, "PROPERTY")
       .appendField(new Blockly.FieldDropdown(OPERATORS), "OP")
       .appendField(numberField("0", "value"), "VALUE")

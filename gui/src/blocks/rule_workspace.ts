@@ -98,7 +98,7 @@ export class RuleWorkspace {
     const slot = this.slots.find((each) => each.id === id);
     if (!slot || slot.block === Blockly.common.getSelected()) return;
     this.quietly(() => Blockly.common.setSelected(slot.block));
-    this.workspace.centerOnBlock(slot.block.id, true);
+    this.workspace.scrollBoundsIntoView(slot.block.getBoundingRectangleWithoutChildren(), GAP);
   }
 
   setReadOnly(readOnly: boolean): void {
@@ -116,9 +116,10 @@ export class RuleWorkspace {
   /** Puts a new block below all others, as dragging it out of the toolbox would. */
   add(state: Blockly.serialization.blocks.State): void {
     const bottom = this.workspace.getBlocksBoundingBox().bottom;
-    const block = Blockly.serialization.blocks.append({ ...state, x: LEFT, y: bottom + GAP }, this.workspace);
-    this.workspace.centerOnBlock(block.id, true);
-    Blockly.getFocusManager().focusNode(block as Blockly.BlockSvg);
+    const place = { x: LEFT, y: bottom + GAP };
+    const block = Blockly.serialization.blocks.append({ ...state, ...place }, this.workspace) as Blockly.BlockSvg;
+    Blockly.getFocusManager().focusNode(block);
+    this.workspace.scrollBoundsIntoView(block.getBoundingRectangle(), GAP);
   }
 
   applyTheme(): void {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { useState } from "preact/hooks";
+import { useId, useState } from "preact/hooks";
 import { ApiError } from "../api/client";
 import type { FileKind, Project } from "../api/types";
 import type { PageProps } from "../app";
@@ -20,18 +20,21 @@ export function HomePage({ api, project, refresh }: PageProps) {
         <p>Say how often each topic of your robot is worth sending, and when. No programming needed.</p>
       </div>
       <nav class="cards" aria-label="Start">
-        <button type="button" class="card" onClick={() => setCreating(true)}>
-          <strong>Create New Project</strong>
-          <span>Build rules from blocks, check them, try them on a recording.</span>
-        </button>
-        <a class="card" href={href({ page: "topics", name: profile })}>
-          <strong>Configure Topic Parameters</strong>
-          <span>Message sizes, the six quality levels and the bandwidth of the link.</span>
-        </a>
-        <a class="card" href={href({ page: "help", name: "" })}>
-          <strong>Documentation</strong>
-          <span>Rules, quality levels and keys, on one page.</span>
-        </a>
+        <Card
+          title="Create New Project"
+          text="Build rules from blocks, check them, try them on a recording."
+          act={() => setCreating(true)}
+        />
+        <Card
+          title="Configure Topic Parameters"
+          text="Message sizes, the six quality levels and the bandwidth of the link."
+          act={() => toRoute({ page: "topics", name: profile })}
+        />
+        <Card
+          title="Documentation"
+          text="Rules, quality levels and keys, on one page."
+          act={() => toRoute({ page: "help", name: "" })}
+        />
       </nav>
       <div class="file-lists">
         <FileList project={project} kind="rules" title="Rules" page="rules" />
@@ -42,6 +45,16 @@ export function HomePage({ api, project, refresh }: PageProps) {
       </footer>
       {creating && <NewProject {...{ api, project, refresh }} onClose={() => setCreating(false)} />}
     </main>
+  );
+}
+
+function Card({ title, text, act }: { title: string; text: string; act: () => void }) {
+  const id = useId();
+  return (
+    <button type="button" class="card" aria-label={title} aria-describedby={id} onClick={act}>
+      <strong>{title}</strong>
+      <span id={id}>{text}</span>
+    </button>
   );
 }
 
