@@ -30,7 +30,7 @@ def test_the_rule_is_built_with_the_mouse(ruler: RulerPage, project: Path) -> No
     ruler.button("Create New Project").click()
     ruler.page.get_by_label("Name").fill("shelf")
     ruler.button("Create").click()
-    ruler.button("Add rule").click()
+    ruler.button("New rule").click()
     ruler.change("Edit value: 0", "11")
     for value in ("15", "7", "11"):
         ruler.field("Add check").click()
@@ -51,10 +51,11 @@ def test_the_rule_is_built_with_the_keyboard_alone(ruler: RulerPage, project: Pa
     keyboard = ruler.page.keyboard
     ruler.walk("Tab", "Create New Project")
     keyboard.press("Enter")
+    expect(ruler.page.get_by_label("Name")).to_be_focused()
     keyboard.type("shelf")
     keyboard.press("Enter")
-    ruler.button("Add rule").wait_for()
-    ruler.walk("Tab", "Add rule")
+    ruler.button("New rule").wait_for()
+    ruler.walk("Tab", "New rule")
     keyboard.press("Enter")
     ruler.expect_lines("CheckValue /odom pose_x > 0", "SetFrequency /odom 10")
 

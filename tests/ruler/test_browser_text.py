@@ -22,7 +22,7 @@ def test_every_example_opens_as_blocks_and_saves_the_same_bytes(ruler: RulerPage
         ruler.open(name)
         ruler.blocks.get_by_role("button", name="Remove this").first.wait_for()
         expect(ruler.blocks.get_by_text("as text", exact=True)).to_have_count(0)
-        ruler.button("Add rate").click()
+        ruler.button("New rate").click()
         ruler.button("Undo").click()
         expect(ruler.button("Undo")).to_be_disabled()
         ruler.page.keyboard.press("Control+s")
@@ -79,6 +79,8 @@ def test_line_ends_and_hostile_words_stay_what_they_are(
 
 
 def _replace_in_text(ruler: RulerPage, old: str, new: str) -> None:
-    """Select ``old`` in the text with the mouse and type over it, as a person would."""
-    ruler.text.get_by_text(old).first.click(click_count=3)
-    ruler.page.keyboard.type(f"    {new}")
+    """Click into the line, select it and type over it."""
+    ruler.text.get_by_text(old, exact=True).first.click()
+    for key in ("End", "Shift+Home"):
+        ruler.page.keyboard.press(key)
+    ruler.page.keyboard.type(new)

@@ -31,7 +31,7 @@ export function blocklyTheme(root: HTMLElement): Blockly.Theme {
       toolboxForegroundColour: colour("--text"),
       flyoutBackgroundColour: colour("--surface-2"),
       flyoutForegroundColour: colour("--text"),
-      flyoutOpacity: 0.98,
+      flyoutOpacity: 1,
       scrollbarColour: colour("--line-strong"),
       scrollbarOpacity: 0.6,
       selectedGlowColour: colour("--accent"),

@@ -71,7 +71,7 @@ export class RuleWorkspace {
       for (const block of old) if (!block.isDisposed()) block.dispose(true);
       this.slots = placed.map(({ statement }, index) => newSlot(reused[index] ?? this.create(statement), statement));
       this.arrange(layout, spots);
-      showJoins(this.workspace);
+      showJoins(this.workspace, this.owner.suggestions);
     });
     this.mark(this.findings);
   }
@@ -93,12 +93,11 @@ export class RuleWorkspace {
     });
   }
 
-  /** Selects the block of a statement and brings it into view. */
+  /** Shows which block says a statement; the focus stays where somebody works. */
   reveal(id: string | null): void {
-    const slot = this.slots.find((each) => each.id === id);
-    if (!slot || slot.block === Blockly.common.getSelected()) return;
-    this.quietly(() => Blockly.common.setSelected(slot.block));
-    this.workspace.scrollBoundsIntoView(slot.block.getBoundingRectangleWithoutChildren(), GAP);
+    const block = this.slots.find((each) => each.id === id)?.block;
+    this.workspace.highlightBlock(block?.id ?? null);
+    if (block) this.workspace.scrollBoundsIntoView(block.getBoundingRectangleWithoutChildren(), GAP);
   }
 
   setReadOnly(readOnly: boolean): void {
@@ -145,7 +144,7 @@ export class RuleWorkspace {
       return;
     }
     this.waiting = false;
-    this.quietly(() => showJoins(this.workspace));
+    this.quietly(() => showJoins(this.workspace, this.owner.suggestions));
     this.mark(this.findings);
     const slots = this.slots;
     this.owner.changed((document) => nextEdit(document, slots, this.tops()));

@@ -14,6 +14,7 @@ import { RuleEditor } from "../state/rule_editor";
 import { Header } from "../ui/header";
 import { Notice } from "../ui/notice";
 import { type Choice, Tabs } from "../ui/tabs";
+import { Toast } from "../ui/toast";
 import { ProfileChoice } from "../panels/profile_choice";
 
 export type Tool = "findings" | "optimize" | "try";
@@ -46,9 +47,7 @@ export function EditorPage({ api, project, name }: PageProps) {
           {tool.value === "try" && <TryPanel {...{ editor, api, project }} />}
         </div>
       </section>
-      <p class="toast" role="status" aria-live="polite">
-        {editor.message}
-      </p>
+      <Toast message={editor.message} />
     </div>
   );
 }

@@ -11,11 +11,11 @@ export function HelpPage() {
         <h2>Rules in five minutes</h2>
         <ol>
           <li>
-            <strong>Add rate</strong> for each topic that the operator watches: how often it is sent when nothing special
+            <strong>New rate</strong> for each topic that the operator watches: how often it is sent when nothing special
             happens. These are the defaults.
           </li>
           <li>
-            <strong>Add rule</strong> for each situation in which that should change. IF says when; THEN says which
+            <strong>New rule</strong> for each situation in which that should change. IF says when; THEN says which
             topics get which rate. The + buttons add checks and rates, the − buttons take them away.
           </li>
           <li>

@@ -7,6 +7,7 @@ import { TopicTable } from "../panels/topic_table";
 import { ProfileEditor } from "../state/profile_editor";
 import { Header } from "../ui/header";
 import { Notice } from "../ui/notice";
+import { Toast } from "../ui/toast";
 
 /** The topic parameters: what the optimizer knows of each topic and of the link. */
 export function TopicsPage({ api, project, name, refresh }: PageProps) {
@@ -41,9 +42,7 @@ export function TopicsPage({ api, project, name, refresh }: PageProps) {
       <main class="topics">
         {problem && <Notice kind="error" text={problem} />}
         {isOpen && <TopicTable editor={editor} />}
-        <p class="toast" role="status" aria-live="polite">
-          {editor.message}
-        </p>
+        <Toast message={editor.message} />
       </main>
     </>
   );

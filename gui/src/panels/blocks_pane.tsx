@@ -26,10 +26,10 @@ export function BlocksPane({ editor }: { editor: RuleEditor }) {
       <div class="pane-bar">
         <h2>Blocks</h2>
         <button type="button" class="small" onClick={() => workspace.current?.add(toBlock(NEW_RATE))}>
-          Add rate
+          New rate
         </button>
         <button type="button" class="small" onClick={() => workspace.current?.add(toBlock(NEW_RULE))}>
-          Add rule
+          New rule
         </button>
         {isBehind && (
           <p class="pane-note" role="status">
@@ -40,7 +40,7 @@ export function BlocksPane({ editor }: { editor: RuleEditor }) {
       <div class="blocks-host" ref={host} />
       {isEmpty && (
         <p class="empty-hint">
-          Nothing here yet. <strong>Add rate</strong> says how often a topic is sent; <strong>Add rule</strong> says
+          Nothing here yet. <strong>New rate</strong> says how often a topic is sent; <strong>New rule</strong> says
           when that changes. Recipes are in the list on the left.
         </p>
       )}
@@ -71,7 +71,8 @@ function openWorkspace(host: HTMLElement, editor: RuleEditor): { workspace: Rule
     effect(() => workspace.setReadOnly(editor.isBroken.value)),
     effect(() => {
       const spot = editor.spot.value;
-      if (spot && spot.from !== "blocks") workspace.reveal(editor.statementAt(spot.offset)?.id ?? null);
+      const isElsewhere = spot !== null && spot.from !== "blocks";
+      workspace.reveal(isElsewhere ? (editor.statementAt(spot.offset)?.id ?? null) : null);
     }),
     watchSize(host, () => workspace.resize()),
     watchTheme(() => workspace.applyTheme()),

@@ -60,6 +60,7 @@ export class TextEditor {
           lineNumbers(),
           lintGutter(),
           drawSelection(),
+          EditorView.lineWrapping,
           highlightActiveLine(),
           spotField,
           adirf,
