@@ -8,6 +8,7 @@ replay is compared with the copy beside it, so that a machine busy for a while s
 
 from __future__ import annotations
 
+import argparse
 import gc
 import shutil
 import statistics
@@ -15,6 +16,7 @@ import tempfile
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from importlib.resources import as_file, files
 from pathlib import Path
 
@@ -48,12 +50,19 @@ def plain_copy(bag: Path, output: Path) -> None:
             writer.write(connections[connection.id], stamp_ns, payload)
 
 
-def replay_mission(bag: Path, output: Path) -> None:
+def replay_mission(bag: Path, output: Path, budget_kb_per_s: float | None = None) -> None:
     """The thesis's evaluation rules over the bag, from the rule file to the written recording."""
     with as_file(files("smarttestudo.simulation") / "warehouse.adirf") as rule_file:
         rules = load_rules([rule_file])
     with open_recording(bag) as recording:
-        replay(ReplayRequest(recording=recording, rule_set=rules.rule_set, output=output))
+        replay(
+            ReplayRequest(
+                recording=recording,
+                rule_set=rules.rule_set,
+                output=output,
+                budget_kb_per_s=budget_kb_per_s,
+            )
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -74,14 +83,15 @@ def cost_of(work: Callable[[Path, Path], None], bag: Path, output: Path) -> Cost
     return cost
 
 
-def compare(bag: Path, folder: Path) -> list[tuple[Cost, Cost]]:
+def compare(bag: Path, folder: Path, budget_kb_per_s: float | None) -> list[tuple[Cost, Cost]]:
     """The costs of a copy and of a replay, turn by turn; which comes first alternates."""
+    replay_within = partial(replay_mission, budget_kb_per_s=budget_kb_per_s)
     pairs = []
     for turn in range(-WARM_UPS, TURNS):
-        works = (plain_copy, replay_mission) if turn % 2 else (replay_mission, plain_copy)
+        works = (plain_copy, replay_within) if turn % 2 else (replay_within, plain_copy)
         costs = {work: cost_of(work, bag, folder / "output") for work in works}
         if turn >= 0:
-            pairs.append((costs[plain_copy], costs[replay_mission]))
+            pairs.append((costs[plain_copy], costs[replay_within]))
     return pairs
 
 
@@ -96,13 +106,16 @@ def report(name: str, unit_s: Callable[[Cost], float], pairs: list[tuple[Cost, C
 
 def main() -> None:
     """Print what both cost and the median of their ratios, by the wall's clock and by the processor's."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--budget", metavar="KB/S", type=float, help="replay within a budget")
+    budget_kb_per_s = parser.parse_args().budget
     with tempfile.TemporaryDirectory(prefix="testudo-benchmark-") as name:
         folder = Path(name)
         bag = folder / "mission"
         record_mission(bag, seconds=SECONDS, seed=1, full_images=False, report=lambda _: None)
         with open_recording(bag) as recording:
             print(f"the demo's bag, {recording.message_count:,} messages; medians of {TURNS} pairs")
-        pairs = compare(bag, folder)
+        pairs = compare(bag, folder, budget_kb_per_s)
     report("wall time", lambda cost: cost.wall_s, pairs)
     report("CPU time ", lambda cost: cost.cpu_s, pairs)
     print(f"aim: a ratio of at most {AIM}")

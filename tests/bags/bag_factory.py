@@ -172,7 +172,8 @@ def write_split_bag(folder: Path, parts: Sequence[BagContent], **options: Any) -
         for name in information["relative_file_paths"]:
             shutil.move(piece / name, folder / name)
         shutil.rmtree(piece)
-        merged = merged or {**information, "relative_file_paths": []}
+        merged = merged or {**information, "relative_file_paths": [], "message_count": 0}
+        merged["message_count"] += information["message_count"]
         merged["relative_file_paths"] += information["relative_file_paths"]
     with (folder / "metadata.yaml").open("w") as file:
         YAML(typ="safe").dump({"rosbag2_bagfile_information": merged}, file)

@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 import itertools
+import random
 import sqlite3
-from contextlib import closing
+import struct
+from collections.abc import Iterator
+from contextlib import closing, suppress
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from mcap.reader import make_reader
+from mcap.exceptions import McapError
+from mcap.reader import NonSeekingReader, make_reader
 from mcap.writer import CompressionType
 from rosbags.rosbag2 import CompressionMode, Reader, StoragePlugin
 
 from bags.bag_factory import (
+    START_NS,
     BagContent,
     BagMessage,
     small_mission,
@@ -23,6 +29,7 @@ from bags.bag_factory import (
     write_split_bag,
 )
 from bags.bag_reading import ReadBag, read_bag
+from smarttestudo.adapters.rosbag import open_recording
 from smarttestudo.domain.errors import RecordingError
 
 MISSION = small_mission()
@@ -31,6 +38,7 @@ KINDS = [
     (StoragePlugin.MCAP, CompressionMode.STORAGE),
 ]
 NOTHING_LEFT = ("no rosbag2 topics can be found in it", "nothing of it can be unpacked")
+TOGETHER = "read together with bag.db3-wal beside it, which holds what is not in it yet"
 PERCENTS = range(5, 100, 5)
 
 
@@ -98,6 +106,66 @@ def test_a_file_cut_at_every_twentieth_gives_what_is_left_and_says_so(
     assert counts[-1] > 0.5 * len(MISSION.messages)
 
 
+def cuts(path: Path, folder: Path) -> Iterator[Path]:
+    """``path`` cut at every twentieth of its length, one after the other."""
+    data = path.read_bytes()
+    cut = folder / path.name
+    for percent in PERCENTS:
+        cut.write_bytes(data[: len(data) * percent // 100])
+        yield cut
+
+
+def found_by_sqlite(path: Path) -> set[tuple[int, bytes]]:
+    """What SQLite reads of a cut file once it is told not to mind its length; some rows it makes up."""
+    found = set()
+    database = sqlite3.connect(f"file:{path}?immutable=1", uri=True)
+    with closing(database), suppress(sqlite3.Error):
+        database.execute("PRAGMA writable_schema = ON")
+        for stamp_ns, payload in database.execute("SELECT timestamp, data FROM messages"):
+            found.add((stamp_ns, payload))
+    return found
+
+
+def found_by_mcap(path: Path) -> set[tuple[int, bytes]]:
+    """What mcap's reader for streams gives of a cut file until it raises."""
+    found = set()
+    with path.open("rb") as file, suppress(McapError, EOFError, struct.error):
+        for _, _, message in NonSeekingReader(file).iter_messages(log_time_order=False):
+            found.add((message.log_time, message.data))
+    return found
+
+
+def found_by_us(path: Path) -> set[tuple[int, bytes]]:
+    read = read_or_refuse(path)
+    messages = [] if isinstance(read, RecordingError) else read.messages
+    return {(message.stamp_ns, message.payload) for message in messages}
+
+
+@pytest.mark.parametrize("big_images", [False, True])
+def test_a_cut_sqlite_file_gives_at_least_what_sqlite_finds_in_it(tmp_path: Path, big_images: bool) -> None:
+    noise = random.Random(1)  # zeros would be made up as well as read
+    few = tuple(
+        replace(message, payload=noise.randbytes(len(message.payload)))
+        for message in MISSION.messages
+        if big_images or message.topic != "/image"
+    )
+    path = storage_file(write_bag(tmp_path / "bag", BagContent(MISSION.topics, few)))
+    written = {(message.stamp_ns, message.payload) for message in few}
+    for cut in cuts(path, tmp_path):
+        found = found_by_sqlite(cut) & written
+        assert found_by_us(cut) >= found
+    assert len(found) > 0.5 * len(few)
+
+
+def test_a_cut_mcap_file_gives_at_least_what_its_library_finds_in_it(
+    small_chunks: Path, tmp_path: Path
+) -> None:
+    for cut in cuts(small_chunks, tmp_path):
+        found = found_by_mcap(cut)
+        assert found_by_us(cut) >= found
+    assert len(found) > 0.5 * len(MISSION.messages)
+
+
 def test_a_cut_sqlite_file_gives_nearly_its_share_of_the_messages(tmp_path: Path) -> None:
     counts = read_all_cuts(storage_file(write_bag(tmp_path / "bag", MISSION)), tmp_path)
     first_rows_at = 0.1  # the tables' own pages
@@ -131,6 +199,15 @@ def test_a_bag_whose_last_file_is_cut_and_that_has_no_metadata_is_read_as_far_as
 
 
 @pytest.mark.parametrize("storage", StoragePlugin)
+def test_a_cut_bag_of_simulated_time_starts_at_zero(tmp_path: Path, storage: StoragePlugin) -> None:
+    messages = tuple(replace(one, stamp_ns=one.stamp_ns - START_NS) for one in MISSION.messages)
+    path = storage_file(write_bag(tmp_path / "bag", BagContent(MISSION.topics, messages), storage=storage))
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    with open_recording(path) as recording:
+        assert recording.start_ns == 0
+
+
+@pytest.mark.parametrize("storage", StoragePlugin)
 def test_a_file_of_several_that_is_gone_or_empty_costs_only_itself(
     tmp_path: Path, storage: StoragePlugin
 ) -> None:
@@ -161,7 +238,25 @@ def test_a_damaged_chunk_costs_its_messages_and_no_other(tmp_path: Path) -> None
     assert_each_is_an_original_at_most_once(read.messages)
     assert 0.6 * len(MISSION.messages) < len(read.messages) < len(MISSION.messages)
     assert read.messages[-1] == MISSION.messages[-1]
-    assert read.notices == [f"{path}: 1 damaged chunks of messages were left out"]
+    (notice,) = read.notices
+    assert notice.startswith(f"{path}: damaged chunks left out: 1; 97 % readable, ends at ")
+
+
+def test_a_damaged_chunk_of_a_cut_file_is_named_once_though_the_file_is_read_twice(tmp_path: Path) -> None:
+    path = write_mcap_file(tmp_path / "mission.mcap", MISSION, compression=CompressionType.NONE)
+    data = bytearray(path.read_bytes()[:-9000])
+    image = data.index(bytes([7]) * 4000)
+    data[image : image + 100] = bytes(100)
+    path.write_bytes(data)
+    with open_recording(path) as recording:
+        messages, again = (list(recording.messages()) for _ in range(2))
+        notices = recording.notices()
+    assert messages == again
+    assert 0.5 * len(MISSION.messages) < len(messages) < len(MISSION.messages)
+    assert {(stamp_ns, payload) for _, stamp_ns, payload in messages} <= {
+        (message.stamp_ns, message.payload) for message in MISSION.messages
+    }
+    assert [notice for notice in notices if "damaged chunks left out: 1; " in notice] == [notices[-1]]
 
 
 def test_a_damaged_page_of_a_database_costs_its_messages_and_no_other(tmp_path: Path) -> None:
@@ -201,11 +296,8 @@ def test_messages_left_in_a_log_beside_the_database_are_named(tmp_path: Path) ->
         database.execute("INSERT INTO messages (topic_id, timestamp, data) VALUES (1, 1, x'00')")
         database.commit()
         read = read_bag(path)
-    assert read.messages == list(MISSION.messages)
-    assert read.notices == [
-        f"{path}: bag.db3-wal beside it holds what is not in it yet, and was left out; "
-        "`sqlite3 bag.db3 'PRAGMA wal_checkpoint'` takes it in"
-    ]
+    assert read.messages == [BagMessage("/odom", 1, b"\x00"), *MISSION.messages]
+    assert read.notices == [f"{path}: {TOGETHER}"]
 
 
 @pytest.mark.parametrize("values", ["1, 'noon', x'00'", "1, 5, NULL", "1, 5, 'text'"])

@@ -263,7 +263,7 @@ def test_a_recording_in_pieces_is_read_as_far_as_it_goes(desk: Desk, tmp_path: P
     path.write_bytes(path.read_bytes()[: path.stat().st_size * 69 // 100])
     ran = desk.loss("sent", "seen", "--json")
     assert ran.code == 0
-    assert ran.err.startswith(f"note: {Path('seen', path.name)}: cut off at 69 % of its length: ")
+    assert ran.err.startswith(f"note: {Path('seen', path.name)}: cut off: 69 % readable, ends at ")
 
 
 def test_a_topic_of_which_nothing_was_received_has_no_numbers(desk: Desk, tmp_path: Path) -> None:

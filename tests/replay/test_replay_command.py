@@ -276,8 +276,8 @@ def test_what_was_lost_is_named_at_the_end_and_the_replay_succeeds(desk: Desk) -
     assert ran.code == 0
     notes = ran.err.splitlines()
     assert notes[0] == "note: /imu: not in the recording, so nothing of it is relayed"
-    assert notes[1].startswith("note: hurt/hurt.db3: cut off at 9")
-    assert notes[1].endswith(" s could be read")
+    assert notes[1].startswith("note: hurt/hurt.db3: cut off: 90 % readable, ends at ")
+    assert notes[1].endswith(" messages")
     assert notes[2:] == [
         "note: /odom: 1 message could not be decoded; what checks read was unknown",
         "note: /odom pose_y: unknown in 1 message (NaN, or no such field)",

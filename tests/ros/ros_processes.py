@@ -55,6 +55,11 @@ class Process:
         self.say(line)
         return json.loads(self.line_with("result ").removeprefix("result "))
 
+    def ask(self, *request: Any) -> Any:
+        """What ``remote_control.py`` answers."""
+        self.say(json.dumps(request))
+        return json.loads(self.line_with("reply ").removeprefix("reply "))
+
     def signal(self, number: int) -> None:
         self._process.send_signal(number)
 
@@ -113,11 +118,29 @@ class SmallRobot:
         process.line_with("ready")
         return process
 
+    def counter(self, path: Path, texts: list[str], count: int) -> Process:
+        """A process that counts through a runtime while its rules are reloaded; see ``echo_counter.py``."""
+        return self._start([str(FOLDER / "echo_counter.py"), str(path), json.dumps(texts), str(count)])
+
+    def remote(self) -> Process:
+        """A process that sets parameters and calls services; see ``remote_control.py``."""
+        return self._start([str(FOLDER / "remote_control.py")])
+
+    def testudo_run(self, *arguments: str) -> Process:
+        """``testudo run``."""
+        return self._start(["-c", TESTUDO, "run", *arguments])
+
     def runtime(self, rules: str, *arguments: str) -> Process:
         """``testudo run`` by the rules given as text."""
         path = self.folder / f"rules{len(self._processes)}.adirf"
         path.write_text(rules, encoding="utf-8")
         return self.testudo("run", "--rules", str(path), *arguments)
+
+    def recorder(self, folder: Path, **topics: dict[str, Any]) -> Process:
+        """A process that records the topics into ``folder``; see ``recorder.py``."""
+        process = self._start([str(FOLDER / "recorder.py"), str(folder), json.dumps(topics)])
+        process.line_with("ready")
+        return process
 
     def testudo(self, *arguments: str) -> Process:
         """``testudo`` with ``arguments``."""
@@ -128,6 +151,10 @@ class SmallRobot:
         process = Process(list(words), {**self._environment, **environment})
         self._processes.append(process)
         return process
+
+    def diagnostics(self) -> Process:
+        """A process that prints each message on /diagnostics; see ``diagnostics_listener.py``."""
+        return self._start([str(FOLDER / "diagnostics_listener.py")])
 
     def end(self) -> None:
         for process in self._processes:

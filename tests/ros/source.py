@@ -5,8 +5,8 @@
 usage: source.py '{"imu": {"type": "sensor_msgs/msg/Imu", "hz": 195, "reliable": true}, …}'
 The stamp of a message, or the ``linear.y`` of a Twist, is the monotonic time at which it was due. A topic
 without ``hz`` is latched: ``texts`` are published once, each by a publisher of its own. On stdin the line
-``move`` puts the robot of an Odometry at x = 5, ``stop`` ends it. With each message, a Clock goes on by
-``step_ms``.
+``move`` puts the robot of an Odometry at x = 5, ``home`` at x = 0, ``stop`` ends it. With each message, a
+Clock goes on by ``step_ms``.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 NS_PER_MS = 1_000_000
 NS_PER_S = 1_000_000_000
+PLACES_M = {"move": 5.0, "home": 0.0}
 
 
 class Stream:
@@ -74,12 +75,12 @@ def latch(node: Any, name: str, topic: dict[str, Any]) -> list[Any]:
 
 def listen(streams: dict[str, Stream], stopped: threading.Event) -> None:
     for line in sys.stdin:
-        if line.strip() == "move":
-            for stream in streams.values():
-                if hasattr(stream.message, "pose"):
-                    stream.message.pose.pose.position.x = 5.0
-        else:
+        x_m = PLACES_M.get(line.strip())
+        if x_m is None:
             break
+        for stream in streams.values():
+            if hasattr(stream.message, "pose"):
+                stream.message.pose.pose.position.x = x_m
     stopped.set()
 
 

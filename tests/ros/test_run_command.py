@@ -40,11 +40,42 @@ def test_a_prefix_goes_before_every_topic(robot: SmallRobot) -> None:
     assert topics == ["/tb3_0/arm/imu", "/tb3_0/odom"]
 
 
-def test_rules_with_an_error_are_refused_like_testudo_check_does(robot: SmallRobot) -> None:
-    runtime = robot.runtime("begin SetFrequency /imu fast end")
-    assert runtime.exit_code() == 1
-    assert "rules0.adirf:1:25: error[" in runtime.output[0]
-    assert "Traceback" not in "".join(runtime.output)
+@pytest.mark.parametrize("pattern", ["{topic}", "/odom"])
+def test_an_output_that_is_no_name_of_its_own_is_refused_without_rules_too(
+    robot: SmallRobot, pattern: str
+) -> None:
+    runtime = robot.testudo_run("--output-topic", pattern)
+    assert runtime.exit_code() == 2
+    assert runtime.output[-1].startswith("--output-topic: error: ")
+
+
+def test_parameters_do_what_options_do_and_options_win(robot: SmallRobot) -> None:
+    for name, rate in (("one", 5), ("two", 7)):
+        path = robot.folder / f"{name}.adirf"
+        path.write_text(f"begin SetFrequency /{name} {rate} end", encoding="utf-8")
+    files = f"['{robot.folder}/one.adirf', '{robot.folder}/two.adirf']"
+    parameters = {
+        "rules_file": files,
+        "output_topic": "/op{topic}",
+        "budget_kb_per_s": "5",
+        "topic_prefix": "/x",
+    }
+    arguments = [part for name, value in parameters.items() for part in ("-p", f"{name}:={value}")]
+    runtime = robot.testudo_run("--topic-prefix", "/tb3_0", "--ros-args", *arguments)
+    runtime.line_with("Relaying 2 topics as /op{topic}")
+    runtime.line_with("/tb3_0/one: 5 Hz (default)")
+    runtime.line_with("/tb3_0/two: 7 Hz (default)")
+
+
+@pytest.mark.parametrize(
+    "parameter",
+    ["when_slow:=never", "budget_kb_per_s:=-1", "topic_prefix:=x", "output_topic:=5", "rules_file:=5"],
+)
+def test_a_parameter_that_makes_no_sense_is_refused(robot: SmallRobot, parameter: str) -> None:
+    runtime = robot.testudo_run("--ros-args", "-p", parameter)
+    assert runtime.exit_code() == 2
+    (line,) = runtime.output
+    assert line.startswith(f"parameter {parameter.partition(':')[0]}: error: ")
 
 
 @pytest.mark.parametrize("pattern", ["{topic}", "/odom", "{topic}_receive"])

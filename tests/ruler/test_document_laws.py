@@ -196,3 +196,44 @@ def test_a_moved_statement_goes_as_it_is_written(written: WrittenFile, data: st.
     assert meanings(text) == expected
     assert comments(text) == comments(written.text)
     assert words(entry) in text
+
+
+@st.composite
+def damaged_texts(draw: st.DrawFn) -> str:
+    """A rule file with a few of its words taken out, doubled or misspelt."""
+    text = draw(written_files(max_statements=4)).text
+    for _ in range(draw(st.integers(1, 3))):
+        tokens = parse(text, "rules.adirf").tokens[:-1]
+        token = draw(st.sampled_from(tokens)) if tokens else None
+        if token is None:
+            break
+        at = document_of(text).places.offset(token.line, token.column)
+        word = draw(st.sampled_from(["", "x", f"{token.text} {token.text}", token.text[:-1], "end", "If ("]))
+        text = f"{text[:at]}{word} {text[at + len(token.text) :]}"
+    return text
+
+
+@given(damaged_texts(), STATEMENTS, st.data())
+@settings(max_examples=100)
+def test_edits_of_a_damaged_file_keep_every_other_statement(
+    text: str, new: Statement, data: st.DataObject
+) -> None:
+    document = document_of(text)
+    kept = [words(entry) for entry in document.entries]
+    if document.entries:
+        entry = data.draw(st.sampled_from(document.entries))
+        others = [text for one, text in zip(document.entries, kept, strict=True) if one is not entry]
+        content = entry.statement or words(entry)
+        assert replaced(document, entry.id, NewStatement(content=content)) == text
+        for after in (
+            deleted(document, entry.id),
+            replaced(document, entry.id, NewStatement(content=new)),
+            replaced(document, entry.id, NewStatement(content="If (")),
+        ):
+            assert all(one in after for one in others)
+    writable = [part for part in document.parts if part.begin is not None]
+    if writable:
+        part = data.draw(st.sampled_from(writable))
+        index = data.draw(st.integers(0, len(part.entries)))
+        after = inserted(document, part.id, index, NewStatement(content=new))
+        assert all(one in after for one in kept)

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from types import SimpleNamespace
 
 from smarttestudo.adirf.parser import parse
-from smarttestudo.adirf.rule_set import compile_rules
+from smarttestudo.adirf.rule_set import RuleSet, compile_rules
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.observation import SourceChanged
 from smarttestudo.domain.profile import Profile
@@ -25,6 +25,12 @@ def odometry(x: float, y: float) -> object:
     return SimpleNamespace(pose=SimpleNamespace(pose=SimpleNamespace(position=position)))
 
 
+def rule_set_of(rules: str) -> RuleSet:
+    parsed = parse(rules, "rules.adirf")
+    assert not parsed.findings
+    return compile_rules([parsed.file], lambda name: name)
+
+
 class LoopDriver:
     """A loop that starts at time 0, with everything it relayed and decided so far."""
 
@@ -36,10 +42,8 @@ class LoopDriver:
         types: dict[str, str] | None = None,
         budget_kb_per_s: float | None = None,
     ) -> None:
-        parsed = parse(rules, "rules.adirf")
-        assert not parsed.findings
-        rule_set = compile_rules([parsed.file], lambda name: name)
-        self.loop = RelayLoop(rule_set, profile or Profile(), 0, when_slow, budget_kb_per_s)
+        self.rule_set = rule_set_of(rules)
+        self.loop = RelayLoop(self.rule_set, profile or Profile(), 0, when_slow, budget_kb_per_s)
         self.relayed: list[Relayed] = []
         self.decisions: list[Decision] = []
         self.now_ns = 0
@@ -54,6 +58,9 @@ class LoopDriver:
             topic=topic, publishers=publishers, transient_local=transient_local, type_name=type_name
         )
         self.keep(self.loop.on_source(change, self.now_ns))
+
+    def reload(self, rules: str, profile: Profile | None = None) -> None:
+        self.keep(self.loop.reload(rule_set_of(rules), profile or Profile(), self.now_ns))
 
     def wait_until(self, at_ns: int) -> None:
         while (wake_ns := self.loop.next_wake_ns) is not None and wake_ns <= at_ns:

@@ -12,8 +12,11 @@ from hypothesis import strategies as st
 
 from runtime.loop_driver import SECOND, LoopDriver
 from smarttestudo.domain.decision import Reason
-from smarttestudo.domain.observation import LinkBudget
+from smarttestudo.domain.observation import Arrival, LinkBudget
 from smarttestudo.domain.profile import Profile, TopicProfile
+from smarttestudo.runtime.knowledge.knowledge import Knowledge
+from smarttestudo.runtime.monitor.monitor import meter
+from smarttestudo.runtime.step import step
 
 RULES = """\
 begin
@@ -143,3 +146,29 @@ def test_a_steady_stream_never_takes_more_than_the_budget_and_two_messages_of_ea
     stream(robot, {"/image": image_bytes, "/scan": scan_bytes}, 0, 10)
     burst_kb = 2 * (image_bytes + scan_bytes) / 1000
     assert kb_per_s(robot, 2, 10) <= budget * 1.02 + burst_kb / 8
+
+
+@settings(max_examples=60)
+@given(
+    budget=st.sampled_from([5.0, 60.0, 500.0]),
+    messages=st.lists(
+        st.tuples(st.sampled_from(["/image", "/scan"]), st.integers(0, SECOND), st.integers(0, 20_000)),
+        max_size=60,
+    ),
+)
+def test_what_no_check_reads_is_metered_with_the_decisions_of_a_step_for_each_message(
+    budget: float, messages: list[tuple[str, int, int]]
+) -> None:
+    rule_set = driver(budget).rule_set
+    metered, stepped = (Knowledge(rule_set, profile(), 0, budget) for _ in range(2))
+    decisions = [list(step(knowledge, (), 0).decisions) for knowledge in (metered, stepped)]
+    now_ns = 0
+    for topic, pause_ns, size_bytes in messages:
+        now_ns += pause_ns
+        arrival = Arrival(topic=topic, size_bytes=size_bytes)
+        meter(metered, topic, size_bytes, now_ns)
+        wake_ns = metered.next_wake_ns
+        if wake_ns is not None and wake_ns <= now_ns:
+            decisions[0] += step(metered, (), now_ns).decisions
+        decisions[1] += step(stepped, (arrival,), now_ns).decisions
+        assert decisions[0] == decisions[1]

@@ -9,6 +9,7 @@ import itertools
 import json
 import math
 import statistics
+import struct
 from collections import Counter, defaultdict
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,7 +19,9 @@ import pytest
 from rosbags.rosbag2 import CompressionMode, StoragePlugin
 
 from bags.bag_factory import (
+    GRIPPER,
     ODOM,
+    SCAN,
     START_NS,
     BagContent,
     BagMessage,
@@ -26,6 +29,7 @@ from bags.bag_factory import (
     odometry,
     small_mission,
     write_bag,
+    write_humble_file,
     write_split_bag,
 )
 from bags.bag_reading import read_with_rosbags
@@ -248,19 +252,103 @@ def test_a_topic_without_messages_is_shown_without_numbers(desk: Desk, tmp_path:
     )
 
 
+def stamped(topic: BagTopic, latencies_ms: list[int], *, endian: str = "<") -> list[BagMessage]:
+    """Messages with a header, received as late as given."""
+    encapsulation = b"\x00\x01\x00\x00" if endian == "<" else b"\x00\x00\x00\x00"
+    messages = []
+    for number, latency_ms in enumerate(latencies_ms):
+        sent_ns = START_NS + number * 10_000_000
+        stamp = struct.pack(f"{endian}iI", *divmod(sent_ns, 10**9))
+        payload = encapsulation + stamp + bytes(400)
+        messages.append(BagMessage(topic.name, sent_ns + latency_ms * 1_000_000, payload))
+    return messages
+
+
+@pytest.mark.parametrize(("storage", "compression"), KINDS)
+@pytest.mark.parametrize("endian", "<>")
+def test_latency_is_receive_time_minus_the_stamp_in_the_header(
+    desk: Desk, tmp_path: Path, storage: StoragePlugin, compression: CompressionMode, endian: str
+) -> None:
+    latencies_ms = [3, *range(1, 101), -2]
+    messages = [
+        *stamped(ODOM, latencies_ms, endian=endian),
+        BagMessage(ODOM.name, START_NS, odometry(0.0, 0.0)),  # its stamp was never set
+        BagMessage(GRIPPER.name, START_NS, stamped(ODOM, [0])[0].payload),
+    ]
+    messages.sort(key=lambda message: message.stamp_ns)
+    content = BagContent((ODOM, SCAN, GRIPPER), tuple(messages))
+    write_bag(tmp_path / "bag", content, storage=storage, compression=compression)
+    plain = desk.bag("rates", "bag", "--json").json["topics"]
+    topics = desk.bag("rates", "bag", "--latency", "--json").json["topics"]
+    odom = topics["/odom"]
+    assert math.isclose(odom["latency_mean_s"], statistics.mean(latencies_ms) / 1000, rel_tol=1e-12)
+    assert odom["latency_p95_s"] == sorted(latencies_ms)[math.ceil(0.95 * len(latencies_ms)) - 1] / 1000
+    assert odom["latency_max_s"] == 0.1
+    assert topics["/scan"]["latency_mean_s"] is topics["/gripper"]["latency_max_s"] is None
+    assert {name: {**topic, **plain[name]} for name, topic in topics.items()} == topics
+    assert "latency_mean_s" not in plain["/odom"]
+
+
+def test_the_table_of_rates_has_latency_when_asked(desk: Desk, tmp_path: Path) -> None:
+    write_bag(tmp_path / "bag", BagContent((ODOM, GRIPPER), tuple(stamped(ODOM, [1, 2, 9]))))
+    ran = desk.bag("rates", "bag", "--latency")
+    assert (ran.code, ran.err) == (0, "")
+    assert ran.out == (GOLDEN / "bag-latency.txt").read_text(encoding="utf-8")
+
+
+def test_types_that_nobody_defines_are_counted_and_named(desk: Desk, tmp_path: Path) -> None:
+    write_humble_file(tmp_path / "humble.db3", MISSION)
+    for action in ("info", "rates", "bandwidth"):
+        ran = desk.bag(action, "humble.db3", "--json")
+        assert ran.json["topics"]["/gripper"]["messages"] == 20
+        assert ran.json["notices"] == [
+            "/gripper: neither the recording nor ROS 2 defines robot_msgs/msg/Gripper; "
+            "its messages are counted, but cannot be decoded"
+        ]
+
+
+@pytest.mark.parametrize("has_metadata", [True, False])
+@pytest.mark.parametrize("storage", StoragePlugin)
+def test_the_share_of_a_split_bag_counts_all_its_files(
+    desk: Desk, tmp_path: Path, storage: StoragePlugin, has_metadata: bool
+) -> None:
+    parts = [MISSION.between(0, 60), MISSION.between(60, 120), MISSION.between(120, 161)]
+    folder = write_split_bag(tmp_path / "bag", parts, storage=storage)
+    assert desk.bag("info", "bag", "--json").json["readable_percent"] == 100
+    second = sorted(path for path in folder.iterdir() if path.name != "metadata.yaml")[1]
+    second.write_bytes(second.read_bytes()[: second.stat().st_size // 2])
+    if not has_metadata:
+        (folder / "metadata.yaml").unlink()
+    ran = desk.bag("info", "bag")
+    read = desk.bag("info", "bag", "--json").json
+    if has_metadata:
+        share = read["total"]["messages"] / len(MISSION.messages)
+        assert math.isclose(read["readable_percent"], 100 * share)
+    elif storage is StoragePlugin.MCAP:  # nothing tells how long the file was to be
+        assert read["readable_percent"] is None
+        assert "damaged: ends at 2023-11-14 22:13:23.960 UTC; how much is missing is not known" in ran.out
+    if read["readable_percent"] is not None:
+        assert 75 < read["readable_percent"] < 95
+        percent = round(read["readable_percent"])
+        assert f"damaged: {percent} % readable, ends at 2023-11-14 22:13:23.960 UTC" in ran.out
+    assert sum(": cut off" in notice for notice in read["notices"]) == 1
+
+
 def test_what_is_lost_of_a_cut_bag_is_said_beside_the_table(desk: Desk, tmp_path: Path) -> None:
     path = next(write_bag(tmp_path / "bag", MISSION).glob("*.db3"))
     path.write_bytes(path.read_bytes()[: path.stat().st_size * 69 // 100])
     ran = desk.bag("info", "bag")
     assert ran.code == 0
-    assert ran.err.startswith(f"note: {Path('bag', path.name)}: cut off at 69 % of its length: ")
+    damage = "69 % readable, ends at 2023-11-14 22:13:22.607 UTC"
+    assert "\ndamaged: 66 % readable, ends at 2023-11-14 22:13:22.607 UTC\n" in ran.out
+    assert ran.err == f"note: {Path('bag', path.name)}: cut off: {damage} after 107 messages\n"
     assert desk.bag("info", "bag", "--json").json["notices"] == [ran.err.removeprefix("note: ").rstrip("\n")]
 
 
 def test_a_cut_bag_of_which_no_message_is_left_says_why(desk: Desk, tmp_path: Path) -> None:
     path = next(write_bag(tmp_path / "bag", MISSION).glob("*.db3"))
     path.write_bytes(path.read_bytes()[: 8 * 4096])
-    why = "cut off at 11 % of its length: no message could be read"
+    why = "cut off: no message could be read"
     assert (
         desk.refuses("info", "bag")
         == f"bag: error: the bag holds no message; {Path('bag', path.name)}: {why}"

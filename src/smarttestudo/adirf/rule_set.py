@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from smarttestudo.adirf.normal_form import Form, Resolve, normal_form, signals_of
@@ -17,6 +17,7 @@ from smarttestudo.adirf.syntax import (
     RuleFile,
     SetFrequency,
 )
+from smarttestudo.domain.decision import Reason
 from smarttestudo.domain.errors import RuleFileError
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.signal import Signal
@@ -41,12 +42,16 @@ class RuleBlock:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RuleSet:
-    """Defaults, floors in Hz and blocks; topics by full name."""
+    """Defaults, floors in Hz and blocks; topics by full name.
+
+    ``default_reason`` is what decisions give as the reason of a default.
+    """
 
     defaults: Mapping[str, Rate]
     default_lines: Mapping[str, int]
     floors_hz: Mapping[str, float]
     blocks: tuple[RuleBlock, ...]
+    default_reason: Reason = Reason.DEFAULT
 
     @property
     def relayed(self) -> tuple[str, ...]:
@@ -60,6 +65,17 @@ class RuleSet:
     def signals(self) -> frozenset[Signal]:
         """Everything that checks read."""
         return frozenset().union(*(signals_of(block.form) for block in self.blocks))
+
+
+def fallback_rules(topics: Iterable[str]) -> RuleSet:
+    """What holds while there are no rules: every message of ``topics`` passes."""
+    return RuleSet(
+        defaults={topic: Rate.full() for topic in topics},
+        default_lines={},
+        floors_hz={},
+        blocks=(),
+        default_reason=Reason.FALLBACK,
+    )
 
 
 TierRates = Callable[[SetFrequency, str], Rate]

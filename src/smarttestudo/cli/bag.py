@@ -42,7 +42,14 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
             "bags", metavar="BAG", nargs="+", type=Path, help="a rosbag2 folder, a .db3 or an .mcap file"
         )
         add_topics_and_form(action)
-        action.set_defaults(run=_run_summary, table=table)
+        if name == "rates":
+            action.add_argument(
+                "--latency",
+                action="store_true",
+                help="also how late each topic came: receive time minus header.stamp "
+                "(reads the beginning of every message)",
+            )
+        action.set_defaults(run=_run_summary, table=table, latency=False)
     _add_compare(actions)
     bag_loss.add_action(actions)
 
@@ -63,7 +70,7 @@ def _add_compare(actions: argparse._SubParsersAction[argparse.ArgumentParser]) -
 
 
 def _run_summary(arguments: argparse.Namespace) -> int:
-    summaries = [_measure(path) for path in arguments.bags]
+    summaries = [_measure(path, with_latency=arguments.latency) for path in arguments.bags]
     if arguments.topics:
         known = {topic.name for summary in summaries for topic in summary.topics}
         place = ", ".join(summary.name for summary in summaries)
@@ -106,8 +113,8 @@ def _compare_tables(compared: BagComparison) -> list[Table]:
     return [build(compared.comparison, names) for build in tables]
 
 
-def _measure(path: Path) -> BagSummary:
+def _measure(path: Path, *, with_latency: bool = False) -> BagSummary:
     from smarttestudo.composition.bag_measure import measure_bag  # noqa: PLC0415  needs packages a robot lacks
 
     with progress(f"Reading {path}") as report:
-        return measure_bag(path, report)
+        return measure_bag(path, report, with_latency=with_latency)

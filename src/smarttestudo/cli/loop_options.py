@@ -5,13 +5,13 @@
 from __future__ import annotations
 
 import argparse
-import math
 from pathlib import Path
 
+from smarttestudo.domain import budget
 from smarttestudo.pacing.sample import WhenSlow
 
 
-def add_rules(parser: argparse.ArgumentParser) -> None:
+def add_rules(parser: argparse.ArgumentParser, *, required: bool = True) -> None:
     """Add ``--rules``, ``--profile``, ``--budget`` and ``--when-slow``."""
     parser.add_argument(
         "--rules",
@@ -19,7 +19,7 @@ def add_rules(parser: argparse.ArgumentParser) -> None:
         nargs="+",
         action="extend",
         type=Path,
-        required=True,
+        required=required,
         help="rule files, or folders of them; several form one set",
     )
     parser.add_argument("--profile", metavar="FILE", type=Path, help="what is known about the topics (TOML)")
@@ -56,9 +56,6 @@ def add_ros_arguments(parser: argparse.ArgumentParser) -> None:
 def budget_kb_per_s(text: str) -> float:
     """A budget from the command line; ``ArgumentTypeError`` for anything but a number of KB/s."""
     try:
-        number = float(text)
-    except ValueError:
-        number = math.nan
-    if not 0 <= number < math.inf:
-        raise argparse.ArgumentTypeError(f"a budget is a number of KB/s from 0 on, not {text!r}")
-    return number
+        return budget.budget_kb_per_s(text)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from error

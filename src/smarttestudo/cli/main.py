@@ -10,7 +10,7 @@ import sys
 from collections.abc import Sequence
 
 from smarttestudo import __version__
-from smarttestudo.cli import bag, check, demo, fmt, optimize, profile, replay, ruler, run, simulate
+from smarttestudo.cli import bag, check, demo, fmt, optimize, profile, replay, ruler, run, simulate, top
 from smarttestudo.domain.errors import TestudoError, UsageError
 
 EXIT_ERROR = 1
@@ -73,7 +73,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"testudo {__version__}")
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    for command in (demo, check, fmt, run, replay, bag, profile, optimize, ruler, simulate):
+    for command in (demo, check, fmt, run, top, replay, bag, profile, optimize, ruler, simulate):
         command.add_parser(commands)
     return parser
 

@@ -5,12 +5,18 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
+import time
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from smarttestudo.adapters.ros import open_robot
+from smarttestudo.cli.durations import add_timeout, duration_s
 from smarttestudo.cli.progress import progress
-from smarttestudo.domain.errors import ProfileError
+from smarttestudo.composition.profile_robot import profile_of_robot
+from smarttestudo.domain.errors import ProfileError, UsageError
 
 if TYPE_CHECKING:
     from smarttestudo.optimizer.profiling.proposal import TierProposal
@@ -21,34 +27,42 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser = commands.add_parser(
         "profile",
         help="measure sizes and rates, and propose tiers",
-        description="Measure message sizes, rates and jitter in a recording, and write them as a profile "
-        "with proposed tiers. Without -o it goes to standard output.",
+        description="Measure message sizes, rates and jitter in a recording or of a running robot, and write "
+        "them as a profile with proposed tiers. Without -o it goes to standard output.",
     )
+    measured = parser.add_mutually_exclusive_group(required=True)
+    measured.add_argument("--bag", metavar="BAG", type=Path, help="a rosbag2 folder, a .db3 or an .mcap file")
+    measured.add_argument(
+        "--seconds", metavar="N", type=duration_s, help="measure the topics of a running robot for N seconds"
+    )
+    add_timeout(parser, "with --seconds: how long to wait for the first topic")
     parser.add_argument(
-        "--bag", metavar="BAG", type=Path, required=True, help="a rosbag2 folder, a .db3 or an .mcap file"
+        "--topics", metavar="TOPIC", nargs="+", default=(), help="these only; * ? […] as in a shell"
     )
     parser.add_argument(
         "--from-curve",
         action="store_true",
-        help="propose tiers where the loss at each rate bends, as `bag loss BAG` shows it",
+        help="with --bag: propose tiers where the loss at each rate bends, as `bag loss BAG` shows it",
     )
     parser.add_argument("-o", "--output", metavar="FILE", type=Path, help="where to write the profile")
+    parser.add_argument(
+        "--ros-args",
+        metavar="ARG",
+        nargs=argparse.REMAINDER,
+        default=[],
+        help="with --seconds: all that follows goes to ROS, as in --ros-args -p use_sim_time:=true",
+    )
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Measure and write; an existing profile is never overwritten, because tiers are chosen by hand."""
-    from smarttestudo.adapters.rosbag import open_recording  # noqa: PLC0415  needs packages a robot lacks
-    from smarttestudo.composition.profile_recording import profile_of_recording  # noqa: PLC0415
-
     output: Path | None = arguments.output
     if output is not None and output.exists():
         raise ProfileError("the file exists already", place=str(output), remedy="give another name")
-    proposals = _breakpoints(arguments.bag) if arguments.from_curve else None
-    with open_recording(arguments.bag) as recording:
-        text = profile_of_recording(recording, name=arguments.bag.name, proposals=proposals)
-        for notice in recording.notices():
-            print(f"note: {notice}", file=sys.stderr)  # noqa: T201
+    if arguments.from_curve and arguments.bag is None:
+        raise UsageError("a curve needs a recording", place="--from-curve", remedy="give one with --bag")
+    text = _of_robot(arguments) if arguments.bag is None else _of_recording(arguments)
     if output is None:
         sys.stdout.write(text)
         return 0
@@ -61,8 +75,41 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
+def _of_recording(arguments: argparse.Namespace) -> str:
+    from smarttestudo.adapters.rosbag import open_recording  # noqa: PLC0415  needs packages a robot lacks
+    from smarttestudo.composition.profile_recording import profile_of_recording  # noqa: PLC0415
+
+    proposals = _breakpoints(arguments.bag) if arguments.from_curve else None
+    with open_recording(arguments.bag) as recording:
+        text = profile_of_recording(
+            recording, name=arguments.bag.name, patterns=arguments.topics, proposals=proposals
+        )
+        _note(recording.notices())
+    return text
+
+
+def _of_robot(arguments: argparse.Namespace) -> str:
+    name = f"testudo_profile_{os.getpid()}"
+    with open_robot(arguments.ros_args, name=name) as robot, progress("Measuring") as report:
+        measured = profile_of_robot(
+            robot,
+            seconds=arguments.seconds,
+            timeout_s=arguments.timeout,
+            patterns=arguments.topics,
+            steady_s=time.monotonic,
+            report=report,
+        )
+    _note(measured.notices)
+    return measured.text
+
+
+def _note(notices: Iterable[str]) -> None:
+    for notice in notices:
+        print(f"note: {notice}", file=sys.stderr)  # noqa: T201
+
+
 def _breakpoints(bag: Path) -> dict[str, TierProposal]:
-    from smarttestudo.composition.bag_curves import measure_curves  # noqa: PLC0415  see run
+    from smarttestudo.composition.bag_curves import measure_curves  # noqa: PLC0415  see _of_recording
 
     with progress(f"Reading {bag}") as report:
         curves = measure_curves(bag, report=report).curves

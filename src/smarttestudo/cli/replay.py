@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from smarttestudo.adapters.files.decision_log import decision_log
+from smarttestudo.adapters.files.input_log import holds_inputs
 from smarttestudo.adapters.files.profile import load_profile
 from smarttestudo.adapters.files.whole_file import whole_file
 from smarttestudo.cli.finding_text import print_findings
@@ -21,6 +22,7 @@ from smarttestudo.cli.progress import progress
 from smarttestudo.cli.tables import print_table
 from smarttestudo.composition.rule_sets import LoadedRules, load_rules
 from smarttestudo.domain.decision import Decision
+from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.recording import RecordingReader, Storage
 from smarttestudo.pacing.sample import WhenSlow
@@ -38,11 +40,15 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         help="write the recording that an operator would have received under your rules",
         description="Run the loop over a recording in virtual time, and write what it relays as a new one.",
     )
-    parser.add_argument("bag", metavar="BAG", type=Path, help="a rosbag2 folder, a .db3 or an .mcap file")
-    add_rules(parser)
     parser.add_argument(
-        "--output", metavar="DIR", type=Path, required=True, help="the new recording's folder"
+        "bag",
+        metavar="BAG",
+        type=Path,
+        help="a rosbag2 folder, a .db3 or an .mcap file; or what 'testudo run --record-inputs' left, which "
+        "holds its own rules and gives decisions only",
     )
+    add_rules(parser, required=False)
+    parser.add_argument("--output", metavar="DIR", type=Path, help="the new recording's folder")
     _add_options(parser)
     parser.set_defaults(run=run)
 
@@ -69,6 +75,11 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Replay; 1 if the rules have an error."""
+    if holds_inputs(arguments.bag):
+        return _run_inputs(arguments)
+    for option in ("rules", "output"):
+        if getattr(arguments, option) is None:
+            raise UsageError("needed to replay a recording", place=f"--{option}", remedy="see --help")
     from smarttestudo.adapters.rosbag import open_recording  # noqa: PLC0415  needs packages a robot lacks
 
     profile = None if arguments.profile is None else load_profile(arguments.profile)
@@ -81,6 +92,32 @@ def run(arguments: argparse.Namespace) -> int:
         outcome = _replay(arguments, recording, profile or Profile(), rules)
     _print(outcome, as_json=arguments.json)
     return 0
+
+
+def _run_inputs(arguments: argparse.Namespace) -> int:
+    """What a live run saw, decided anew."""
+    from smarttestudo.composition.replay_inputs import replay_inputs  # noqa: PLC0415  see run
+
+    for option in ("rules", "output", "profile", "budget", "report"):
+        if getattr(arguments, option) is not None:
+            cause = f"{arguments.bag} holds recorded inputs, which come with their own rules"
+            raise UsageError(cause, place=f"--{option}", remedy="leave it out")
+    with ExitStack() as opened:
+        decided: Callable[[Sequence[Decision]], None] = _ignore
+        if arguments.decisions is not None:
+            decided = opened.enter_context(decision_log(arguments.decisions))
+        outcome = replay_inputs(arguments.bag, decided)
+    if arguments.json:
+        print(json.dumps(outcome.to_json(), allow_nan=False))  # noqa: T201
+    else:
+        print(f"{outcome.decisions:,} decisions from {outcome.inputs:,} inputs in {outcome.duration_s:.1f} s")  # noqa: T201
+    for notice in outcome.notices:
+        print(f"note: {notice}", file=sys.stderr)  # noqa: T201
+    return 0
+
+
+def _ignore(_: object) -> None:
+    """Nobody wants to know."""
 
 
 def _replay(

@@ -21,9 +21,9 @@ def print_table(table: Table, stream: TextIO | None = None) -> None:
     """Write ``table`` to ``stream`` (default: standard output), no wider than a terminal, whole in a pipe."""
     stream = stream or sys.stdout
     if not stream.isatty():
-        _write(plain_table(table), stream)
-    elif not _is_unicode(stream) or not _print_rich(table, stream):
-        _write(plain_table(table, width=shutil.get_terminal_size().columns), stream)
+        write_text(plain_table(table), stream)
+    elif not is_unicode(stream) or not _print_rich(table, stream):
+        write_text(plain_table(table, width=shutil.get_terminal_size().columns), stream)
 
 
 def _print_rich(table: Table, stream: TextIO) -> bool:
@@ -67,12 +67,13 @@ def _rich_table(table: Table) -> RichTable:
     return shown
 
 
-def _is_unicode(stream: TextIO) -> bool:
+def is_unicode(stream: TextIO) -> bool:
     """Whether ``stream`` takes every character, as one in memory does, which has no encoding."""
     return not stream.encoding or stream.encoding.lower().replace("-", "").startswith("utf")
 
 
-def _write(text: str, stream: TextIO) -> None:
-    if not _is_unicode(stream):
+def write_text(text: str, stream: TextIO) -> None:
+    """Write ``text`` and a line's end; what ``stream`` cannot show is replaced."""
+    if not is_unicode(stream):
         text = text.translate(_ASCII).encode(stream.encoding, "replace").decode(stream.encoding)
     stream.write(text + "\n")

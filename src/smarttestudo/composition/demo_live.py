@@ -13,8 +13,8 @@ from smarttestudo.composition.child_process import ChildProcess, child_process
 from smarttestudo.composition.demo_mission import DECLARED_BYTES
 from smarttestudo.composition.live_decisions import DECISIONS_TOPIC
 from smarttestudo.composition.live_recorder import recorded
+from smarttestudo.composition.monitored_topics import DEFAULT_OUTPUT_TOPIC
 from smarttestudo.composition.replay_topics import output_name
-from smarttestudo.composition.run import DEFAULT_OUTPUT_TOPIC
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.recording import Channel
 from smarttestudo.domain.robot import Robot

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 from smarttestudo.composition.live_status import TOLERANCE_PERCENT
 from smarttestudo.domain.diagnostic import Diagnostic, DiagnosticLevel
@@ -23,17 +24,31 @@ _LEVELS = {
 }
 
 
+@dataclass(frozen=True, slots=True)
+class Health:
+    """How bad it is, what in a few words, and the details where there are any."""
+
+    level: DiagnosticLevel
+    summary: str
+    details: str = ""
+
+    @property
+    def message(self) -> str:
+        """Summary and details."""
+        return f"{self.summary}: {self.details}" if self.details else self.summary
+
+
 def diagnostics(status: RuntimeStatus) -> list[Diagnostic]:
     """One for the node, then one for each topic, under the name of its output."""
     return [_of_node(status), *(_of_topic(status, source) for source in status.topics)]
 
 
 def _of_node(status: RuntimeStatus) -> Diagnostic:
-    level, message = _node_health(status)
+    health = _node_health(status)
     return Diagnostic(
         name=status.node.lstrip("/"),
-        level=level,
-        message=message,
+        level=health.level,
+        message=health.message,
         hardware_id=status.node,
         values={
             "rules": ", ".join(status.rules.paths),
@@ -48,34 +63,42 @@ def _of_node(status: RuntimeStatus) -> Diagnostic:
     )
 
 
-def _node_health(status: RuntimeStatus) -> tuple[DiagnosticLevel, str]:
+def _node_health(status: RuntimeStatus) -> Health:
     if status.floors_break_budget:
-        return DiagnosticLevel.ERROR, "the floors alone are more than the budget"
+        return Health(DiagnosticLevel.ERROR, "the floors alone are more than the budget")
     if status.is_fallback:
-        return DiagnosticLevel.WARN, "no valid rules: everything is relayed at full rate"
-    return DiagnosticLevel.OK, f"relaying {len(status.topics)} topics"
+        return Health(DiagnosticLevel.WARN, "no valid rules: everything is relayed at full rate")
+    return Health(DiagnosticLevel.OK, f"relaying {len(status.topics)} topics")
 
 
 def _of_topic(status: RuntimeStatus, source: str) -> Diagnostic:
     topic = status.topics[source]
-    level, message = _topic_health(topic)
+    health = topic_health(topic)
     return Diagnostic(
         name=topic.output,
-        level=level,
-        message=message,
+        level=health.level,
+        message=health.message,
         hardware_id=status.node,
         values={**_greenwave_values(topic), **_own_values(source, topic)},
     )
 
 
-def _topic_health(topic: TopicStatus) -> tuple[DiagnosticLevel, str]:
+def topic_health(topic: TopicStatus) -> Health:
+    """Whether a topic is relayed as it should be; where nobody receives anything, why."""
+    incompatible = ", ".join(topic.incompatible)
     if topic.silence is not None:
-        return _LEVELS[topic.silence], topic.problem or topic.silence.value
-    if topic.incompatible:
-        return DiagnosticLevel.WARN, f"incompatible QoS: {', '.join(topic.incompatible)}"
+        return Health(_LEVELS[topic.silence], topic.silence.value, _details(topic, incompatible))
+    if incompatible:
+        return Health(DiagnosticLevel.WARN, Silence.INCOMPATIBLE_QOS.value, incompatible)
     if not topic.keeps_rate:
-        return DiagnosticLevel.WARN, f"the rate is {topic.error_percent:+.1f} % off"
-    return DiagnosticLevel.OK, "OK"
+        return Health(DiagnosticLevel.WARN, "rate off", f"{topic.error_percent:+.1f} %")
+    return Health(DiagnosticLevel.OK, "OK")
+
+
+def _details(topic: TopicStatus, incompatible: str) -> str:
+    if topic.silence is Silence.CANNOT_RELAY:
+        return topic.problem or ""
+    return incompatible if topic.silence is Silence.INCOMPATIBLE_QOS else ""
 
 
 def _greenwave_values(topic: TopicStatus) -> Mapping[str, str]:

@@ -52,6 +52,8 @@ class LiveDecisions:
 def decision_line(decision: Decision) -> str:
     """A decision for the log: what changed, and why."""
     planned = decision.planned
+    if decision.is_end:
+        return f"{decision.topic}: no longer relayed ({planned.reason.value})"
     before = "" if decision.from_rate is None else f"{decision.from_rate} → "
     why = planned.reason.value if planned.rule is None else f"{planned.reason.value}: {planned.rule}"
     return f"{decision.topic}: {before}{planned.rate} ({why})"

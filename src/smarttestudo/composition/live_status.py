@@ -81,8 +81,7 @@ class LiveStatus:
         """A message was relayed."""
         meters = self._meters.get(relayed.topic)
         if meters is not None:
-            # A copy: the payload may lie in a buffer that the next message takes.
-            meters.age.note(bytes(relayed.payload[_BEGINNING]), relayed.stamp_ns)
+            meters.age.note(relayed.payload[_BEGINNING], relayed.stamp_ns)
 
     def look(
         self,
@@ -173,6 +172,8 @@ def _error(meters: _Meters, expected_hz: float | None, link: TopicLink) -> _Erro
     actual_hz, span_ns = meters.relayed.rate_hz, meters.relayed.span_ns
     kind = StreamKind.of(type_name=link.type_name or "", transient_local=link.transient_local)
     paces_messages = kind is StreamKind.VOLATILE and not meters.statistics.repeated
+    if expected_hz and paces_messages and meters.relayed.is_silent and not meters.arrived.is_silent:
+        return _Error(-100.0, is_explained=False)
     if not (expected_hz and actual_hz and paces_messages) or span_ns < _ERROR_AFTER_NS:
         return _Error(None, is_explained=True)
     if link.publishers > 1 and actual_hz > expected_hz:

@@ -7,9 +7,9 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Iterable, Mapping
 from dataclasses import dataclass
 
-from smarttestudo.composition.live_decisions import DECISIONS_TOPIC
 from smarttestudo.composition.live_source import LiveSource, live_source, suits
 from smarttestudo.composition.topic_link import TopicLink, topic_link
+from smarttestudo.composition.visible_topics import testudo_nodes
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.observation import SourceChanged, Undecodable
 from smarttestudo.domain.payload import Payload
@@ -67,7 +67,7 @@ class LiveTopics:
 
     def look(self) -> list[SourceChanged]:
         """Follow the graph: what changed since the last look."""
-        testudos = self._testudos()
+        testudos = testudo_nodes(self._robot)
         changes = (self._look_at(topic, testudos) for topic in self._topics)
         return [change for change in changes if change is not None]
 
@@ -95,11 +95,6 @@ class LiveTopics:
             topic: topic_link(self._robot, output, self._sources.get(topic), self._problems.get(topic))
             for topic, output in self._monitored.items()
         }
-
-    def _testudos(self) -> frozenset[str]:
-        """The nodes that relay, this one among them: they publish decisions."""
-        nodes = {endpoint.node for endpoint in self._robot.publishers(DECISIONS_TOPIC)}
-        return frozenset(nodes | {self._robot.name})
 
     def _look_at(self, topic: str, testudos: frozenset[str]) -> SourceChanged | None:
         endpoints = self._robot.publishers(topic)

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from smarttestudo.domain.names import is_topic_name
 from smarttestudo.domain.recording import RecordingReader
@@ -12,20 +12,28 @@ from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.optimizer.profiling.measure import TopicMeasure
 from smarttestudo.optimizer.profiling.proposal import TierProposal
 from smarttestudo.optimizer.profiling.text import profile_text
+from smarttestudo.visualizer.topic_selection import select_topics
 
 
 def profile_of_recording(
-    recording: RecordingReader, *, name: str, proposals: Mapping[str, TierProposal] | None = None
+    recording: RecordingReader,
+    *,
+    name: str,
+    patterns: Sequence[str] = (),
+    proposals: Mapping[str, TierProposal] | None = None,
 ) -> str:
     """The text of a profile of the topics of ``recording``, which is called ``name``.
 
-    Where the recording declares sizes, they count as the messages' sizes. ``proposals`` are tiers by topic.
+    ``patterns`` choose topics (default: all); one that names none is a ``RecordingError``. Where the
+    recording declares sizes, they count as the messages' sizes. ``proposals`` are tiers by topic.
     """
     declared_bytes = recording.declared_bytes
+    known = {channel.topic for channel in recording.channels}
+    chosen = select_topics(patterns, known, place=name) if patterns else known
     measures = {
         channel.topic: TopicMeasure(channel.type_name, is_declared=channel.topic in declared_bytes)
         for channel in recording.channels
-        if is_topic_name(channel.topic)
+        if channel.topic in chosen and is_topic_name(channel.topic)
     }
     for channel, stamp_ns, size_bytes in recording.sizes():
         measure = measures.get(channel.topic)

@@ -6,7 +6,8 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -49,7 +50,8 @@ class ReplayRequest:
     """An opened recording, the rules, and where the monitored recording goes.
 
     ``output_topic`` names monitored topics, with ``{topic}`` for the source's full name. ``decided`` is given
-    decisions in order, some at a time, ``report`` the share of the recording that is done, 0 … 1.
+    decisions in order, some at a time, ``report`` the share of the recording that is done, 0 … 1. Where there
+    is a ``writer``, it takes what is relayed, and no recording is made; ``arrived`` is shown every message.
     """
 
     recording: RecordingReader
@@ -62,6 +64,8 @@ class ReplayRequest:
     budget_kb_per_s: float | None = None
     decided: Callable[[Sequence[Decision]], None] = _ignore
     report: Callable[[float], None] = _ignore
+    writer: RecordingWriter | None = None
+    arrived: Callable[[Channel, int, bytes], None] | None = None
 
 
 def replay(request: ReplayRequest) -> ReplayOutcome:
@@ -84,12 +88,7 @@ def replay(request: ReplayRequest) -> ReplayOutcome:
         for topic, size in recording.declared_bytes.items()
         if topic in topics.outputs
     }
-    with create_recording(
-        request.output,
-        storage=request.storage,
-        declared_bytes=declared_bytes,
-        custom_data=recording.custom_data,
-    ) as writer:
+    with _output(request, declared_bytes) as writer:
         for channel in topics.outputs.values():
             writer.add(channel)
         run = _Run(request, loop, decoder, writer, topics)
@@ -107,6 +106,19 @@ def replay(request: ReplayRequest) -> ReplayOutcome:
         notices=(*absent_topics(rule_set, topics.sources), *recording.notices(), *run.notices()),
         duration_s=(recording.end_ns - recording.start_ns) / NS_PER_S,
         wall_seconds=time.perf_counter() - started_s,
+    )
+
+
+def _output(
+    request: ReplayRequest, declared_bytes: Mapping[str, int]
+) -> AbstractContextManager[RecordingWriter]:
+    if request.writer is not None:
+        return nullcontext(request.writer)
+    return create_recording(
+        request.output,
+        storage=request.storage,
+        declared_bytes=declared_bytes,
+        custom_data=request.recording.custom_data,
     )
 
 
@@ -164,9 +176,11 @@ class _Run:
         loop, declared_bytes = self._loop, self._request.recording.declared_bytes
         sources = self._sources_needed()
         decoded = frozenset(topic for topic in sources if loop.reads(topic))
-        report_ns = 0
+        report_ns, arrived = 0, self._request.arrived
         for channel, stamp_ns, payload in self._request.recording.messages():
             topic = channel.topic
+            if arrived is not None:
+                arrived(channel, stamp_ns, payload)
             if sources.get(topic) is not channel:
                 if topic in sources:
                     self._second_types[topic] += 1

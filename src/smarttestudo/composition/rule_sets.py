@@ -52,7 +52,24 @@ def load_rules(
     bag_topics: Mapping[str, str] | None = None,
     resolve: Resolve = resolve_topic,
 ) -> LoadedRules:
-    """Read, check and compile the rule files at ``paths``, which may be folders.
+    """Read, check and compile the rule files at ``paths``, which may be folders; see ``check_texts``.
+
+    Raises:
+        RuleFileError: a file cannot be read at all, or its levels do not fit the budget.
+        ProfileError: the profile lacks what its levels need.
+    """
+    texts = {str(path): read_rule_text(path) for path in find_rule_files(paths)}
+    return check_texts(texts, profile=profile, bag_topics=bag_topics, resolve=resolve)
+
+
+def check_texts(
+    texts: Mapping[str, str],
+    *,
+    profile: Profile | None = None,
+    bag_topics: Mapping[str, str] | None = None,
+    resolve: Resolve = resolve_topic,
+) -> LoadedRules:
+    """Check and compile rule files, given by path.
 
     ``resolve`` gives topics their full names (default: in the root namespace); ``bag_topics`` are the types
     of a recording's topics.
@@ -60,10 +77,9 @@ def load_rules(
     Quality levels get the rates that the optimizer finds for them in the profile's budget.
 
     Raises:
-        RuleFileError: a file cannot be read at all, or its levels do not fit the budget.
-        ProfileError: the profile lacks what its levels need.
+        RuleFileError: the levels do not fit the budget.
+        ProfileError: the profile lacks what the levels need.
     """
-    texts = {str(path): read_rule_text(path) for path in find_rule_files(paths)}
     results = [parse(text, path) for path, text in texts.items()]
     context = CheckContext(resolve=resolve, profile=profile, bag_topics=bag_topics)
     findings = tuple(check_rules(results, context))

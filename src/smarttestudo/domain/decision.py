@@ -42,7 +42,8 @@ class Decision:
     """One change of a plan: another rate, or another deciding block.
 
     ``t_s`` counts from the loop's start. ``values`` holds what the deciding condition read, by signal
-    name; unknown values are ``None``. ``from_rate`` is ``None`` on the first decision of a topic.
+    name; unknown values are ``None``. ``from_rate`` is ``None`` on the first decision of a topic. ``is_end``:
+    other rules came that do not relay the topic; its planned rate is 0 then.
     """
 
     t_s: float
@@ -51,6 +52,7 @@ class Decision:
     from_rate: Rate | None
     planned: PlannedRate
     values: Mapping[str, float | None]
+    is_end: bool = False
 
     def to_json(self) -> dict[str, object]:
         """The object of one line of the decisions file."""
@@ -67,6 +69,8 @@ class Decision:
         }
         if self.from_rate is None:
             record["start"] = True
+        if self.is_end:
+            record["end"] = True
         return record
 
     @staticmethod
@@ -90,4 +94,5 @@ class Decision:
             values={
                 str(name): None if value is None else float(value) for name, value in record["values"].items()
             },
+            is_end=bool(record.get("end", False)),
         )

@@ -16,6 +16,11 @@ def is_topic_name(name: str) -> bool:
     return len(name) <= MAX_NAME_LENGTH and "__" not in name and _TOPIC.match(name) is not None
 
 
+def is_topic_prefix(text: str) -> bool:
+    """Whether full names can begin with ``text``, as with ``/tb3_0``; nothing is a prefix, too."""
+    return not text or (text.startswith("/") and is_topic_name(text))
+
+
 def resolve_topic(name: str, *, namespace: str = "/", node: str = "smarttestudo", prefix: str = "") -> str:
     """The full name of ``name`` for a node in ``namespace``, with ``prefix`` before it."""
     base = namespace.rstrip("/")

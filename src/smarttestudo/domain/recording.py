@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Protocol
 
+from smarttestudo.domain.utc_time import utc_time
+
 
 class Storage(Enum):
     """The file formats of rosbag2; the value is rosbag2's own name."""
@@ -40,6 +42,15 @@ RecordedMessage = tuple[Channel, int, bytes]
 
 RecordedSize = tuple[Channel, int, int]
 """Channel, receive stamp in ns, bytes of the serialized message."""
+
+RecordedHead = tuple[Channel, int, tuple[int, bytes]]
+"""Channel, receive stamp in ns, bytes of the serialized message and the first of them."""
+
+
+def readable_until(readable_share: float | None, end_ns: int) -> str:
+    """``69 % readable, ends at …`` of what is damaged; without the share where that is not known."""
+    end = f"ends at {utc_time(end_ns)}"
+    return end if readable_share is None else f"{min(round(100 * readable_share), 99)} % readable, {end}"
 
 
 class RecordingReader(Protocol):
@@ -73,6 +84,13 @@ class RecordingReader(Protocol):
     def message_count(self) -> int | None:
         """Messages in the recording, ``None`` while that is unknown."""
 
+    @property
+    def readable_share(self) -> float | None:
+        """About how much of what was once recorded can be read, 0 … 1; known once all of it was read.
+
+        ``None`` where nothing tells how much is missing.
+        """
+
     def messages(self) -> Iterator[RecordedMessage]:
         """All messages in time order; memory does not grow with their number."""
 
@@ -82,8 +100,11 @@ class RecordingReader(Protocol):
         Damage within a payload is not seen then: the message counts with the size that it was written with.
         """
 
+    def heads(self, head_bytes: int) -> Iterator[RecordedHead]:
+        """What ``sizes`` gives, with the first ``head_bytes`` of each payload."""
+
     def notices(self) -> Sequence[str]:
-        """What was lost or odd, one line each; complete once all messages or sizes were read."""
+        """What was lost or odd, one line each; complete once all messages, sizes or heads were read."""
 
 
 class RecordingWriter(Protocol):

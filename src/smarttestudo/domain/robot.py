@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from smarttestudo.domain.diagnostic import Diagnostic
+from smarttestudo.domain.parameter import Accept, Parameter, ParameterValue
 from smarttestudo.domain.payload import Payload
 
 Receive = Callable[[Payload, Hashable], None]
@@ -152,6 +153,24 @@ class Robot(Protocol):
 
     def text_publisher(self, topic: str, qos: Qos) -> Callable[[str], None]:
         """What sends a std_msgs/msg/String on ``topic``; both may raise ``RosError``."""
+
+    def steady_ns(self) -> int:
+        """Time that only goes forward, from an unknown start."""
+
+    def declare(self, parameters: Sequence[Parameter], accept: Accept) -> Mapping[str, ParameterValue]:
+        """Have these parameters, to be called once; their values. Raises ``UsageError`` for a wrong one.
+
+        ``accept`` is asked before any that are open to change take another value.
+        """
+
+    def show(self, name: str, value: ParameterValue) -> None:
+        """Give a parameter another value without asking ``accept``."""
+
+    def offer_trigger(self, name: str, act: Callable[[], str]) -> None:
+        """Offer a std_srvs/srv/Trigger service. Raises ``RosError``.
+
+        It succeeds with the message that ``act`` returns, and fails with its ``TestudoError``.
+        """
 
     def every(self, period_s: float, act: Callable[[], None]) -> None:
         """Have ``act`` called again and again, in real time."""

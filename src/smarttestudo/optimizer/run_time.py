@@ -4,8 +4,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.optimizer.allocation import round_down
@@ -94,6 +94,12 @@ class BudgetKeeper:
     def budget_kb_per_s(self, budget_kb_per_s: float) -> None:
         self._is_stale = self._is_stale or budget_kb_per_s != self._budget_kb_per_s
         self._budget_kb_per_s = budget_kb_per_s
+
+    def change_topics(self, topics: Collection[str]) -> None:
+        """Only ``topics`` count from now on, some perhaps otherwise; the next ``update`` plans anew."""
+        cut_hz = {topic: rate_hz for topic, rate_hz in self._plan.cut_hz.items() if topic in topics}
+        self._plan = replace(self._plan, cut_hz=cut_hz)
+        self._is_stale = True
 
     @property
     def plan(self) -> BudgetPlan:

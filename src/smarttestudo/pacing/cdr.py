@@ -33,11 +33,14 @@ def header_stamp(payload: Payload) -> bytes | None:
     The first ``STAMPED_BYTES`` of it are enough. What comes back are the 8 bytes of sec (int32) and nanosec
     (uint32), always in little endian: equal stamps are equal bytes.
     """
-    order = _byte_order(payload)
-    if order is None or len(payload) < STAMPED_BYTES:
-        return None
-    sec, nanosec = struct.unpack_from(f"{order}iI", payload, HEADER_BYTES)
-    return struct.pack("<iI", sec, nanosec) if nanosec < NS_PER_S else None
+    stamp = _header_stamp(payload)
+    return None if stamp is None else struct.pack("<iI", *stamp)
+
+
+def header_stamp_ns(payload: Payload) -> int | None:
+    """The same in ns since the epoch; ``None``, too, for one that was never set, which is 0."""
+    sec, nanosec = _header_stamp(payload) or (0, 0)
+    return sec * NS_PER_S + nanosec or None
 
 
 def child_frames(payload: Payload) -> tuple[str, ...]:
@@ -76,6 +79,14 @@ class _Transforms(NamedTuple):
     frames: tuple[str, ...]
     layout: struct.Struct
     constant: tuple[bytes, ...]
+
+
+def _header_stamp(payload: Payload) -> tuple[int, int] | None:
+    order = _byte_order(payload)
+    if order is None or len(payload) < STAMPED_BYTES:
+        return None
+    sec, nanosec = struct.unpack_from(f"{order}iI", payload, HEADER_BYTES)
+    return (sec, nanosec) if nanosec < NS_PER_S else None
 
 
 def _byte_order(payload: Payload) -> str | None:

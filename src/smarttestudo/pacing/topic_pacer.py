@@ -83,10 +83,15 @@ class TopicPacer(Pacer):
         """The source turned out to be of another kind: begin anew, and offer again what was held."""
         if kind is self._kind:
             return ()
-        held = self._streams.held()
         self._kind = kind
-        self._streams = self._make_streams()
-        return [passed for sample in held for passed in self.offer(sample, now_ns)]
+        return self._begin_anew(now_ns)
+
+    def set_stale_after(self, stale_after_ns: int | None, now_ns: int, /) -> Sequence[Pass]:
+        """Repeating ends after another time; where it is done, begin anew, and offer again what was held."""
+        if stale_after_ns == self._stale_after_ns:
+            return ()
+        self._stale_after_ns = stale_after_ns
+        return self._begin_anew(now_ns) if self._when_slow is WhenSlow.REPEAT else ()
 
     def forget(self) -> None:
         """The topic has another type now: what is held is of the old one and must not go out."""
@@ -99,6 +104,15 @@ class TopicPacer(Pacer):
     def add_follower(self, follower: Follower) -> None:
         """Tell ``follower`` of each decision on a stamp; after each call here, call its ``wake``."""
         self._announcer.add(follower, self._pace)
+
+    def drop_followers(self) -> None:
+        """Tell nobody of decisions any more."""
+        self._announcer.followers.clear()
+
+    def _begin_anew(self, now_ns: int) -> Sequence[Pass]:
+        held = self._streams.held()
+        self._streams = self._make_streams()
+        return [passed for sample in held for passed in self.offer(sample, now_ns)]
 
     def _see(self, now_ns: int) -> None:
         if now_ns < self._now_ns:

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Hashable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Hashable, Iterator, Mapping, Sequence
 
 from smarttestudo.adirf.rule_set import RuleSet
 from smarttestudo.domain.decision import Decision, PlannedRate
@@ -17,6 +17,8 @@ from smarttestudo.runtime.execute.relay import Relayed
 from smarttestudo.runtime.execute.relays import Relays
 from smarttestudo.runtime.execute.statistics import RelayStatistics
 from smarttestudo.runtime.knowledge.knowledge import Knowledge
+from smarttestudo.runtime.monitor.monitor import meter
+from smarttestudo.runtime.reload import exchange_rules, made_by_reload
 from smarttestudo.runtime.step import step
 
 
@@ -39,7 +41,8 @@ class RelayLoop:
     ) -> None:
         self._knowledge = Knowledge(rule_set, profile, start_ns, budget_kb_per_s)
         self._relays = Relays(rule_set.relayed, profile, when_slow, start_ns)
-        self._observed = self._knowledge.observed
+        self._watched = self._knowledge.watched.keys()
+        self._sources: dict[str, SourceChanged] = {}
         self._decisions: list[Decision] = []
         self._now_ns = start_ns
         self._step_ns: int | None = None
@@ -125,10 +128,13 @@ class RelayLoop:
         # This runs for every message of a robot, so what is seldom needed is asked for without a call.
         freed = self._restarted(now_ns) if now_ns < self._now_ns else ()
         self._now_ns = now_ns
-        if topic in self._observed:
+        if topic in self._watched:
             self._step((Arrival(topic=topic, size_bytes=size_bytes, message=message),), now_ns)
-        elif self._step_ns is not None and self._step_ns <= now_ns:
-            self._step((), now_ns)
+        else:
+            if self._knowledge.link is not None:
+                meter(self._knowledge, topic, size_bytes, now_ns)
+            if self._step_ns is not None and self._step_ns <= now_ns:
+                self._step((), now_ns)
         wake_ns = self._relays.next_wake_ns
         if wake_ns is not None and wake_ns <= now_ns:
             freed = [*freed, *self._relays.wake(now_ns)]
@@ -138,6 +144,7 @@ class RelayLoop:
     def on_source(self, change: SourceChanged, now_ns: int) -> Sequence[Relayed]:
         """The publishers, the durability or the type of a topic changed."""
         restarted = self._restarted(now_ns)
+        self._sources[change.topic] = change
         self._step((change,), now_ns)
         return [*restarted, *self._woken(now_ns), *self._relays.change_source(change, now_ns)]
 
@@ -145,11 +152,30 @@ class RelayLoop:
         """The link carries another budget."""
         restarted = self._restarted(now_ns)
         self._step((budget,), now_ns)
-        self._observed = self._knowledge.observed
         return [*restarted, *self._woken(now_ns)]
 
     def on_wake(self, now_ns: int) -> Sequence[Relayed]:
         """Time passed."""
+        return self._pass_time(now_ns)
+
+    def reload(self, rule_set: RuleSet, profile: Profile, now_ns: int) -> Sequence[Relayed]:
+        """Let other rules and another profile hold from now on.
+
+        What is known of the robot stays, and so do the pacers of topics that are relayed before and after:
+        none of their messages is lost. Sources that the rules did not name before, the driver tells anew.
+        """
+        relayed = [*self._pass_time(now_ns)]
+        self._decisions += exchange_rules(self._knowledge, rule_set, profile, self._sources)
+        self._watched = self._knowledge.watched.keys()
+        relayed += self._relays.change_topics(rule_set.relayed, profile, now_ns)
+        known = {*self._watched, *rule_set.relayed}
+        self._sources = {topic: change for topic, change in self._sources.items() if topic in known}
+        for change in self._sources.values():
+            relayed += self._relays.change_source(change, now_ns)
+        self._step((), now_ns, made_by_reload)
+        return [*relayed, *self._woken(now_ns)]
+
+    def _pass_time(self, now_ns: int) -> Sequence[Relayed]:
         restarted = self._restarted(now_ns)
         if self._step_ns is not None and self._step_ns <= now_ns:
             self._step((), now_ns)
@@ -165,11 +191,16 @@ class RelayLoop:
         """The recording ended at ``now_ns``: what is still held back, each at its time, by the last plan."""
         return self._relays.finish(now_ns)
 
-    def _step(self, observations: Sequence[Observation], now_ns: int) -> None:
+    def _step(
+        self,
+        observations: Sequence[Observation],
+        now_ns: int,
+        told: Callable[[Decision], Decision] | None = None,
+    ) -> None:
         result = step(self._knowledge, observations, now_ns)
         self._step_ns = result.next_wake_ns
         if result.decisions:
-            self._decisions += result.decisions
+            self._decisions += map(told, result.decisions) if told else result.decisions
             self._relays.apply(result.decisions, now_ns)
 
     def _woken(self, now_ns: int) -> Sequence[Relayed]:

@@ -6,12 +6,11 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
-from datetime import datetime, timedelta, timezone
 
 from smarttestudo.domain.recording import Storage
+from smarttestudo.domain.utc_time import utc_time
+from smarttestudo.visualizer.latency import Latency
 from smarttestudo.visualizer.statistics import RecordingSpan, TopicStatistics
-
-_EPOCH = datetime(1970, 1, 1, tzinfo=timezone.utc)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -20,7 +19,7 @@ class BagTopic:
 
     ``qos`` is the offered quality of service in words, empty where the recording does not tell.
     ``longest_gap_s`` is the longest time between two messages, ``jitter_s`` the standard deviation of those
-    times; ``None`` where there are too few messages.
+    times; ``None`` where there are too few messages. ``latency`` is ``None`` where nobody asked for it.
     """
 
     name: str
@@ -29,6 +28,7 @@ class BagTopic:
     statistics: TopicStatistics
     longest_gap_s: float | None
     jitter_s: float | None
+    latency: Latency | None = None
 
     def to_json(self) -> dict[str, object]:
         """The topic's entry in ``--json``."""
@@ -39,6 +39,7 @@ class BagTopic:
             "kbit_per_s": self.statistics.kbit_per_s,
             "longest_gap_s": self.longest_gap_s,
             "jitter_s": self.jitter_s,
+            **(self.latency.to_json() if self.latency else {}),
         }
 
 
@@ -63,12 +64,16 @@ class BagTotal:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BagSummary:
-    """A recording that is called ``name``: its topics, and what was lost or odd, a line each."""
+    """A recording that is called ``name``: its topics, and what was lost or odd, a line each.
+
+    ``readable_share`` is how much of it can be read, 0 … 1, ``None`` where it is damaged and does not tell.
+    """
 
     name: str
     storage: Storage
     span: RecordingSpan
     topics: tuple[BagTopic, ...]
+    readable_share: float | None = 1.0
     notices: tuple[str, ...] = ()
 
     @property
@@ -103,6 +108,7 @@ class BagSummary:
             "start_ns": self.span.start_ns,
             "end_ns": self.span.end_ns,
             "duration_s": self.span.duration_s,
+            "readable_percent": None if self.readable_share is None else 100 * self.readable_share,
             "topics": {topic.name: topic.to_json() for topic in self.topics},
             "total": self.total.to_json(),
             "notices": list(self.notices),
@@ -112,12 +118,3 @@ class BagSummary:
         """One row for each topic, for ``--csv``."""
         for topic in self.topics:
             yield {"bag": self.name, "topic": topic.name, **topic.to_json()}
-
-
-def utc_time(stamp_ns: int) -> str:
-    """``stamp_ns`` as date and time to the millisecond below; in seconds where the calendar ends."""
-    try:
-        time = _EPOCH + timedelta(microseconds=stamp_ns // 1000)
-    except OverflowError:
-        return f"{stamp_ns / 1e9:.3f} s"
-    return f"{time:%Y-%m-%d %H:%M:%S}.{time.microsecond // 1000:03} UTC"

@@ -4,8 +4,10 @@
 
 from __future__ import annotations
 
+from smarttestudo.domain.recording import readable_until
 from smarttestudo.domain.units import BYTES_PER_KB
-from smarttestudo.visualizer.bag_summary import BagSummary, BagTopic, utc_time
+from smarttestudo.domain.utc_time import utc_time
+from smarttestudo.visualizer.bag_summary import BagSummary, BagTopic
 from smarttestudo.visualizer.comparison_tables import BANDWIDTH_NOTE, DECLARED, DECLARED_NOTE
 from smarttestudo.visualizer.table import Align, Cell, Column, Number, Row, Table, Text
 
@@ -15,6 +17,15 @@ _SIZES = Column(heading="Sizes", align=Align.LEFT)
 _RATES_NOTE = (
     "Mean: (n − 1) / (last − first). Binned: mean count of the 1 s bins from first to last message. "
     "Longest gap: between two messages. Jitter: standard deviation of the intervals."
+)
+_LATENCY = (
+    Column(heading="Latency", unit="ms"),
+    Column(heading="p95", unit="ms"),
+    Column(heading="max", unit="ms"),
+)
+_LATENCY_NOTE = (
+    " Latency: receive time − header.stamp, mean, not exceeded by 95 %, and largest, "
+    "of messages that begin with a header."
 )
 
 
@@ -36,7 +47,7 @@ def info_table(bag: BagSummary) -> Table:
     span = bag.span
     return Table(
         title=f"{bag.name}: {bag.storage.value}, {span.duration_s:,.3f} s, {bag.total.messages:,} messages\n"
-        f"from {utc_time(span.start_ns)} to {utc_time(span.end_ns)}",
+        f"from {utc_time(span.start_ns)} to {utc_time(span.end_ns)}{_damage(bag)}",
         columns=(
             _TOPIC,
             Column(heading="Type", align=Align.LEFT),
@@ -51,7 +62,8 @@ def info_table(bag: BagSummary) -> Table:
 
 
 def rates_table(bag: BagSummary) -> Table:
-    """How fast and how evenly each topic came."""
+    """How fast and how evenly each topic came, and how late where that was measured."""
+    has_latency = any(topic.latency is not None for topic in bag.topics)
     return Table(
         title=f"{bag.name}: rates",
         columns=(
@@ -61,22 +73,28 @@ def rates_table(bag: BagSummary) -> Table:
             Column(heading="Binned", unit="Hz"),
             Column(heading="Longest gap", unit="s"),
             Column(heading="Jitter", unit="ms"),
+            *(_LATENCY if has_latency else ()),
         ),
-        rows=tuple(
-            Row(
-                cells=(
-                    Text(topic.name),
-                    Number(topic.statistics.messages, decimals=0),
-                    Number(topic.statistics.mean_hz),
-                    Number(topic.statistics.binned_hz),
-                    Number(topic.longest_gap_s, decimals=3),
-                    Number(None if topic.jitter_s is None else topic.jitter_s * _MS_PER_S),
-                )
-            )
-            for topic in bag.topics
-        ),
-        footnotes=(_RATES_NOTE,),
+        rows=tuple(Row(cells=_rate_cells(topic)) for topic in bag.topics),
+        footnotes=(_RATES_NOTE + _LATENCY_NOTE if has_latency else _RATES_NOTE,),
     )
+
+
+def _rate_cells(topic: BagTopic) -> tuple[Cell, ...]:
+    latency = topic.latency
+    latencies_s = () if latency is None else (latency.mean_s, latency.p95_s, latency.max_s)
+    return (
+        Text(topic.name),
+        Number(topic.statistics.messages, decimals=0),
+        Number(topic.statistics.mean_hz),
+        Number(topic.statistics.binned_hz),
+        Number(topic.longest_gap_s, decimals=3),
+        *(_milliseconds(seconds) for seconds in (topic.jitter_s, *latencies_s)),
+    )
+
+
+def _milliseconds(seconds: float | None) -> Number:
+    return Number(None if seconds is None else seconds * _MS_PER_S)
 
 
 def bandwidth_table(bag: BagSummary) -> Table:
@@ -116,6 +134,13 @@ def bandwidth_table(bag: BagSummary) -> Table:
         rows=(*rows, sum_row),
         footnotes=(BANDWIDTH_NOTE, *_notes(bag)),
     )
+
+
+def _damage(bag: BagSummary) -> str:
+    if bag.readable_share == 1:
+        return ""
+    unknown = "; how much is missing is not known" if bag.readable_share is None else ""
+    return f"\ndamaged: {readable_until(bag.readable_share, bag.span.end_ns)}{unknown}"
 
 
 def _message_kb(topic: BagTopic) -> float | None:

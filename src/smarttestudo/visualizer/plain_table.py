@@ -39,12 +39,14 @@ def plain_table(table: Table, *, width: int | None = None) -> str:
 
 
 def _narrow(widths: list[int], columns: Sequence[Column], width: int) -> None:
-    """Take what is too much from the widest column of words."""
+    """Take what is too much from the widest columns of words."""
     excess = sum(widths) + len(_GAP) * (len(widths) - 1) - width
     words = [index for index, column in enumerate(columns) if column.align is Align.LEFT]
-    if excess > 0 and words:
-        widest = max(words, key=lambda index: widths[index])
-        widths[widest] = max(min(widths[widest], _NARROWEST_TEXT), widths[widest] - excess)
+    for _ in range(excess):
+        widest = max(words, key=lambda index: widths[index], default=None)
+        if widest is None or widths[widest] <= _NARROWEST_TEXT:
+            return
+        widths[widest] -= 1
 
 
 def _line(cells: Sequence[str], widths: Sequence[int], columns: Sequence[Column]) -> str:

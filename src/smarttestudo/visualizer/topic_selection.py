@@ -11,20 +11,33 @@ from fnmatch import fnmatchcase
 from smarttestudo.domain.errors import RecordingError
 
 
-def select_topics(patterns: Sequence[str], known: Collection[str], *, place: str) -> frozenset[str]:
-    """The ``known`` topics that ``patterns`` name, in which ``*``, ``?`` and ``[…]`` match as in a shell.
+def is_selected(topic: str, patterns: Sequence[str]) -> bool:
+    """Whether one of ``patterns`` names ``topic``; ``*``, ``?`` and ``[…]`` match as in a shell."""
+    return any(topic == pattern or fnmatchcase(topic, pattern) for pattern in patterns)
 
-    Raises ``RecordingError`` at ``place`` for a pattern that names none.
+
+def select_topics(
+    patterns: Sequence[str],
+    known: Collection[str],
+    *,
+    place: str,
+    listed_by: str = "`testudo bag info` lists them",
+) -> frozenset[str]:
+    """The ``known`` topics that ``patterns`` name (``is_selected``).
+
+    Raises ``RecordingError`` at ``place`` for a pattern that names none; ``listed_by`` says where to look.
     """
     chosen: set[str] = set()
     for pattern in patterns:
-        named = {topic for topic in known if topic == pattern or fnmatchcase(topic, pattern)}
+        named = {topic for topic in known if is_selected(topic, [pattern])}
         if not named:
-            raise RecordingError(f"no topic {pattern}", place=place, remedy=_remedy(pattern, known))
+            raise RecordingError(
+                f"no topic {pattern}", place=place, remedy=_remedy(pattern, known) or listed_by
+            )
         chosen |= named
     return frozenset(chosen)
 
 
 def _remedy(pattern: str, known: Collection[str]) -> str:
     close = get_close_matches(pattern, sorted(known), n=1)
-    return f"did you mean {close[0]}?" if close else "`testudo bag info` lists them"
+    return f"did you mean {close[0]}?" if close else ""

@@ -37,7 +37,7 @@ def ruler_app(folder: ProjectFolder, access: Access, *, opened: str | None = Non
     listeners = Listeners()
     routes: list[BaseRoute] = [
         *_project_routes(ProjectApi(folder, opened)),
-        *_rule_routes(),
+        *_rule_routes(rules_api.RulesApi()),
         *_profile_routes(ProfileApi(folder)),
         Route("/api/try", TryApi(folder, listeners).answer, methods=["POST"]),
         Route("/api/{path:path}", _no_such_thing, methods=["GET", "POST", "PUT", "DELETE", "PATCH"]),
@@ -60,14 +60,15 @@ def _project_routes(api: ProjectApi) -> Iterable[BaseRoute]:
     yield _route("/api/file", schema.SaveRequest, api.save, method="PUT")
 
 
-def _rule_routes() -> Iterable[BaseRoute]:
-    yield _route("/api/document", schema.DocumentRequest, rules_api.document)
-    yield _route("/api/edit", schema.EditRequest, rules_api.edit)
+def _rule_routes(api: rules_api.RulesApi) -> Iterable[BaseRoute]:
+    yield _route("/api/document", schema.DocumentRequest, api.document)
+    yield _route("/api/edit", schema.EditRequest, api.edit)
     yield _route("/api/format", schema.DocumentRequest, rules_api.format_text)
-    yield _route("/api/fix", schema.FixRequest, rules_api.fix)
+    yield _route("/api/fix", schema.FixRequest, api.fix)
     yield _route("/api/download", schema.DocumentRequest, rules_api.download)
+    yield _route("/api/diff", schema.DifferenceRequest, rules_api.difference)
     yield _route("/api/export", schema.ExportRequest, rules_api.export)
-    yield _route("/api/import", schema.ImportRequest, rules_api.import_rules)
+    yield _route("/api/import", schema.ImportRequest, api.import_rules)
     yield _route("/api/optimize", schema.OptimizeRequest, optimize_api.optimize)
 
 

@@ -181,7 +181,7 @@ def _token_in(scope: Scope) -> str | None:
     if scope["type"] != "http" or scope["path"] != "/":
         return None
     query = parse_qs(scope["query_string"].decode("latin-1"))
-    return query.get("token", [None])[0]
+    return next(iter(query.get("token", ())), None)
 
 
 def _cookie_in(headers: Headers, name: str) -> str | None:

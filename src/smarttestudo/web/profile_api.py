@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from pathlib import Path
 
 from smarttestudo.adapters.files.profile import parse_profile
 from smarttestudo.adapters.files.project_folder import ProjectFolder
@@ -25,7 +26,7 @@ class ProfileApi:
 
     def parse(self, request: schema.ProfileParseRequest) -> schema.ProfileTable:
         """A profile as a table."""
-        table = profile_table.read_table(request.text, request.name)
+        table = profile_table.read_table(request.text, Path(request.name))
         return schema.ProfileTable(
             rows=tuple(
                 schema.ProfileRow(
@@ -61,7 +62,7 @@ class ProfileApi:
             ),
             budget_kb_per_s=request.budget_kb_per_s,
         )
-        return schema.TextAnswer(text=profile_table.write_table(table, request.base_text, request.name))
+        return schema.TextAnswer(text=profile_table.write_table(table, request.base_text, Path(request.name)))
 
     def measure(self, request: schema.ProfileMeasureRequest) -> schema.TextAnswer:
         """A profile measured in a bag."""
@@ -74,7 +75,7 @@ class ProfileApi:
         topics = known_topics(
             profile=None
             if request.profile_text is None
-            else parse_profile(request.profile_text, "the profile"),
+            else parse_profile(request.profile_text, Path("profile.toml")),
             bag_topics={} if request.bag is None else topics_of_bag(self._folder.bag(request.bag)),
             rules=None if request.text is None else parse(request.text, "the rules"),
         )

@@ -4,36 +4,68 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import lru_cache
+
 from smarttestudo.adirf.document import Document, deleted, inserted, moved, read_document, replaced
 from smarttestudo.adirf.formatter import format_rules
-from smarttestudo.composition.ruler.checked_text import Draft, check_text, fixed
+from smarttestudo.adirf.parser import parse
+from smarttestudo.composition.ruler.checked_text import CheckedText, Draft, check_text, fixed
+from smarttestudo.composition.ruler.difference import differences
 from smarttestudo.composition.ruler.sharing import download_text, exported, imported
 from smarttestudo.web import schemas as schema
 from smarttestudo.web.document_json import document_model
 from smarttestudo.web.statement_json import new_statement
 from smarttestudo.web.statement_schemas import DocumentModel
 
-
-def document(request: schema.DocumentRequest) -> DocumentModel:
-    """Statements and findings of a text."""
-    return document_model(check_text(_draft(request)))
+_TEXTS_KEPT = 4
 
 
-def edit(request: schema.EditRequest) -> schema.EditAnswer:
-    """A text with one statement edited."""
-    before = read_document(request.text, request.name)
-    text = _edited(before, request.edit)
-    return _answer(request, text, _edited_number(before, request.edit))
+class RulesApi:
+    """Texts are read and checked once, however often the page asks about the last few."""
+
+    def __init__(self) -> None:
+        self._check: Callable[[Draft], CheckedText] = lru_cache(maxsize=_TEXTS_KEPT)(check_text)
+
+    def document(self, request: schema.DocumentRequest) -> DocumentModel:
+        """Statements and findings of a text."""
+        return document_model(self._check(_draft(request)))
+
+    def edit(self, request: schema.EditRequest) -> schema.EditAnswer:
+        """A text with one statement edited."""
+        before = self._check(_draft(request)).document
+        text = _edited(before, request.edit)
+        return self._answer(request, text, _edited_number(before, request.edit))
+
+    def fix(self, request: schema.FixRequest) -> schema.EditAnswer:
+        """A text with one finding's fix."""
+        text = fixed(self._check(_draft(request)), request.index)
+        return self._answer(request, text, None)
+
+    def import_rules(self, request: schema.ImportRequest) -> schema.EditAnswer:
+        """A text with statements of another one."""
+        before = read_document(request.text, request.name)
+        text = imported(before, read_document(request.other_text, "the imported file"), request.ids)
+        return self._answer(request, text, None)
+
+    def _answer(
+        self,
+        request: schema.EditRequest | schema.FixRequest | schema.ImportRequest,
+        text: str,
+        number: int | None,
+    ) -> schema.EditAnswer:
+        checked = self._check(_draft(request, text))
+        entries = checked.document.entries
+        return schema.EditAnswer(
+            text=text,
+            document=document_model(checked),
+            id=entries[number].id if number is not None and number < len(entries) else None,
+        )
 
 
 def format_text(request: schema.DocumentRequest) -> schema.TextAnswer:
     """A text in the house style; one with errors as it is."""
     return schema.TextAnswer(text=format_rules(request.text, request.name))
-
-
-def fix(request: schema.FixRequest) -> schema.EditAnswer:
-    """A text with one finding's fix."""
-    return _answer(request, fixed(_draft(request), request.index), None)
 
 
 def download(request: schema.DocumentRequest) -> schema.TextAnswer:
@@ -46,11 +78,10 @@ def export(request: schema.ExportRequest) -> schema.TextAnswer:
     return schema.TextAnswer(text=exported(read_document(request.text, request.name), request.ids))
 
 
-def import_rules(request: schema.ImportRequest) -> schema.EditAnswer:
-    """A text with statements of another one."""
-    before = read_document(request.text, request.name)
-    text = imported(before, read_document(request.other_text, "the imported file"), request.ids)
-    return _answer(request, text, None)
+def difference(request: schema.DifferenceRequest) -> schema.DifferenceAnswer:
+    """What differs between two texts, in words."""
+    old, new = parse(request.old_text, "before"), parse(request.new_text, "after")
+    return schema.DifferenceAnswer(changes=differences(old, new))
 
 
 def _draft(
@@ -99,15 +130,3 @@ def _number_at(before: Document, collection: str, index: int, *, without: str | 
             break
         number += sum(entry.id != without for entry in part.entries)
     return number + index
-
-
-def _answer(
-    request: schema.EditRequest | schema.FixRequest | schema.ImportRequest, text: str, number: int | None
-) -> schema.EditAnswer:
-    checked = check_text(_draft(request, text))
-    entries = checked.document.entries
-    return schema.EditAnswer(
-        text=text,
-        document=document_model(checked),
-        id=entries[number].id if number is not None and number < len(entries) else None,
-    )

@@ -338,6 +338,19 @@ class ImportRequest(Struct, frozen=True, kw_only=True):
     profile_name: str = "profile.toml"
 
 
+class DifferenceRequest(Struct, frozen=True, kw_only=True):
+    """``POST /api/diff`` → ``DifferenceAnswer``: what differs for a robot between two texts."""
+
+    old_text: str
+    new_text: str
+
+
+class DifferenceAnswer(Struct, frozen=True, kw_only=True):
+    """Sentences such as ``Corridor: /scan 4 → 6 Hz``; none where only the layout differs."""
+
+    changes: tuple[str, ...]
+
+
 class TryRequest(Struct, frozen=True, kw_only=True):
     """``POST /api/try`` → ``TryAnswer``; ``run`` names the try in ``Progress`` messages of ``/ws``."""
 
@@ -365,8 +378,8 @@ class TryTopic(Struct, frozen=True, kw_only=True):
 class TryAnswer(Struct, frozen=True, kw_only=True):
     """What the rules would have done to a bag; ``percent`` is how much less was sent.
 
-    ``decisions`` are as in a decision log, ``path`` is ``[seconds, x, y]`` in metres where the bag has
-    odometry.
+    ``decisions`` are as in a decision log, the first 2000 of ``decision_count``; ``path`` is
+    ``[seconds, x, y]`` in metres where the bag has odometry.
     """
 
     duration_s: float
@@ -375,7 +388,7 @@ class TryAnswer(Struct, frozen=True, kw_only=True):
     after_kb: float
     percent: float
     decisions: tuple[dict[str, object], ...]
-    has_more_decisions: bool
+    decision_count: int
     topics: tuple[TryTopic, ...]
     path: tuple[tuple[float, float, float], ...]
     notices: tuple[str, ...]

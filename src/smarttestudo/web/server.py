@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import socket
 from collections.abc import Callable
 
@@ -34,7 +35,10 @@ def serve(
         names = frozenset({socket.gethostname(), f"{socket.gethostname()}.local"})
         access = Access.at(host, listener.getsockname()[1], names=names)
         started(access)
-        server_of(ruler_app(folder, access, opened=opened)).run(sockets=[listener])
+        server = server_of(ruler_app(folder, access, opened=opened))
+        # Ctrl-C is how a server ends: uvicorn raises it again once it has ended well.
+        with contextlib.suppress(KeyboardInterrupt):
+            server.run(sockets=[listener])
 
 
 def server_of(app: ASGIApp) -> uvicorn.Server:
@@ -64,7 +68,7 @@ def listening(host: str, port: int) -> socket.socket:
             listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
             listener.bind((host, port))
             listener.listen()
-        except OSError:
+        except (OSError, OverflowError):
             listener.close()
             raise
     except (OSError, OverflowError) as error:

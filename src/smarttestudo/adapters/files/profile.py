@@ -12,7 +12,7 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from smarttestudo.adapters.files.toml_text import KeyPath, parse_toml, read_toml
+from smarttestudo.adapters.files.toml_text import KeyPath, parse_toml, read_toml_text
 from smarttestudo.domain.errors import ProfileError
 from smarttestudo.domain.names import is_topic_name, resolve_topic
 from smarttestudo.domain.profile import LevelUnit, Profile, TopicProfile
@@ -25,18 +25,17 @@ def load_profile(path: Path) -> Profile:
 
     Raises ``ProfileError`` for the first key that is unknown or holds a value that it cannot.
     """
-    values, lines = read_toml(path)
-    return _ProfileReader(path=str(path), lines=lines).profile(values)
+    return parse_profile(read_toml_text(path), path)
 
 
-def parse_profile(text: str, path: str) -> Profile:
-    """The profile ``text``, which errors call ``path``; otherwise as ``load_profile``."""
+def parse_profile(text: str, path: Path) -> Profile:
+    """The profile in ``text``, which is that of ``path``; see ``load_profile``."""
     values, lines = parse_toml(text, path)
     return _ProfileReader(path=path, lines=lines).profile(values)
 
 
 class _ProfileReader:
-    def __init__(self, *, path: str, lines: Mapping[KeyPath, int]) -> None:
+    def __init__(self, *, path: Path, lines: Mapping[KeyPath, int]) -> None:
         self._path = path
         self._lines = lines
         self._top: dict[str, Callable[[KeyPath, object], object]] = {
@@ -59,7 +58,7 @@ class _ProfileReader:
 
     def profile(self, values: Mapping[str, object]) -> Profile:
         read: dict[str, Any] = self._table((), values, self._top)
-        return Profile(path=self._path, **read)
+        return Profile(path=str(self._path), **read)
 
     def _table(
         self, at: KeyPath, values: object, readers: Mapping[str, Callable[[KeyPath, object], object]]
@@ -145,7 +144,7 @@ class _ProfileReader:
         known = next(
             (self._lines[at[:end]] for end in range(len(at), 0, -1) if at[:end] in self._lines), None
         )
-        place = f"{self._path}:{known}:1" if known else self._path
+        place = f"{self._path}:{known}:1" if known else str(self._path)
         return ProfileError(cause, place=place, remedy=remedy)
 
 

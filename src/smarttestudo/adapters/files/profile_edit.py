@@ -7,6 +7,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
 
 from smarttestudo.adapters.files.toml_text import KeyPath, parse_toml
 from smarttestudo.domain.errors import ProfileError
@@ -19,7 +20,7 @@ _TOPICS = "topics"
 
 
 def edited_profile(
-    text: str, path: str, top: Mapping[str, Value], topics: Mapping[str, Mapping[str, Value]]
+    text: str, path: Path, top: Mapping[str, Value], topics: Mapping[str, Mapping[str, Value]]
 ) -> str:
     """``text`` with the keys ``top`` and, by the name that the text has for them, those of ``topics``.
 
@@ -29,6 +30,8 @@ def edited_profile(
     one by one (inline tables, dotted keys).
     """
     values, lines = parse_toml(text, path)
+    if _wanted(values, top, topics) == values:
+        return text
     edited = _Editor(text, lines).edit(values, top, topics)
     try:
         after, _ = parse_toml(edited, path)
@@ -39,10 +42,10 @@ def edited_profile(
     return edited
 
 
-def _too_free(path: str) -> ProfileError:
+def _too_free(path: Path) -> ProfileError:
     return ProfileError(
         "the profile is written in a way that a table cannot edit",
-        place=path,
+        place=str(path),
         remedy='write each topic as a table of its own, [topics."/odom"], or edit the text',
     )
 
@@ -71,6 +74,7 @@ class _Editor:
         self._ending = "\r\n" if "\r\n" in text else "\n"
         self._lines: list[str | None] = list(text.splitlines())
         self._behind: dict[int, list[str]] = {}
+        self._new_tables: list[str] = []
         self._places = lines
         self._headers = sorted(lines[key] for key in lines if self._is_header(lines[key]))
 
@@ -172,9 +176,10 @@ class _Editor:
             self._lines[number - 1] = None
 
     def _add_table(self, name: str, keys: Mapping[str, Value]) -> None:
-        lines = ["", f"[{_TOPICS}.{json.dumps(name)}]"]
-        lines += [f"{key} = {toml_value(value)}" for key, value in keys.items() if value is not None]
-        self._behind.setdefault(len(self._lines), []).extend(lines)
+        self._new_tables += ["", f"[{_TOPICS}.{json.dumps(name)}]"]
+        self._new_tables += [
+            f"{key} = {toml_value(value)}" for key, value in keys.items() if value is not None
+        ]
 
     def _text(self) -> str:
         lines = list(self._all_lines())
@@ -188,6 +193,7 @@ class _Editor:
             if line is not None:
                 yield line
             yield from self._behind.get(number, ())
+        yield from self._new_tables
 
 
 def toml_value(value: str | float | Sequence[float]) -> str:

@@ -36,11 +36,19 @@ def _files_at(path: Path) -> list[Path]:
         raise RuleFileError("there is no such file", place=str(path), remedy="check the path")
     if not path.is_dir():
         return [path]
-    files = sorted(file for file in path.glob(f"*{SUFFIX}") if file.is_file())
+    files = rule_files_in(path)
     if not files:
         remedy = f"give a file, or a folder with *{SUFFIX} files"
         raise RuleFileError("the folder holds no rule files", place=str(path), remedy=remedy)
     return files
+
+
+def rule_files_in(folder: Path) -> list[Path]:
+    """The rule files directly in ``folder``, sorted; none where it is no folder or cannot be listed."""
+    try:
+        return sorted(file for file in folder.glob(f"*{SUFFIX}") if file.is_file())
+    except OSError:
+        return []
 
 
 def read_rule_text(path: Path) -> str:

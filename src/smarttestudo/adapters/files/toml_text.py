@@ -22,31 +22,26 @@ _KEY = re.compile(r"\s*([A-Za-z0-9_.\"'/-]+)\s*=")
 _AT_LINE = re.compile(r"(.*) \(at line (\d+), column (\d+)\)\Z", re.DOTALL)
 
 
-def read_toml(path: Path) -> tuple[dict[str, object], dict[KeyPath, int]]:
-    """The values of the file at ``path``, and the line of each table and key by its path.
+def parse_toml(text: str, path: Path) -> tuple[dict[str, object], dict[KeyPath, int]]:
+    """The values in ``text``, which is that of ``path``, and the line of each table and key by its path.
 
-    Raises ``ProfileError`` with the place for a file that cannot be read or is no TOML.
-    """
-    return parse_toml(_read_text(path), str(path))
-
-
-def parse_toml(text: str, path: str) -> tuple[dict[str, object], dict[KeyPath, int]]:
-    """The values of ``text``, which errors call ``path``, and the line of each table and key by its path.
-
-    Raises ``ProfileError`` with the place for a text that is no TOML.
+    Raises ``ProfileError`` with the place for what is no TOML.
     """
     try:
         values: dict[str, object] = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         matched = _AT_LINE.match(str(error))
-        cause, place = (matched[1], f"{path}:{matched[2]}:{matched[3]}") if matched else (str(error), path)
+        cause, place = (
+            (matched[1], f"{path}:{matched[2]}:{matched[3]}") if matched else (str(error), str(path))
+        )
         raise ProfileError(f"not valid TOML: {cause}", place=place) from error
     except RecursionError as error:
-        raise ProfileError("the values nest too deep", place=path) from error
+        raise ProfileError("the values nest too deep", place=str(path)) from error
     return values, _lines_of_keys(text)
 
 
-def _read_text(path: Path) -> str:
+def read_toml_text(path: Path) -> str:
+    """The text of the file at ``path``. Raises ``ProfileError`` where it cannot be read."""
     try:
         with path.open("rb") as file:
             data = file.read(MAX_PROFILE_BYTES + 1)

@@ -17,10 +17,13 @@ from rclpy.signals import SignalHandlerOptions
 
 from smarttestudo.adapters.ros.diagnostics import diagnostics_publisher
 from smarttestudo.adapters.ros.message_types import begins_with_header, message_type
+from smarttestudo.adapters.ros.parameters import NodeParameters
 from smarttestudo.adapters.ros.qos import is_reliable, is_transient_local, qos_profile
 from smarttestudo.adapters.ros.rclpy_path import RclpyPath, ros_errors
+from smarttestudo.adapters.ros.services import offer_trigger
 from smarttestudo.domain.diagnostic import Diagnostic
 from smarttestudo.domain.errors import RosError, UsageError
+from smarttestudo.domain.parameter import Accept, Parameter, ParameterValue
 from smarttestudo.domain.robot import DataPath, Endpoint, Qos, RobotLog
 from smarttestudo.domain.units import NS_PER_S
 
@@ -58,6 +61,7 @@ class RosNode:
         self._clock = node.get_clock()
         self._steady = Clock(clock_type=ClockType.STEADY_TIME)
         self._data_path = RclpyPath(node)
+        self._parameters = NodeParameters(node)
 
     @property
     def name(self) -> str:
@@ -121,6 +125,23 @@ class RosNode:
                 publisher.publish(text_type(data=text))
 
         return publish
+
+    def steady_ns(self) -> int:
+        """Time that only goes forward, from an unknown start."""
+        nanoseconds: int = self._steady.now().nanoseconds
+        return nanoseconds
+
+    def declare(self, parameters: Sequence[Parameter], accept: Accept) -> Mapping[str, ParameterValue]:
+        """Have these parameters, to be called once; their values. Raises ``UsageError`` for a wrong one."""
+        return self._parameters.declare(parameters, accept)
+
+    def show(self, name: str, value: ParameterValue) -> None:
+        """Give a parameter another value without asking anyone."""
+        self._parameters.show(name, value)
+
+    def offer_trigger(self, name: str, act: Callable[[], str]) -> None:
+        """Offer a std_srvs/srv/Trigger service that calls ``act``. Raises ``RosError``."""
+        offer_trigger(self._node, name, act)
 
     def every(self, period_s: float, act: Callable[[], None]) -> None:
         """Have ``act`` called again and again, in real time."""

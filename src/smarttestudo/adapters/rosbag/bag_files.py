@@ -19,10 +19,11 @@ _EXPECTED = "give a rosbag2 folder, a .db3 or an .mcap file"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BagFiles:
-    """The storage files of a bag, what its metadata says, and what is odd about it."""
+    """The storage files of a bag, those that are gone, what its metadata says, and what is odd about it."""
 
     paths: tuple[Path, ...]
     metadata: BagMetadata
+    missing: tuple[Path, ...] = ()
     notices: tuple[str, ...] = ()
 
 
@@ -80,8 +81,10 @@ def _in_folder(folder: Path) -> BagFiles:
     require_known_formats(metadata, folder)
     named = [folder / name for name in metadata.file_names]
     present = tuple(path for path in named if path.is_file())
-    notices = tuple(f"{path}: missing, though the metadata name it" for path in named if path not in present)
-    return BagFiles(paths=present or _storage_files(folder), metadata=metadata, notices=notices)
+    missing = tuple(path for path in named if path not in present)
+    notices = tuple(f"{path}: missing, though the metadata name it" for path in missing)
+    paths = present or _storage_files(folder)
+    return BagFiles(paths=paths, missing=missing, metadata=metadata, notices=notices)
 
 
 def _storage_files(folder: Path) -> tuple[Path, ...]:

@@ -5,8 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import closing
-from itertools import islice
+from functools import partial
 from pathlib import Path
 from typing import cast
 
@@ -15,6 +14,7 @@ from rosbags.rosbag2 import Reader
 
 from smarttestudo.adapters.rosbag.definitions import normal_definition
 from smarttestudo.adapters.rosbag.qos import is_transient_local
+from smarttestudo.adapters.rosbag.recovery import Recovery
 from smarttestudo.adapters.rosbag.stored_file import ChannelsByNumber, Outline, StoredFile
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import Channel, RecordedMessage
@@ -30,9 +30,7 @@ class IntactFile:
 
     def __init__(self, path: Path, recover: Callable[[Path], StoredFile], outline: OutlineReader) -> None:
         self._path = path
-        self._recover = recover
         self._outline = outline
-        self._notices: Sequence[str] = ()
         try:
             self._reader = Reader(path)
             self._reader.open()
@@ -43,21 +41,11 @@ class IntactFile:
         }
         self.start_ns = self._reader.start_time
         self.end_ns = self._reader.end_time - 1
-        self.message_count = self._reader.message_count
+        self._recovery = Recovery(partial(recover, path), self._reader.message_count)
 
     def messages(self, channels: ChannelsByNumber) -> Iterator[RecordedMessage]:
         """All messages in time order, each with its one of ``channels``."""
-        delivered = 0
-        try:
-            for connection, stamp_ns, payload in self._reader.messages():
-                if not (isinstance(stamp_ns, int) and isinstance(payload, bytes)):
-                    raise TypeError("a message without stamp or payload")  # noqa: TRY301 - it is damage, too
-                yield channels[connection.id], stamp_ns, payload
-                delivered += 1
-        except Exception as error:  # noqa: BLE001 - see __init__; what is behind the damage is read otherwise
-            with closing(self._recover(self._path)) as recovered:
-                yield from islice(recovered.messages(channels), delivered, None)
-                self._notices = recovered.notices() or [f"damaged: {error}"]
+        return self._recovery.continued(self._as_stored(channels), channels)
 
     def outlines(self, channels: ChannelsByNumber, head_bytes: int) -> Iterator[Outline]:
         """The outlines of ``messages``, without reading payloads."""
@@ -65,11 +53,27 @@ class IntactFile:
 
     def notices(self) -> Sequence[str]:
         """What was lost, once all messages were read."""
-        return self._notices
+        return self._recovery.notices
+
+    @property
+    def message_count(self) -> int:
+        """Messages that can be read, as far as that is known."""
+        return self._recovery.message_count
+
+    @property
+    def readable_share(self) -> float | None:
+        """1, unless reading all messages met damage."""
+        return self._recovery.readable_share
 
     def close(self) -> None:
         """Let go of the file."""
         self._reader.close()
+
+    def _as_stored(self, channels: ChannelsByNumber) -> Iterator[RecordedMessage]:
+        for connection, stamp_ns, payload in self._reader.messages():
+            if not (isinstance(stamp_ns, int) and isinstance(payload, bytes)):
+                raise TypeError("a message without stamp or payload")
+            yield channels[connection.id], stamp_ns, payload
 
 
 def _channel(connection: Connection) -> Channel:

@@ -60,15 +60,24 @@ class MessageHeader:
 class RecordReader:
     """Walks over the records of a file and reads those that hold messages or describe them.
 
-    ``cut_off_at`` is the byte at which the file stops making sense, ``None`` while it does;
-    ``damaged_chunks`` counts the chunks that no message could be taken from.
+    ``cut_off_at`` is the byte at which the file stops making sense, ``None`` while it does.
     """
 
     def __init__(self, file: BinaryIO) -> None:
         self._file = file
         self.file_bytes = file.seek(0, 2)
         self.cut_off_at: int | None = None
-        self.damaged_chunks = 0
+        self._damaged_bytes_at: dict[int, int] = {}
+
+    @property
+    def damaged_chunks(self) -> int:
+        """Chunks that no message could be taken from, so far."""
+        return len(self._damaged_bytes_at)
+
+    @property
+    def damaged_bytes(self) -> int:
+        """The bytes of these chunks."""
+        return sum(self._damaged_bytes_at.values())
 
     def places(self) -> Iterator[RecordPlace]:
         """Every schema, channel, message and chunk up to the footer; the last may be cut off."""
@@ -101,7 +110,7 @@ class RecordReader:
         try:
             records = chunk_content(content, is_whole=len(content) == place.size_bytes)
         except BROKEN:
-            self.damaged_chunks += 1
+            self._damaged_bytes_at[place.offset] = len(content)
             return
         yield from _records_in(records)
 
@@ -109,20 +118,50 @@ class RecordReader:
         """What ``read`` gave for the record whose content starts at ``offset``."""
         return self.read(self._place_at(offset))
 
-    def header(self, place: RecordPlace, head_bytes: int = 0) -> MessageHeader | None:
-        """The message at ``place`` without its payload; ``None`` if it is another record, or not whole."""
+    def heads(self, place: RecordPlace, head_bytes: int = 0) -> Iterator[McapRecord | MessageHeader]:
+        """What ``read`` gives, without the payloads of messages; damage in them is not seen then."""
+        if place.opcode == Opcode.MESSAGE:
+            yield from self._message_header(place, head_bytes)
+            return
+        plain = self._plain_records(place) if place.opcode == Opcode.CHUNK else None
+        hopped = None if plain is None else self._hopped(plain, place, head_bytes)
+        for record in self.read(place) if hopped is None else hopped:
+            yield _header_of(record, head_bytes) if isinstance(record, Message) else record
+
+    def heads_at(self, offset: int, head_bytes: int) -> Iterator[McapRecord | MessageHeader]:
+        """What ``heads`` gives for the record whose content starts at ``offset``."""
+        return self.heads(self._place_at(offset), head_bytes)
+
+    def _message_header(self, place: RecordPlace, head_bytes: int) -> Iterator[MessageHeader]:
+        """The message at ``place`` without its payload; nothing if it is not whole."""
         payload_bytes = place.size_bytes - _MESSAGE_HEADER.size
-        is_whole = place.offset + place.size_bytes <= self.file_bytes
-        if place.opcode != Opcode.MESSAGE or payload_bytes < 0 or not is_whole:
-            return None
+        if payload_bytes < 0 or place.offset + place.size_bytes > self.file_bytes:
+            return
         content = self._read_at(place.offset, _MESSAGE_HEADER.size + min(head_bytes, payload_bytes))
         channel_id, _, log_time, _ = _MESSAGE_HEADER.unpack_from(content)
         head = content[_MESSAGE_HEADER.size :]
-        return MessageHeader(channel_id=channel_id, log_time=log_time, payload_bytes=payload_bytes, head=head)
+        yield MessageHeader(channel_id=channel_id, log_time=log_time, payload_bytes=payload_bytes, head=head)
 
-    def header_at(self, offset: int, head_bytes: int) -> MessageHeader | None:
-        """What ``header`` gives for the record whose content starts at ``offset``."""
-        return self.header(self._place_at(offset), head_bytes)
+    def _plain_records(self, chunk: RecordPlace) -> int | None:
+        """Where the records of a chunk begin that is not compressed, else ``None``."""
+        fixed = self._read_at(chunk.offset, _CHUNK_FIXED_BYTES)
+        is_plain = len(fixed) == _CHUNK_FIXED_BYTES and not int.from_bytes(fixed[28:32], "little")
+        return chunk.offset + _CHUNK_FIXED_BYTES if is_plain else None
+
+    def _hopped(
+        self, start: int, chunk: RecordPlace, head_bytes: int
+    ) -> list[McapRecord | MessageHeader] | None:
+        """The heads of the records from ``start`` to the end of ``chunk``; ``None`` if they do not fit it."""
+        end = chunk.offset + chunk.size_bytes
+        heads: list[McapRecord | MessageHeader] = []
+        while start + _FRAME.size <= min(end, self.file_bytes):
+            opcode, size_bytes = _FRAME.unpack(self._read_at(start, _FRAME.size))
+            start += _FRAME.size
+            if opcode in _CONTENT and opcode != Opcode.CHUNK:
+                place = RecordPlace(opcode=opcode, offset=start, size_bytes=size_bytes)
+                heads += self.heads(place, head_bytes)
+            start += size_bytes
+        return heads if start == end or end > self.file_bytes else None
 
     def _place_at(self, offset: int) -> RecordPlace:
         opcode, size_bytes = _FRAME.unpack(self._read_at(offset - _FRAME.size, _FRAME.size))
@@ -131,6 +170,15 @@ class RecordReader:
     def _read_at(self, offset: int, size: int) -> bytes:
         self._file.seek(offset)
         return self._file.read(size)
+
+
+def _header_of(message: Message, head_bytes: int) -> MessageHeader:
+    return MessageHeader(
+        channel_id=message.channel_id,
+        log_time=message.log_time,
+        payload_bytes=len(message.data),
+        head=message.data[:head_bytes],
+    )
 
 
 def chunk_content(chunk: bytes, *, is_whole: bool) -> bytes:

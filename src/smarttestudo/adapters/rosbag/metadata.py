@@ -30,9 +30,13 @@ _WRONG_SHAPE = (YAMLError, LookupError, TypeError, ValueError, AttributeError, R
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BagMetadata:
-    """The storage files in order, the channels with their QoS, and the author's own notes."""
+    """The storage files in order, the channels with their QoS, and the author's own notes.
+
+    ``message_count`` is 0 where it does not tell.
+    """
 
     file_names: tuple[str, ...] = ()
+    message_count: int = 0
     channels: tuple[Channel, ...] = ()
     custom_data: Mapping[str, str] = field(default_factory=dict)
     storage: str = ""
@@ -102,6 +106,7 @@ def _metadata(values: Mapping[str, Any]) -> BagMetadata:
     return BagMetadata(
         # Up to version 3, the names began with the bag's folder.
         file_names=tuple(PurePosixPath(str(name)).name for name in values["relative_file_paths"]),
+        message_count=int(values.get("message_count") or 0),
         channels=tuple(_channel(topic, qos.read(topic.get("offered_qos_profiles"))) for topic in topics),
         custom_data={str(key): str(value) for key, value in (values.get("custom_data") or {}).items()},
         storage=str(values["storage_identifier"]),

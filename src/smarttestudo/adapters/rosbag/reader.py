@@ -33,7 +33,8 @@ def open_recording(path: Path) -> Iterator[RecordingReader]:
         notices = list(bag.notices)
         parts = _open_parts(bag, opened, notices)
         metadata = bag.metadata if bag.metadata.file_names else _metadata_within(parts)
-        yield RosbagRecording(parts, metadata, notices)
+        lacks_files = bool(bag.missing) or len(parts) < len(bag.paths)
+        yield RosbagRecording(parts, metadata, notices, lacks_files=lacks_files)
 
 
 def _open_parts(bag: BagFiles, opened: ExitStack, notices: list[str]) -> Sequence[RecordingPart]:
@@ -56,12 +57,14 @@ def _try_part(path: Path, opened: ExitStack, notices: list[str]) -> RecordingPar
 def _open_part(path: Path, opened: ExitStack, notices: list[str]) -> RecordingPart:
     try:
         require_bag_file(path)
-        storage_path = _unpacked(path, opened, notices) if is_packed(path) else path
-        file = open_storage_file(storage_path)
+        storage_path, whole_bytes = path, None
+        if is_packed(path):
+            storage_path = _unpacked(path, opened, notices)
+            whole_bytes = zstd_files.unpacked_file_bytes(path)
+        file = open_storage_file(storage_path, whole_bytes)
     except OSError as error:
         raise RecordingError(f"cannot be read: {error.strerror}", place=str(path)) from error
     opened.callback(file.close)
-    notices.extend(_unmerged_log(path))
     return RecordingPart(path=path, storage_path=storage_path, file=file)
 
 
@@ -79,20 +82,10 @@ def _unpacked(path: Path, opened: ExitStack, notices: list[str]) -> Path:
     return target
 
 
-def _unmerged_log(path: Path) -> Iterator[str]:
-    """A notice if SQLite left messages in a log beside the file, as a recorder that crashed does."""
-    log = path.with_name(f"{path.name}-wal")
-    if path.suffix == ".db3" and log.is_file() and log.stat().st_size:
-        yield (
-            f"{path}: {log.name} beside it holds what is not in it yet, and was left out; "
-            f"`sqlite3 {path.name} 'PRAGMA wal_checkpoint'` takes it in"
-        )
-
-
 def _metadata_within(parts: Sequence[RecordingPart]) -> BagMetadata:
     """The metadata that a storage file carries, without its list of files."""
     for part in parts:
         metadata = embedded_metadata(part.storage_path)
         if metadata is not None:
-            return replace(metadata, file_names=())
+            return replace(metadata, file_names=(), message_count=0)
     return BagMetadata()

@@ -6,8 +6,10 @@ from __future__ import annotations
 
 import heapq
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from itertools import chain, islice
 from operator import itemgetter
 from pathlib import Path
@@ -19,7 +21,7 @@ from smarttestudo.adapters.rosbag.custom_data import declared_bytes_in
 from smarttestudo.adapters.rosbag.metadata import BagMetadata
 from smarttestudo.adapters.rosbag.stored_file import ChannelsByNumber, OutlineError, StoredFile
 from smarttestudo.domain.errors import RecordingError
-from smarttestudo.domain.recording import Channel, RecordedMessage, RecordedSize, Storage
+from smarttestudo.domain.recording import Channel, RecordedHead, RecordedMessage, RecordedSize, Storage
 
 _T = TypeVar("_T")
 
@@ -36,8 +38,17 @@ class RecordingPart:
 class RosbagRecording:
     """A ``RecordingReader`` over storage files that may overlap in time."""
 
-    def __init__(self, parts: Sequence[RecordingPart], metadata: BagMetadata, notices: Sequence[str]) -> None:
+    def __init__(
+        self,
+        parts: Sequence[RecordingPart],
+        metadata: BagMetadata,
+        notices: Sequence[str],
+        *,
+        lacks_files: bool = False,
+    ) -> None:
         self._parts = parts
+        self._promised_messages = metadata.message_count
+        self._lacks_files = lacks_files
         self._notices = list(notices)
         self._broken: Counter[str] = Counter()
         self.storage = Storage.MCAP if parts[0].storage_path.suffix == ".mcap" else Storage.SQLITE3
@@ -49,7 +60,25 @@ class RosbagRecording:
         filled = [part.file for part in parts if part.file.message_count]
         self.start_ns = min((file.start_ns for file in filled), default=0)
         self.end_ns = max((file.end_ns for file in filled), default=0)
-        self.message_count: int | None = sum(file.message_count for file in filled)
+
+    @property
+    def message_count(self) -> int | None:
+        """Messages that can be read, as far as that is known."""
+        return sum(part.file.message_count for part in self._parts)
+
+    @property
+    def readable_share(self) -> float | None:
+        """By the metadata's count of messages, or else by what each damaged file tells."""
+        files = [part.file for part in self._parts]
+        if not self._lacks_files and all(file.readable_share == 1 for file in files):
+            return 1.0
+        readable = sum(file.message_count for file in files)
+        promised: float | None = None
+        if self._promised_messages >= readable:
+            promised = self._promised_messages
+        elif not self._lacks_files:
+            promised = _messages_once(files)
+        return readable / promised if promised else None
 
     def messages(self) -> Iterator[RecordedMessage]:
         """All messages in time order; memory does not grow with their number."""
@@ -58,6 +87,10 @@ class RosbagRecording:
     def sizes(self) -> Iterator[RecordedSize]:
         """What ``messages`` gives, with each payload's size in its place and as far as possible unread."""
         return self._in_time_order(self._sizes_of)
+
+    def heads(self, head_bytes: int) -> Iterator[RecordedHead]:
+        """What ``messages`` gives, of each payload its size and the first ``head_bytes``."""
+        return self._in_time_order(partial(self._heads_of, head_bytes=head_bytes))
 
     def notices(self) -> Sequence[str]:
         """What was lost or odd, one line each; complete once all messages were read."""
@@ -100,6 +133,20 @@ class RosbagRecording:
             for channel, stamp_ns, payload in self._unpacked(rest) if is_packed else rest:
                 yield channel, stamp_ns, len(payload)
 
+    def _heads_of(self, file: StoredFile, *, head_bytes: int) -> Iterator[RecordedHead]:
+        """Messages that are packed one by one are unpacked for it."""
+        channels = self._channels_of(file)
+        first = next(file.messages(channels), None)
+        delivered = 0
+        if first is not None and not _is_packed(first):
+            with suppress(OutlineError):
+                for channel, stamp_ns, size_bytes, head in file.outlines(channels, head_bytes):
+                    yield channel, stamp_ns, (size_bytes, head)
+                    delivered += 1
+                return
+        for channel, stamp_ns, payload in islice(self._messages_of(file), delivered, None):
+            yield channel, stamp_ns, (len(payload), payload[:head_bytes])
+
     def _channels_of(self, file: StoredFile) -> ChannelsByNumber:
         return {number: self._channels[key_of(channel)] for number, channel in file.channels.items()}
 
@@ -117,6 +164,16 @@ class RosbagRecording:
         except RecordingError as error:
             self._notices.append(f"{error.cause}; the sizes in the bag are used")
             return {}
+
+
+def _messages_once(files: Iterable[StoredFile]) -> float | None:
+    """About how many messages ``files`` held before they were damaged; ``None`` where one does not tell."""
+    total = 0.0
+    for file in files:
+        if not file.readable_share:
+            return None
+        total += file.message_count / file.readable_share
+    return total
 
 
 def _merged(

@@ -33,9 +33,13 @@ _Ordered = tuple[int, int, int, _T]
 
 
 class RecoveredMcapFile:
-    """Reads the whole file once for what is in it, and again in time order, one chunk at a time."""
+    """Reads the whole file once for what is in it, and again in time order, one chunk at a time.
 
-    def __init__(self, path: Path) -> None:
+    ``whole_bytes`` is how long the file was before it was cut off, where that is known.
+    """
+
+    def __init__(self, path: Path, whole_bytes: int | None = None) -> None:
+        self._whole_bytes = whole_bytes
         self._schemas: dict[int, Schema] = {}
         self._counts: Counter[int] = Counter()
         self._qos = QosReader()
@@ -65,13 +69,20 @@ class RecoveredMcapFile:
         """Whether the file is cut off or damaged, and how much of it was read."""
         notices = list(self._qos.notices)
         if self._records.cut_off_at is not None:
-            notices.append(f"cut off or damaged at byte {self._records.cut_off_at}: {read_so_far(self)}")
+            notices.append(f"cut off or damaged at byte {self._records.cut_off_at:,}: {read_so_far(self)}")
         if self._records.damaged_chunks:
-            notices.append(f"{self._records.damaged_chunks} damaged chunks of messages were left out")
+            notices.append(f"damaged chunks left out: {self._records.damaged_chunks:,}; {read_so_far(self)}")
         homeless = self._counts.total() - self.message_count
         if homeless:
-            notices.append(f"{homeless} messages of topics that the file does not name were left out")
+            notices.append(f"{homeless:,} messages of topics that the file does not name were left out")
         return notices
+
+    @property
+    def readable_share(self) -> float | None:
+        """The share of the file's bytes that is there and not damaged; unknown if it is cut off."""
+        if self._records.cut_off_at is not None:
+            return self._records.file_bytes / self._whole_bytes if self._whole_bytes else None
+        return 1 - self._records.damaged_bytes / self._records.file_bytes
 
     def close(self) -> None:
         """Let go of the file."""
@@ -97,23 +108,20 @@ class RecoveredMcapFile:
                 yield record.channel_id, record.log_time, record.data
 
     def _heads_at(self, offset: int, *, head_bytes: int) -> Iterator[_Found[tuple[int, bytes]]]:
-        header = self._records.header_at(offset, head_bytes)
-        if header is not None:
-            yield header.channel_id, header.log_time, (header.payload_bytes, header.head)
-            return
-        for number, stamp_ns, payload in self._payloads_at(offset):
-            yield number, stamp_ns, (len(payload), payload[:head_bytes])
+        for record in self._records.heads_at(offset, head_bytes):
+            if isinstance(record, MessageHeader):
+                yield record.channel_id, record.log_time, (record.payload_bytes, record.head)
 
     def _find_messages(self) -> None:
+        seen = False
         for place in self._records.places():
-            header = self._records.header(place)
-            records = self._records.read(place) if header is None else (header,)
-            stamps = [stamp_ns for record in records for stamp_ns in self._note(record)]
+            stamps = [stamp_ns for record in self._records.heads(place) for stamp_ns in self._note(record)]
             if not stamps:
                 continue
             first_ns, last_ns = min(stamps), max(stamps)
-            self.start_ns = min(self.start_ns or first_ns, first_ns)
+            self.start_ns = min(self.start_ns, first_ns) if seen else first_ns
             self.end_ns = max(self.end_ns, last_ns)
+            seen = True
             self._index.add(key=place.offset, stamp_ns=first_ns, offset=place.offset)
 
     def _note(self, record: McapRecord | MessageHeader) -> Iterator[int]:
@@ -125,7 +133,7 @@ class RecoveredMcapFile:
                 schema = self._schemas.get(record.schema_id)
                 if schema is not None:
                     self.channels[record.id] = self._channel(record, schema)
-            case Message() | MessageHeader():
+            case MessageHeader():
                 self._counts[record.channel_id] += 1
                 yield record.log_time
 

@@ -10,7 +10,9 @@ from __future__ import annotations
 import struct
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import BinaryIO
+from os import SEEK_END
+
+from smarttestudo.adapters.rosbag.sqlite_page_heads import PageFile, page_heads
 
 MAGIC = b"SQLite format 3\0"
 HEADER_BYTES = 100
@@ -28,16 +30,20 @@ class DamagedRowError(Exception):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Row:
-    """A row of a table; NULL and 0 are both 0, reals are their 8 bytes."""
+    """A row of a table; NULL and 0 are both 0, reals are their 8 bytes.
+
+    ``sizes`` has the bytes of each value, of which a row that was read in part may hold less.
+    """
 
     rowid: int
     values: tuple[Value, ...]
+    sizes: tuple[int, ...]
 
 
 class SqlitePages:
     """The pages of a SQLite database file, as many as there are."""
 
-    def __init__(self, file: BinaryIO) -> None:
+    def __init__(self, file: PageFile) -> None:
         header = file.read(HEADER_BYTES)
         if len(header) < HEADER_BYTES or not header.startswith(MAGIC):
             raise DamagedRowError("no SQLite header")
@@ -45,20 +51,23 @@ class SqlitePages:
         size = int.from_bytes(header[16:18], "big")
         self.page_bytes = 65536 if size == 1 else max(size, 512)
         self._usable_bytes = self.page_bytes - header[20]
-        self.file_bytes = file.seek(0, 2)
+        self.file_bytes = file.seek(0, SEEK_END)
         self.promised_bytes = int.from_bytes(header[28:32], "big") * self.page_bytes
+        self._heads = page_heads(file, file_bytes=self.file_bytes, page_bytes=self.page_bytes)
         self._free_pages = frozenset(self._read_free_pages(int.from_bytes(header[32:36], "big")))
 
     def rows(self) -> Iterator[int]:
         """The offset of every row in the leaf pages of all tables, in file order."""
-        for number, page_start in enumerate(range(0, self.file_bytes, self.page_bytes), start=1):
-            if number not in self._free_pages:
+        for index, head in enumerate(self._heads):
+            # The first page begins with the header of the file.
+            if (head >> 24 == _TABLE_LEAF or not index) and index + 1 not in self._free_pages:
+                page_start = index * self.page_bytes
                 yield from self._cells(self._read(page_start, self.page_bytes), page_start)
 
-    def row_at(self, offset: int) -> Row:
-        """The row at ``offset``.
+    def row_at(self, offset: int, most_bytes: int | None = None) -> Row:
+        """The row at ``offset``; with ``most_bytes``, of a long one about as much, its header included.
 
-        Raises ``DamagedRowError`` where a part of it is missing.
+        Raises ``DamagedRowError`` where a part of it is missing, also one that is not asked for.
         """
         page_end = offset - offset % self.page_bytes + self._usable_bytes
         cell = self._read(offset, page_end - offset)
@@ -68,12 +77,15 @@ class SqlitePages:
             raise DamagedRowError("longer than the file")
         local = self._local_bytes(payload_bytes)
         payload = cell[at : at + local]
-        if local < payload_bytes:
-            next_page = int.from_bytes(cell[at + local : at + local + 4], "big")
-            payload = b"".join((payload, *self._overflow(next_page, payload_bytes - local)))
-        if len(payload) != payload_bytes:
+        if len(payload) != local:
             raise DamagedRowError("cut off")
-        return Row(rowid=rowid, values=_values(payload))
+        missing = payload_bytes - local
+        if missing:
+            next_page = int.from_bytes(cell[at + local : at + local + 4], "big")
+            wanted = missing if most_bytes is None else most_bytes - local
+            payload = b"".join((payload, *self._overflow(next_page, missing, wanted)))
+        values, sizes = _values(payload, payload_bytes)
+        return Row(rowid=rowid, values=values, sizes=sizes)
 
     def _read_free_pages(self, trunk: int) -> Iterator[int]:
         """The pages that deleted rows have left behind, from the first page of their list on."""
@@ -109,17 +121,23 @@ class SqlitePages:
         local = least + (payload_bytes - least) % (self._usable_bytes - 4)
         return local if local <= most else least
 
-    def _overflow(self, page_number: int, missing: int) -> Iterator[bytes]:
+    def _overflow(self, page_number: int, missing: int, wanted: int) -> Iterator[bytes]:
+        """The first ``wanted`` bytes or more of what is ``missing`` of a row, from ``page_number`` on."""
         while missing > 0:
+            held = min(missing, self._usable_bytes - 4)
+            start = (page_number - 1) * self.page_bytes
             if page_number < 2:
                 raise DamagedRowError("its chain of pages ends early")
-            wanted = min(missing, self._usable_bytes - 4)
-            page = self._read((page_number - 1) * self.page_bytes, 4 + wanted)
-            if len(page) < 4 + wanted:
+            if start + 4 + held > self.file_bytes:
                 raise DamagedRowError("cut off")
-            yield page[4:]
-            page_number = int.from_bytes(page[:4], "big")
-            missing -= wanted
+            if wanted > 0:
+                piece = self._read(start + 4, held)
+                if len(piece) < held:
+                    raise DamagedRowError("cut off")
+                yield piece
+            page_number = self._heads[page_number - 1]
+            missing -= held
+            wanted -= held
 
     def _read(self, offset: int, size: int) -> bytes:
         self._file.seek(offset)
@@ -142,11 +160,13 @@ def _signed(value: int) -> int:
     return value - (1 << 64) if value >> 63 else value
 
 
-def _values(payload: bytes) -> tuple[Value, ...]:
+def _values(payload: bytes, payload_bytes: int) -> tuple[tuple[Value, ...], tuple[int, ...]]:
+    """The values in ``payload``, of ``payload_bytes`` if it is whole, and their sizes."""
     header_bytes, at = _varint(payload, 0)
     if not at <= header_bytes <= len(payload):
         raise DamagedRowError("its header makes no sense")
     values: list[Value] = []
+    sizes: list[int] = []
     end = header_bytes
     while at < header_bytes:
         kind, at = _varint(payload, at)
@@ -161,6 +181,7 @@ def _values(payload: bytes) -> tuple[Value, ...]:
         else:
             end += 8
             values.append(payload[start:end])
-    if end != len(payload):
+        sizes.append(end - start)
+    if end != payload_bytes:
         raise DamagedRowError("its values do not fill it")
-    return tuple(values)
+    return tuple(values), tuple(sizes)

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 
 from mcap.reader import make_reader
@@ -13,6 +14,8 @@ from smarttestudo.adapters.rosbag.mcap_outlines import mcap_outlines
 from smarttestudo.adapters.rosbag.mcap_records import BROKEN
 from smarttestudo.adapters.rosbag.recovered_mcap import RecoveredMcapFile
 from smarttestudo.adapters.rosbag.recovered_sqlite import RecoveredSqliteFile
+from smarttestudo.adapters.rosbag.sqlite_file import SqliteFile
+from smarttestudo.adapters.rosbag.sqlite_log import read_log
 from smarttestudo.adapters.rosbag.sqlite_outlines import sqlite_outlines
 from smarttestudo.adapters.rosbag.stored_file import StoredFile
 from smarttestudo.domain.errors import RecordingError
@@ -21,24 +24,29 @@ from smarttestudo.domain.errors import RecordingError
 _MEANS_SOMETHING_IN_AN_ADDRESS = frozenset("?#%")
 
 
-def open_storage_file(path: Path) -> StoredFile:
+def open_storage_file(path: Path, whole_bytes: int | None = None) -> StoredFile:
     """The .db3 or .mcap file at ``path``: with rosbags if it is whole, else as far as it goes.
 
+    ``whole_bytes`` is how long it was before it was cut off, where that is known.
     Raises ``RecordingError`` where nothing of it can be read.
     """
-    if path.suffix == ".mcap" and not _has_full_index(path):
-        return RecoveredMcapFile(path)
-    if path.suffix == ".db3" and _MEANS_SOMETHING_IN_AN_ADDRESS & set(str(path)):
-        return RecoveredSqliteFile(path)
-    try:
-        outline = mcap_outlines if path.suffix == ".mcap" else sqlite_outlines
-        return IntactFile(path, recover=_recover, outline=outline)
-    except RecordingError:
-        return _recover(path)
+    return _open_mcap(path, whole_bytes) if path.suffix == ".mcap" else _open_sqlite(path)
 
 
-def _recover(path: Path) -> StoredFile:
-    return RecoveredMcapFile(path) if path.suffix == ".mcap" else RecoveredSqliteFile(path)
+def _open_mcap(path: Path, whole_bytes: int | None) -> StoredFile:
+    if _has_full_index(path):
+        with suppress(RecordingError):
+            return IntactFile(path, recover=RecoveredMcapFile, outline=mcap_outlines)
+    return RecoveredMcapFile(path, whole_bytes)
+
+
+def _open_sqlite(path: Path) -> StoredFile:
+    log = read_log(path)
+    with suppress(RecordingError):
+        if log is not None or _MEANS_SOMETHING_IN_AN_ADDRESS & set(str(path)):
+            return SqliteFile(path, log)
+        return IntactFile(path, recover=RecoveredSqliteFile, outline=sqlite_outlines)
+    return RecoveredSqliteFile(path, log)
 
 
 def _has_full_index(path: Path) -> bool:

@@ -4,11 +4,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Protocol
 
-from smarttestudo.domain.recording import Channel, RecordedMessage
-from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.domain.recording import Channel, RecordedMessage, readable_until
 
 ChannelsByNumber = Mapping[int, Channel]
 """Channels by the number that a file gives each."""
@@ -52,6 +51,13 @@ class StoredFile(Protocol):
     def notices(self) -> Sequence[str]:
         """What was lost, one line each."""
 
+    @property
+    def readable_share(self) -> float | None:
+        """How much of what the file was to hold can be read, 0 … 1, once that was tried.
+
+        ``None`` where nothing tells how much is missing.
+        """
+
     def close(self) -> None:
         """Let go of the file."""
 
@@ -60,11 +66,4 @@ def read_so_far(file: StoredFile) -> str:
     """How far a damaged file could be read."""
     if not file.message_count:
         return "no message could be read"
-    span_s = (file.end_ns - file.start_ns) / NS_PER_S
-    return f"{file.message_count} messages over {span_s:.1f} s could be read"
-
-
-def outlines_of(messages: Iterable[RecordedMessage], head_bytes: int) -> Iterator[Outline]:
-    """The outlines of ``messages`` that were read in full."""
-    for channel, stamp_ns, payload in messages:
-        yield channel, stamp_ns, len(payload), payload[:head_bytes]
+    return f"{readable_until(file.readable_share, file.end_ns)} after {file.message_count:,} messages"

@@ -23,6 +23,12 @@ def unpack(source: Path, target: Path) -> bool:
         return _copy(packed, unpacked)
 
 
+def unpacked_file_bytes(path: Path) -> int | None:
+    """How long the file packed in ``path`` is, ``None`` where its beginning does not say it."""
+    with path.open("rb") as packed:
+        return unpacked_bytes(packed.read(HEADER_BYTES))
+
+
 def unpack_message(packed: bytes) -> bytes | None:
     """The payload in ``packed``, ``None`` where it is cut off or damaged."""
     frame = zstandard.ZstdDecompressor().decompressobj()

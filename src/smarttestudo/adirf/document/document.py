@@ -58,22 +58,18 @@ class Part:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Document:
-    """A text with its parse, its words, and its statements."""
+    """A text with its parse, its words, and its statements; ``entries`` are those of all ``parts``."""
 
     text: str
     result: ParseResult
     words: Stretch
     parts: tuple[Part, ...]
+    entries: tuple[Entry, ...]
 
     @property
     def places(self) -> Places:
         """Its lines and columns as offsets."""
         return self.words.places
-
-    @property
-    def entries(self) -> tuple[Entry, ...]:
-        """The statements of all parts, in the order of the text."""
-        return tuple(entry for part in self.parts for entry in part.entries)
 
     def entry_at(self, offset: int) -> Entry | None:
         """The statement whose words hold ``offset``."""
@@ -101,7 +97,8 @@ def read_document(text: str, path: str) -> Document:
     places = Places(text)
     words = Stretch.of(result.tokens[:-1], text, places)
     parts = tuple(_Reader(result, places).parts(words))
-    return Document(text=text, result=result, words=words, parts=parts)
+    entries = tuple(entry for part in parts for entry in part.entries)
+    return Document(text=text, result=result, words=words, parts=parts, entries=entries)
 
 
 class _Reader:

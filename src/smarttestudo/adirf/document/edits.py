@@ -22,6 +22,7 @@ from smarttestudo.adirf.syntax import Block, Statement
 from smarttestudo.domain.errors import RuleFileError
 
 _END_IF = "EndIf"
+_NO_COLLECTION = "put 'begin' and 'end' around the rules"
 
 
 class EditError(RuleFileError):
@@ -61,7 +62,8 @@ def inserted(document: Document, part_name: str, index: int, new: NewStatement) 
     indent = _indent(part, index)
     lines = [*comment_lines(new.comments or ()), *_printed(_closed(new.content)).split("\n")]
     body = line_end.join(f"{indent}{line}" if line else "" for line in lines)
-    return apply(document.text, _put(part, index, part.entries, new.content, body, line_end))
+    place = _Place(part=part, index=index, others=part.entries)
+    return apply(document.text, _put(place, new.content, body, line_end))
 
 
 def deleted(document: Document, name: str) -> str:
@@ -71,7 +73,7 @@ def deleted(document: Document, name: str) -> str:
 
 
 def moved(document: Document, name: str, part_name: str, index: int) -> str:
-    """The text with statement ``name``, as it is written, at place ``index`` among the collection's others."""
+    """The text with statement ``name``, as it is written, at place ``index`` among the others."""
     entry = _entry(document, name)
     part = _part(document, part_name)
     others = tuple(one for one in part.entries if one is not entry)
@@ -86,7 +88,8 @@ def moved(document: Document, name: str, part_name: str, index: int) -> str:
     if following is not None and _takes_in(entry, following.statement):
         body += f"{line_end}{indent}{_END_IF}"
     splices = _taken_out(document, entry)
-    splices += _put(part, index, others, entry.statement or "", body, line_end)
+    place = _Place(part=part, index=index, others=others)
+    splices += _put(place, entry.statement or "", body, line_end)
     return apply(document.text, splices)
 
 
@@ -136,25 +139,33 @@ def _indent(part: Part, index: int) -> str:
     return known if known is not None else (base or "") + " " * INDENT
 
 
-def _put(
-    part: Part, index: int, others: Sequence[Entry], content: Statement | str, body: str, line_end: str
-) -> list[Splice]:
-    """Puts ``body``, which holds ``content``, before number ``index`` of ``others``."""
-    before = others[index - 1] if index > 0 else None
-    following = others[index] if index < len(others) else None
-    point = before.stretch if before is not None else part.begin
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Place:
+    """Before number ``index`` of ``others``, the statements of ``part``."""
+
+    part: Part
+    index: int
+    others: Sequence[Entry]
+
+
+def _put(place: _Place, content: Statement | str, body: str, line_end: str) -> list[Splice]:
+    """Puts ``body``, which holds ``content``, at ``place``."""
+    index, others = place.index, place.others
+    before, following = others[:index][-1:], others[index : index + 1]
+    point = before[0].stretch if before else place.part.begin
     if point is None:
-        raise EditError("there is no collection to write in", remedy="put 'begin' and 'end' around the rules")
-    splices = []
-    if before is not None and _takes_in(before, content):
-        splices.append(_end_if(before, line_end))
-    is_block = isinstance(content, Block)
-    if before is not None and (is_block or isinstance(before.statement, Block)):
+        raise EditError("there is no collection to write in", remedy=_NO_COLLECTION)
+    splices = [_end_if(one, line_end) for one in before if _takes_in(one, content)]
+    if any(_is_apart(one, content) for one in before):
         body = line_end + body
-    if following is not None and (is_block or isinstance(following.statement, Block)):
-        body += "" if _is_blank_behind(point) else line_end
-    splices.append(addition(point, body, line_end))
-    return splices
+    if any(_is_apart(one, content) for one in following) and not _is_blank_behind(point):
+        body += line_end
+    return [*splices, addition(point, body, line_end)]
+
+
+def _is_apart(neighbour: Entry, content: Statement | str) -> bool:
+    """Whether an empty line goes between them, as the formatter has it."""
+    return isinstance(content, Block) or isinstance(neighbour.statement, Block)
 
 
 def _is_blank_behind(point: Stretch) -> bool:

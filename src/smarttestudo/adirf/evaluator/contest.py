@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from smarttestudo.adirf.evaluator.literal import TRUE, UNKNOWN
-from smarttestudo.adirf.rule_set import RuleBlock
+from smarttestudo.adirf.rule_set import RuleBlock, RuleSet
 from smarttestudo.domain.decision import PlannedRate, Reason
 from smarttestudo.domain.rate import Rate
 
@@ -28,14 +28,22 @@ class Contest:
     A block's rank is its place by (priority, rate, earliest in the file first); it never changes.
     """
 
-    __slots__ = ("_blocks", "_default", "_floor_hz", "_topic", "_true", "_unknown", "rank_of")
+    __slots__ = (
+        "_blocks",
+        "_default",
+        "_default_reason",
+        "_floor_hz",
+        "_topic",
+        "_true",
+        "_unknown",
+        "rank_of",
+    )
 
-    def __init__(
-        self, topic: str, blocks: Iterable[RuleBlock], default: Rate | None, floor_hz: float
-    ) -> None:
+    def __init__(self, topic: str, blocks: Iterable[RuleBlock], rule_set: RuleSet) -> None:
         self._topic = topic
-        self._default = Rate.full() if default is None else default
-        self._floor_hz = floor_hz
+        self._default = rule_set.defaults.get(topic, Rate.full())
+        self._default_reason = rule_set.default_reason
+        self._floor_hz = rule_set.floors_hz.get(topic, 0.0)
         self._blocks = sorted(blocks, key=lambda block: (block.priority, *self._merit(block)))
         self.rank_of = {block.order: rank for rank, block in enumerate(self._blocks)}
         self._true: list[int] = []
@@ -55,7 +63,7 @@ class Contest:
         """Rules 3 to 6 of the language: priority, then rate; in doubt more; never below the floor."""
         known = self._blocks[self._true[-1]] if self._true else None
         rate = known.rates[self._topic] if known else self._default
-        reason = Reason.BLOCK if known else Reason.DEFAULT
+        reason = Reason.BLOCK if known else self._default_reason
         doubt = self._highest_unknown(known)
         if doubt and doubt.rates[self._topic] > rate:
             known, rate, reason = doubt, doubt.rates[self._topic], Reason.UNKNOWN

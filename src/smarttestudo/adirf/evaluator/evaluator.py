@@ -103,7 +103,4 @@ def _contests(rule_set: RuleSet) -> dict[str, Contest]:
     for block in rule_set.blocks:
         for topic in block.rates:
             blocks[topic].append(block)
-    return {
-        topic: Contest(topic, setting, rule_set.defaults.get(topic), rule_set.floors_hz.get(topic, 0.0))
-        for topic, setting in blocks.items()
-    }
+    return {topic: Contest(topic, setting, rule_set) for topic, setting in blocks.items()}

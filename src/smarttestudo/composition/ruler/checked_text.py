@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 from smarttestudo.adapters.files.profile import parse_profile
 from smarttestudo.adirf.checks import CheckContext, check_rules
@@ -25,7 +26,9 @@ class Draft:
 
     def profile(self) -> Profile | None:
         """The profile; ``ProfileError`` for one that cannot be read."""
-        return None if self.profile_text is None else parse_profile(self.profile_text, self.profile_name)
+        return (
+            None if self.profile_text is None else parse_profile(self.profile_text, Path(self.profile_name))
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -69,11 +72,10 @@ def require_usable(draft: Draft) -> CheckedText:
     return checked
 
 
-def fixed(draft: Draft, index: int) -> str:
+def fixed(checked: CheckedText, index: int) -> str:
     """The text with the fix of finding number ``index``; ``EditError`` where there is none."""
-    checked = check_text(draft)
     fix = checked.findings[index].fix if 0 <= index < len(checked.findings) else None
     if fix is None:
         raise EditError(f"the text has no finding {index} with a fix", remedy="read the document again")
     start, end = checked.document.places.range(fix.span)
-    return apply(draft.text, [Splice(start, end, fix.replacement)])
+    return apply(checked.document.text, [Splice(start, end, fix.replacement)])

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 from smarttestudo.adapters.files.profile import parse_profile
 from smarttestudo.adapters.files.profile_edit import edited_profile
@@ -48,7 +49,7 @@ class ProfileTable:
     budget_kb_per_s: float | None
 
 
-def read_table(text: str, path: str) -> ProfileTable:
+def read_table(text: str, path: Path) -> ProfileTable:
     """The table of the profile ``text``; ``ProfileError`` for one that has errors."""
     budget_kb_per_s = parse_profile(text, path).budget_kb_per_s
     values, _ = parse_toml(text, path)
@@ -59,7 +60,7 @@ def read_table(text: str, path: str) -> ProfileTable:
     )
 
 
-def write_table(table: ProfileTable, base_text: str, path: str) -> str:
+def write_table(table: ProfileTable, base_text: str, path: Path) -> str:
     """``base_text`` with the values of ``table``.
 
     Raises ``ProfileError`` for a row that no profile can hold, and for a text that cannot be edited so.
@@ -67,9 +68,11 @@ def write_table(table: ProfileTable, base_text: str, path: str) -> str:
     names = [row.topic for row in table.rows]
     for name in names:
         if not is_topic_name(name):
-            raise ProfileError(f"{name!r} is not a valid ROS 2 topic name", place=path)
+            raise ProfileError(f"{name!r} is not a valid ROS 2 topic name", place=str(path))
         if names.count(name) > 1:
-            raise ProfileError(f"{name} is in the table twice", place=path, remedy="remove one of the rows")
+            raise ProfileError(
+                f"{name} is in the table twice", place=str(path), remedy="remove one of the rows"
+            )
     text = edited_profile(
         base_text,
         path,

@@ -11,7 +11,6 @@ from smarttestudo.adirf.document import (
     EditError,
     Entry,
     NewStatement,
-    comment_texts,
     inserted,
     read_document,
 )
@@ -58,9 +57,7 @@ def imported(document: Document, other: Document, ids: Collection[str] | None) -
         part = next((one for one in reversed(target.parts) if one.begin is not None), None)
         if part is None:
             raise EditError("the text has no 'begin … end' to import into", remedy="write one first")
-        new = NewStatement(
-            content=entry.statement or _words_of(entry), comments=comment_texts(entry.comments)
-        )
+        new = NewStatement(content=entry.statement or _text_of(entry).lstrip())
         text = inserted(target, part.id, len(part.entries), new)
     return text
 
@@ -76,7 +73,3 @@ def _text_of(entry: Entry) -> str:
     """The lines of a statement with its comments."""
     words = entry.stretch
     return (words.indent or "    ") + words.text[words.own_start : words.own_end]
-
-
-def _words_of(entry: Entry) -> str:
-    return entry.stretch.text[entry.stretch.start : entry.stretch.end]

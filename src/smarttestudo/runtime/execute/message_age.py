@@ -7,7 +7,7 @@ from __future__ import annotations
 import struct
 
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.pacing.cdr import Payload, header_stamp
+from smarttestudo.pacing.cdr import header_stamp
 from smarttestudo.runtime.execute.flow_meter import RateWindow
 
 _NS_PER_MS = 1_000_000
@@ -24,11 +24,11 @@ class MessageAge:
     def __init__(self) -> None:
         self.delay_ms: float | None = None
         self.stamped_hz: float | None = None
-        self._beginning: Payload = b""
+        self._beginning = b""
         self._relayed_ns = 0
         self._window = RateWindow()
 
-    def note(self, beginning: Payload, relayed_ns: int) -> None:
+    def note(self, beginning: bytes, relayed_ns: int) -> None:
         """A message was relayed; ``beginning`` are its bytes up to the end of a header's stamp."""
         self._beginning = beginning
         self._relayed_ns = relayed_ns

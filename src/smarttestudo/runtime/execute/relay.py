@@ -10,9 +10,11 @@ from typing import NamedTuple
 
 from smarttestudo.domain.observation import SourceChanged
 from smarttestudo.domain.payload import Payload
+from smarttestudo.domain.profile import TopicProfile
+from smarttestudo.domain.units import ns_from_s
 from smarttestudo.pacing.cdr import STAMPED_BYTES, FrameReader, header_stamp
 from smarttestudo.pacing.follower import Follower
-from smarttestudo.pacing.sample import Pass, Sample, StreamKind
+from smarttestudo.pacing.sample import Pass, Sample, StreamKind, WhenSlow
 from smarttestudo.pacing.topic_pacer import TopicPacer
 from smarttestudo.runtime.execute.statistics import RelayStatistics
 
@@ -41,7 +43,9 @@ class Relay:
         "_frames",
         "_has_frames",
         "_rate_hz",
+        "_stale_after_ns",
         "_type_name",
+        "_when_slow",
         "followers",
         "leader",
         "pacer",
@@ -49,16 +53,19 @@ class Relay:
         "topic",
     )
 
-    def __init__(self, topic: str, pacer: TopicPacer | Follower, type_name: str, now_ns: int) -> None:
+    def __init__(self, topic: str, profile: TopicProfile, when_slow: WhenSlow, now_ns: int) -> None:
         self.topic = topic
-        self.pacer = pacer
+        self._type_name = profile.type_name or ""
+        self._when_slow = when_slow
+        self._stale_after_ns = _stale_after_ns(profile)
+        self.pacer: TopicPacer | Follower = self._own_pacer()
         self.leader: Relay | None = None
         self.followers: list[Relay] = []
         self.statistics = RelayStatistics(now_ns)
         self._frames = FrameReader()
         self._rate_hz = math.inf
-        self._type_name = type_name
-        self._has_frames = StreamKind.of(type_name=type_name, transient_local=False) is StreamKind.TRANSFORMS
+        kind = StreamKind.of(type_name=self._type_name, transient_local=False)
+        self._has_frames = kind is StreamKind.TRANSFORMS
 
     @property
     def target_hz(self) -> float:
@@ -73,6 +80,32 @@ class Relay:
         self.pacer.set_rate(rate_hz, now_ns)
         for relay in (self, *self.followers):
             relay.statistics.target.change(relay.target_hz, now_ns)
+
+    def let_go(self) -> None:
+        """Lead nobody; followers are to ``follow`` anew."""
+        self.followers = []
+        if isinstance(self.pacer, TopicPacer):
+            self.pacer.drop_followers()
+
+    def follow(self, leader: Relay | None, now_ns: int) -> None:
+        """Be paced with ``leader``, or with nobody; a change of that begins anew."""
+        changed, self.leader = leader is not self.leader, leader
+        if changed:
+            before, self.pacer = self.pacer, Follower() if leader else self._own_pacer()
+            if isinstance(before, Follower) and isinstance(self.pacer, Follower):
+                self.pacer.discarded = before.discarded + before.undecided
+        if leader is not None and isinstance(leader.pacer, TopicPacer) and isinstance(self.pacer, Follower):
+            leader.followers.append(self)
+            leader.pacer.add_follower(self.pacer)
+        if changed:
+            self.set_rate(self._rate_hz, now_ns)
+
+    def change_profile(self, profile: TopicProfile, now_ns: int) -> Sequence[Relayed]:
+        """Another profile says when the source is stale; what was held may pass then."""
+        self._stale_after_ns = _stale_after_ns(profile)
+        if isinstance(self.pacer, Follower):
+            return ()
+        return self._relayed(self.pacer.set_stale_after(self._stale_after_ns, now_ns), now_ns)
 
     def offer(self, payload: Payload, size_bytes: int, publisher: Hashable, now_ns: int) -> Sequence[Relayed]:
         """What passes now that a message arrived."""
@@ -100,6 +133,10 @@ class Relay:
             return ()
         return self._relayed(self.pacer.set_kind(kind, now_ns), now_ns)
 
+    def _own_pacer(self) -> TopicPacer:
+        kind = StreamKind.of(type_name=self._type_name, transient_local=False)
+        return TopicPacer(kind=kind, when_slow=self._when_slow, stale_after_ns=self._stale_after_ns)
+
     def _relayed(self, passes: Sequence[Pass], now_ns: int) -> list[Relayed]:
         statistics = self.statistics
         relayed = []
@@ -108,3 +145,7 @@ class Relay:
             statistics.repeated += repeated
             relayed.append(Relayed(self.topic, now_ns, sample.payload, sample.size_bytes, repeated))
         return relayed
+
+
+def _stale_after_ns(profile: TopicProfile) -> int | None:
+    return None if profile.stale_after_s is None else ns_from_s(profile.stale_after_s)

@@ -9,11 +9,9 @@ from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.observation import SourceChanged
 from smarttestudo.domain.payload import Payload
-from smarttestudo.domain.profile import Profile, TopicProfile
-from smarttestudo.domain.units import ns_from_s
+from smarttestudo.domain.profile import Profile
 from smarttestudo.pacing.follower import Follower, leaders
-from smarttestudo.pacing.sample import StreamKind, WhenSlow
-from smarttestudo.pacing.topic_pacer import TopicPacer
+from smarttestudo.pacing.sample import WhenSlow
 from smarttestudo.runtime.execute.relay import Relay, Relayed
 from smarttestudo.runtime.execute.statistics import RelayStatistics
 from smarttestudo.runtime.knowledge.alarm_clock import AlarmClock
@@ -26,8 +24,10 @@ class Relays:
     """
 
     def __init__(self, topics: Sequence[str], profile: Profile, when_slow: WhenSlow, now_ns: int) -> None:
-        self._relays = _relays(topics, profile, when_slow, now_ns)
+        self._when_slow = when_slow
+        self._relays: dict[str, Relay] = {}
         self._alarms = AlarmClock()
+        self.change_topics(topics, profile, now_ns)
 
     @property
     def next_wake_ns(self) -> int | None:
@@ -47,6 +47,31 @@ class Relays:
             for topic, relay in self._relays.items()
             if isinstance(relay.pacer, Follower)
         }
+
+    def change_topics(self, topics: Sequence[str], profile: Profile, now_ns: int) -> list[Relayed]:
+        """Relay these topics from now on; those that were relayed before go on as they are."""
+        before = self._relays
+        relayed: list[Relayed] = []
+        for topic in before.keys() - set(topics):
+            self._alarms.set(topic, None)
+        self._relays = {
+            topic: before.get(topic) or Relay(topic, profile.topic(topic), self._when_slow, now_ns)
+            for topic in topics
+        }
+        for topic, relay in self._relays.items():
+            relayed += relay.change_profile(profile.topic(topic), now_ns)
+        self._pair({topic: leader for topic in topics if (leader := profile.topic(topic).paced_with)}, now_ns)
+        for relay in self._relays.values():
+            self._arm(relay)
+        return relayed
+
+    def _pair(self, paced_with: Mapping[str, str], now_ns: int) -> None:
+        leader_of = leaders(paced_with, self._relays)
+        for relay in self._relays.values():
+            relay.let_go()
+        # Leaders first: one that followed another before needs a pacer of its own.
+        for topic, relay in sorted(self._relays.items(), key=lambda item: item[0] in leader_of):
+            relay.follow(self._relays.get(leader_of.get(topic, "")), now_ns)
 
     def apply(self, decisions: Iterable[Decision], now_ns: int) -> None:
         """Take the rates of a plan's changes."""
@@ -116,29 +141,3 @@ def _followed(relay: Relay, now_ns: int) -> list[Relayed]:
         if follower.pacer.wake_ns is not None
         for relayed in follower.wake(now_ns)
     ]
-
-
-def _relays(topics: Sequence[str], profile: Profile, when_slow: WhenSlow, now_ns: int) -> dict[str, Relay]:
-    paced_with = {topic: leader for topic in topics if (leader := profile.topic(topic).paced_with)}
-    leader_of = leaders(paced_with, topics)
-    pacers = {topic: _pacer(profile.topic(topic), when_slow) for topic in topics if topic not in leader_of}
-    relays: dict[str, Relay] = {}
-    for topic in topics:
-        pacer: TopicPacer | Follower | None = pacers.get(topic)
-        if pacer is None:
-            pacer = Follower()
-            pacers[leader_of[topic]].add_follower(pacer)
-        relays[topic] = Relay(topic, pacer, profile.topic(topic).type_name or "", now_ns)
-    for topic, leader in leader_of.items():
-        relays[topic].leader = relays[leader]
-        relays[leader].followers.append(relays[topic])
-    return relays
-
-
-def _pacer(profile: TopicProfile, when_slow: WhenSlow) -> TopicPacer:
-    stale_after_s = profile.stale_after_s
-    return TopicPacer(
-        kind=StreamKind.of(type_name=profile.type_name or "", transient_local=False),
-        when_slow=when_slow,
-        stale_after_ns=None if stale_after_s is None else ns_from_s(stale_after_s),
-    )

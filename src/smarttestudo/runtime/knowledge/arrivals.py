@@ -32,6 +32,11 @@ class Arrivals:
         """Whether any of them is read."""
         return bool(self._cuts)
 
+    def carry_on(self, before: Arrivals) -> None:
+        """Take over the arrivals that ``before`` counted, if it did."""
+        if before._window_is_read:
+            self._window = before._window
+
     def record(self, now_ns: int, size_bytes: int) -> None:
         """Count a message."""
         if self._window_is_read:

@@ -34,6 +34,14 @@ class Fields:
         """Whether any field is read."""
         return bool(self._signals)
 
+    def carry_on(self, before: Fields) -> None:
+        """Take over the type, and the last values of the signals that ``before`` reads in the same way."""
+        self.change_type(before._type_name)
+        if self._type_name == before._type_name and self._level_unit is before._level_unit:
+            readers, values = dict(before._readers), dict(before._readings)
+            self._readers = [(signal, readers.get(signal, reader)) for signal, reader in self._readers]
+            self._readings = [(signal, values.get(signal)) for signal in self._signals]
+
     def change_type(self, type_name: str) -> None:
         """Read messages of another type from now on; an empty name changes nothing."""
         if type_name not in {"", self._type_name}:

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping
-from collections.abc import Set as AbstractSet
 
 from smarttestudo.adirf.evaluator import Evaluator, Wish
 from smarttestudo.adirf.rule_set import RuleSet
@@ -43,7 +42,7 @@ class Knowledge:
         self.settle_ns = ns_from_s(profile.settle_s)
         self.time = SteadyTime(start_ns)
         self.evaluator = Evaluator(rule_set)
-        self.watched = _watched_topics(rule_set, profile, start_ns, self.evaluator)
+        self.watched = watched_topics(rule_set, profile, start_ns, self.evaluator)
         self.watch_alarms = AlarmClock()
         for topic in self.watched:
             self.watch_alarms.set(topic, start_ns)
@@ -66,11 +65,6 @@ class Knowledge:
         else:
             self.link.set_budget(budget_kb_per_s)
 
-    @property
-    def observed(self) -> AbstractSet[str]:
-        """The topics of which the loop wants to know each message: more of them once there is a budget."""
-        return self.watched.keys() if self.link is None else {*self.watched, *self.order_of}
-
     def values_of(self, block: int | None, now_ns: int) -> dict[str, float | None]:
         """What the condition of the block of that order reads at ``now_ns``, by signal name."""
         if block is None:
@@ -92,9 +86,10 @@ class Knowledge:
         return None if earliest_ns is None else self.time.on_clock(earliest_ns)
 
 
-def _watched_topics(
+def watched_topics(
     rule_set: RuleSet, profile: Profile, start_ns: int, evaluator: Evaluator
 ) -> Mapping[str, WatchedTopic]:
+    """The topics that the checks of a rule set read; nothing is known of them yet."""
     signals: dict[str, list[Signal]] = {}
     for signal in sorted(rule_set.signals):
         signals.setdefault(signal.topic, []).append(signal)

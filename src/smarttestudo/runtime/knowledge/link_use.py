@@ -29,17 +29,16 @@ class LinkUse:
         self.floors_broke_budget = False
         self._keeper = BudgetKeeper(budget_kb_per_s)
         self._sources: dict[str, SourceLoad] = {}
-        self._unmeasured: dict[str, TopicLoad] = {}
-        for topic in rule_set.relayed:
-            entry = profile.topic(topic)
-            self._unmeasured[topic] = TopicLoad(
-                topic=topic,
-                wish_hz=0.0,
-                floor_hz=max(rule_set.floors_hz.get(topic, 0.0), entry.min_hz or 0.0),
-                priority=entry.priority,
-                size_kb=entry.message_kb or 0.0,
-                source_hz=math.inf if entry.source_hz is None else entry.source_hz,
-            )
+        self._unmeasured = _unmeasured(rule_set, profile)
+
+    def change_rules(self, rule_set: RuleSet, profile: Profile) -> None:
+        """Other rules and another profile hold; what was measured stays."""
+        before, self._unmeasured = self._unmeasured, _unmeasured(rule_set, profile)
+        if self._unmeasured != before:
+            self._sources = {
+                topic: source for topic, source in self._sources.items() if topic in self._unmeasured
+            }
+            self._keeper.change_topics(self._unmeasured)
 
     def set_budget(self, budget_kb_per_s: float) -> None:
         """The link now carries ``budget_kb_per_s``; the next ``update`` plans anew."""
@@ -57,8 +56,12 @@ class LinkUse:
 
     def record(self, topic: str, now_ns: int, size_bytes: int) -> None:
         """A source sent a message; topics without a relay do not count."""
-        if topic in self._unmeasured:
-            self._sources.setdefault(topic, SourceLoad()).record(now_ns, size_bytes)
+        source = self._sources.get(topic)
+        if source is None:
+            if topic not in self._unmeasured:
+                return
+            source = self._sources[topic] = SourceLoad()
+        source.record(now_ns, size_bytes)
 
     @property
     def next_check_ns(self) -> int | None:
@@ -95,3 +98,18 @@ class LinkUse:
         elif math.isinf(load.wanted_hz):
             load.source_hz = 0.0
         return load
+
+
+def _unmeasured(rule_set: RuleSet, profile: Profile) -> dict[str, TopicLoad]:
+    loads = {}
+    for topic in rule_set.relayed:
+        entry = profile.topic(topic)
+        loads[topic] = TopicLoad(
+            topic=topic,
+            wish_hz=0.0,
+            floor_hz=max(rule_set.floors_hz.get(topic, 0.0), entry.min_hz or 0.0),
+            priority=entry.priority,
+            size_kb=entry.message_kb or 0.0,
+            source_hz=math.inf if entry.source_hz is None else entry.source_hz,
+        )
+    return loads

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Callable
 
 from smarttestudo.adirf.evaluator import Wish
 
@@ -37,6 +38,12 @@ class Settling:
         while self._replaced and self._replaced[0][0] <= now_ns:
             self._replaced.popleft()
         return self._replaced[0][1] if self._replaced else self._wish
+
+    def carried_on(self, rename: Callable[[Wish], Wish], settle_ns: int) -> Settling:
+        """The same wishes by other names, where lower rates wait for ``settle_ns`` from now on."""
+        settling = Settling(rename(self._wish), settle_ns)
+        settling._replaced.extend((end_ns, rename(wish)) for end_ns, wish in self._replaced)
+        return settling
 
     @property
     def next_change_ns(self) -> int | None:

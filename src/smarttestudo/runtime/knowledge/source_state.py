@@ -32,6 +32,14 @@ class SourceState:
         self._has_publishers = True
         self._transient_local = False
 
+    def carry_on(self, before: SourceState) -> None:
+        """Take over what ``before`` knows of the source."""
+        self._start_ns = before._start_ns
+        self._period = before._period
+        self._is_heard = before._is_heard
+        self._has_publishers = before._has_publishers
+        self._transient_local = before._transient_local
+
     def record(self, now_ns: int) -> None:
         """Count an arrival."""
         self._period.record(now_ns)

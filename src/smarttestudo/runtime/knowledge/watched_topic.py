@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 
 from smarttestudo.adirf.region import Bound
+from smarttestudo.domain.observation import SourceChanged
 from smarttestudo.domain.profile import TopicProfile
 from smarttestudo.domain.signal import ArrivalProperty, Signal
 from smarttestudo.domain.units import ns_from_s
@@ -37,6 +38,17 @@ class WatchedTopic:
         )
         after_s = profile.stale_after_s
         self.source = SourceState(start_ns, None if after_s is None else ns_from_s(after_s))
+
+    def carry_on(self, before: WatchedTopic) -> None:
+        """Take over what ``before``, the same topic under other rules, knows."""
+        self.source.carry_on(before.source)
+        self.fields.carry_on(before.fields)
+        self.arrivals.carry_on(before.arrivals)
+
+    def change_source(self, change: SourceChanged) -> None:
+        """Take what is said of the source."""
+        self.source.change(change)
+        self.fields.change_type(change.type_name)
 
     def readings(self, now_ns: int) -> list[Reading]:
         """The value of every signal at ``now_ns``."""

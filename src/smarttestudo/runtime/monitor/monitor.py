@@ -37,6 +37,15 @@ def monitor(knowledge: Knowledge, observations: Iterable[Observation], now_ns: i
     return readings
 
 
+def meter(knowledge: Knowledge, topic: str, size_bytes: int, clock_ns: int) -> None:
+    """Count, for the link's budget, a message of a topic that no check reads.
+
+    It changes no plan by itself, so it needs no step: the link looks at what it counted from time to time.
+    """
+    if knowledge.link is not None:
+        knowledge.link.record(topic, knowledge.time.advance(clock_ns), size_bytes)
+
+
 def _take(
     knowledge: Knowledge, watched: WatchedTopic, observation: Arrival | SourceChanged, now_ns: int
 ) -> None:
@@ -47,8 +56,7 @@ def _take(
             if watched.fields:
                 _read(knowledge, watched, observation)
         case SourceChanged():
-            watched.source.change(observation)
-            watched.fields.change_type(observation.type_name)
+            watched.change_source(observation)
 
 
 def _read(knowledge: Knowledge, watched: WatchedTopic, arrival: Arrival) -> None:

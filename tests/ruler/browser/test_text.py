@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import expect
 
-from ruler.ruler_page import EXAMPLES, RulerPage
+from ruler.browser.ruler_page import EXAMPLES, RulerPage
 
 RULE_FILES = sorted(path.relative_to(EXAMPLES).as_posix() for path in EXAMPLES.rglob("*.adirf"))
 STATEMENT_STARTS = ("SetFrequency", "KeepAtLeast", "If", "Rule")

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from playwright.sync_api import expect
 
-from ruler.ruler_page import RulerPage
+from ruler.browser.ruler_page import RulerPage
 
 LEVELS = ("Unacceptable", "Marginal", "Acceptable", "Desirable", "Competitive", "Excessive")
 FIGURE_A_2 = {

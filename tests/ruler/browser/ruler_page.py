@@ -14,14 +14,11 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+from playwright.sync_api import Browser, Locator, Page, expect, sync_playwright
 
 from smarttestudo.web.page import is_page_built
 
-pytest.importorskip("playwright", reason="playwright is not installed: the Ruler's page is not tested")
-
-from playwright.sync_api import Browser, Locator, Page, expect, sync_playwright
-
-EXAMPLES = Path(__file__).parents[2] / "examples"
+EXAMPLES = Path(__file__).parents[3] / "examples"
 TIMEOUT_MS = 40_000
 CHROMIUM_NAMES = ("chromium", "chromium-browser", "google-chrome")
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from playwright.sync_api import expect
 
-from ruler.ruler_page import RulerPage
+from ruler.browser.ruler_page import RulerPage
 
 FIGURE_6_6 = """\
 begin

@@ -1,0 +1,35 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Services of an rclpy node."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from smarttestudo.adapters.ros.rclpy_path import ros_errors
+from smarttestudo.domain.errors import RosError, TestudoError
+
+
+def offer_trigger(node: Any, name: str, act: Callable[[], str]) -> None:
+    """Offer a std_srvs/srv/Trigger service that calls ``act``. Raises ``RosError``.
+
+    It succeeds with the message that ``act`` returns, and fails with its ``TestudoError``.
+    """
+    try:
+        from std_srvs.srv import Trigger  # noqa: PLC0415  a robot may lack it
+    except ImportError as error:
+        remedy = "install the ROS package std_srvs"
+        raise RosError("the type of this service is not installed", place=name, remedy=remedy) from error
+
+    def called(_request: Any, response: Any) -> Any:
+        try:
+            response.message = act()
+            response.success = True
+        except TestudoError as error:
+            response.message = str(error)
+            response.success = False
+        return response
+
+    with ros_errors(name):
+        node.create_service(Trigger, name, called)

@@ -1,0 +1,120 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""``testudo top``: what the SmartTestudos of a ROS graph do now."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import shutil
+import sys
+import time
+from collections.abc import Callable
+from contextlib import ExitStack
+
+from smarttestudo.adapters.ros import open_robot
+from smarttestudo.cli.durations import add_timeout
+from smarttestudo.cli.keys import key_presses
+from smarttestudo.cli.stop_signals import stop_signals
+from smarttestudo.cli.top_screen import open_screen, print_lines
+from smarttestudo.cli.top_table import Line, Look, SortKey, summary_lines, topic_lines
+from smarttestudo.composition.status_announcer import STATUS_TOPIC
+from smarttestudo.composition.status_watch import StatusWatch
+from smarttestudo.domain.errors import RosError, UsageError
+from smarttestudo.domain.robot import Robot
+from smarttestudo.domain.status_json import status_to_json
+
+_SHOW_PERIOD_S = 1.0
+_WAIT_S = 0.1
+_LOST_AFTER_S = 5.0
+
+
+def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add ``top`` to the subcommands."""
+    parser = commands.add_parser(
+        "top",
+        help="watch what a running SmartTestudo relays, and why",
+        description="Show the rates of every relayed topic, the rule that decided them and why a topic is "
+        "silent, of all running SmartTestudos, once a second. q or Ctrl-C ends it.",
+    )
+    parser.add_argument(
+        "--sort",
+        choices=[key.value for key in SortKey],
+        default=SortKey.TOPIC.value,
+        help="what to order by: the topic's name (default), or a number, largest first",
+    )
+    parser.add_argument("--once", action="store_true", help="show one table and end")
+    parser.add_argument("--json", action="store_true", help="with --once: everything, as one JSON object")
+    add_timeout(parser, "with --once: how long to wait for a SmartTestudo")
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Show until a key or a signal comes, or once."""
+    if arguments.json and not arguments.once:
+        raise UsageError("--json goes with --once only", place="--json", remedy="add --once")
+    with ExitStack() as opened:
+        stopped = opened.enter_context(stop_signals())
+        robot = opened.enter_context(open_robot(name=f"testudo_top_{os.getpid()}"))
+        watch = StatusWatch(robot, time.monotonic)
+        if arguments.once:
+            _wait_for_all(watch, robot, stopped, arguments.timeout)
+            _print_once(watch, arguments)
+        else:
+            _show(watch, robot, stopped, SortKey(arguments.sort))
+    return 0
+
+
+def _wait_for_all(watch: StatusWatch, robot: Robot, stopped: Callable[[], bool], timeout_s: float) -> None:
+    end_s = time.monotonic() + timeout_s
+    while not watch.has_heard_all and time.monotonic() < end_s and not stopped():
+        robot.wait(None, _WAIT_S)
+    if not watch.heard:
+        what = "understood" if watch.unreadable else "heard"
+        raise RosError(
+            f"no SmartTestudo is {what} within {timeout_s:g} s",
+            place=STATUS_TOPIC,
+            remedy="start `testudo run`, of this version and with the same ROS_DOMAIN_ID",
+        )
+
+
+def _print_once(watch: StatusWatch, arguments: argparse.Namespace) -> None:
+    if arguments.json:
+        nodes = {node: status_to_json(heard.status) for node, heard in sorted(watch.heard.items())}
+        sys.stdout.write(json.dumps({"nodes": nodes}, indent=2, ensure_ascii=False) + "\n")
+    else:
+        print_lines(_lines(watch, SortKey(arguments.sort), _width()))
+
+
+def _show(watch: StatusWatch, robot: Robot, stopped: Callable[[], bool], sort: SortKey) -> None:
+    with key_presses() as pressed, open_screen() as show:
+        show_s, shown = time.monotonic(), [Line("")]
+        while not stopped() and "q" not in pressed():
+            robot.wait(None, _WAIT_S)
+            if time.monotonic() < show_s:
+                continue
+            show_s = time.monotonic() + _SHOW_PERIOD_S
+            lines = _lines(watch, sort, _width())
+            if lines != shown:
+                show(lines)
+                shown = lines
+
+
+def _width() -> int | None:
+    """The columns of a terminal; ``None`` in a pipe, where nothing is cut."""
+    return shutil.get_terminal_size().columns if sys.stdout.isatty() else None
+
+
+def _lines(watch: StatusWatch, sort: SortKey, width: int | None) -> list[Line]:
+    lines: list[Line] = []
+    for _, heard in sorted(watch.heard.items()):
+        silent_s = time.monotonic() - heard.heard_s
+        lines += [Line("")] * bool(lines)
+        lines += summary_lines(heard.status, silent_s=silent_s if silent_s > _LOST_AFTER_S else None)
+        lines += [Line(""), *topic_lines(heard.status, sort, width)]
+    if not lines:
+        lines = [Line(f"Waiting for a SmartTestudo on {STATUS_TOPIC} …", Look.QUIET)]
+    if watch.unreadable:
+        lines.append(Line(f"{watch.unreadable} statuses of another version", Look.WARN))
+    return lines

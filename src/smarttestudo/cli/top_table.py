@@ -1,0 +1,183 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""A runtime's status as lines of text, for 80 columns or more."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from datetime import timedelta
+from enum import Enum
+from pathlib import Path
+
+from smarttestudo.composition.diagnostics import topic_health
+from smarttestudo.domain.decision import Reason
+from smarttestudo.domain.diagnostic import DiagnosticLevel
+from smarttestudo.domain.status import RuntimeStatus, Silence, TopicStatus
+from smarttestudo.visualizer.plain_table import plain_table
+from smarttestudo.visualizer.table import (
+    Align,
+    Cell,
+    Column,
+    Number,
+    Row,
+    Table,
+    Text,
+    format_number,
+    printable,
+)
+
+WIDE = 110
+_QUIET = frozenset({Silence.OFF, Silence.NO_SUBSCRIBER})
+
+
+class Look(Enum):
+    """How a line is to be shown where colours are."""
+
+    HEADING = "heading"
+    PLAIN = "plain"
+    QUIET = "quiet"
+    WARN = "warn"
+    ERROR = "error"
+    STALE = "stale"
+
+
+class SortKey(Enum):
+    """What topics are ordered by: the name upwards, numbers downwards."""
+
+    TOPIC = "topic"
+    SOURCE = "source"
+    TARGET = "target"
+    ACTUAL = "actual"
+    ERROR = "error"
+    OUT = "out"
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """One line of the screen."""
+
+    text: str
+    look: Look = Look.PLAIN
+
+
+_LOOKS = {
+    DiagnosticLevel.OK: Look.PLAIN,
+    DiagnosticLevel.WARN: Look.WARN,
+    DiagnosticLevel.ERROR: Look.ERROR,
+    DiagnosticLevel.STALE: Look.STALE,
+}
+_MEASURES: dict[SortKey, Callable[[TopicStatus], float | None]] = {
+    SortKey.SOURCE: lambda topic: topic.source_hz,
+    SortKey.TARGET: lambda topic: topic.target_hz,
+    SortKey.ACTUAL: lambda topic: topic.actual_hz,
+    SortKey.ERROR: lambda topic: None if topic.error_percent is None else abs(topic.error_percent),
+    SortKey.OUT: lambda topic: topic.out_kb_per_s,
+}
+
+
+def summary_lines(status: RuntimeStatus, *, silent_s: float | None = None) -> list[Line]:
+    """The runtime itself and the link; ``silent_s`` is how long nothing was heard of it, where too long."""
+    return [
+        Line(_runtime(status), Look.HEADING),
+        Line(_link(status), Look.ERROR if status.floors_break_budget else Look.PLAIN),
+        *([Line("No valid rules: everything is relayed at full rate.", Look.WARN)] * status.is_fallback),
+        *([] if silent_s is None else [Line(f"Nothing heard for {silent_s:.0f} s.", Look.STALE)]),
+    ]
+
+
+def topic_lines(status: RuntimeStatus, sort: SortKey, width: int | None = None) -> list[Line]:
+    """Headings, a rule, and one line for each topic; at most ``width`` wide where that is possible."""
+    is_wide = width is None or width >= WIDE
+    topics = _sorted(status, sort)
+    table = Table(
+        title="",
+        columns=_columns(is_wide=is_wide),
+        rows=tuple(Row(cells=_cells(source, topic, is_wide=is_wide)) for source, topic in topics),
+    )
+    lines = plain_table(table, width=width).split("\n")
+    heading_lines = len(lines) - len(topics)
+    return [
+        *(Line(text, Look.HEADING) for text in lines[:heading_lines]),
+        *(Line(text, _look(topic)) for text, (_, topic) in zip(lines[heading_lines:], topics, strict=True)),
+    ]
+
+
+def _runtime(status: RuntimeStatus) -> str:
+    rules = ", ".join(Path(path).name for path in status.rules.paths) or "no rules"
+    return printable(
+        f"{status.node}   {rules}   up {timedelta(seconds=int(status.uptime_s))}"
+        f"   CPU {format_number(status.cpu_percent, 1)} %   {format_number(status.memory_mb, 0)} MB"
+    )
+
+
+def _link(status: RuntimeStatus) -> str:
+    text = (
+        f"in {format_number(status.in_kb_per_s, 1)} KB/s   out {format_number(status.out_kb_per_s, 1)} KB/s"
+    )
+    budget_kb_per_s = status.budget_kb_per_s
+    if budget_kb_per_s is None:
+        return f"{text}, no budget"
+    share = f" ({100 * status.out_kb_per_s / budget_kb_per_s:.0f} %)" if budget_kb_per_s else ""
+    floors = "   the floors alone exceed it" if status.floors_break_budget else ""
+    return f"{text} of {format_number(budget_kb_per_s, 1)}{share}{floors}"
+
+
+def _sorted(status: RuntimeStatus, sort: SortKey) -> list[tuple[str, TopicStatus]]:
+    topics = sorted(status.topics.items(), key=lambda entry: entry[0])
+    measure = _MEASURES.get(sort)
+    if measure is None:
+        return topics
+    return sorted(topics, key=lambda entry: _or_least(measure(entry[1])), reverse=True)
+
+
+def _or_least(number: float | None) -> float:
+    return -math.inf if number is None else number
+
+
+def _columns(*, is_wide: bool) -> tuple[Column, ...]:
+    return (
+        Column(heading="Topic", align=Align.LEFT),
+        Column(heading="Source", unit="Hz"),
+        Column(heading="Target", unit="Hz"),
+        Column(heading="Actual", unit="Hz"),
+        Column(heading="Error", unit="%"),
+        *((Column(heading="In", unit="KB/s"),) if is_wide else ()),
+        Column(heading="Out", unit="KB/s"),
+        *((Column(heading="Rule", align=Align.LEFT),) if is_wide else ()),
+        Column(heading="State" if is_wide else "Rule, or state", align=Align.LEFT),
+    )
+
+
+def _cells(source: str, topic: TopicStatus, *, is_wide: bool) -> tuple[Cell, ...]:
+    health, rule = topic_health(topic), _rule(topic)
+    is_well = topic.silence is None and health.level is DiagnosticLevel.OK
+    summary = "" if is_well else health.summary
+    why = (Text(rule), Text(summary and health.message)) if is_wide else (Text(summary or rule),)
+    return (
+        Text(source),
+        Number(topic.source_hz),
+        _target(topic.target_hz),
+        Number(topic.actual_hz),
+        Number(topic.error_percent, signed=True),
+        *((Number(topic.in_kb_per_s, decimals=1),) if is_wide else ()),
+        Number(topic.out_kb_per_s, decimals=1),
+        *why,
+    )
+
+
+def _target(target_hz: float) -> Cell:
+    if math.isinf(target_hz):
+        return Text("Full")
+    return Number(target_hz) if target_hz else Text("Off")
+
+
+def _rule(topic: TopicStatus) -> str:
+    if topic.rule is None:
+        return topic.reason.value
+    return topic.rule if topic.reason is Reason.BLOCK else f"{topic.reason.value}: {topic.rule}"
+
+
+def _look(topic: TopicStatus) -> Look:
+    return Look.QUIET if topic.silence in _QUIET else _LOOKS[topic_health(topic).level]

@@ -1,0 +1,153 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The rules of a live run, read and checked, as often as they change."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import count
+from pathlib import Path
+
+from smarttestudo.adapters.files.file_states import FileStates, file_states, total_bytes
+from smarttestudo.adapters.files.profile import parse_profile
+from smarttestudo.adapters.files.rule_files import find_rule_files, read_rule_text
+from smarttestudo.adapters.files.toml_text import read_toml_text
+from smarttestudo.adirf.normal_form import Resolve
+from smarttestudo.adirf.rule_set import RuleSet
+from smarttestudo.composition.monitored_topics import monitored_topics
+from smarttestudo.composition.rule_sets import LoadedRules, check_texts
+from smarttestudo.domain.errors import RuleFileError, TestudoError
+from smarttestudo.domain.profile import Profile
+from smarttestudo.domain.status import RulesInForce
+
+PUSHED = "rules_text"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LiveRules:
+    """Rules that can hold: what they mean, and the texts that say so, by path.
+
+    ``monitored`` is the monitored topic of each relayed one, ``names`` the full name of each topic by the
+    name that the texts use.
+    """
+
+    rule_set: RuleSet
+    monitored: Mapping[str, str]
+    profile: Profile = field(default_factory=Profile)
+    in_force: RulesInForce = field(default_factory=RulesInForce)
+    texts: Mapping[str, str] = field(default_factory=dict)
+    profile_text: str | None = None
+    names: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def rules_hash(self) -> str:
+        """The SHA-256 of the rule texts, one after the other; empty while there are none."""
+        return self.in_force.sha256
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Reading:
+    """What one look at the files gave: rules, or the error that they have.
+
+    Of two readings the one with the greater ``number`` began later; equal ``content`` was equal text.
+    ``states`` are older than what was read.
+    """
+
+    number: int
+    states: FileStates
+    content: str
+    rules: LiveRules | None = None
+    error: TestudoError | None = None
+
+
+class LiveRuleFiles:
+    """The rule files and the profile of a live run; several threads may read at a time."""
+
+    def __init__(
+        self, rules: Sequence[Path], profile: Path | None, *, resolve: Resolve, output_topic: str
+    ) -> None:
+        self._rules = rules
+        self._profile = profile
+        self._resolve = resolve
+        self._output_topic = output_topic
+        self._numbers = count()
+
+    def states(self) -> FileStates:
+        """What changes when one of the files does."""
+        return file_states([*self._rules, *([] if self._profile is None else [self._profile])])
+
+    def size_bytes(self) -> int:
+        """How much there is to read."""
+        return total_bytes(self.states())
+
+    def read(self) -> Reading:
+        """The files as they are now."""
+        number, states = next(self._numbers), self.states()
+        content = ""
+        try:
+            texts, profile_text = self._texts()
+            content = repr((texts, profile_text))
+            rules = self._checked(texts, profile_text)
+            return Reading(number=number, states=states, content=content, rules=rules)
+        except TestudoError as error:
+            return Reading(number=number, states=states, content=content or str(error), error=error)
+
+    @property
+    def are_named(self) -> bool:
+        """Whether there are files to read at all."""
+        return bool(self._rules)
+
+    def read_text(self, text: str) -> Reading:
+        """Like ``read``, for a text in place of the rule files."""
+        number, states = next(self._numbers), self.states()
+        try:
+            return Reading(number=number, states=states, content=text, rules=self.check(text))
+        except TestudoError as error:
+            return Reading(number=number, states=states, content=text, error=error)
+
+    def check(self, text: str) -> LiveRules:
+        """The rules of a text beside the profile as it is now. Raises ``TestudoError``."""
+        return self._checked({PUSHED: text}, self._profile_text())
+
+    def _texts(self) -> tuple[dict[str, str], str | None]:
+        if not self._rules:
+            raise RuleFileError("no rules are given", remedy="name a rule file with --rules")
+        texts = {str(path): read_rule_text(path) for path in find_rule_files(self._rules)}
+        return texts, self._profile_text()
+
+    def _profile_text(self) -> str | None:
+        return None if self._profile is None else read_toml_text(self._profile)
+
+    def _checked(self, texts: Mapping[str, str], profile_text: str | None) -> LiveRules:
+        names: dict[str, str] = {}
+
+        def resolve(topic: str) -> str:
+            return names.setdefault(topic, self._resolve(topic))
+
+        profile = None
+        if self._profile is not None and profile_text is not None:
+            profile = parse_profile(profile_text, self._profile).resolved(resolve)
+        loaded = check_texts(texts, profile=profile, resolve=resolve)
+        _refuse_errors(loaded)
+        return LiveRules(
+            rule_set=loaded.rule_set,
+            monitored=monitored_topics(loaded.rule_set, self._output_topic),
+            profile=profile or Profile(),
+            in_force=loaded.in_force,
+            texts=texts,
+            profile_text=profile_text,
+            names=names,
+        )
+
+
+def _refuse_errors(loaded: LoadedRules) -> None:
+    if not loaded.errors:
+        return
+    first, *others = loaded.errors
+    more = f" (the first of {len(loaded.errors)} errors)" if others else ""
+    raise RuleFileError(
+        f"{first.message}{more}",
+        place=f"{first.path}:{first.span.line}:{first.span.column}",
+        remedy=first.hint or None,
+    )

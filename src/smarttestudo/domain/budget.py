@@ -1,0 +1,20 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Budgets as people give them."""
+
+from __future__ import annotations
+
+import math
+
+
+def budget_kb_per_s(value: object) -> float:
+    """``value``, a number or text, as KB/s for all relayed topics together. Raises ``ValueError``."""
+    number = math.nan
+    if isinstance(value, int | float | str) and not isinstance(value, bool):
+        try:
+            number = float(value)
+        except ValueError:
+            number = math.nan
+    if not 0 <= number < math.inf:
+        raise ValueError(f"a budget is a number of KB/s from 0 on, not {value!r}")
+    return number

@@ -1,0 +1,142 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Other rules for a loop that runs: what is known of the robot stays."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from functools import partial
+
+from smarttestudo.adirf.evaluator import Evaluator, Wish
+from smarttestudo.adirf.rule_set import RuleBlock, RuleSet
+from smarttestudo.domain.decision import Decision, PlannedRate, Reason
+from smarttestudo.domain.observation import SourceChanged
+from smarttestudo.domain.profile import Profile
+from smarttestudo.domain.rate import Rate
+from smarttestudo.domain.units import NS_PER_S, ns_from_s
+from smarttestudo.runtime.knowledge.alarm_clock import AlarmClock
+from smarttestudo.runtime.knowledge.knowledge import Knowledge, watched_topics
+from smarttestudo.runtime.knowledge.settling import Settling
+from smarttestudo.runtime.knowledge.watched_topic import WatchedTopic
+
+_GONE = -1
+"""Stands for a block that the new rules do not have."""
+
+
+def exchange_rules(
+    knowledge: Knowledge, rule_set: RuleSet, profile: Profile, sources: Mapping[str, SourceChanged]
+) -> tuple[Decision, ...]:
+    """Let other rules and another profile hold; the next step, to be made now, plans by them.
+
+    ``sources`` is what was last said of each source. A topic whose rules stay the same keeps a lower rate
+    waiting; any other takes its new rate in the next step. Returns the end of each topic that is no longer
+    relayed.
+    """
+    before = knowledge.rule_set
+    now_ns = knowledge.time.now_ns
+    order_of = {topic: place for place, topic in enumerate(rule_set.relayed)}
+    ended = tuple(_end(knowledge, topic, now_ns) for topic in knowledge.order_of if topic not in order_of)
+    knowledge.rule_set, knowledge.profile = rule_set, profile
+    knowledge.order_of = order_of
+    knowledge.settle_ns = ns_from_s(profile.settle_s)
+    knowledge.evaluator = Evaluator(rule_set)
+    knowledge.watched = _watched(knowledge, sources, now_ns)
+    knowledge.watch_alarms = AlarmClock()
+    for topic in knowledge.watched:
+        knowledge.watch_alarms.set(topic, now_ns)
+    knowledge.settling = _settling(knowledge, before)
+    knowledge.settle_alarms = AlarmClock()
+    _keep_plan(knowledge, before)
+    if knowledge.link is not None:
+        knowledge.link.change_rules(rule_set, profile)
+    return ended
+
+
+def made_by_reload(decision: Decision) -> Decision:
+    """``decision``, said to come from the reload, unless it tells that there are no rules."""
+    if decision.planned.reason is Reason.FALLBACK:
+        return decision
+    return replace(decision, planned=replace(decision.planned, reason=Reason.RELOAD))
+
+
+def _end(knowledge: Knowledge, topic: str, now_ns: int) -> Decision:
+    return Decision(
+        t_s=(now_ns - knowledge.start_ns) / NS_PER_S,
+        stamp_ns=knowledge.time.on_clock(now_ns),
+        topic=topic,
+        from_rate=knowledge.effective[topic].planned.rate,
+        planned=PlannedRate(rate=Rate(0.0), reason=Reason.RELOAD),
+        values={},
+        is_end=True,
+    )
+
+
+def _watched(
+    knowledge: Knowledge, sources: Mapping[str, SourceChanged], now_ns: int
+) -> Mapping[str, WatchedTopic]:
+    watched = watched_topics(knowledge.rule_set, knowledge.profile, now_ns, knowledge.evaluator)
+    for topic, entry in watched.items():
+        known, change = knowledge.watched.get(topic), sources.get(topic)
+        if known is not None:
+            entry.carry_on(known)
+        elif change is not None:
+            entry.change_source(change)
+    return watched
+
+
+def _settling(knowledge: Knowledge, before: RuleSet) -> dict[str, Settling]:
+    """The wishes that wait, for the topics whose rules stay the same."""
+    settling = {}
+    old_blocks, new_blocks = _blocks_by_topic(before), _blocks_by_topic(knowledge.rule_set)
+    for topic, waiting in knowledge.settling.items():
+        old, new = old_blocks[topic], new_blocks.get(topic)
+        if new is not None and _stance(before, topic, old) == _stance(knowledge.rule_set, topic, new):
+            renamed = {one.order: other for one, other in zip(old, new, strict=True)}
+            settling[topic] = waiting.carried_on(partial(_renamed, renamed), knowledge.settle_ns)
+    return settling
+
+
+def _blocks_by_topic(rule_set: RuleSet) -> dict[str, list[RuleBlock]]:
+    blocks: dict[str, list[RuleBlock]] = {topic: [] for topic in rule_set.relayed}
+    for block in rule_set.blocks:
+        for topic in block.rates:
+            blocks[topic].append(block)
+    return blocks
+
+
+def _stance(rule_set: RuleSet, topic: str, blocks: list[RuleBlock]) -> object:
+    """All that decides the rate of ``topic``."""
+    setting = [(block.label, block.priority, block.rates[topic], block.form) for block in blocks]
+    return rule_set.defaults.get(topic), rule_set.floors_hz.get(topic), setting
+
+
+def _renamed(new_blocks: Mapping[int, RuleBlock], wish: Wish) -> Wish:
+    if wish.block is None:
+        return wish
+    block = new_blocks[wish.block]
+    return replace(wish, block=block.order, planned=replace(wish.planned, line=block.line))
+
+
+def _keep_plan(knowledge: Knowledge, before: RuleSet) -> None:
+    """The plan of topics still relayed, with the deciding blocks as the new rules count them."""
+    counterpart = _counterparts(before, knowledge.rule_set)
+    for kept in (knowledge.settled, knowledge.effective, knowledge.plan):
+        for topic in [topic for topic in kept if topic not in knowledge.order_of]:
+            del kept[topic]
+    for wishes in (knowledge.settled, knowledge.effective):
+        for topic, wish in wishes.items():
+            if wish.block is not None:
+                wishes[topic] = replace(wish, block=counterpart(wish.block))
+
+
+def _counterparts(before: RuleSet, after: RuleSet) -> Callable[[int], int]:
+    """Which block of ``after`` each block of ``before`` became: the one of the same name."""
+    found: dict[int, int] = {}
+    by_label: dict[str, list[int]] = {}
+    for block in reversed(after.blocks):
+        by_label.setdefault(block.label, []).append(block.order)
+    for block in before.blocks:
+        if orders := by_label.get(block.label):
+            found[block.order] = orders.pop()
+    return lambda order: found.get(order, _GONE)

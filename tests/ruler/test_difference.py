@@ -1,0 +1,60 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a push would change on a robot, in words."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import assume, given, settings
+
+from adirf.rule_strategies import WrittenFile, written_files
+from ruler.ruler_server import EXAMPLES, Page
+from smarttestudo.adirf.formatter import format_rules
+from smarttestudo.adirf.parser import ParseResult, parse
+from smarttestudo.adirf.syntax import Block
+from smarttestudo.composition.ruler.difference import differences
+
+WAREHOUSE = (EXAMPLES / "warehouse.adirf").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "said"),
+    [
+        (
+            "SetFrequency /scan 4\n    EndIf",
+            "SetFrequency /scan 6\n    EndIf",
+            ["Warehouse Corridor: /scan 4 → 6 Hz"],
+        ),
+        ("SetFrequency /odom 10\n", "SetFrequency /odom Full\n", ["default: /odom 10 Hz → Full"]),
+        ("pose_y < 5.4", "pose_y < 5.5", ["Warehouse Corridor: another condition"]),
+        ('"Scaffolding"', '"Scaffolding" Priority 3', ["Scaffolding: Priority 0 → 3"]),
+        ('"Scaffolding"', '"Tower"', ["Scaffolding: removed", "Tower: added"]),
+        (
+            "    SetFrequency /tf 10\n",
+            "    KeepAtLeast /tf 2\n",
+            ["default: /tf 10 Hz, removed", "floor: /tf 2 Hz, new"],
+        ),
+        ("// Under", "// Below", []),
+        ("begin", "\n\n// Moved\nbegin", []),
+    ],
+)
+def test_a_change_is_one_sentence_and_a_moved_line_none(
+    examples_page: Page, before: str, after: str, said: list[str]
+) -> None:
+    request = {"old_text": WAREHOUSE, "new_text": WAREHOUSE.replace(before, after, 1)}
+    assert examples_page.post("/api/diff", request).json["changes"] == said
+
+
+@given(written_files())
+@settings(max_examples=30)
+def test_layout_is_no_difference(written: WrittenFile) -> None:
+    old = parse(written.text, "old")
+    new = parse(format_rules(written.text, "new"), "new")
+    # A comment that the formatter moves to a rule without a name gives it one.
+    assume(unnamed(old) == unnamed(new))
+    assert differences(old, new) == ()
+
+
+def unnamed(result: ParseResult) -> list[bool]:
+    blocks = [one for one in result.file.statements if isinstance(one, Block)]
+    return [block.label == f"block at line {block.span.line}" for block in blocks]
