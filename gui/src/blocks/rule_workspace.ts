@@ -50,9 +50,8 @@ export class RuleWorkspace {
       theme: blocklyTheme(host),
       toolbox: toolbox(),
       media: "./media/",
-      trashcan: true,
+      trashcan: false,
       sounds: false,
-      maxInstances: {},
       zoom: { controls: true, wheel: false, pinch: true, startScale: 0.72, minScale: 0.3, maxScale: 2 },
       move: { scrollbars: true, drag: true, wheel: true },
     });
@@ -139,7 +138,7 @@ export class RuleWorkspace {
 
   /** Waits until nobody drags or types, then says what changed. */
   private settle(): void {
-    if (this.workspace.isDragging() || Blockly.WidgetDiv.isVisible()) {
+    if (Blockly.Gesture.inProgress() || this.workspace.isDragging() || Blockly.WidgetDiv.isVisible()) {
       requestAnimationFrame(() => this.settle());
       return;
     }

@@ -55,7 +55,7 @@ function openWorkspace(host: HTMLElement, editor: RuleEditor): { workspace: Rule
   };
   const workspace = new RuleWorkspace(host, {
     suggestions: suggestionsOf(() => editor.vocabulary.peek()),
-    changed: (next) => void editor.edit(next).then((isDone) => isDone || show()),
+    changed: (next) => void editor.edit(next).then((isInStep) => isInStep || show()),
     laidOut: (layout) => editor.moveBlocks(layout),
     selected: (id) => {
       const { offset, end_offset } = editor.statement(id) ?? {};

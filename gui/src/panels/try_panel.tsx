@@ -10,7 +10,10 @@ type State = { kind: "idle" } | { kind: "running" } | { kind: "done"; answer: Tr
 
 /** What the rules would have done to a recording. */
 export function TryPanel({ editor, api, project }: { editor: RuleEditor; api: Api; project: Project }) {
-  const bags = project.files.filter((file) => file.kind === "bag").map((file) => file.name);
+  const bags = project.files
+    .filter((file) => file.kind === "bag")
+    .sort((a, b) => b.size_bytes - a.size_bytes)
+    .map((file) => file.name);
   const [bag, setBag] = useState(bags[0] ?? "");
   const [state, setState] = useState<State>({ kind: "idle" });
   const running = useRef<AbortController | null>(null);

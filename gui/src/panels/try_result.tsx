@@ -13,7 +13,7 @@ export function TryResult({ answer }: { answer: TryAnswer }) {
   return (
     <div class="try-result">
       <p class="headline" role="status">
-        <strong>{readable(answer.percent)} % less</strong> sent: {readable(answer.after_kb)} of{" "}
+        <strong>{answer.percent.toFixed(1)} % less</strong> sent: {readable(answer.after_kb)} of{" "}
         {readable(answer.before_kb)} KB in {readable(answer.duration_s)} s, with {answer.decisions.length} decisions.
       </p>
       {answer.notices.map((notice) => (
@@ -21,6 +21,7 @@ export function TryResult({ answer }: { answer: TryAnswer }) {
           {notice}
         </p>
       ))}
+      <p class="quiet">Messages per second: grey as recorded, green with the rules.</p>
       <div class="strips">
         {answer.topics.map((topic) => (
           <RateStrip key={topic.topic} topic={topic} binS={answer.bin_s} />
@@ -63,12 +64,12 @@ function drawStrip(host: HTMLElement, topic: TryTopic, binS: number): uPlot {
       height: STRIP_HEIGHT_PX,
       cursor: { sync: { key: "try" } },
       scales: { x: { time: false } },
-      legend: { live: true },
+      legend: { show: false },
       axes: [axis, { ...axis, size: 44 }],
       series: [
-        { label: "s" },
-        { label: "before, Hz", stroke: colour("--text-2"), width: 1 },
-        { label: "after, Hz", stroke: colour("--accent"), width: 2, fill: colour("--accent-soft") },
+        {},
+        { stroke: colour("--text-2"), width: 1 },
+        { stroke: colour("--accent"), width: 2, fill: colour("--accent-soft") },
       ],
     },
     [seconds, topic.before_hz_bins, topic.after_hz_bins],

@@ -90,7 +90,7 @@ export class RuleEditor {
     this.goTo(this.history.redo(this.text.value));
   }
 
-  /** Does edits one after the other as one step of undo; false where nothing was changed. */
+  /** Does edits one after the other as one step of undo; false where one was refused, or came too late. */
   edit(next: (document: RuleDocument, answerId: string | null) => Edit | null): Promise<boolean> {
     return this.inTurn(() => this.runEdits(next));
   }
@@ -103,7 +103,8 @@ export class RuleEditor {
       if (edit === null) break;
       step = await this.api.edit({ ...this.rules, text: step.text }, edit);
     }
-    if (step.text === before || this.text.value !== before) return false;
+    if (this.text.value !== before) return false;
+    if (step.text === before) return true;
     this.replaceText(step.text, step.document);
     return true;
   }

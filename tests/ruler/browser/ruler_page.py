@@ -19,7 +19,7 @@ from playwright.sync_api import Browser, Locator, Page, expect, sync_playwright
 from smarttestudo.web.page import is_page_built
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
-TIMEOUT_MS = 40_000
+TIMEOUT_MS = 9_000
 CHROMIUM_NAMES = ("chromium", "chromium-browser", "google-chrome")
 
 
@@ -101,7 +101,7 @@ class RulerPage:
         """Click the lowest field with this label, type, press Enter, and see the value on the block."""
         self.field(label).click()
         self.type_value(value)
-        kind = label.split(":")[0]
+        kind = label.split(":", maxsplit=1)[0]
         self.blocks.get_by_role("button", name=f"{kind}: {value}", exact=True).first.wait_for()
 
     def type_value(self, value: str) -> None:

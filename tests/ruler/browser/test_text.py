@@ -7,12 +7,21 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import expect
+from playwright.sync_api import Locator, expect
 
 from ruler.browser.ruler_page import EXAMPLES, RulerPage
 
 RULE_FILES = sorted(path.relative_to(EXAMPLES).as_posix() for path in EXAMPLES.rglob("*.adirf"))
 STATEMENT_STARTS = ("SetFrequency", "KeepAtLeast", "If", "Rule")
+HOSTILE_LINES = (
+    "// <img src=x onerror=alert(1)>",
+    "begin",
+    '  Rule "<script>alert(2)</script>"',
+    "  If (CheckValue",
+    "/odom  pose_x>1) Then",
+    "  SetFrequency /odom 2 //ä 🤖",
+    "end",
+)
 
 
 def test_every_example_opens_as_blocks_and_saves_the_same_bytes(ruler: RulerPage, project: Path) -> None:
@@ -64,10 +73,7 @@ def test_a_change_on_a_block_changes_one_word_of_the_text(ruler: RulerPage, proj
 def test_line_ends_and_hostile_words_stay_what_they_are(
     ruler: RulerPage, project: Path, line_end: str
 ) -> None:
-    text = line_end.join(
-        ("// <img src=x onerror=alert(1)>", "begin", '  Rule "<script>alert(2)</script>"', "  If (CheckValue",)
-        + ("/odom  pose_x>1) Then", "  SetFrequency /odom 2 //ä 🤖", "end")
-    )
+    text = line_end.join(HOSTILE_LINES)
     (project / "odd.adirf").write_bytes(text.encode())
     ruler.home()
     ruler.open("odd.adirf")
@@ -84,3 +90,29 @@ def _replace_in_text(ruler: RulerPage, old: str, new: str) -> None:
     for key in ("End", "Shift+Home"):
         ruler.page.keyboard.press(key)
     ruler.page.keyboard.type(new)
+
+
+def test_a_dragged_block_changes_the_layout_file_and_not_the_rules(ruler: RulerPage, project: Path) -> None:
+    before = (project / "warehouse.adirf").read_bytes()
+    ruler.open("warehouse.adirf")
+    block = ruler.field("Edit topic to send: /joint_states")
+    _drag(ruler, block, 400, 40)
+    expect(ruler.button("Undo")).to_be_disabled()
+    ruler.save()
+    assert (project / "warehouse.adirf").read_bytes() == before
+    assert '"blocks"' in (project / ".warehouse.adirf.layout.json").read_text()
+    place = block.bounding_box()
+    ruler.home()
+    ruler.open("warehouse.adirf")
+    assert ruler.field("Edit topic to send: /joint_states").bounding_box() == pytest.approx(place, abs=2)
+
+
+def _drag(ruler: RulerPage, handle: Locator, right_px: float, down_px: float) -> None:
+    handle.wait_for()
+    box = handle.bounding_box()
+    assert box is not None
+    mouse = ruler.page.mouse
+    mouse.move(box["x"] + 10, box["y"] + 6)
+    mouse.down()
+    mouse.move(box["x"] + 10 + right_px, box["y"] + 6 + down_px, steps=10)
+    mouse.up()
