@@ -19,7 +19,7 @@ from playwright.sync_api import Browser, Locator, Page, expect, sync_playwright
 from smarttestudo.web.page import is_page_built
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
-TIMEOUT_MS = 9_000
+TIMEOUT_MS = 40_000
 CHROMIUM_NAMES = ("chromium", "chromium-browser", "google-chrome")
 
 
@@ -92,7 +92,9 @@ class RulerPage:
 
     def field(self, label: str) -> Locator:
         """The lowest field or button on the blocks whose label starts so, as in ``Edit value: 0``."""
-        found = self.blocks.get_by_role("button", name=re.compile(f"^{re.escape(label)}"))
+        # Playwright takes a plain slash for the end of the pattern.
+        start = re.compile("^" + re.escape(label).replace("/", r"\x2f"))
+        found = self.blocks.get_by_role("button", name=start)
         found.first.wait_for()
         boxes = [found.nth(index).bounding_box() for index in range(found.count())]
         return found.nth(max(range(len(boxes)), key=lambda index: (boxes[index] or {"y": 0.0})["y"]))
