@@ -20,7 +20,9 @@ type NextEdit = (document: RuleDocument) => Edit | null;
 export interface WorkspaceOwner {
   suggestions: Suggestions;
   /** Blocks say something else than the text; ask `next` for edits until it has none. */
-  changed(next: NextEdit): void;
+  changed(next: NextEdit): Promise<void>;
+  /** Asks for `show` with what the text says now. */
+  showAgain(): void;
   /** Somebody moved top blocks. */
   laidOut(layout: Layout): void;
   selected(statement: string | null): void;
@@ -32,6 +34,8 @@ export class RuleWorkspace {
   private slots: Slot[] = [];
   private moved = new Map<string, readonly [number, number]>();
   private waiting = false;
+  /** Changes of blocks that are on their way into the text. */
+  private underWay = 0;
   private findings: readonly Finding[] = [];
 
   constructor(
@@ -59,17 +63,23 @@ export class RuleWorkspace {
     this.workspace.addChangeListener((event) => this.listen(event));
   }
 
-  /** Shows a document, touching only the blocks of statements that changed. */
+  /**
+   * Shows a document, touching only the blocks of statements that changed.
+   *
+   * Does nothing while blocks are ahead of the text; it asks for another call then.
+   */
   show(document: RuleDocument, layout: Layout): void {
+    if (this.waiting || this.underWay > 0) return;
     this.quietly(() => {
       const placed = statementsOf(document);
       const reused = this.reuse(placed.map(({ statement }) => statement));
+      const isSame = reused.length === this.slots.length && this.slots.every(({ block }, at) => block === reused[at]);
       const old = new Set(this.slots.map((slot) => slot.block));
       for (const block of reused) if (block) old.delete(block);
       const spots = this.freedSpots(old);
       for (const block of old) if (!block.isDisposed()) block.dispose(true);
       this.slots = placed.map(({ statement }, index) => newSlot(reused[index] ?? this.create(statement), statement));
-      this.arrange(layout, spots);
+      if (!isSame) this.arrange(layout, spots);
       showJoins(this.workspace, this.owner.suggestions);
     });
     this.mark(this.findings);
@@ -145,9 +155,15 @@ export class RuleWorkspace {
     this.waiting = false;
     this.quietly(() => showJoins(this.workspace, this.owner.suggestions));
     this.mark(this.findings);
-    const slots = this.slots;
-    this.owner.changed((document) => nextEdit(document, slots, this.tops()));
     this.owner.laidOut(this.layout());
+    void this.hand();
+  }
+
+  private async hand(): Promise<void> {
+    this.underWay++;
+    await this.owner.changed((document) => nextEdit(document, this.slots, this.tops()));
+    this.underWay--;
+    this.owner.showAgain();
   }
 
   private tellSelected(): void {

@@ -38,17 +38,24 @@ export function newSlot(block: Blockly.BlockSvg, statement: Statement): Slot {
 }
 
 /**
- * The next edit that brings the text to what the blocks say, or null when they agree.
+ * The next edit that brings the text to what the blocks say; null when they agree, or when the text is
+ * no longer the one that the slots know.
  *
  * `slots` is in the order of the text and is changed as if the edit were done.
  */
 export function nextEdit(document: RuleDocument, slots: Slot[], tops: Blockly.BlockSvg[]): Edit | null {
   const places = statementsOf(document);
-  if (places.length !== slots.length) throw new Error("blocks and text differ in number");
+  const isKnown = slots.every((slot, index) => slot.print === printAt(places, index));
+  if (places.length !== slots.length || !isKnown) return null;
   slots.forEach((slot, index) => {
     slot.id = places[index]?.statement.id ?? "";
   });
   return nextDelete(slots) ?? nextReplace(slots) ?? nextInsert(document, places, slots, tops) ?? nextMove(places, slots, tops);
+}
+
+function printAt(places: Placed[], index: number): string | null {
+  const place = places[index];
+  return place ? fingerprint(place.statement) : null;
 }
 
 function nextDelete(slots: Slot[]): Edit | null {

@@ -55,7 +55,8 @@ function openWorkspace(host: HTMLElement, editor: RuleEditor): { workspace: Rule
   };
   const workspace = new RuleWorkspace(host, {
     suggestions: suggestionsOf(() => editor.vocabulary.peek()),
-    changed: (next) => void editor.edit(next).then((isInStep) => isInStep || show()),
+    changed: (next) => editor.edit(next),
+    showAgain: show,
     laidOut: (layout) => editor.moveBlocks(layout),
     selected: (id) => {
       const { offset, end_offset } = editor.statement(id) ?? {};

@@ -42,7 +42,7 @@ export class RuleEditor {
   readonly isBroken = computed(() => !this.document.value.parses && this.shown.value?.document !== this.document.value);
   private layoutHash: string | null = null;
   private timer: number | undefined;
-  private queue: Promise<unknown> = Promise.resolve();
+  private queue: Promise<void> = Promise.resolve();
 
   constructor(
     private readonly api: Api,
@@ -90,30 +90,22 @@ export class RuleEditor {
     this.goTo(this.history.redo(this.text.value));
   }
 
-  /** Does edits one after the other as one step of undo; false where one was refused, or came too late. */
-  edit(next: (document: RuleDocument, answerId: string | null) => Edit | null): Promise<boolean> {
-    return this.inTurn(() => this.runEdits(next));
+  /** Does edits one after the other as one step of undo; what is refused is told, and changes nothing. */
+  edit(next: (document: RuleDocument) => Edit | null): Promise<void> {
+    return this.inTurn(async () => {
+      const before = this.text.value;
+      let step = { text: before, document: this.document.value };
+      for (let edit = next(step.document); edit !== null; edit = next(step.document)) {
+        step = await this.api.edit({ ...this.rules, text: step.text }, edit);
+      }
+      if (step.text !== before && this.text.value === before) this.replaceText(step.text, step.document);
+    });
   }
 
-  private async runEdits(next: (document: RuleDocument, answerId: string | null) => Edit | null): Promise<boolean> {
-    const before = this.text.value;
-    let step = { text: before, document: this.document.value, id: null as string | null };
-    for (;;) {
-      const edit = next(step.document, step.id);
-      if (edit === null) break;
-      step = await this.api.edit({ ...this.rules, text: step.text }, edit);
-    }
-    if (this.text.value !== before) return false;
-    if (step.text === before) return true;
-    this.replaceText(step.text, step.document);
-    return true;
-  }
-
-  fix(finding: Finding): Promise<boolean> {
+  fix(finding: Finding): Promise<void> {
     return this.inTurn(async () => {
       const answer = await this.api.fix(this.rules, finding.index);
       this.replaceText(answer.text, answer.document);
-      return true;
     });
   }
 
@@ -130,7 +122,6 @@ export class RuleEditor {
     await this.inTurn(async () => {
       const { text } = await this.api.format(this.rules);
       await this.setText(text);
-      return true;
     });
   }
 
@@ -150,7 +141,6 @@ export class RuleEditor {
       }
       this.saved.value = { text, hash, layout };
       this.message.value = `Saved ${this.name}`;
-      return true;
     });
   }
 
@@ -185,7 +175,6 @@ export class RuleEditor {
       await this.api.save(name, written.text, hash);
       this.message.value = `Saved ${name}: ${budgetKbPerS} KB/s`;
       await this.useProfile(name);
-      return true;
     });
   }
 
@@ -232,13 +221,9 @@ export class RuleEditor {
     if (document.parses || this.shown.value === null) this.shown.value = { document, text };
   }
 
-  private inTurn(work: () => Promise<boolean>): Promise<boolean> {
-    const done = this.queue.then(work).catch((error: unknown) => {
-      this.tell(error);
-      return false;
-    });
-    this.queue = done;
-    return done;
+  private inTurn(work: () => Promise<void>): Promise<void> {
+    this.queue = this.queue.then(work).catch((error: unknown) => this.tell(error));
+    return this.queue;
   }
 
   private tell(error: unknown): void {
