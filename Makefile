@@ -4,13 +4,16 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
 DEMO_ARGS ?=
+PAGE := src/smarttestudo/web/static/index.html
+GUI_SOURCES := $(shell find gui -type f -not -path 'gui/node_modules/*')
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: help demo test lint format docs test-jazzy test-lowest wheels-aarch64 benchmarks clean
+.PHONY: help demo gui test lint format docs test-jazzy test-lowest wheels-aarch64 benchmarks clean
 
 help:
 	@echo "make demo            the warehouse mission, with and without adaptive monitoring (no robot needed)"
 	@echo "make test            everything that must hold: style, types, layers, tests"
+	@echo "make gui             the page of 'testudo ruler', from gui/ (needs Node 20, or gets it from PyPI)"
 	@echo "make lint            style, types and layers only"
 	@echo "make format          format the code"
 	@echo "make docs            regenerate docs/reference and worlds from the code"
@@ -23,8 +26,13 @@ help:
 demo: $(VENV)/studio.stamp
 	@$(BIN)/testudo demo $(DEMO_ARGS)
 
-test: lint
+test: lint $(PAGE)
 	$(BIN)/pytest
+
+gui: $(PAGE)
+
+$(PAGE): $(GUI_SOURCES) scripts/make_gui.sh | $(VENV)/dev.stamp
+	PYTHON=$(abspath $(BIN)/python) sh scripts/make_gui.sh
 
 lint: $(VENV)/dev.stamp
 	$(BIN)/ruff check .
@@ -53,7 +61,7 @@ benchmarks: $(VENV)/dev.stamp
 	for benchmark in benchmarks/*.py; do $(BIN)/python $$benchmark || exit 1; done
 
 clean:
-	rm -rf $(VENV) build install log dist demo-out .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
+	rm -rf $(VENV) src/smarttestudo/web/static gui/node_modules build install log dist demo-out .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
 
 $(VENV)/bin/python:
 	@PYTHON=$(PYTHON) sh scripts/check_python.sh

@@ -1,0 +1,118 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import type {
+  Edit,
+  EditAnswer,
+  FileText,
+  OptimizeAnswer,
+  Problem,
+  ProfileTable,
+  Project,
+  RuleDocument,
+  TryAnswer,
+  Vocabulary,
+} from "./types";
+
+/** What the server refused, or that it did not answer (status 0). */
+export class ApiError extends Error {
+  constructor(
+    readonly status: number,
+    readonly problem: Problem,
+  ) {
+    super([problem.message, problem.remedy].filter(Boolean).join(". "));
+  }
+}
+
+const UNREACHABLE: Problem = {
+  message: "The Ruler's server does not answer",
+  place: "",
+  remedy: "Is 'testudo ruler' still running in its terminal? Your text is kept on this page",
+  findings: [],
+};
+
+/** A rule file as every call names it. */
+export interface Rules {
+  text: string;
+  name: string;
+  profile_text: string | null;
+}
+
+/** The calls of the server; each fails with an ApiError. */
+export class Api {
+  project(): Promise<Project> {
+    return call("GET", "/api/project");
+  }
+
+  read(name: string): Promise<FileText> {
+    return call("GET", `/api/file?name=${encodeURIComponent(name)}`);
+  }
+
+  save(name: string, text: string, baseHash: string | null): Promise<{ hash: string }> {
+    return call("PUT", "/api/file", { name, text, base_hash: baseHash });
+  }
+
+  document(rules: Rules): Promise<RuleDocument> {
+    return call("POST", "/api/document", rules);
+  }
+
+  edit(rules: Rules, edit: Edit): Promise<EditAnswer> {
+    return call("POST", "/api/edit", { ...rules, edit });
+  }
+
+  format(rules: Rules): Promise<{ text: string }> {
+    return call("POST", "/api/format", rules);
+  }
+
+  fix(rules: Rules, index: number): Promise<EditAnswer> {
+    return call("POST", "/api/fix", { ...rules, index });
+  }
+
+  vocabulary(text: string, profileText: string | null): Promise<Vocabulary> {
+    return call("POST", "/api/vocabulary", { text, profile_text: profileText });
+  }
+
+  parseProfile(name: string, text: string): Promise<ProfileTable> {
+    return call("POST", "/api/profile/parse", { name, text });
+  }
+
+  writeProfile(name: string, table: ProfileTable, baseText: string): Promise<{ text: string }> {
+    return call("POST", "/api/profile/write", { ...table, name, base_text: baseText });
+  }
+
+  measureProfile(bag: string): Promise<{ text: string }> {
+    return call("POST", "/api/profile/measure", { bag });
+  }
+
+  optimize(rules: Rules): Promise<OptimizeAnswer> {
+    return call("POST", "/api/optimize", rules);
+  }
+
+  tryOnBag(rules: Rules, bag: string, signal: AbortSignal): Promise<TryAnswer> {
+    return call("POST", "/api/try", { ...rules, bag }, signal);
+  }
+}
+
+async function call<T>(method: string, path: string, body?: unknown, signal?: AbortSignal): Promise<T> {
+  const response = await send(method, path, body, signal);
+  const answer: unknown = await response.json().catch(() => null);
+  if (!response.ok) {
+    const problem = (answer as { error?: Problem } | null)?.error;
+    throw new ApiError(response.status, problem ?? { ...UNREACHABLE, message: `${path}: ${response.statusText}` });
+  }
+  return answer as T;
+}
+
+async function send(method: string, path: string, body: unknown, signal?: AbortSignal): Promise<Response> {
+  const init: RequestInit = { method };
+  if (signal) init.signal = signal;
+  if (body !== undefined) {
+    init.body = JSON.stringify(body);
+    init.headers = { "Content-Type": "application/json" };
+  }
+  try {
+    return await fetch(path, init);
+  } catch (error) {
+    if (signal?.aborted) throw error;
+    throw new ApiError(0, UNREACHABLE);
+  }
+}

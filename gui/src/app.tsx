@@ -1,0 +1,66 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import type { ComponentType } from "preact";
+import { useEffect, useState } from "preact/hooks";
+import { type Api, ApiError } from "./api/client";
+import type { Project } from "./api/types";
+import { HomePage } from "./pages/home";
+import { type Route, readRoute, toRoute } from "./route";
+import { Notice } from "./ui/notice";
+
+/** What every page gets. */
+export interface PageProps {
+  api: Api;
+  project: Project;
+  /** The file of the page, if it is about one. */
+  name: string;
+  /** Reads the list of files again. */
+  refresh: () => Promise<void>;
+}
+
+// The heavy parts (Blockly, CodeMirror, plots) load with the page that needs them.
+const LAZY: Record<Exclude<Route["page"], "home">, () => Promise<ComponentType<PageProps>>> = {
+  rules: async () => (await import("./pages/editor")).EditorPage,
+  topics: async () => (await import("./pages/topics")).TopicsPage,
+  help: async () => (await import("./pages/help")).HelpPage,
+};
+
+export function App({ api }: { api: Api }) {
+  const [project, setProject] = useState<Project | null>(null);
+  const [problem, setProblem] = useState("");
+  const route = useRoute();
+  const refresh = async () => {
+    try {
+      setProject(await api.project());
+      setProblem("");
+    } catch (error) {
+      if (!(error instanceof ApiError)) throw error;
+      setProblem(error.message);
+    }
+  };
+  useEffect(() => void refresh(), []);
+  useEffect(() => {
+    if (project?.opened && location.hash === "") toRoute({ page: "rules", name: project.opened });
+  }, [project]);
+  if (problem) return <Notice kind="error" text={problem} action={{ label: "Try again", act: refresh }} />;
+  if (project === null) return <p class="quiet center">Opening the project …</p>;
+  if (route.page === "home") return <HomePage {...{ api, project, refresh }} name="" />;
+  const props = { api, project, refresh, name: route.name };
+  return <LazyPage key={`${route.page} ${route.name}`} load={LAZY[route.page]} props={props} />;
+}
+
+function LazyPage({ load, props }: { load: () => Promise<ComponentType<PageProps>>; props: PageProps }) {
+  const [page, setPage] = useState<{ Page: ComponentType<PageProps> } | null>(null);
+  useEffect(() => void load().then((Page) => setPage({ Page })), []);
+  return page ? <page.Page {...props} /> : <p class="quiet center">Loading …</p>;
+}
+
+function useRoute(): Route {
+  const [route, setRoute] = useState(readRoute);
+  useEffect(() => {
+    const follow = () => setRoute(readRoute());
+    addEventListener("hashchange", follow);
+    return () => removeEventListener("hashchange", follow);
+  }, []);
+  return route;
+}

@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import type { Rate, Tier } from "../api/types";
+
+export const TIERS: readonly Tier[] = [
+  "Unacceptable",
+  "Marginal",
+  "Acceptable",
+  "Desirable",
+  "Competitive",
+  "Excessive",
+];
+export const RATE_WORDS: readonly string[] = [...TIERS, "Full", "Off"];
+
+/** A rate as a block shows it; `Hz` is said by the block. */
+export function rateText(rate: Rate): string {
+  switch (rate.kind) {
+    case "hz":
+      return String(rate.value);
+    case "tier":
+      return rate.value;
+    case "full":
+      return "Full";
+    case "off":
+      return "Off";
+  }
+}
+
+/** What somebody typed as a rate, in any case of letters and with or without Hz; null where it is none. */
+export function parseRate(text: string): Rate | null {
+  const words = text.trim().replace(/\s*hz$/i, "");
+  const word = RATE_WORDS.find((each) => each.toLowerCase() === words.toLowerCase());
+  if (word === "Full") return { kind: "full", value: null };
+  if (word === "Off") return { kind: "off", value: null };
+  if (word !== undefined) return { kind: "tier", value: word as Tier };
+  const hz = words === "" ? Number.NaN : Number(words.replace(",", "."));
+  return Number.isFinite(hz) && hz >= 0 ? { kind: "hz", value: hz } : null;
+}

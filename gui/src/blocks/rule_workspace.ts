@@ -1,0 +1,263 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import * as Blockly from "blockly/core";
+import * as english from "blockly/msg/en";
+import type { Edit, Finding, RuleDocument, Statement } from "../api/types";
+import type { Layout } from "../state/layout";
+import { addCheck, addRate, toggleElse } from "./block_buttons";
+import { defineBlocks, showRawText, type Suggestions } from "./block_types";
+import { showJoins } from "./joins";
+import { fingerprint, toBlock, toStatement } from "./model";
+import { blocklyTheme } from "./palette";
+import { isTop, newSlot, nextEdit, type Slot, statementsOf } from "./slots";
+import { toolbox } from "./toolbox";
+
+const GAP = 18;
+const LEFT = 24;
+type NextEdit = (document: RuleDocument) => Edit | null;
+
+/** What the workspace tells and asks. */
+export interface WorkspaceOwner {
+  suggestions: Suggestions;
+  /** Blocks say something else than the text; ask `next` for edits until it has none. */
+  changed(next: NextEdit): Promise<void>;
+  /** Asks for `show` with what the text says now. */
+  showAgain(): void;
+  /** Somebody moved top blocks. */
+  laidOut(layout: Layout): void;
+  selected(statement: string | null): void;
+}
+
+/** The blocks of one rule file, kept in step with its text. */
+export class RuleWorkspace {
+  private readonly workspace: Blockly.WorkspaceSvg;
+  private slots: Slot[] = [];
+  private moved = new Map<string, readonly [number, number]>();
+  private waiting = false;
+  /** Changes of blocks that are on their way into the text. */
+  private underWay = 0;
+  private findings: readonly Finding[] = [];
+
+  constructor(
+    private readonly host: HTMLElement,
+    private readonly owner: WorkspaceOwner,
+  ) {
+    Blockly.setLocale(english as unknown as Record<string, string>);
+    defineBlocks(owner.suggestions, {
+      addCheck: (block) => addCheck(block),
+      addRate: (block, input) => addRate(block, input, owner.suggestions.topics()),
+      toggleElse: (block) => toggleElse(block, owner.suggestions.topics()),
+      remove: (block) => block.checkAndDelete(),
+    });
+    this.workspace = Blockly.inject(host, {
+      renderer: "zelos",
+      theme: blocklyTheme(host),
+      toolbox: toolbox(),
+      media: "./media/",
+      trashcan: false,
+      sounds: false,
+      zoom: { controls: true, wheel: false, pinch: true, startScale: 0.72, minScale: 0.3, maxScale: 2 },
+      move: { scrollbars: true, drag: true, wheel: true },
+    });
+    this.workspace.MAX_UNDO = 0;
+    this.workspace.addChangeListener((event) => this.listen(event));
+  }
+
+  /**
+   * Shows a document, touching only the blocks of statements that changed.
+   *
+   * Does nothing while blocks are ahead of the text; it asks for another call then.
+   */
+  show(document: RuleDocument, layout: Layout): void {
+    if (this.waiting || this.underWay > 0) return;
+    this.quietly(() => {
+      const placed = statementsOf(document);
+      const reused = this.reuse(placed.map(({ statement }) => statement));
+      const isSame = reused.length === this.slots.length && this.slots.every(({ block }, at) => block === reused[at]);
+      const old = new Set(this.slots.map((slot) => slot.block));
+      for (const block of reused) if (block) old.delete(block);
+      const spots = this.freedSpots(old);
+      for (const block of old) if (!block.isDisposed()) block.dispose(true);
+      this.slots = placed.map(({ statement }, index) => newSlot(reused[index] ?? this.create(statement), statement));
+      if (!isSame) this.arrange(layout, spots);
+      showJoins(this.workspace, this.owner.suggestions);
+    });
+    this.mark(this.findings);
+  }
+
+  /** Puts findings on the blocks of their statements. */
+  mark(findings: readonly Finding[]): void {
+    this.findings = findings;
+    this.quietly(() => {
+      for (const slot of this.slots) {
+        const own = findings.filter((finding) => finding.statement === slot.id);
+        const text = own.map((finding) => `${finding.message}${finding.hint ? `\n${finding.hint}` : ""}`).join("\n\n");
+        slot.block.setWarningText(text || null, "findings");
+      }
+      for (const block of this.tops()) {
+        const statement = toStatement(block);
+        const missing = "missing" in statement && block.type !== "adirf_raw";
+        block.setWarningText(missing ? `Not in the text yet. ${statement.missing}.` : null, "missing");
+      }
+    });
+  }
+
+  /** Shows which block says a statement; the focus stays where somebody works. */
+  reveal(id: string | null): void {
+    const block = this.slots.find((each) => each.id === id)?.block;
+    this.workspace.highlightBlock(block?.id ?? null);
+    if (block) this.workspace.scrollBoundsIntoView(block.getBoundingRectangleWithoutChildren(), GAP);
+  }
+
+  setReadOnly(readOnly: boolean): void {
+    this.workspace.setIsReadOnly(readOnly);
+  }
+
+  resize(): void {
+    Blockly.svgResize(this.workspace);
+  }
+
+  focus(): void {
+    Blockly.getFocusManager().focusTree(this.workspace);
+  }
+
+  /** Puts a new block below all others, as dragging it out of the toolbox would. */
+  add(state: Blockly.serialization.blocks.State): void {
+    const bottom = this.workspace.getBlocksBoundingBox().bottom;
+    const place = { x: LEFT, y: bottom + GAP };
+    const block = Blockly.serialization.blocks.append({ ...state, ...place }, this.workspace) as Blockly.BlockSvg;
+    Blockly.getFocusManager().focusNode(block);
+    this.workspace.scrollBoundsIntoView(block.getBoundingRectangle(), GAP);
+  }
+
+  applyTheme(): void {
+    this.workspace.setTheme(blocklyTheme(this.host));
+  }
+
+  dispose(): void {
+    this.workspace.dispose();
+  }
+
+  private listen(event: Blockly.Events.Abstract): void {
+    if (event.type === Blockly.Events.SELECTED) this.tellSelected();
+    if (event.type === Blockly.Events.BLOCK_MOVE) this.remember(event as Blockly.Events.BlockMove);
+    if (event.isUiEvent || this.waiting) return;
+    this.waiting = true;
+    requestAnimationFrame(() => this.settle());
+  }
+
+  /** Waits until nobody drags or types, then says what changed. */
+  private settle(): void {
+    if (Blockly.Gesture.inProgress() || this.workspace.isDragging() || Blockly.WidgetDiv.isVisible()) {
+      requestAnimationFrame(() => this.settle());
+      return;
+    }
+    this.waiting = false;
+    this.quietly(() => showJoins(this.workspace, this.owner.suggestions));
+    this.mark(this.findings);
+    this.owner.laidOut(this.layout());
+    void this.hand();
+  }
+
+  private async hand(): Promise<void> {
+    this.underWay++;
+    await this.owner.changed((document) => nextEdit(document, this.slots, this.tops()));
+    this.underWay--;
+    this.owner.showAgain();
+  }
+
+  private tellSelected(): void {
+    let block = Blockly.common.getSelected() as Blockly.BlockSvg | null;
+    while (block instanceof Blockly.BlockSvg && !isTop(block)) block = block.getSurroundParent();
+    this.owner.selected(this.slots.find((slot) => slot.block === block)?.id ?? null);
+  }
+
+  private remember(event: Blockly.Events.BlockMove): void {
+    if (!event.reason?.includes("drag") || !event.blockId) return;
+    const block = this.workspace.getBlockById(event.blockId);
+    if (!block || block.getParent()) this.moved.delete(event.blockId);
+    else {
+      const { x, y } = block.getRelativeToSurfaceXY();
+      this.moved.set(event.blockId, [Math.round(x), Math.round(y)]);
+    }
+  }
+
+  private layout(): Layout {
+    const placed = this.slots.filter((slot) => this.moved.has(slot.block.id));
+    return Object.fromEntries(placed.map((slot) => [slot.key, this.moved.get(slot.block.id) ?? [0, 0]]));
+  }
+
+  /** All blocks that are statements of their own, or could become some. */
+  private tops(): Blockly.BlockSvg[] {
+    return this.workspace.getTopBlocks(true).flatMap((top) => {
+      const chain: Blockly.BlockSvg[] = [];
+      for (let block: Blockly.BlockSvg | null = top; block; block = block.getNextBlock()) {
+        if (!block.isInsertionMarker()) chain.push(block);
+      }
+      return chain;
+    });
+  }
+
+  /** For each statement the block that shows it already. */
+  private reuse(statements: Statement[]): (Blockly.BlockSvg | null)[] {
+    const free = new Map<string, Blockly.BlockSvg[]>();
+    for (const { block } of this.slots) {
+      if (block.isDisposed() || !isTop(block)) continue;
+      const shown = block.type === "adirf_raw" ? null : toStatement(block);
+      if (shown === null || "missing" in shown) continue;
+      const print = fingerprint(shown);
+      free.set(print, [...(free.get(print) ?? []), block]);
+    }
+    return statements.map((statement) => free.get(fingerprint(statement))?.shift() ?? null);
+  }
+
+  private create(statement: Statement): Blockly.BlockSvg {
+    const block = Blockly.serialization.blocks.append(toBlock(statement), this.workspace) as Blockly.BlockSvg;
+    if (statement.kind === "raw") showRawText(block, statement.text);
+    return block;
+  }
+
+  /** Where blocks stood that somebody moved and that now go, so that what replaces them stays there. */
+  private freedSpots(blocks: Iterable<Blockly.BlockSvg>): (readonly [number, number])[] {
+    const spots: (readonly [number, number])[] = [];
+    for (const block of blocks) {
+      const spot = this.moved.get(block.id);
+      if (spot && !block.isDisposed()) spots.push(spot);
+      this.moved.delete(block.id);
+    }
+    return spots;
+  }
+
+  private arrange(layout: Layout, spots: (readonly [number, number])[]): void {
+    let y = GAP;
+    let above: Blockly.BlockSvg | null = null;
+    for (const slot of this.slots) {
+      const place = this.moved.get(slot.block.id) ?? layout[slot.key] ?? spots.shift();
+      slot.block.previousConnection?.disconnect();
+      if (place) {
+        this.moved.set(slot.block.id, place);
+        slot.block.moveTo(new Blockly.utils.Coordinate(place[0], place[1]));
+        above = slot.block.type === "adirf_set" ? slot.block : null;
+        continue;
+      }
+      const { previousConnection } = slot.block;
+      if (above?.nextConnection && previousConnection) above.nextConnection.connect(previousConnection);
+      else slot.block.moveTo(new Blockly.utils.Coordinate(LEFT, y));
+      y = Math.max(y, bottomOf(slot.block) + GAP);
+      above = slot.block.type === "adirf_set" ? slot.block : null;
+    }
+  }
+
+  private quietly(work: () => void): void {
+    Blockly.Events.disable();
+    try {
+      work();
+    } finally {
+      Blockly.Events.enable();
+    }
+  }
+}
+
+function bottomOf(block: Blockly.BlockSvg): number {
+  return block.getBoundingRectangle().bottom;
+}

@@ -1,0 +1,18 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import type { Vocabulary } from "../api/types";
+import type { Suggestions } from "./block_types";
+
+/** What the vocabulary of the moment suggests. */
+export function suggestionsOf(vocabulary: () => Vocabulary | null): Suggestions {
+  const properties = (topic: string) => {
+    const words = vocabulary();
+    const own = words?.topics.find((each) => each.topic === topic)?.properties ?? [];
+    return [...own, ...(words?.every_topic ?? [])];
+  };
+  return {
+    topics: () => vocabulary()?.topics.map(({ topic }) => topic) ?? [],
+    properties: (topic) => properties(topic).map(({ name }) => name),
+    unit: (topic, property) => properties(topic).find(({ name }) => name === property)?.unit ?? "",
+  };
+}

@@ -1,0 +1,128 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import { useComputed, useSignal } from "@preact/signals";
+import { useEffect, useMemo, useState } from "preact/hooks";
+import { ApiError } from "../api/client";
+import type { Project } from "../api/types";
+import type { PageProps } from "../app";
+import { BlocksPane } from "../panels/blocks_pane";
+import { FindingsPanel } from "../panels/findings_panel";
+import { OptimizePanel } from "../panels/optimize_panel";
+import { TextPane } from "../panels/text_pane";
+import { TryPanel } from "../panels/try_panel";
+import { RuleEditor } from "../state/rule_editor";
+import { Header } from "../ui/header";
+import { Notice } from "../ui/notice";
+import { type Choice, Tabs } from "../ui/tabs";
+import { Toast } from "../ui/toast";
+import { ProfileChoice } from "../panels/profile_choice";
+
+export type Tool = "findings" | "optimize" | "try";
+
+/** Blocks and text of one rule file side by side, and below them what can be said about it. */
+export function EditorPage({ api, project, name }: PageProps) {
+  const editor = useMemo(() => new RuleEditor(api, name), []);
+  const tool = useSignal<Tool>("findings");
+  const [state, setState] = useState<"opening" | "open" | { problem: string }>("opening");
+  useEffect(() => void open(editor, project, setState), []);
+  useUnsavedWarning(editor);
+  useUndoKeys(editor);
+  if (state === "opening") return <p class="quiet center">Opening {name} …</p>;
+  if (state !== "open") return <Notice kind="error" text={state.problem} />;
+  return (
+    <div class="editor">
+      <EditorBar editor={editor} onTool={(next) => (tool.value = next)} />
+      <main class="split">
+        <BlocksPane editor={editor} />
+        <TextPane editor={editor} />
+      </main>
+      <section class="dock" aria-label="Results">
+        <div class="dock-bar">
+          <Tabs label="Results" choices={useChoices(editor).value} chosen={tool} />
+          <ProfileChoice editor={editor} project={project} />
+        </div>
+        <div class="dock-body" role="tabpanel" aria-label={tool.value}>
+          {tool.value === "findings" && <FindingsPanel editor={editor} />}
+          {tool.value === "optimize" && <OptimizePanel {...{ editor, api }} />}
+          {tool.value === "try" && <TryPanel {...{ editor, api, project }} />}
+        </div>
+      </section>
+      <Toast message={editor.message} />
+    </div>
+  );
+}
+
+function EditorBar({ editor, onTool }: { editor: RuleEditor; onTool: (tool: Tool) => void }) {
+  const { history } = editor;
+  return (
+    <Header title={editor.name} note={editor.isSaved.value ? "saved" : "not saved"}>
+      <button type="button" disabled={!history.canUndo.value} onClick={() => editor.undo()}>
+        Undo
+      </button>
+      <button type="button" disabled={!history.canRedo.value} onClick={() => editor.redo()}>
+        Redo
+      </button>
+      <button type="button" onClick={() => void editor.format()}>
+        Format
+      </button>
+      <button type="button" disabled={editor.isSaved.value} onClick={() => void editor.save()}>
+        Save
+      </button>
+      <span class="divider" />
+      <button type="button" onClick={() => onTool("try")}>
+        Try on a bag
+      </button>
+      <button type="button" class="primary" onClick={() => onTool("optimize")}>
+        Optimize and Download
+      </button>
+    </Header>
+  );
+}
+
+function useChoices(editor: RuleEditor) {
+  return useComputed((): Choice<Tool>[] => [
+    { value: "findings", label: `Findings (${editor.findings.value.length})` },
+    { value: "optimize", label: "Optimize" },
+    { value: "try", label: "Try on a bag" },
+  ]);
+}
+
+type Opened = "open" | { problem: string };
+
+async function open(editor: RuleEditor, project: Project, done: (state: Opened) => void): Promise<void> {
+  try {
+    await editor.open(project.files);
+    done("open");
+  } catch (error) {
+    if (!(error instanceof ApiError)) throw error;
+    done({ problem: error.message });
+  }
+}
+
+function useUnsavedWarning(editor: RuleEditor): void {
+  useEffect(() => {
+    const ask = (event: BeforeUnloadEvent) => {
+      if (!editor.isSaved.value) event.preventDefault();
+    };
+    addEventListener("beforeunload", ask);
+    return () => removeEventListener("beforeunload", ask);
+  }, []);
+}
+
+/** Undo, redo and save work everywhere on the page but in a field that somebody types in. */
+function useUndoKeys(editor: RuleEditor): void {
+  useEffect(() => {
+    const act = (event: KeyboardEvent) => {
+      if (!(event.ctrlKey || event.metaKey) || event.target instanceof HTMLInputElement) return;
+      const key = event.key.toLowerCase();
+      if (key === "s") void editor.save();
+      else if (key === "y" || (key === "z" && event.shiftKey)) editor.redo();
+      else if (key === "z") editor.undo();
+      else return;
+      event.preventDefault();
+      event.stopPropagation();
+    };
+    addEventListener("keydown", act, { capture: true });
+    return () => removeEventListener("keydown", act, { capture: true });
+  }, []);
+}

@@ -1,0 +1,80 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import { Header } from "../ui/header";
+
+/** The documentation that a beginner needs, offline. */
+export function HelpPage() {
+  return (
+    <>
+      <Header title="Documentation" />
+      <main class="prose">
+        <h2>Rules in five minutes</h2>
+        <ol>
+          <li>
+            <strong>New rate</strong> for each topic that the operator watches: how often it is sent when nothing special
+            happens. These are the defaults.
+          </li>
+          <li>
+            <strong>New rule</strong> for each situation in which that should change. IF says when; THEN says which
+            topics get which rate. The + buttons add checks and rates, the − buttons take them away.
+          </li>
+          <li>
+            Read the <strong>findings</strong> below. Each says what is wrong or doubtful; many can be fixed with one
+            click.
+          </li>
+          <li>
+            <strong>Try on a bag</strong> shows what the rules would have done to a recording.
+          </li>
+          <li>
+            <strong>Save</strong> keeps the rules. <strong>Optimize and Download</strong> turns quality levels into rates
+            that fit your link.
+          </li>
+        </ol>
+        <h2>Rates</h2>
+        <p>
+          A number in Hz; <code>Full</code> for every message; <code>Off</code> for none; or a quality level from{" "}
+          <code>Unacceptable</code> to <code>Excessive</code>, which the optimizer turns into a number. Several rules at
+          once: a higher priority wins; among equals the higher rate.
+        </p>
+        <h2>Checks</h2>
+        <p>
+          Checks below each other must all hold (AND). Put them into <em>any of</em> for OR, into <em>not</em> for the
+          opposite. Properties are those of the topic's type (such as <code>pose_x</code> of odometry), any numeric field
+          by its path, and for every topic <code>rate</code> (Hz), <code>bandwidth</code> (KB/s) and <code>age</code>{" "}
+          (seconds since the last message).
+        </p>
+        <h2>Quality levels and the budget</h2>
+        <p>
+          Topic parameters hold the size of one message in KB (1000 bytes) and six levels in Hz. A topic without a level is
+          Unacceptable: it gets as little as that level allows. Where not everything fits, the page says what would.
+        </p>
+        <h2>Keys</h2>
+        <table class="keys">
+          <tbody>
+            <Key keys="Ctrl+Z, Ctrl+Shift+Z" does="Undo and redo, blocks and text alike" />
+            <Key keys="Ctrl+S" does="Save" />
+            <Key keys="Tab" does="From part to part of the page" />
+            <Key keys="Arrow keys" does="Among blocks: to the next block, field or + button" />
+            <Key keys="Enter" does="Change a field; press a + or − button" />
+            <Key keys="T" does="Among blocks: to the list of blocks" />
+            <Key keys="M" does="Move the block with the arrow keys; Enter puts it down" />
+            <Key keys="Delete" does="Delete the block" />
+            <Key keys="Ctrl+Space" does="In the text: suggestions" />
+            <Key keys="Esc, then Tab" does="Leave the text" />
+          </tbody>
+        </table>
+      </main>
+    </>
+  );
+}
+
+function Key({ keys, does }: { keys: string; does: string }) {
+  return (
+    <tr>
+      <th scope="row">
+        <kbd>{keys}</kbd>
+      </th>
+      <td>{does}</td>
+    </tr>
+  );
+}

@@ -1,0 +1,101 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import { useId, useState } from "preact/hooks";
+import { ApiError } from "../api/client";
+import type { FileKind, Project } from "../api/types";
+import type { PageProps } from "../app";
+import { href, type Route, toRoute } from "../route";
+import { FormDialog } from "../ui/dialog";
+
+const EMPTY_RULES = "begin\nend\n";
+
+export function HomePage({ api, project, refresh }: PageProps) {
+  const [creating, setCreating] = useState(false);
+  const profile = project.files.find((file) => file.kind === "profile")?.name ?? "profile.toml";
+  return (
+    <main class="home">
+      <div class="hero">
+        <img src="./icon.svg" alt="" width="56" height="56" />
+        <h1>ADIRF Ruler</h1>
+        <p>Say how often each topic of your robot is worth sending, and when. No programming needed.</p>
+      </div>
+      <nav class="cards" aria-label="Start">
+        <Card
+          title="Create New Project"
+          text="Build rules from blocks, check them, try them on a recording."
+          act={() => setCreating(true)}
+        />
+        <Card
+          title="Configure Topic Parameters"
+          text="Message sizes, the six quality levels and the bandwidth of the link."
+          act={() => toRoute({ page: "topics", name: profile })}
+        />
+        <Card
+          title="Documentation"
+          text="Rules, quality levels and keys, on one page."
+          act={() => toRoute({ page: "help", name: "" })}
+        />
+      </nav>
+      <div class="file-lists">
+        <FileList project={project} kind="rules" title="Rules" page="rules" />
+        <FileList project={project} kind="profile" title="Topic parameters" page="topics" />
+      </div>
+      <footer class="quiet">
+        {project.root_name} · SmartTestudo {project.version} · {project.ros ? "ROS 2 found" : "works without ROS 2"}
+      </footer>
+      {creating && <NewProject {...{ api, project, refresh }} onClose={() => setCreating(false)} />}
+    </main>
+  );
+}
+
+function Card({ title, text, act }: { title: string; text: string; act: () => void }) {
+  const id = useId();
+  return (
+    <button type="button" class="card" aria-label={title} aria-describedby={id} onClick={act}>
+      <strong>{title}</strong>
+      <span id={id}>{text}</span>
+    </button>
+  );
+}
+
+function FileList(props: { project: Project; kind: FileKind; title: string; page: Route["page"] }) {
+  const files = props.project.files.filter((file) => file.kind === props.kind);
+  return (
+    <section aria-label={props.title}>
+      <h2>{props.title}</h2>
+      {files.length === 0 && <p class="quiet">None in {props.project.root_name} yet.</p>}
+      <ul class="files">
+        {files.map((file) => (
+          <li key={file.name}>
+            <a href={href({ page: props.page, name: file.name })}>{file.name}</a>
+          </li>
+        ))}
+      </ul>
+    </section>
+  );
+}
+
+function NewProject(props: Pick<PageProps, "api" | "refresh" | "project"> & { onClose: () => void }) {
+  const [problem, setProblem] = useState("");
+  const create = async (form: FormData) => {
+    const name = String(form.get("name")).trim().replace(/(\.adirf)?$/, ".adirf");
+    try {
+      await props.api.save(name, EMPTY_RULES, null);
+      await props.refresh();
+      toRoute({ page: "rules", name });
+    } catch (error) {
+      if (!(error instanceof ApiError)) throw error;
+      setProblem(error.message);
+    }
+  };
+  return (
+    <FormDialog title="Create New Project" submit="Create" onSubmit={create} onClose={props.onClose}>
+      <label>
+        Name
+        <input name="name" required autofocus placeholder="warehouse" autocomplete="off" />
+      </label>
+      <p class="quiet">A rule file of this name is made in {props.project.root_name}.</p>
+      {problem && <p class="problem" role="alert">{problem}</p>}
+    </FormDialog>
+  );
+}

@@ -1,0 +1,69 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import { useEffect, useMemo, useState } from "preact/hooks";
+import { ApiError } from "../api/client";
+import type { PageProps } from "../app";
+import { TopicTable } from "../panels/topic_table";
+import { ProfileEditor } from "../state/profile_editor";
+import { Header } from "../ui/header";
+import { Notice } from "../ui/notice";
+import { Toast } from "../ui/toast";
+
+/** The topic parameters: what the optimizer knows of each topic and of the link. */
+export function TopicsPage({ api, project, name, refresh }: PageProps) {
+  const editor = useMemo(() => new ProfileEditor(api, name), []);
+  const [problem, setProblem] = useState("");
+  const [isOpen, setOpen] = useState(false);
+  const guarded = async (work: () => Promise<void>) => {
+    try {
+      await work();
+      setProblem("");
+    } catch (error) {
+      if (!(error instanceof ApiError)) throw error;
+      setProblem(error.message);
+    }
+  };
+  useEffect(() => void guarded(() => editor.open(project.files).then(() => setOpen(true))), []);
+  const bags = project.files.filter((file) => file.kind === "bag").map((file) => file.name);
+  const isSaved = editor.isSaved.value;
+  return (
+    <>
+      <Header title="Topic parameters" note={`${name}, ${isSaved ? "saved" : "not saved"}`}>
+        {bags.length > 0 && <MeasureChoice bags={bags} measure={(bag) => guarded(() => editor.measure(bag))} />}
+        <button
+          type="button"
+          class="primary"
+          disabled={isSaved || editor.problems.value.length > 0}
+          onClick={() => void guarded(() => editor.save().then(refresh))}
+        >
+          Save
+        </button>
+      </Header>
+      <main class="topics">
+        {problem && <Notice kind="error" text={problem} />}
+        {isOpen && <TopicTable editor={editor} />}
+        <Toast message={editor.message} />
+      </main>
+    </>
+  );
+}
+
+function MeasureChoice({ bags, measure }: { bags: string[]; measure: (bag: string) => Promise<void> }) {
+  return (
+    <label class="row">
+      Measure in
+      <select
+        value=""
+        onChange={(event) => {
+          const bag = event.currentTarget.value;
+          if (bag) void measure(bag);
+        }}
+      >
+        <option value="">a recording …</option>
+        {bags.map((bag) => (
+          <option key={bag}>{bag}</option>
+        ))}
+      </select>
+    </label>
+  );
+}

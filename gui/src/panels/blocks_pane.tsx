@@ -1,0 +1,98 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import { effect } from "@preact/signals";
+import { useEffect, useRef } from "preact/hooks";
+import { toBlock } from "../blocks/model";
+import { RuleWorkspace } from "../blocks/rule_workspace";
+import { suggestionsOf } from "../blocks/suggestions";
+import { NEW_RATE, NEW_RULE } from "../blocks/toolbox";
+import type { RuleEditor } from "../state/rule_editor";
+
+/** The left half: the rules as blocks. */
+export function BlocksPane({ editor }: { editor: RuleEditor }) {
+  const host = useRef<HTMLDivElement>(null);
+  const workspace = useRef<RuleWorkspace | null>(null);
+  useEffect(() => {
+    if (!host.current) return;
+    const opened = openWorkspace(host.current, editor);
+    workspace.current = opened.workspace;
+    return opened.close;
+  }, []);
+  const isBehind = !editor.document.value.parses && editor.shown.value?.text !== editor.text.value;
+  const errors = editor.errors.value.length;
+  const isEmpty = editor.shown.value?.document.collections.every((each) => each.statements.length === 0) ?? true;
+  return (
+    <section class={isBehind ? "pane blocks behind" : "pane blocks"} aria-label="Blocks">
+      <div class="pane-bar">
+        <h2>Blocks</h2>
+        <button type="button" class="small" onClick={() => workspace.current?.add(toBlock(NEW_RATE))}>
+          New rate
+        </button>
+        <button type="button" class="small" onClick={() => workspace.current?.add(toBlock(NEW_RULE))}>
+          New rule
+        </button>
+        {isBehind && (
+          <p class="pane-note" role="status">
+            The text has {errors === 1 ? "an error" : `${errors} errors`}: the blocks show how it was before.
+          </p>
+        )}
+      </div>
+      <div class="blocks-host" ref={host} />
+      {isEmpty && (
+        <p class="empty-hint">
+          Nothing here yet. <strong>New rate</strong> says how often a topic is sent; <strong>New rule</strong> says
+          when that changes. Recipes are in the list on the left.
+        </p>
+      )}
+    </section>
+  );
+}
+
+function openWorkspace(host: HTMLElement, editor: RuleEditor): { workspace: RuleWorkspace; close: () => void } {
+  const show = () => {
+    const shown = editor.shown.peek();
+    if (shown) workspace.show(shown.document, editor.layout.peek());
+  };
+  const workspace = new RuleWorkspace(host, {
+    suggestions: suggestionsOf(() => editor.vocabulary.peek()),
+    changed: (next) => editor.edit(next),
+    showAgain: show,
+    laidOut: (layout) => editor.moveBlocks(layout),
+    selected: (id) => {
+      const { offset, end_offset } = editor.statement(id) ?? {};
+      if (offset !== undefined && end_offset !== undefined) editor.spot.value = { offset, end_offset, from: "blocks" };
+    },
+  });
+  const stops = [
+    effect(() => {
+      void editor.shown.value;
+      show();
+    }),
+    effect(() => workspace.mark(editor.findings.value)),
+    effect(() => workspace.setReadOnly(editor.isBroken.value)),
+    effect(() => {
+      const spot = editor.spot.value;
+      const isElsewhere = spot !== null && spot.from !== "blocks";
+      workspace.reveal(isElsewhere ? (editor.statementAt(spot.offset)?.id ?? null) : null);
+    }),
+    watchSize(host, () => workspace.resize()),
+    watchTheme(() => workspace.applyTheme()),
+  ];
+  const close = () => {
+    for (const stop of stops) stop();
+    workspace.dispose();
+  };
+  return { workspace, close };
+}
+
+function watchSize(host: HTMLElement, resized: () => void): () => void {
+  const observer = new ResizeObserver(resized);
+  observer.observe(host);
+  return () => observer.disconnect();
+}
+
+function watchTheme(changed: () => void): () => void {
+  const query = matchMedia("(prefers-color-scheme: dark)");
+  query.addEventListener("change", changed);
+  return () => query.removeEventListener("change", changed);
+}

@@ -1,0 +1,97 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import { useEffect, useState } from "preact/hooks";
+import { type Api, ApiError } from "../api/client";
+import type { OptimizeAnswer, Refusal, Repair } from "../api/types";
+import type { RuleEditor } from "../state/rule_editor";
+import { download } from "../ui/download";
+import { readable } from "../ui/numbers";
+import { SituationBars } from "./situation_bars";
+
+const AFTER_MS = 300;
+type Result = OptimizeAnswer | { refused: string } | null;
+
+/** Quality levels as rates within the budget, computed anew while the rules change. */
+export function OptimizePanel({ editor, api }: { editor: RuleEditor; api: Api }) {
+  const [result, setResult] = useState<Result>(null);
+  const [text, profile] = [editor.text.value, editor.profile.value];
+  useEffect(() => {
+    if (profile === null) return;
+    const timer = setTimeout(() => void optimize(editor, api, setResult), AFTER_MS);
+    return () => clearTimeout(timer);
+  }, [text, profile]);
+  if (profile === null) {
+    return <p class="quiet">Choose topic parameters (message sizes and levels) on the right, or create them.</p>;
+  }
+  if (result === null) return <p class="quiet">Computing rates …</p>;
+  if ("refused" in result) return <p class="problem">{result.refused}</p>;
+  return (
+    <div class="optimize">
+      <Verdict editor={editor} result={result} />
+      {result.refusals.map((refusal) => (
+        <RefusalCard key={refusal.rule ?? "defaults"} {...{ editor, refusal }} />
+      ))}
+      <div class="situations">
+        {result.situations.map((situation) => (
+          <SituationBars
+            key={`${situation.kind} ${situation.title}`}
+            situation={situation}
+            budgetKbPerS={result.budget_kb_per_s}
+          />
+        ))}
+      </div>
+    </div>
+  );
+}
+
+function Verdict({ editor, result }: { editor: RuleEditor; result: OptimizeAnswer }) {
+  const numeric = result.download_text;
+  const file = (editor.name.split("/").at(-1) ?? "rules.adirf").replace(/\.adirf$/, "-rates.adirf");
+  return (
+    <div class="row">
+      <p role="status">
+        {result.feasible ? "Everything fits into" : "Not everything fits into"}{" "}
+        <strong>{readable(result.budget_kb_per_s)} KB/s</strong>.
+      </p>
+      <button
+        type="button"
+        class="primary"
+        disabled={numeric === null}
+        onClick={() => numeric !== null && download(file, numeric)}
+      >
+        Download rates
+      </button>
+    </div>
+  );
+}
+
+function RefusalCard({ editor, refusal }: { editor: RuleEditor; refusal: Refusal }) {
+  return (
+    <div class="notice warning column" role="alert">
+      <p>{refusal.message}</p>
+      <div class="row">
+        {refusal.repairs.map((repair) => (
+          <button key={repair.title} type="button" class="small" onClick={() => void apply(editor, repair)}>
+            {repair.title}
+          </button>
+        ))}
+      </div>
+    </div>
+  );
+}
+
+async function apply(editor: RuleEditor, repair: Repair): Promise<void> {
+  if (repair.budget_kb_per_s === null) await editor.repair(repair);
+  else await editor.setBudget(repair.budget_kb_per_s);
+}
+
+async function optimize(editor: RuleEditor, api: Api, done: (result: Result) => void): Promise<void> {
+  const { rules } = editor;
+  try {
+    const answer = await api.optimize(rules);
+    if (rules.text === editor.text.value) done(answer);
+  } catch (error) {
+    if (!(error instanceof ApiError)) throw error;
+    done({ refused: error.message });
+  }
+}

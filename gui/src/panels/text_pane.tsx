@@ -1,0 +1,44 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import { effect } from "@preact/signals";
+import { useEffect, useRef } from "preact/hooks";
+import type { RuleEditor } from "../state/rule_editor";
+import { TextEditor } from "../text/text_editor";
+
+/** The right half: the rules as text, which is what is saved. */
+export function TextPane({ editor }: { editor: RuleEditor }) {
+  const host = useRef<HTMLDivElement>(null);
+  useEffect(() => (host.current ? openText(host.current, editor) : undefined), []);
+  return (
+    <section class="pane text" aria-label="Text">
+      <div class="pane-bar">
+        <h2>Text</h2>
+        <span class="quiet">this is what is saved</span>
+      </div>
+      <div class="text-host" ref={host} />
+    </section>
+  );
+}
+
+function openText(host: HTMLElement, editor: RuleEditor): () => void {
+  const text = new TextEditor(host, {
+    typed: (value) => editor.type(value),
+    cursorAt: (offset) => {
+      editor.spot.value = { offset, end_offset: offset, from: "text" };
+    },
+    fix: (finding) => void editor.fix(finding),
+    vocabulary: () => editor.vocabulary.peek(),
+  });
+  const stops = [
+    effect(() => text.setText(editor.text.value)),
+    effect(() => text.mark(editor.findings.value)),
+    effect(() => {
+      const spot = editor.spot.value;
+      if (spot && spot.from !== "text") text.reveal(spot.offset, spot.end_offset, spot.from === "findings");
+    }),
+  ];
+  return () => {
+    for (const stop of stops) stop();
+    text.dispose();
+  };
+}

@@ -1,0 +1,118 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import { TIERS } from "../blocks/rate_text";
+import { type DraftRow, isNumber, type NumberField, type ProfileEditor } from "../state/profile_editor";
+
+/** The thesis's table of topic parameters, filled by hand or pasted from a spreadsheet. */
+export function TopicTable({ editor }: { editor: ProfileEditor }) {
+  const problems = editor.problems.value;
+  return (
+    <>
+      <div class="row budget">
+        <label>
+          Total bandwidth (KB/s)
+          <input
+            inputMode="decimal"
+            value={editor.budget.value}
+            placeholder="15000"
+            aria-invalid={!isNumber(editor.budget.value)}
+            onInput={(event) => editor.setBudget(event.currentTarget.value)}
+          />
+        </label>
+        <p class="quiet">1 KB is 1000 bytes. Cells copied from a spreadsheet can be pasted into a Topic cell.</p>
+      </div>
+      <div class="table-scroll">
+        <table class="topic-table">
+          <TableHead />
+          <tbody>
+            {editor.rows.value.map((row, index) => (
+              <TopicRow key={row.key} editor={editor} row={row} number={index + 1} />
+            ))}
+          </tbody>
+        </table>
+      </div>
+      <button type="button" onClick={() => editor.addRow()}>
+        Add topic
+      </button>
+      <ul class="problems" aria-label="Problems" aria-live="polite">
+        {problems.map((problem) => (
+          <li key={problem} class="problem">
+            {problem}
+          </li>
+        ))}
+      </ul>
+    </>
+  );
+}
+
+function TableHead() {
+  return (
+    <thead>
+      <tr>
+        <th scope="col">Topic</th>
+        <th scope="col">Message size (KB)</th>
+        {TIERS.map((tier) => (
+          <th key={tier} scope="col">
+            {tier} (Hz)
+          </th>
+        ))}
+        <th scope="col">Priority</th>
+        <th scope="col">Source (Hz)</th>
+        <th scope="col">
+          <span class="visually-hidden">Remove</span>
+        </th>
+      </tr>
+    </thead>
+  );
+}
+
+function TopicRow({ editor, row, number }: { editor: ProfileEditor; row: DraftRow; number: number }) {
+  const of = row.topic || `row ${number}`;
+  const cell = (label: string, value: string, change: (text: string) => Partial<DraftRow>, placeholder = "") => (
+    <td>
+      <input
+        inputMode="decimal"
+        aria-label={`${label} of ${of}`}
+        aria-invalid={!isNumber(value)}
+        value={value}
+        placeholder={placeholder}
+        onInput={(event) => editor.change(row.key, change(event.currentTarget.value))}
+      />
+    </td>
+  );
+  const field = (name: NumberField) => (text: string) => ({ [name]: text });
+  return (
+    <tr>
+      <th scope="row">
+        <input
+          class="topic"
+          aria-label={`Topic of row ${number}`}
+          value={row.topic}
+          placeholder="/topic"
+          spellcheck={false}
+          onInput={(event) => editor.change(row.key, { topic: event.currentTarget.value })}
+          onPaste={(event) => pasteTable(event, editor, row.key)}
+        />
+      </th>
+      {cell("Message size (KB)", row.message_kb, field("message_kb"))}
+      {TIERS.map((tier, index) =>
+        cell(`${tier} (Hz)`, row.tiers_hz[index] ?? "", (text) => ({ tiers_hz: row.tiers_hz.with(index, text) })),
+      )}
+      {cell("Priority", row.priority, field("priority"), "1")}
+      {cell("Source (Hz)", row.source_hz, field("source_hz"))}
+      <td>
+        <button type="button" class="small" aria-label={`Remove ${of}`} onClick={() => editor.removeRow(row.key)}>
+          −
+        </button>
+      </td>
+    </tr>
+  );
+}
+
+function pasteTable(event: ClipboardEvent, editor: ProfileEditor, key: number): void {
+  const text = event.clipboardData?.getData("text/plain").trim() ?? "";
+  if (!text.includes("\t")) return;
+  event.preventDefault();
+  const lines = text.split(/\r?\n/).map((line) => line.split("\t").map((cell) => cell.trim()));
+  editor.paste(key, lines);
+}

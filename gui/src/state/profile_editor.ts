@@ -1,0 +1,163 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import { computed, signal } from "@preact/signals";
+import type { Api } from "../api/client";
+import type { ProfileRow, ProfileTable, ProjectFile } from "../api/types";
+
+export const TIER_COUNT = 6;
+
+/** One row as it is being typed: texts, since half a number is not a number yet. */
+export interface DraftRow {
+  key: number;
+  topic: string;
+  message_kb: string;
+  tiers_hz: string[];
+  priority: string;
+  source_hz: string;
+  min_hz: string;
+  max_hz: string;
+  type: string | null;
+}
+export type NumberField = "message_kb" | "priority" | "source_hz" | "min_hz" | "max_hz";
+
+const shown = (value: number | null | undefined) => (value === null || value === undefined ? "" : String(value));
+const toNumber = (text: string) => (text.trim() === "" ? null : Number(text.trim().replace(",", ".")));
+/** Whether a cell holds a number that can be saved; an empty one is "not given". */
+export const isNumber = (text: string) => {
+  const value = toNumber(text);
+  return value === null || (Number.isFinite(value) && value >= 0);
+};
+
+/** The table of one profile. */
+export class ProfileEditor {
+  readonly rows = signal<readonly DraftRow[]>([]);
+  readonly budget = signal("");
+  readonly message = signal("");
+  readonly isSaved = signal(true);
+  readonly problems = computed(() => problemsOf(this.rows.value, this.budget.value));
+  private baseText = "";
+  private hash: string | null = null;
+  private nextKey = 0;
+
+  constructor(
+    private readonly api: Api,
+    readonly name: string,
+  ) {}
+
+  /** Reads the profile; one that is not among the `files` of the project is an empty table. */
+  async open(files: readonly ProjectFile[]): Promise<void> {
+    if (files.some((each) => each.name === this.name)) {
+      const file = await this.api.read(this.name);
+      this.hash = file.hash;
+      this.load(await this.api.parseProfile(this.name, file.text), file.text);
+    } else {
+      this.addRow();
+    }
+    this.isSaved.value = true;
+  }
+
+  /** Replaces the table by one measured in a bag. */
+  async measure(bag: string): Promise<void> {
+    const { text } = await this.api.measureProfile(bag);
+    this.load(await this.api.parseProfile(this.name, text), text);
+    this.isSaved.value = false;
+  }
+
+  async save(): Promise<void> {
+    const { text } = await this.api.writeProfile(this.name, this.table(), this.baseText);
+    this.hash = (await this.api.save(this.name, text, this.hash)).hash;
+    this.baseText = text;
+    this.isSaved.value = true;
+    this.message.value = `Saved ${this.name}`;
+  }
+
+  addRow(): void {
+    this.rows.value = [...this.rows.value, this.draft({ topic: "" })];
+    this.isSaved.value = false;
+  }
+
+  removeRow(key: number): void {
+    this.rows.value = this.rows.value.filter((row) => row.key !== key);
+    this.isSaved.value = false;
+  }
+
+  change(key: number, changes: Partial<DraftRow>): void {
+    this.rows.value = this.rows.value.map((row) => (row.key === key ? { ...row, ...changes } : row));
+    this.isSaved.value = false;
+  }
+
+  setBudget(text: string): void {
+    this.budget.value = text;
+    this.isSaved.value = false;
+  }
+
+  /** Cells of a spreadsheet from a row on: topic, KB, six levels, priority, source rate. */
+  paste(key: number, cells: string[][]): void {
+    const rows = [...this.rows.value];
+    const start = rows.findIndex((row) => row.key === key);
+    cells.forEach(([topic = "", size = "", ...numbers], index) => {
+      const old = rows[start + index] ?? this.draft({ topic: "" });
+      const tiers = old.tiers_hz.map((tier, at) => numbers[at] ?? tier);
+      const priority = numbers[TIER_COUNT] ?? old.priority;
+      const source = numbers[TIER_COUNT + 1] ?? old.source_hz;
+      rows[start + index] = { ...old, topic, message_kb: size, tiers_hz: tiers, priority, source_hz: source };
+    });
+    this.rows.value = rows;
+    this.isSaved.value = false;
+  }
+
+  private load(table: ProfileTable, text: string): void {
+    this.baseText = text;
+    this.rows.value = table.rows.map((row) => this.draft(row));
+    this.budget.value = shown(table.budget_kb_per_s);
+  }
+
+  private draft(row: Partial<ProfileRow> & { topic: string }): DraftRow {
+    return {
+      key: this.nextKey++,
+      topic: row.topic,
+      type: row.type ?? null,
+      message_kb: shown(row.message_kb),
+      tiers_hz: Array.from({ length: TIER_COUNT }, (_, tier) => shown(row.tiers_hz?.[tier])),
+      priority: shown(row.priority),
+      source_hz: shown(row.source_hz),
+      min_hz: shown(row.min_hz),
+      max_hz: shown(row.max_hz),
+    };
+  }
+
+  private table(): ProfileTable {
+    const rows = this.rows.value.filter((row) => row.topic.trim() !== "");
+    return { rows: rows.map(finished), budget_kb_per_s: toNumber(this.budget.value) };
+  }
+}
+
+function finished(row: DraftRow): ProfileRow {
+  const tiers = row.tiers_hz.map(toNumber);
+  return {
+    topic: row.topic.trim(),
+    type: row.type,
+    message_kb: toNumber(row.message_kb),
+    source_hz: toNumber(row.source_hz),
+    tiers_hz: tiers.every((tier) => tier !== null) ? tiers : null,
+    priority: toNumber(row.priority),
+    min_hz: toNumber(row.min_hz),
+    max_hz: toNumber(row.max_hz),
+  };
+}
+
+function problemsOf(rows: readonly DraftRow[], budget: string): string[] {
+  const problems = isNumber(budget) ? [] : ["The total bandwidth is not a number."];
+  for (const row of rows) {
+    const place = row.topic || "A row without a topic";
+    const cells = [row.message_kb, row.priority, row.source_hz, row.min_hz, row.max_hz, ...row.tiers_hz];
+    if (cells.some((cell) => !isNumber(cell))) problems.push(`${place}: a cell is not a number of 0 or more.`);
+    const given = row.tiers_hz.filter((tier) => tier.trim() !== "").length;
+    if (given !== 0 && given !== TIER_COUNT) problems.push(`${place}: give all six levels, or none.`);
+  }
+  const names = rows.map((row) => row.topic.trim()).filter(Boolean);
+  for (const name of new Set(names)) {
+    if (names.filter((each) => each === name).length > 1) problems.push(`${name} stands in two rows.`);
+  }
+  return problems;
+}

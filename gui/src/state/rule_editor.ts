@@ -1,0 +1,236 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import { batch, computed, signal } from "@preact/signals";
+import { type Api, ApiError, type Rules } from "../api/client";
+import type { Edit, Finding, ProjectFile, Repair, RuleDocument, Statement, Vocabulary } from "../api/types";
+import { type Layout, layoutName, readLayout, writeLayout } from "./layout";
+import { History } from "./history";
+
+const CHECK_AFTER_MS = 150;
+const EMPTY: RuleDocument = { collections: [], findings: [], parses: true };
+
+/** A stretch of the text that one side points at and the other shows. */
+export interface Spot {
+  offset: number;
+  end_offset: number;
+  from: "text" | "blocks" | "findings";
+}
+
+/** One open rule file. Its text is the truth; blocks and findings are what the server reads in it. */
+export class RuleEditor {
+  readonly text = signal("");
+  readonly document = signal<RuleDocument>(EMPTY);
+  /** The last document that could be read whole: what the blocks show, with the text it was read from. */
+  readonly shown = signal<{ document: RuleDocument; text: string } | null>(null);
+  readonly vocabulary = signal<Vocabulary | null>(null);
+  readonly profile = signal<{ name: string; text: string } | null>(null);
+  readonly spot = signal<Spot | null>(null);
+  readonly message = signal<string>("");
+  readonly layout = signal<Layout>({});
+  readonly history = new History();
+  private readonly saved = signal<{ text: string; hash: string | null; layout: Layout }>({
+    text: "",
+    hash: null,
+    layout: {},
+  });
+  readonly isSaved = computed(
+    () => this.text.value === this.saved.value.text && this.layout.value === this.saved.value.layout,
+  );
+  readonly findings = computed(() => this.document.value.findings);
+  readonly errors = computed(() => this.findings.value.filter((finding) => finding.severity === "error"));
+  /** Whether the blocks show the past, because the text of now cannot be read. */
+  readonly isBroken = computed(() => !this.document.value.parses && this.shown.value?.document !== this.document.value);
+  private layoutHash: string | null = null;
+  private timer: number | undefined;
+  private queue: Promise<void> = Promise.resolve();
+
+  constructor(
+    private readonly api: Api,
+    readonly name: string,
+  ) {}
+
+  /** The file as every call of the server names it. */
+  get rules(): Rules {
+    return { text: this.text.value, name: this.name, profile_text: this.profile.value?.text ?? null };
+  }
+
+  /** Reads the file, and its layout if it is one of the `files` of the project. */
+  async open(files: readonly ProjectFile[]): Promise<void> {
+    const file = await this.api.read(this.name);
+    const hasLayout = files.some((each) => each.name === layoutName(this.name));
+    const side = hasLayout ? await readLayout(this.api, this.name) : { layout: {}, hash: null };
+    this.layoutHash = side.hash;
+    batch(() => {
+      this.layout.value = side.layout;
+      this.saved.value = { text: file.text, hash: file.hash, layout: side.layout };
+      this.text.value = file.text;
+      this.history.clear();
+    });
+    await this.check();
+  }
+
+  async useProfile(name: string | null): Promise<void> {
+    this.profile.value = name === null ? null : await this.api.read(name);
+    await this.check();
+  }
+
+  /** A key stroke in the text. */
+  type(text: string): void {
+    if (text === this.text.value) return;
+    this.history.push(this.text.value, performance.now());
+    this.text.value = text;
+    this.checkSoon();
+  }
+
+  undo(): void {
+    this.goTo(this.history.undo(this.text.value));
+  }
+
+  redo(): void {
+    this.goTo(this.history.redo(this.text.value));
+  }
+
+  /** Does edits one after the other as one step of undo; what is refused is told, and changes nothing. */
+  edit(next: (document: RuleDocument) => Edit | null): Promise<void> {
+    return this.inTurn(async () => {
+      const before = this.text.value;
+      let step = { text: before, document: this.document.value };
+      for (let edit = next(step.document); edit !== null; edit = next(step.document)) {
+        step = await this.api.edit({ ...this.rules, text: step.text }, edit);
+      }
+      if (step.text !== before && this.text.value === before) this.replaceText(step.text, step.document);
+    });
+  }
+
+  fix(finding: Finding): Promise<void> {
+    return this.inTurn(async () => {
+      const answer = await this.api.fix(this.rules, finding.index);
+      this.replaceText(answer.text, answer.document);
+    });
+  }
+
+  /** One-click repair of what does not fit the budget. */
+  async repair(repair: Repair): Promise<void> {
+    let text = this.text.value;
+    for (const edit of [...repair.edits].sort((a, b) => b.offset - a.offset)) {
+      text = text.slice(0, edit.offset) + edit.replacement + text.slice(edit.end_offset);
+    }
+    await this.setText(text);
+  }
+
+  async format(): Promise<void> {
+    await this.inTurn(async () => {
+      const { text } = await this.api.format(this.rules);
+      await this.setText(text);
+    });
+  }
+
+  async setText(text: string): Promise<void> {
+    if (text === this.text.value) return;
+    this.history.push(this.text.value);
+    this.text.value = text;
+    await this.check();
+  }
+
+  async save(): Promise<void> {
+    await this.inTurn(async () => {
+      const [text, layout] = [this.text.value, this.layout.value];
+      const { hash } = await this.api.save(this.name, text, this.saved.value.hash);
+      if (layout !== this.saved.value.layout) {
+        this.layoutHash = await writeLayout(this.api, layoutName(this.name), layout, this.layoutHash);
+      }
+      this.saved.value = { text, hash, layout };
+      this.message.value = `Saved ${this.name}`;
+    });
+  }
+
+  /** The statement with this id in what the blocks show. */
+  statement(id: string | null): Statement | undefined {
+    const collections = this.document.value.collections;
+    return collections.flatMap((collection) => collection.statements).find((each) => each.id === id);
+  }
+
+  /** The statement that a place of the text belongs to. */
+  statementAt(offset: number): Statement | undefined {
+    const collections = this.document.value.collections;
+    return collections
+      .flatMap((collection) => collection.statements)
+      .find((each) => (each.offset ?? 0) <= offset && offset <= (each.end_offset ?? 0));
+  }
+
+  /** Remembers where blocks stand. */
+  moveBlocks(layout: Layout): void {
+    if (JSON.stringify(layout) !== JSON.stringify(this.layout.value)) this.layout.value = layout;
+  }
+
+  /** Sets the budget in the file of the topic parameters, and keeps everything else in it. */
+  async setBudget(budgetKbPerS: number): Promise<void> {
+    const { profile } = this;
+    if (profile.value === null) return;
+    await this.inTurn(async () => {
+      const { name } = profile.value ?? { name: "" };
+      const { text, hash } = await this.api.read(name);
+      const table = await this.api.parseProfile(name, text);
+      const written = await this.api.writeProfile(name, { ...table, budget_kb_per_s: budgetKbPerS }, text);
+      await this.api.save(name, written.text, hash);
+      this.message.value = `Saved ${name}: ${budgetKbPerS} KB/s`;
+      await this.useProfile(name);
+    });
+  }
+
+  private goTo(text: string | null): void {
+    if (text === null) return;
+    this.text.value = text;
+    void this.check();
+  }
+
+  private replaceText(text: string, document: RuleDocument): void {
+    this.history.push(this.text.value);
+    batch(() => {
+      this.text.value = text;
+      this.accept(document, text);
+    });
+  }
+
+  private checkSoon(): void {
+    window.clearTimeout(this.timer);
+    this.timer = window.setTimeout(() => void this.check(), CHECK_AFTER_MS);
+  }
+
+  /** Asks the server what the text says; an answer about a text of the past is dropped. */
+  async check(): Promise<void> {
+    window.clearTimeout(this.timer);
+    const rules = this.rules;
+    try {
+      const [document, vocabulary] = await Promise.all([
+        this.api.document(rules),
+        this.api.vocabulary(rules.text, rules.profile_text),
+      ]);
+      if (rules.text !== this.text.value) return;
+      batch(() => {
+        this.vocabulary.value = vocabulary;
+        this.accept(document, rules.text);
+      });
+    } catch (error) {
+      this.tell(error);
+    }
+  }
+
+  private accept(document: RuleDocument, text: string): void {
+    this.document.value = document;
+    if (document.parses || this.shown.value === null) this.shown.value = { document, text };
+  }
+
+  private inTurn(work: () => Promise<void>): Promise<void> {
+    this.queue = this.queue.then(work).catch((error: unknown) => this.tell(error));
+    return this.queue;
+  }
+
+  private tell(error: unknown): void {
+    if (!(error instanceof ApiError)) throw error;
+    this.message.value =
+      error.status === 409 && error.problem.findings.length === 0
+        ? `${error.message}. Your text is still here; copy it before you reload the page`
+        : error.message;
+  }
+}

@@ -1,0 +1,66 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import type { Completion, CompletionContext, CompletionResult } from "@codemirror/autocomplete";
+import { HighlightStyle, StreamLanguage, syntaxHighlighting } from "@codemirror/language";
+import { tags } from "@lezer/highlight";
+import type { Vocabulary } from "../api/types";
+
+const KEYWORDS = ["begin", "end", "SetFrequency", "KeepAtLeast", "Rule", "Priority", "If", "Then", "Else", "EndIf"];
+const LOGIC = ["AND", "OR", "Not", "CheckValue"];
+const RATES = ["Unacceptable", "Marginal", "Acceptable", "Desirable", "Competitive", "Excessive", "Full", "Off", "Hz"];
+
+/** Colours of the words; what they mean is the server's to say. */
+export const adirf = StreamLanguage.define({
+  token(stream) {
+    if (stream.match(/\/\/.*/)) return "comment";
+    if (stream.match(/"[^"]*"?/)) return "string";
+    if (stream.match(/\/[\w/{}~]+/)) return "variableName";
+    if (stream.match(/[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?/)) return "number";
+    if (stream.match(/[<>=!]+/)) return "operator";
+    const word = stream.match(/[A-Za-z_][\w.[\]]*/) as RegExpMatchArray | null;
+    if (word === null) stream.next();
+    if (KEYWORDS.includes(word?.[0] ?? "")) return "keyword";
+    if (LOGIC.includes(word?.[0] ?? "")) return "logic";
+    return RATES.includes(word?.[0] ?? "") ? "atom" : null;
+  },
+  tokenTable: { logic: tags.logicOperator },
+  languageData: { commentTokens: { line: "//" } },
+});
+
+export const adirfColours = syntaxHighlighting(
+  HighlightStyle.define([
+    { tag: tags.comment, color: "var(--text-2)", fontStyle: "italic" },
+    { tag: tags.keyword, color: "var(--code-keyword)", fontWeight: "600" },
+    { tag: tags.logicOperator, color: "var(--code-check)", fontWeight: "600" },
+    { tag: tags.variableName, color: "var(--code-topic)" },
+    { tag: [tags.number, tags.atom], color: "var(--code-rate)" },
+    { tag: tags.string, color: "var(--code-string)" },
+  ]),
+);
+
+/** Topics after a blank and `/`, properties after a topic of a check, else keywords and levels. */
+export function suggest(context: CompletionContext, vocabulary: Vocabulary | null): CompletionResult | null {
+  const word = context.matchBefore(/[\w/.]*/);
+  if (!word || (word.text === "" && !context.explicit)) return null;
+  const line = context.state.doc.lineAt(context.pos);
+  const before = line.text.slice(0, word.from - line.from);
+  return { from: word.from, options: options(before, word.text, vocabulary), validFor: /^[\w/.]*$/ };
+}
+
+function options(before: string, word: string, vocabulary: Vocabulary | null): Completion[] {
+  const checked = /CheckValue\s+(\S+)\s+$/.exec(before)?.[1];
+  const topics = vocabulary?.topics ?? [];
+  if (checked !== undefined) {
+    const own = topics.find(({ topic }) => topic === checked)?.properties ?? [];
+    return [...own, ...(vocabulary?.every_topic ?? [])].map(({ name, unit, meaning }) => ({
+      label: name,
+      detail: unit,
+      info: meaning,
+      type: "property",
+    }));
+  }
+  if (word.startsWith("/") || /(SetFrequency|KeepAtLeast|CheckValue)\s+$/.test(before)) {
+    return topics.map(({ topic, type }) => ({ label: topic, detail: type ?? "", type: "variable" }));
+  }
+  return [...KEYWORDS, ...LOGIC, ...RATES].map((label) => ({ label, type: "keyword" }));
+}

@@ -1,0 +1,136 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import { autocompletion, completionKeymap } from "@codemirror/autocomplete";
+import { defaultKeymap, indentWithTab } from "@codemirror/commands";
+import { indentUnit } from "@codemirror/language";
+import { type Diagnostic, lintGutter, lintKeymap, setDiagnostics } from "@codemirror/lint";
+import { EditorState, StateEffect, StateField } from "@codemirror/state";
+import {
+  Decoration,
+  type DecorationSet,
+  drawSelection,
+  EditorView,
+  highlightActiveLine,
+  keymap,
+  lineNumbers,
+} from "@codemirror/view";
+import type { Finding, Vocabulary } from "../api/types";
+import { adirf, adirfColours, suggest } from "./language";
+
+/** What the text tells and asks. */
+export interface TextOwner {
+  typed(text: string): void;
+  cursorAt(offset: number): void;
+  fix(finding: Finding): void;
+  vocabulary(): Vocabulary | null;
+}
+
+const setSpot = StateEffect.define<{ from: number; to: number } | null>();
+const spotMark = Decoration.mark({ class: "spot" });
+const spotField = StateField.define<DecorationSet>({
+  create: () => Decoration.none,
+  update(marks, transaction) {
+    let next = marks.map(transaction.changes);
+    for (const effect of transaction.effects) {
+      if (!effect.is(setSpot)) continue;
+      const spot = effect.value;
+      next = spot && spot.to > spot.from ? Decoration.set([spotMark.range(spot.from, spot.to)]) : Decoration.none;
+    }
+    return next;
+  },
+  provide: (field) => EditorView.decorations.from(field),
+});
+
+/** The text of a rule file, with marks where the checker found something. */
+export class TextEditor {
+  private readonly view: EditorView;
+  /** Whether a change comes from the page and not from a key. */
+  private isOurs = false;
+
+  constructor(
+    host: HTMLElement,
+    private readonly owner: TextOwner,
+  ) {
+    this.view = new EditorView({
+      parent: host,
+      state: EditorState.create({
+        extensions: [
+          // Split at \n alone, so that a carriage return is a letter like any other and no byte is lost.
+          EditorState.lineSeparator.of("\n"),
+          lineNumbers(),
+          lintGutter(),
+          drawSelection(),
+          EditorView.lineWrapping,
+          highlightActiveLine(),
+          spotField,
+          adirf,
+          adirfColours,
+          indentUnit.of("    "),
+          autocompletion({ override: [(context) => suggest(context, owner.vocabulary())] }),
+          keymap.of([...completionKeymap, ...lintKeymap, ...defaultKeymap, indentWithTab]),
+          EditorView.contentAttributes.of({ "aria-label": "Rules as text", spellcheck: "false" }),
+          EditorView.updateListener.of((update) => {
+            if (this.isOurs) return;
+            if (update.docChanged) owner.typed(update.state.doc.toString());
+            if (update.selectionSet) owner.cursorAt(update.state.selection.main.head);
+          }),
+        ],
+      }),
+    });
+  }
+
+  /** Shows a text, changing only the stretch that differs, so that the cursor stays. */
+  setText(text: string): void {
+    const now = this.view.state.doc.toString();
+    if (text === now) return;
+    let from = 0;
+    while (from < now.length && now[from] === text[from]) from++;
+    let tail = 0;
+    while (tail < Math.min(now.length, text.length) - from && now.at(-1 - tail) === text.at(-1 - tail)) tail++;
+    this.quietly(() =>
+      this.view.dispatch({ changes: { from, to: now.length - tail, insert: text.slice(from, text.length - tail) } }),
+    );
+  }
+
+  mark(findings: readonly Finding[]): void {
+    const end = this.view.state.doc.length;
+    const diagnostics = findings.map((finding): Diagnostic => {
+      const { fix } = finding;
+      return {
+        from: Math.min(finding.offset, end),
+        to: Math.min(finding.end_offset, end),
+        severity: finding.severity,
+        source: finding.code,
+        message: finding.hint ? `${finding.message}. ${finding.hint}` : finding.message,
+        ...(fix ? { actions: [{ name: fix.title, apply: () => this.owner.fix(finding) }] } : {}),
+      };
+    });
+    this.quietly(() => this.view.dispatch(setDiagnostics(this.view.state, diagnostics)));
+  }
+
+  /** Highlights a stretch and scrolls to it; with `focus` the cursor goes there too. */
+  reveal(offset: number, endOffset: number, focus: boolean): void {
+    const end = this.view.state.doc.length;
+    const [from, to] = [Math.min(offset, end), Math.min(endOffset, end)];
+    const effects = [setSpot.of({ from, to }), EditorView.scrollIntoView(from, { y: "nearest", yMargin: 40 })];
+    this.quietly(() => this.view.dispatch({ effects, ...(focus ? { selection: { anchor: from } } : {}) }));
+    if (focus) this.view.focus();
+  }
+
+  focus(): void {
+    this.view.focus();
+  }
+
+  dispose(): void {
+    this.view.destroy();
+  }
+
+  private quietly(work: () => void): void {
+    this.isOurs = true;
+    try {
+      work();
+    } finally {
+      this.isOurs = false;
+    }
+  }
+}

@@ -1,0 +1,37 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import type { ComponentChildren } from "preact";
+import { useEffect, useRef } from "preact/hooks";
+
+/** A modal form. The browser's own dialog keeps the focus inside and closes on Escape. */
+export function FormDialog(props: {
+  title: string;
+  submit: string;
+  onSubmit: (form: FormData) => unknown;
+  onClose: () => void;
+  children: ComponentChildren;
+}) {
+  const dialog = useRef<HTMLDialogElement>(null);
+  useEffect(() => dialog.current?.showModal(), []);
+  return (
+    <dialog ref={dialog} aria-label={props.title} onClose={props.onClose}>
+      <form
+        onSubmit={(event) => {
+          event.preventDefault();
+          void props.onSubmit(new FormData(event.currentTarget));
+        }}
+      >
+        <h2>{props.title}</h2>
+        {props.children}
+        <div class="row end">
+          <button type="button" onClick={() => dialog.current?.close()}>
+            Cancel
+          </button>
+          <button type="submit" class="primary">
+            {props.submit}
+          </button>
+        </div>
+      </form>
+    </dialog>
+  );
+}

@@ -1,0 +1,20 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import type { ComponentChildren } from "preact";
+import { href } from "../route";
+
+/** The bar on top of every page but the first: the way home, what is open, and what can be done with it. */
+export function Header({ title, note, children }: { title: string; note?: string; children?: ComponentChildren }) {
+  return (
+    <header class="bar">
+      <a class="home-link" href={href({ page: "home", name: "" })} aria-label="Home">
+        <img src="./icon.svg" alt="" width="26" height="26" />
+      </a>
+      <h1>{title}</h1>
+      {note !== undefined && <span class="quiet">{note}</span>}
+      <div class="bar-tools" role="toolbar" aria-label="Tools">
+        {children}
+      </div>
+    </header>
+  );
+}

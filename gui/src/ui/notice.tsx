@@ -1,0 +1,21 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+
+/** A message that stays until what it says is over. */
+export function Notice(props: {
+  kind: "error" | "warning" | "info";
+  text: string;
+  action?: { label: string; act: () => unknown };
+}) {
+  const { action } = props;
+  return (
+    <div class={`notice ${props.kind}`} role={props.kind === "error" ? "alert" : "status"}>
+      <span>{props.text}</span>
+      {action && (
+        <button type="button" onClick={() => void action.act()}>
+          {action.label}
+        </button>
+      )}
+    </div>
+  );
+}

@@ -1,0 +1,13 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+
+/** A number for reading: three significant digits below 1000, none after the point above. */
+export function readable(value: number): string {
+  const digits = Math.abs(value) >= 1000 ? { maximumFractionDigits: 0 } : { maximumSignificantDigits: 3 };
+  return value.toLocaleString("en", digits).replaceAll(",", " ");
+}
+
+/** A rate for reading; null is every message. */
+export function hz(value: number | null): string {
+  return value === null ? "Full" : `${readable(value)} Hz`;
+}

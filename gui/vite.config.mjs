@@ -1,0 +1,36 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import { readdirSync, readFileSync } from "node:fs";
+import { defineConfig } from "vite";
+
+const BLOCKLY_MEDIA = new URL("./node_modules/blockly/media/", import.meta.url);
+
+/** Puts Blockly's pictures beside the page: by default Blockly loads them from the internet. */
+function blocklyMedia() {
+  return {
+    name: "blockly-media",
+    apply: "build",
+    generateBundle() {
+      for (const file of readdirSync(BLOCKLY_MEDIA)) {
+        this.emitFile({
+          type: "asset",
+          fileName: `media/${file}`,
+          source: readFileSync(new URL(file, BLOCKLY_MEDIA)),
+        });
+      }
+    },
+  };
+}
+
+export default defineConfig({
+  base: "./",
+  plugins: [blocklyMedia()],
+  build: {
+    outDir: "../src/smarttestudo/web/static",
+    emptyOutDir: true,
+    modulePreload: { polyfill: false },
+    reportCompressedSize: false,
+    chunkSizeWarningLimit: 1500,
+  },
+  server: { proxy: { "/api": "http://127.0.0.1:8750", "/ws": { target: "ws://127.0.0.1:8750", ws: true } } },
+});
