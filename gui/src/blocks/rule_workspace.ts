@@ -243,6 +243,8 @@ export class RuleWorkspace {
       const { previousConnection } = slot.block;
       if (above?.nextConnection && previousConnection) above.nextConnection.connect(previousConnection);
       else slot.block.moveTo(new Blockly.utils.Coordinate(LEFT, y));
+      // A block has no size and no place before it is drawn.
+      Blockly.renderManagement.triggerQueuedRenders(this.workspace);
       y = Math.max(y, bottomOf(slot.block) + GAP);
       above = slot.block.type === "adirf_set" ? slot.block : null;
     }

@@ -108,11 +108,11 @@ def test_a_dragged_block_changes_the_layout_file_and_not_the_rules(ruler: RulerP
 
 
 def _drag(ruler: RulerPage, handle: Locator, right_px: float, down_px: float) -> None:
-    handle.wait_for()
+    handle.hover()
     box = handle.bounding_box()
     assert box is not None
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
     mouse = ruler.page.mouse
-    mouse.move(box["x"] + 10, box["y"] + 6)
     mouse.down()
-    mouse.move(box["x"] + 10 + right_px, box["y"] + 6 + down_px, steps=10)
+    mouse.move(x + right_px, y + down_px, steps=10)
     mouse.up()
