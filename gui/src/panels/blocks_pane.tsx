@@ -19,16 +19,27 @@ export function BlocksPane({ editor }: { editor: RuleEditor }) {
     return opened.close;
   }, []);
   const isBehind = !editor.document.value.parses && editor.shown.value?.text !== editor.text.value;
+  const isLoading = editor.shown.value === null;
   const errors = editor.errors.value.length;
   const isEmpty = editor.shown.value?.document.collections.every((each) => each.statements.length === 0) ?? true;
   return (
     <section class={isBehind ? "pane blocks behind" : "pane blocks"} aria-label="Blocks">
       <div class="pane-bar">
         <h2>Blocks</h2>
-        <button type="button" class="small" onClick={() => workspace.current?.add(toBlock(NEW_RATE))}>
+        <button
+          type="button"
+          class="small"
+          disabled={isLoading}
+          onClick={() => workspace.current?.add(toBlock(NEW_RATE))}
+        >
           New rate
         </button>
-        <button type="button" class="small" onClick={() => workspace.current?.add(toBlock(NEW_RULE))}>
+        <button
+          type="button"
+          class="small"
+          disabled={isLoading}
+          onClick={() => workspace.current?.add(toBlock(NEW_RULE))}
+        >
           New rule
         </button>
         {isBehind && (
@@ -69,7 +80,7 @@ function openWorkspace(host: HTMLElement, editor: RuleEditor): { workspace: Rule
       show();
     }),
     effect(() => workspace.mark(editor.findings.value)),
-    effect(() => workspace.setReadOnly(editor.isBroken.value)),
+    effect(() => workspace.setReadOnly(editor.isBroken.value || editor.shown.value === null)),
     effect(() => {
       const spot = editor.spot.value;
       const isElsewhere = spot !== null && spot.from !== "blocks";

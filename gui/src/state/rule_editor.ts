@@ -41,6 +41,8 @@ export class RuleEditor {
   /** Whether the blocks show the past, because the text of now cannot be read. */
   readonly isBroken = computed(() => !this.document.value.parses && this.shown.value?.document !== this.document.value);
   private layoutHash: string | null = null;
+  /** The text that `document` was read from. */
+  private read: string | null = null;
   private timer: number | undefined;
   private queue: Promise<void> = Promise.resolve();
 
@@ -94,6 +96,9 @@ export class RuleEditor {
   edit(next: (document: RuleDocument) => Edit | null): Promise<void> {
     return this.inTurn(async () => {
       const before = this.text.value;
+      // Edits name statements by what the server read last, which must be this text.
+      if (this.read !== before) await this.check();
+      if (this.read !== before) return;
       let step = { text: before, document: this.document.value };
       for (let edit = next(step.document); edit !== null; edit = next(step.document)) {
         step = await this.api.edit({ ...this.rules, text: step.text }, edit);
@@ -218,6 +223,7 @@ export class RuleEditor {
 
   private accept(document: RuleDocument, text: string): void {
     this.document.value = document;
+    this.read = text;
     if (document.parses || this.shown.value === null) this.shown.value = { document, text };
   }
 

@@ -54,7 +54,7 @@ def test_the_rule_is_built_with_the_keyboard_alone(ruler: RulerPage, project: Pa
     expect(ruler.page.get_by_label("Name")).to_be_focused()
     keyboard.type("shelf")
     keyboard.press("Enter")
-    ruler.button("New rule").wait_for()
+    expect(ruler.button("New rule")).to_be_enabled()
     ruler.walk("Tab", "New rule")
     keyboard.press("Enter")
     ruler.expect_lines("CheckValue /odom pose_x > 0", "SetFrequency /odom 10")
@@ -71,6 +71,7 @@ def test_the_rule_is_built_with_the_keyboard_alone(ruler: RulerPage, project: Pa
     _edit(ruler, "ArrowRight", "Edit rate", "Competitive")
     ruler.walk("ArrowUp", "Add rate")
     keyboard.press("Enter")
+    _await_focus(ruler, "Edit topic to send")
     _edit(ruler, None, "Edit topic to send", "/camera/image_raw")
     _edit(ruler, "ArrowRight", "Edit rate", "Excessive")
     ruler.expect_lines("SetFrequency /camera/image_raw Excessive")
@@ -83,7 +84,14 @@ def _press_add_check(ruler: RulerPage) -> None:
     ruler.walk("ArrowUp", "Begin stack, rule")
     ruler.walk("ArrowRight", "Add check")
     ruler.page.keyboard.press("Enter")
-    ruler.page.wait_for_function("document.activeElement.getAttribute('aria-label') === 'Edit value: 0'")
+    _await_focus(ruler, "Edit value: 0")
+
+
+def _await_focus(ruler: RulerPage, label: str) -> None:
+    """Wait until the focus is on what a new block asks for first."""
+    ruler.page.wait_for_function(
+        "label => document.activeElement.getAttribute('aria-label')?.startsWith(label)", arg=label
+    )
 
 
 def _edit(ruler: RulerPage, way: str | None, label: str, value: str) -> None:
