@@ -7,6 +7,8 @@ import { useEffect, useRef } from "preact/hooks";
 export function FormDialog(props: {
   title: string;
   submit: string;
+  /** Whether there is nothing to cancel. */
+  isNotice?: boolean;
   onSubmit: (form: FormData) => unknown;
   onClose: () => void;
   children: ComponentChildren;
@@ -24,9 +26,11 @@ export function FormDialog(props: {
         <h2>{props.title}</h2>
         {props.children}
         <div class="row end">
-          <button type="button" onClick={() => dialog.current?.close()}>
-            Cancel
-          </button>
+          {!props.isNotice && (
+            <button type="button" onClick={() => dialog.current?.close()}>
+              Cancel
+            </button>
+          )}
           <button type="submit" class="primary">
             {props.submit}
           </button>
