@@ -6,10 +6,10 @@ import { readable } from "../ui/numbers";
 import type { RuleState } from "./live_states";
 
 const GAP = 10;
-const HEIGHT = 24;
+const HEIGHT = 28;
 const FIRST_ROW = 48;
 // Letters are drawn in a monospaced font, so that no badge needs to be measured.
-const LETTER_WIDTH = 7.9;
+const LETTER_WIDTH = 9.1;
 const PADDING = 9;
 
 /** What a badge says, and in which colour. */

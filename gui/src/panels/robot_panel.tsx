@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import type { RobotLink } from "../state/robot_link";
 import { RULES_WORDS } from "../state/connection";
+import { type RobotLink, UPDATE_RATES_HZ } from "../state/robot_link";
 import type { RobotRules } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
 import type { Shipment } from "../state/shipment";
@@ -22,8 +22,8 @@ export function RobotPanel(props: { editor: RuleEditor; robotRules: RobotRules; 
         <p>
           <Situation link={link} />
         </p>
+        <RulesNotice robotRules={props.robotRules} />
       </div>
-      <RulesNotice robotRules={props.robotRules} />
       {live && <RobotTotals live={live} />}
       {live && <RobotTopics link={link} live={live} />}
       {!live && link.connection.value.kind === "connected" && <p class="quiet">Waiting for its values …</p>}
@@ -35,16 +35,26 @@ function RobotChoice({ link }: { link: RobotLink }) {
   const robots = link.robots.value?.robots ?? [];
   if (robots.length === 0) return null;
   return (
-    <label>
-      Robot
-      <select value={link.node.value ?? ""} onChange={(event) => link.choose(event.currentTarget.value)}>
-        {robots.map(({ node, is_heard }) => (
-          <option key={node} value={node}>
-            {is_heard ? node : `${node} (silent)`}
-          </option>
-        ))}
-      </select>
-    </label>
+    <>
+      <label>
+        Robot
+        <select value={link.node.value ?? ""} onChange={(event) => link.choose(event.currentTarget.value)}>
+          {robots.map(({ node, is_heard }) => (
+            <option key={node} value={node}>
+              {is_heard ? node : `${node} (silent)`}
+            </option>
+          ))}
+        </select>
+      </label>
+      <label>
+        Updates (1/s)
+        <select value={link.updateHz.value} onChange={(event) => link.updateAt(Number(event.currentTarget.value))}>
+          {UPDATE_RATES_HZ.map((rate) => (
+            <option key={rate}>{rate}</option>
+          ))}
+        </select>
+      </label>
+    </>
   );
 }
 

@@ -35,17 +35,15 @@ function TryingSteps({ shipment, stage }: { shipment: Shipment; stage: Trying })
     return <p role="status">{stage.node} goes back to the rules from before within {stage.withinS} s.</p>;
   }
   return (
-    <div class="column shipment">
+    <div class="shipment">
       <Steps done={1} words={`${stage.node} follows these rules. Keep them, or it goes back by itself.`} leftS={leftS} />
-      <div class="row">
-        <button type="button" class="primary" onClick={() => void shipment.keep()}>
-          Keep these rules
-        </button>
-        <button type="button" onClick={() => shipment.letGo()}>
-          Let them go back
-        </button>
-        <progress aria-label="Time left to keep the rules" max={stage.withinS} value={leftS} />
-      </div>
+      <button type="button" class="primary" onClick={() => void shipment.keep()}>
+        Keep these rules
+      </button>
+      <button type="button" onClick={() => shipment.letGo()}>
+        Let them go back
+      </button>
+      <progress aria-label="Time left to keep the rules" max={stage.withinS} value={leftS} />
     </div>
   );
 }

@@ -4,12 +4,15 @@ import { batch, computed, signal } from "@preact/signals";
 import { LiveSocket } from "../api/live";
 import { type Live, PROTOCOL_VERSION, type Push, type Robots } from "../api/live_types";
 import { connectionOf, type ServerState } from "./connection";
-import { RateRings } from "./rate_rings";
+import { RateRings, RING_LENGTH } from "./rate_rings";
 
-const UPDATE_HZ = 5;
+/** How often a robot's values can be asked for; the second is usual. */
+export const UPDATE_RATES_HZ = [1, 5, 20];
+const USUAL_HZ = 5;
 const TICK_MS = 1000;
-const SAMPLE_MS = 1000 / UPDATE_HZ;
-const STORAGE_KEY = "robot";
+const SAMPLE_MS = 200;
+const NODE_KEY = "robot";
+const RATE_KEY = "updates of the robot in Hz";
 
 /** What this page knows of running robots, over one web socket that connects again by itself. */
 export class RobotLink {
@@ -26,7 +29,8 @@ export class RobotLink {
     return connectionOf(this.server.value, this.robots.value, this.node.value, sinceToldS);
   });
   private readonly newest = signal<Live | null>(null);
-  private readonly choice = signal<string | null>(localStorage.getItem(STORAGE_KEY));
+  readonly updateHz = signal(Number(localStorage.getItem(RATE_KEY)) || USUAL_HZ);
+  private readonly choice = signal<string | null>(localStorage.getItem(NODE_KEY));
   private readonly nowMs = signal(0);
   private readonly toldMs = signal(0);
   private readonly socket = new LiveSocket(this);
@@ -40,9 +44,16 @@ export class RobotLink {
   }
 
   choose(node: string): void {
-    localStorage.setItem(STORAGE_KEY, node);
+    localStorage.setItem(NODE_KEY, node);
     this.choice.value = node;
     this.tellWatched();
+  }
+
+  /** Asks for so many updates a second from now on. */
+  updateAt(rateHz: number): void {
+    localStorage.setItem(RATE_KEY, String(rateHz));
+    this.updateHz.value = rateHz;
+    this.sendWatched();
   }
 
   /** Asks for live values until the returned function is called. */
@@ -84,11 +95,9 @@ export class RobotLink {
   }
 
   private show(live: Live): void {
-    const nowMs = performance.now();
-    if (nowMs - this.sampledMs >= SAMPLE_MS / 2) {
-      this.rates.push(live.topics);
-      this.sampledMs = nowMs;
-    }
+    const due = Math.floor((performance.now() - this.sampledMs) / SAMPLE_MS);
+    for (let sample = 0; sample < Math.min(due, RING_LENGTH); sample++) this.rates.push(live.topics);
+    this.sampledMs += due * SAMPLE_MS;
     this.newest.value = live;
   }
 
@@ -96,13 +105,18 @@ export class RobotLink {
     const wanted = this.watchers > 0 ? this.node.peek() : null;
     if (wanted === this.watched || this.server.peek().kind !== "open") return;
     this.forget(wanted);
-    this.socket.send({ kind: "watch", node: wanted, update_hz: UPDATE_HZ });
+    this.sendWatched();
+  }
+
+  private sendWatched(): void {
+    this.socket.send({ kind: "watch", node: this.watched, update_hz: this.updateHz.peek() });
   }
 
   private forget(next: string | null): void {
     this.watched = next;
     this.newest.value = null;
     this.rates.clear();
+    this.sampledMs = performance.now();
   }
 }
 
