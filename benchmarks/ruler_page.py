@@ -20,10 +20,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from playwright.sync_api import CDPSession, Page, sync_playwright
+
 from live.cases import IMU_BYTES, IMU_TYPE, Topic
 from live.contenders import role
 from live.processes import environment, processes
-from playwright.sync_api import CDPSession, Page, sync_playwright
 
 DOMAIN = 74
 TOPIC_COUNT = 50

@@ -20,7 +20,7 @@ export function Sparkline({ link, topic }: { link: RobotLink; topic: string }) {
     context.setTransform(scale, 0, 0, scale, 0, 0);
     let frame = 0;
     const stop = effect(() => {
-      void link.live.value;
+      void link.samples.value;
       cancelAnimationFrame(frame);
       frame = requestAnimationFrame(() => draw(context, link.rates.of(topic)));
     });

@@ -20,8 +20,15 @@ export class RobotLink {
   readonly robots = signal<Robots | null>(null);
   /** The newest values of the watched robot, only while it is heard. */
   readonly live = computed(() => (this.connection.value.kind === "connected" ? this.newest.value : null));
+  /** The same, at most five times a second: for what is read and not watched. */
+  readonly calm = computed(() => {
+    void this.samples.value;
+    return this.connection.value.kind === "connected" ? this.newest.peek() : null;
+  });
   /** Rates of the last 48 s. */
   readonly rates = new RateRings();
+  /** Counts what came into `rates`. */
+  readonly samples = signal(0);
   readonly node = computed(() => chosenOf(this.robots.value, this.choice.value));
   readonly robot = computed(() => this.robots.value?.robots.find(({ node }) => node === this.node.value) ?? null);
   readonly connection = computed(() => {
@@ -98,7 +105,10 @@ export class RobotLink {
     const due = Math.floor((performance.now() - this.sampledMs) / SAMPLE_MS);
     for (let sample = 0; sample < Math.min(due, RING_LENGTH); sample++) this.rates.push(live.topics);
     this.sampledMs += due * SAMPLE_MS;
-    this.newest.value = live;
+    batch(() => {
+      this.samples.value += due;
+      this.newest.value = live;
+    });
   }
 
   private tellWatched(): void {
@@ -116,7 +126,8 @@ export class RobotLink {
     this.watched = next;
     this.newest.value = null;
     this.rates.clear();
-    this.sampledMs = performance.now();
+    this.samples.value = this.samples.peek() + 1;
+    this.sampledMs = performance.now() - SAMPLE_MS;
   }
 }
 

@@ -22,9 +22,9 @@ export class RobotRules {
   readonly comparison = signal<Comparison>({ kind: "none" });
   /** What the robot says of each rule now, by statement id; empty unless it follows these very rules. */
   readonly states = computed(() => {
-    const { live } = this.link;
-    if (this.comparison.value.kind !== "same" || live.value === null || this.editor.isBroken.value) return NONE;
-    return ruleStates(this.editor.document.value, live.value) ?? NONE;
+    const live = this.link.calm.value;
+    if (this.comparison.value.kind !== "same" || live === null || this.editor.isBroken.value) return NONE;
+    return ruleStates(this.editor.document.value, live) ?? NONE;
   });
   private timer: number | undefined;
   private asked = 0;
