@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+import { useEffect, useRef } from "preact/hooks";
 import type { Problem } from "../api/types";
 import type { RuleEditor } from "../state/rule_editor";
 import type { Shipment, Stage } from "../state/shipment";
@@ -8,6 +9,21 @@ type Trying = Extract<Stage, { kind: "trying" }>;
 
 /** How far sent rules are: checked by the robot, tried there, kept; or why they are not. */
 export function ShipmentSteps({ shipment, editor }: { shipment: Shipment; editor: RuleEditor }) {
+  const host = useRef<HTMLDivElement>(null);
+  const { kind } = shipment.stage.value;
+  const isShown = kind !== "idle" && kind !== "asking" && kind !== "asked";
+  // From the dialog on, the keyboard goes on here; not on a button, which a second Enter would press.
+  useEffect(() => {
+    if (isShown) host.current?.focus();
+  }, [isShown]);
+  return (
+    <div ref={host} tabIndex={-1} class="shipment-host">
+      <StageView shipment={shipment} editor={editor} />
+    </div>
+  );
+}
+
+function StageView({ shipment, editor }: { shipment: Shipment; editor: RuleEditor }) {
   const stage = shipment.stage.value;
   switch (stage.kind) {
     case "sending":

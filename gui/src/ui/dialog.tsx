@@ -14,7 +14,12 @@ export function FormDialog(props: {
   children: ComponentChildren;
 }) {
   const dialog = useRef<HTMLDialogElement>(null);
-  useEffect(() => dialog.current?.showModal(), []);
+  useEffect(() => {
+    const shown = dialog.current;
+    shown?.showModal();
+    // Closing gives the focus back to what opened it.
+    return () => shown?.close();
+  }, []);
   return (
     <dialog ref={dialog} aria-label={props.title} onClose={props.onClose}>
       <form
