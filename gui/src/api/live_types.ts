@@ -5,8 +5,8 @@
 /** The protocol that this page speaks on the web socket. */
 export const PROTOCOL_VERSION = 1;
 
-/** Whether a condition holds now; null is unknown. */
-export type Truth = boolean | null;
+/** Whether a condition holds now. */
+export type Truth = "true" | "false" | "unknown";
 
 /** Where the rules come from that a robot follows. */
 export type RulesSource = "files" | "pushed" | "waiting" | "fallback";
@@ -14,7 +14,7 @@ export type RulesSource = "files" | "pushed" | "waiting" | "fallback";
 export interface RobotSummary {
   node: string;
   is_heard: boolean;
-  heard_s_ago: number | null;
+  heard_s_ago: number;
   rules_hash: string;
   rules: RulesSource;
   waits_s: number | null;
@@ -27,31 +27,38 @@ export interface Robots {
 
 export interface LiveTopic {
   topic: string;
-  output: string;
   source_hz: number | null;
   target_hz: number | null;
   actual_hz: number | null;
-  out_kb_per_s: number | null;
-  in_kb_per_s: number | null;
+  error_percent: number | null;
+  keeps_rate: boolean;
+  out_kb_per_s: number;
+  in_kb_per_s: number;
   rule: string | null;
   reason: string;
   silence: string | null;
+  problem: string | null;
 }
 export interface LiveBlock {
-  line: number;
   state: Truth;
+  label: string;
 }
-export interface LiveCheck extends LiveBlock {
-  column: number;
+export interface LiveCheck {
+  state: Truth;
   value: number | null;
+  topic: string;
+  property: string;
+  op: string;
+  limit: number | null;
 }
 export interface Live {
   node: string;
-  stamp_s: number;
   rules_hash: string;
+  waits_s: number | null;
   cpu_percent: number | null;
   memory_mb: number | null;
   budget_kb_per_s: number | null;
+  out_kb_per_s: number;
   topics: LiveTopic[];
   blocks: LiveBlock[];
   checks: LiveCheck[];

@@ -3,7 +3,7 @@
 import * as Blockly from "blockly/core";
 import type { Truth } from "../api/live_types";
 import { readable } from "../ui/numbers";
-import type { RuleState } from "./live_states";
+import type { CheckState, RuleState } from "./live_states";
 
 const GAP = 10;
 const HEIGHT = 28;
@@ -14,7 +14,7 @@ const PADDING = 9;
 
 /** What a badge says, and in which colour. */
 interface Badge {
-  look: "true" | "false" | "unknown";
+  look: Truth;
   words: string;
 }
 interface Drawn extends Badge {
@@ -35,8 +35,11 @@ export class Badges {
     for (const [rule, state] of states) {
       const checks = checkBlocks(rule);
       if (checks.length !== state.checks.length) continue;
-      wanted.set(rule, { look: lookOf(state.state), words: RULE_WORDS[lookOf(state.state)] });
-      checks.forEach((block, at) => wanted.set(block, checkBadge(state.checks[at] ?? UNKNOWN, unitOf(block))));
+      wanted.set(rule, { look: state.state, words: RULE_WORDS[state.state] });
+      state.checks.forEach((check, at) => {
+        const block = checks[at];
+        if (block) wanted.set(block, checkBadge(check, unitOf(block)));
+      });
     }
     for (const [block, { group }] of this.drawn) {
       if (wanted.has(block)) continue;
@@ -74,18 +77,12 @@ export class Badges {
   }
 }
 
-const UNKNOWN = { state: null, value: null };
-const SIGNS = { true: "✓ true", false: "✗ false", unknown: "? unknown" };
+const CHECK_WORDS = { true: "✓ true", false: "✗ false", unknown: "? unknown" };
 const RULE_WORDS = { true: "✓ holds", false: "✗ does not hold", unknown: "? unknown" };
 
-function lookOf(state: Truth): Badge["look"] {
-  return state === null ? "unknown" : state ? "true" : "false";
-}
-
-function checkBadge({ state, value }: { state: Truth; value: number | null }, unit: string): Badge {
-  const look = lookOf(state);
+function checkBadge({ state, value }: CheckState, unit: string): Badge {
   const shown = value === null ? "" : ` ${readable(value)}${unit && ` ${unit}`}`;
-  return { look, words: `${SIGNS[look]}${shown}` };
+  return { look: state, words: `${CHECK_WORDS[state]}${shown}` };
 }
 
 /** The checks of a rule's condition in the order of the text. */

@@ -68,8 +68,7 @@ function Situation({ link }: { link: RobotLink }) {
       </>
     );
   }
-  const left = robot.rules === "waiting" && robot.waits_s !== null ? ` ${Math.ceil(robot.waits_s)} s are left.` : "";
-  return <>{RULES_WORDS[robot.rules] + left}</>;
+  return <>{RULES_WORDS[robot.rules]}</>;
 }
 
 function RulesNotice({ robotRules }: { robotRules: RobotRules }) {

@@ -41,10 +41,15 @@ function cellsOf(topic: LiveTopic): string {
     rate(topic.source_hz),
     target,
     rate(topic.actual_hz),
-    topic.out_kb_per_s === null ? "–" : topic.out_kb_per_s.toFixed(1),
+    topic.out_kb_per_s.toFixed(1),
     topic.rule ?? REASONS[topic.reason] ?? topic.reason,
-    topic.silence ?? "relayed",
+    topic.problem ?? topic.silence ?? relayed(topic),
   ].join("\n");
+}
+
+function relayed({ keeps_rate, error_percent }: LiveTopic): string {
+  if (keeps_rate || error_percent === null) return "relayed";
+  return `rate off by ${error_percent.toFixed(0)} %`;
 }
 
 const REASONS: Record<string, string> = {

@@ -5,8 +5,8 @@ import { readable } from "../ui/numbers";
 
 /** What all topics take of the link together, and what the runtime takes of its machine. */
 export function RobotTotals({ live }: { live: Live }) {
-  const sent = sum(live.topics.map((topic) => topic.out_kb_per_s));
-  const heard = sum(live.topics.map((topic) => topic.in_kb_per_s));
+  const sent = live.out_kb_per_s;
+  const heard = live.topics.reduce((sum, topic) => sum + topic.in_kb_per_s, 0);
   const budget = live.budget_kb_per_s;
   return (
     <dl class="robot-totals">
@@ -36,8 +36,4 @@ function Figure({ name, value }: { name: string; value: string }) {
       <dd>{value}</dd>
     </div>
   );
-}
-
-function sum(values: readonly (number | null)[]): number {
-  return values.reduce<number>((total, value) => total + (value ?? 0), 0);
 }

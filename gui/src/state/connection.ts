@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { RobotSummary, Robots } from "../api/live_types";
 
-/** A robot that said nothing for so long is called silent. */
-const SILENT_AFTER_S = 3;
+/** The server tells of robots every two seconds; what is so old is no longer trusted. */
+const TOLD_WITHIN_S = 8;
 
 /** Whether the server's web socket is open, and speaks what this page understands. */
 export type ServerState = { kind: "lost" } | { kind: "opening" } | { kind: "open" } | { kind: "other"; version: string };
@@ -34,8 +34,8 @@ export function connectionOf(
 }
 
 function heardFrom(robot: RobotSummary, sinceToldS: number): Connection {
-  const silentS = Math.floor((robot.heard_s_ago ?? 0) + sinceToldS);
-  if (robot.is_heard && silentS < SILENT_AFTER_S) {
+  const silentS = Math.floor(robot.heard_s_ago + sinceToldS);
+  if (robot.is_heard && sinceToldS < TOLD_WITHIN_S) {
     return {
       kind: "connected",
       words: `connected to ${robot.node}`,

@@ -24,7 +24,7 @@ export class RobotRules {
   readonly states = computed(() => {
     const live = this.link.calm.value;
     if (this.comparison.value.kind !== "same" || live === null || this.editor.isBroken.value) return NONE;
-    return ruleStates(this.editor.document.value, live) ?? NONE;
+    return ruleStates(this.editor.document.value, live);
   });
   private timer: number | undefined;
   private asked = 0;

@@ -25,7 +25,8 @@ export class Shipment {
   readonly leftS = computed(() => {
     const stage = this.stage.value;
     if (stage.kind !== "trying") return 0;
-    return Math.max(0, Math.ceil(this.link.robot.value?.waits_s ?? stage.withinS));
+    const waitsS = (this.link.live.value ?? this.link.robot.value)?.waits_s;
+    return Math.max(0, Math.ceil(waitsS ?? stage.withinS));
   });
 
   constructor(
