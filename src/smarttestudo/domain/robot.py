@@ -219,8 +219,11 @@ class Robot(Protocol):
         It succeeds with the message that ``act`` returns, and fails with its ``TestudoError``.
         """
 
-    def every(self, period_s: float, act: Callable[[], None]) -> None:
-        """Have ``act`` called again and again, in real time."""
+    def every(self, period_s: float, act: Callable[[], float | None]) -> None:
+        """Have ``act`` called again and again, in real time.
+
+        The next time is after as many seconds as it returns, or after ``period_s`` where that is ``None``.
+        """
 
     def wait(self, wake_ns: int | None, longest_s: float) -> None:
         """Handle what comes next; return after it, at ``wake_ns`` or after ``longest_s`` in real time."""

@@ -185,8 +185,8 @@ class RosNode:
         """Offer a std_srvs/srv/Trigger service that calls ``act``. Raises ``RosError``."""
         offer_trigger(self._node, name, act)
 
-    def every(self, period_s: float, act: Callable[[], None]) -> None:
-        """Have ``act`` called again and again, in real time."""
+    def every(self, period_s: float, act: Callable[[], float | None]) -> None:
+        """Have ``act`` called again and again, in real time; after what it returns, or ``period_s``."""
         self._timers.add(period_s, act, time.monotonic())
 
     def wait(self, wake_ns: int | None, longest_s: float) -> None:
