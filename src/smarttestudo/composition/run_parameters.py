@@ -160,11 +160,10 @@ def budget_parameter(value: ParameterValue) -> float | None:
 
 def status_hz_parameter(value: ParameterValue) -> float:
     """Statuses a second. Raises ``UsageError``."""
-    is_number = isinstance(value, int | float) and not isinstance(value, bool)
-    if not is_number or not STATUS_HZ <= float(value) <= MAX_STATUS_HZ:
-        cause = f"it is a number from {STATUS_HZ:g} to {MAX_STATUS_HZ:g}, not {value!r}"
-        raise UsageError(cause, place="parameter status_hz")
-    return float(value)
+    if isinstance(value, int | float) and not isinstance(value, bool) and STATUS_HZ <= value <= MAX_STATUS_HZ:
+        return float(value)
+    cause = f"it is a number from {STATUS_HZ:g} to {MAX_STATUS_HZ:g}, not {value!r}"
+    raise UsageError(cause, place="parameter status_hz")
 
 
 def _names(value: ParameterValue) -> tuple[str, ...]:

@@ -15,11 +15,6 @@ _DIGITS = 6
 _CHECK_ENTRIES = 4
 
 
-def truth_name(truth: Truth) -> str:
-    """``true``, ``false`` or ``unknown``."""
-    return _NAMES[truth]
-
-
 def block_to_json(block: BlockStatus) -> dict[str, object]:
     """An object whose ``checks`` are ``[line, column, state, value]`` each."""
     return {

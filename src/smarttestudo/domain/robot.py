@@ -12,6 +12,7 @@ from typing import Protocol
 from smarttestudo.domain.diagnostic import Diagnostic
 from smarttestudo.domain.parameter import Accept, Parameter, ParameterValue
 from smarttestudo.domain.payload import Payload
+from smarttestudo.domain.remote_parameters import RemoteParameters
 
 Receive = Callable[[Payload, Hashable], None]
 """Takes a serialized message and what tells its publisher from others of the topic, or ``None``."""
@@ -218,6 +219,10 @@ class Robot(Protocol):
 
         It succeeds with the message that ``act`` returns, and fails with its ``TestudoError``.
         """
+
+    @property
+    def remote_parameters(self) -> RemoteParameters:
+        """Parameters of other nodes."""
 
     def every(self, period_s: float, act: Callable[[], float | None]) -> None:
         """Have ``act`` called again and again, in real time.

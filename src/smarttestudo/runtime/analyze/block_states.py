@@ -26,9 +26,7 @@ def block_states(knowledge: Knowledge, now_ns: int) -> tuple[BlockStatus, ...]:
     return tuple(_block(block, knowledge, values) for block in written)
 
 
-def _block(
-    block: WrittenBlock, knowledge: Knowledge, values: Mapping[Signal, float | None]
-) -> BlockStatus:
+def _block(block: WrittenBlock, knowledge: Knowledge, values: Mapping[Signal, float | None]) -> BlockStatus:
     return BlockStatus(
         file=block.file,
         line=block.line,
@@ -38,9 +36,7 @@ def _block(
     )
 
 
-def _check(
-    check: WrittenCheck, knowledge: Knowledge, values: Mapping[Signal, float | None]
-) -> CheckStatus:
+def _check(check: WrittenCheck, knowledge: Knowledge, values: Mapping[Signal, float | None]) -> CheckStatus:
     return CheckStatus(
         line=check.line,
         column=check.column,
