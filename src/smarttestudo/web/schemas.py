@@ -406,6 +406,3 @@ class Progress(Struct, frozen=True, kw_only=True, tag_field="kind", tag="progres
 
     run: str
     share: float
-
-
-AnyPush = Hello | Progress

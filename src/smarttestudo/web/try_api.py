@@ -106,7 +106,7 @@ class TryApi:
         async for line in process.stdout:
             match msgspec.json.decode(line, type=_Share | _Result | _Failure):
                 case _Share(share=share):
-                    await self._listeners.tell(Progress(run=run, share=share))
+                    self._listeners.tell(Progress(run=run, share=share))
                 case _Result(trial=trial):
                     return trial
                 case _Failure(message=message, place=place, remedy=remedy):

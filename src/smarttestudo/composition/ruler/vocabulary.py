@@ -10,9 +10,8 @@ from enum import Enum
 from pathlib import Path
 from types import MappingProxyType
 
-from smarttestudo.adirf.document.meaning import checks_in
 from smarttestudo.adirf.parser import ParseResult
-from smarttestudo.adirf.syntax import Block
+from smarttestudo.adirf.syntax import Block, checks_in
 from smarttestudo.domain.profile import Profile
 
 
