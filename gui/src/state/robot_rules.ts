@@ -62,6 +62,7 @@ export class RobotRules {
 
   private async ask(node: string): Promise<Comparison> {
     try {
+      if (!(await this.editor.isSound())) return { kind: "unclear", why: "The text has errors." };
       const preview = await this.api.previewPush(this.editor.rules, node);
       return { kind: preview.same ? "same" : "other", preview };
     } catch (error) {

@@ -53,6 +53,10 @@ export class Shipment {
     const node = this.link.node.peek();
     if (node === null) return this.refuse({ message: this.link.connection.peek().why });
     this.stage.value = { kind: "asking", node };
+    if (!(await this.editor.isSound())) {
+      const findings = this.editor.errors.peek();
+      return this.refuse({ message: "Rules with errors are not sent.", findings });
+    }
     await this.guarded(async () => {
       const preview = await this.api.previewPush(this.editor.rules, node);
       this.stage.value = { kind: "asked", node, preview };
