@@ -27,6 +27,7 @@ from smarttestudo.web.bodies import read_body
 from smarttestudo.web.errors import JSON, RequestError, error_answer
 from smarttestudo.web.guard import Access, Guard
 from smarttestudo.web.live_feed import LiveFeed
+from smarttestudo.web.measure_api import MeasureApi
 from smarttestudo.web.page import page_files
 from smarttestudo.web.profile_api import ProfileApi
 from smarttestudo.web.project_api import ProjectApi
@@ -42,6 +43,7 @@ def ruler_app(folder: ProjectFolder, access: Access, *, opened: str | None = Non
     """The server of the project in ``folder``, for whom ``access`` lets in."""
     listeners = Listeners()
     link = RobotLink(ruler_node)
+    robots = RobotsApi(link)
     feed = LiveFeed(link, listeners)
 
     @contextlib.asynccontextmanager
@@ -52,8 +54,9 @@ def ruler_app(folder: ProjectFolder, access: Access, *, opened: str | None = Non
     routes: list[BaseRoute] = [
         *_project_routes(ProjectApi(folder, opened)),
         *_rule_routes(rules_api.RulesApi()),
-        *_profile_routes(ProfileApi(folder)),
-        *_robot_routes(RobotsApi(link)),
+        *_profile_routes(ProfileApi(folder, robots.topics)),
+        *_robot_routes(robots),
+        Route("/api/profile/measure-live", MeasureApi(listeners).answer, methods=["POST"]),
         Route("/api/try", TryApi(folder, listeners).answer, methods=["POST"]),
         Route("/api/{path:path}", _no_such_thing, methods=["GET", "POST", "PUT", "DELETE", "PATCH"]),
         WebSocketRoute("/ws", listeners.serve),

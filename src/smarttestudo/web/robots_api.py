@@ -5,11 +5,13 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Mapping
 
 from smarttestudo.composition.pushed_rules import CONFIRM_WITHIN_S
 from smarttestudo.composition.ruler import pushing
 from smarttestudo.composition.ruler.checked_text import Draft
 from smarttestudo.composition.ruler.robot_link import RobotLink
+from smarttestudo.domain.errors import RosError
 from smarttestudo.web import robot_schemas as schema
 from smarttestudo.web.errors import RequestError
 from smarttestudo.web.live_json import robot_models
@@ -64,6 +66,22 @@ class RobotsApi:
         """Let pushed rules hold for good."""
         pushing.confirm(self._link, self._known(request.node), request.hash)
         return schema.ConfirmAnswer(state="confirmed", hash=request.hash)
+
+    def topics(self) -> Mapping[str, str]:
+        """The types of what robots publish, as far as they can be known now."""
+        if not self._link.is_up:
+            return {}
+        relayed = {
+            topic: status.type_name
+            for seen in self._link.seen.values()
+            for topic, status in seen.status.topics.items()
+            if status.type_name is not None
+        }
+        try:
+            return {**relayed, **self._link.topics()}
+        except RosError:
+            # Words to suggest come from the files, too.
+            return relayed
 
     def _known(self, node: str) -> str:
         """``node``, if it ever spoke: nothing is asked of any other."""

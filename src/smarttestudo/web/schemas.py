@@ -177,7 +177,7 @@ class VocabularyTopic(Struct, frozen=True, kw_only=True):
     topic: str
     type: str | None
     properties: tuple[PropertyModel, ...]
-    source: Literal["profile", "bag", "rules", "example"]
+    source: Literal["profile", "robot", "bag", "rules", "example"]
 
 
 class VocabularyRequest(Struct, frozen=True, kw_only=True):

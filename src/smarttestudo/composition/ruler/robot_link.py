@@ -36,7 +36,7 @@ _STARTING = "the ROS graph is being joined"
 class RobotLink:
     """Hears all SmartTestudos and talks to them, from the first ``begin`` on; threads may call at a time.
 
-    ``news`` is called on the thread of the node with each robot of which a status came.
+    ``news`` is called on the thread of the node with the robots of which a status came, and once it is there.
     """
 
     def __init__(self, open_node: Callable[[], AbstractContextManager[Robot]]) -> None:
@@ -137,12 +137,12 @@ class RobotLink:
             raise RosError(self._problem or _STARTING)
 
     def _run(self) -> None:
-        self._problem = _STARTING
         try:
             with self._open_node() as robot:
                 watch = RobotWatch(robot, time.monotonic)
                 self._problem = None
                 self._is_up.set()
+                self.news(())
                 self._serve(robot, watch)
         except TestudoError as error:
             self._problem = f"{error.cause}; {error.remedy}" if error.remedy else error.cause
