@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import pytest
 from playwright.sync_api import Locator, expect
 
-from ros.conftest import free_domain
+from ros.ros_domains import free_domain
 from ros.ros_processes import Process, SmallRobot
 from ruler.browser.ruler_page import RulerPage
 
@@ -168,6 +168,18 @@ def test_refused_rules_change_nothing_and_unkept_ones_go_back(
     went_back = "/smarttestudo went back to the rules from before by itself"
     expect(page.page.get_by_text(went_back)).to_be_visible()
     expect(target).to_have_text("5")
+
+
+def test_topics_of_the_robot_are_suggested_and_measured(page: RulerPage) -> None:
+    _append(page, "SetFrequency /imu 5", "\n    SetFrequency /od")
+    expect(page.page.get_by_role("option", name=re.compile("/odom.*on the robot now"))).to_be_visible()
+    page.page.keyboard.press("Escape")
+    page.page.get_by_role("link", name="Create", exact=True).click()
+    page.button("Measure on the robot").click()
+    page.page.get_by_label("Seconds").fill("2")
+    page.button("Measure").click()
+    expect(page.page.get_by_label("Source (Hz) of /imu")).to_have_value(re.compile(r"^(49|50)(\.\d+)?$"))
+    expect(page.page.get_by_label("Message size (KB) of /odom", exact=True)).to_have_value("0.72")
 
 
 def _append(page: RulerPage, line: str, text: str) -> None:
