@@ -18,11 +18,10 @@ from ruler.ruler_server import EXAMPLES, Page, served
 @pytest.fixture(scope="session", autouse=True)
 def ruler_domain() -> Iterator[int]:
     """Where the servers look for robots: nobody else is there."""
-    with free_domain() as number:
-        with pytest.MonkeyPatch.context() as environment:
-            environment.setenv("ROS_DOMAIN_ID", str(number))
-            environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-            yield number
+    with free_domain() as number, pytest.MonkeyPatch.context() as environment:
+        environment.setenv("ROS_DOMAIN_ID", str(number))
+        environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+        yield number
 
 
 @pytest.fixture(scope="session")

@@ -158,8 +158,7 @@ def test_what_a_robot_could_not_tell_apart_is_not_sent(page: Page, runtime: Proc
 
 def test_levels_go_to_the_robot_as_the_rates_that_they_mean(page: Page, runtime: Process) -> None:
     profile = (
-        "budget_kb_per_s = 100.0\n"
-        '[topics."/imu"]\nmessage_kb = 0.32\ntiers_hz = [5, 10, 20, 30, 40, 50]\n'
+        'budget_kb_per_s = 100.0\n[topics."/imu"]\nmessage_kb = 0.32\ntiers_hz = [5, 10, 20, 30, 40, 50]\n'
     )
     text = RULES.replace("SetFrequency /imu 10", "SetFrequency /imu Desirable")
     with open_socket(page) as socket:
