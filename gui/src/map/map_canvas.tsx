@@ -88,7 +88,7 @@ function MapButton({ label, sign, act }: { label: string; sign: string; act: () 
 /** An owner that passes everything on to the one of now. */
 function forwarded(owner: () => MapOwner | undefined): MapOwner {
   return {
-    chosen: (id) => owner()?.chosen?.(id),
+    chosen: (id, rectangle) => owner()?.chosen?.(id, rectangle),
     moved: (id, by) => owner()?.moved?.(id, by),
     resized: (id, sides) => owner()?.resized?.(id, sides),
     drawn: (shape) => owner()?.drawn?.(shape),

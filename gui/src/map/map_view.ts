@@ -90,8 +90,10 @@ export class MapView {
   }
 
   setZones(zones: readonly MapZone[]): void {
+    const wasEmpty = this.content() === null;
     this.zones = zones;
     this.showZones();
+    if (wasEmpty) this.fit();
   }
 
   /** Puts the robot somewhere, looking along `heading_rad` (0 is along x, against the clock); null takes it away. */
