@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+import type { PushPreview, Staged } from "./live_types";
 import type {
   Edit,
   EditAnswer,
@@ -12,6 +13,7 @@ import type {
   TryAnswer,
   Vocabulary,
 } from "./types";
+import type { Background, BackgroundChoice, CoverAnswer, DrivenPath, ZonesAnswer } from "./zone_types";
 
 /** What the server refused, or that it did not answer (status 0). */
 export class ApiError extends Error {
@@ -81,6 +83,47 @@ export class Api {
 
   measureProfile(bag: string): Promise<{ text: string }> {
     return call("POST", "/api/profile/measure", { bag });
+  }
+
+  zones(rules: Rules): Promise<ZonesAnswer> {
+    return call("POST", "/api/zones", rules);
+  }
+
+  /** The rectangles that cover a polygon. */
+  cover(corners: readonly (readonly [number, number])[], maxRectangles: number): Promise<CoverAnswer> {
+    return call("POST", "/api/zones/cover", { corners, max_rectangles: maxRectangles });
+  }
+
+  backgrounds(): Promise<{ choices: BackgroundChoice[] }> {
+    return call("GET", "/api/backgrounds");
+  }
+
+  background(kind: "map" | "image", name: string): Promise<Background> {
+    return call("POST", "/api/background", { kind, name });
+  }
+
+  drivenPath(bag: string): Promise<DrivenPath> {
+    return call("POST", "/api/background/path", { bag });
+  }
+
+  /** Measures what a robot publishes now, for so many seconds. */
+  measureLive(seconds: number): Promise<{ text: string }> {
+    return call("POST", "/api/profile/measure-live", { seconds });
+  }
+
+  /** What would change on a robot that gets these rules. */
+  previewPush(rules: Rules, node: string): Promise<PushPreview> {
+    return call("POST", "/api/push/preview", { ...rules, node });
+  }
+
+  /** Lets a robot try these rules. */
+  push(rules: Rules, node: string): Promise<Staged> {
+    return call("POST", "/api/push", { ...rules, node });
+  }
+
+  /** Lets a robot keep the rules that it tries. */
+  confirmPush(node: string, hash: string): Promise<unknown> {
+    return call("POST", "/api/push/confirm", { node, hash });
   }
 
   optimize(rules: Rules): Promise<OptimizeAnswer> {

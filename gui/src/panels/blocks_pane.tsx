@@ -6,15 +6,17 @@ import { toBlock } from "../blocks/model";
 import { RuleWorkspace } from "../blocks/rule_workspace";
 import { suggestionsOf } from "../blocks/suggestions";
 import { NEW_RATE, NEW_RULE } from "../blocks/toolbox";
+import type { RobotRules } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
+import { watchSize, watchTheme } from "../ui/watch";
 
 /** The left half: the rules as blocks. */
-export function BlocksPane({ editor }: { editor: RuleEditor }) {
+export function BlocksPane({ editor, robotRules }: { editor: RuleEditor; robotRules: RobotRules }) {
   const host = useRef<HTMLDivElement>(null);
   const workspace = useRef<RuleWorkspace | null>(null);
   useEffect(() => {
     if (!host.current) return;
-    const opened = openWorkspace(host.current, editor);
+    const opened = openWorkspace(host.current, editor, robotRules);
     workspace.current = opened.workspace;
     return opened.close;
   }, []);
@@ -59,7 +61,11 @@ export function BlocksPane({ editor }: { editor: RuleEditor }) {
   );
 }
 
-function openWorkspace(host: HTMLElement, editor: RuleEditor): { workspace: RuleWorkspace; close: () => void } {
+function openWorkspace(
+  host: HTMLElement,
+  editor: RuleEditor,
+  robotRules: RobotRules,
+): { workspace: RuleWorkspace; close: () => void } {
   const show = () => {
     const shown = editor.shown.peek();
     if (shown) workspace.show(shown.document, editor.layout.peek());
@@ -80,6 +86,7 @@ function openWorkspace(host: HTMLElement, editor: RuleEditor): { workspace: Rule
       show();
     }),
     effect(() => workspace.mark(editor.findings.value)),
+    effect(() => workspace.showLive(robotRules.states.value)),
     effect(() => workspace.setReadOnly(editor.isBroken.value || editor.shown.value === null)),
     effect(() => {
       const spot = editor.spot.value;
@@ -94,16 +101,4 @@ function openWorkspace(host: HTMLElement, editor: RuleEditor): { workspace: Rule
     workspace.dispose();
   };
   return { workspace, close };
-}
-
-function watchSize(host: HTMLElement, resized: () => void): () => void {
-  const observer = new ResizeObserver(resized);
-  observer.observe(host);
-  return () => observer.disconnect();
-}
-
-function watchTheme(changed: () => void): () => void {
-  const query = matchMedia("(prefers-color-scheme: dark)");
-  query.addEventListener("change", changed);
-  return () => query.removeEventListener("change", changed);
 }
