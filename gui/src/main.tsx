@@ -8,6 +8,7 @@ import { RobotProvider } from "./ui/robot_state";
 import "./style/tokens.css";
 import "./style/controls.css";
 import "./style/pages.css";
+import "./style/map.css";
 import "./style/robot.css";
 
 const host = document.getElementById("app");

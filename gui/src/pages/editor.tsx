@@ -8,9 +8,9 @@ import type { PageProps } from "../app";
 import { BlocksPane } from "../panels/blocks_pane";
 import { FindingsPanel } from "../panels/findings_panel";
 import { OptimizePanel } from "../panels/optimize_panel";
+import { SidePane } from "../panels/side_pane";
 import { RobotPanel } from "../panels/robot_panel";
 import { SendDialog } from "../panels/send_dialog";
-import { TextPane } from "../panels/text_pane";
 import { TryPanel } from "../panels/try_panel";
 import { RobotRules } from "../state/robot_rules";
 import { RuleEditor } from "../state/rule_editor";
@@ -40,7 +40,7 @@ export function EditorPage({ api, project, name }: PageProps) {
       <EditorBar editor={editor} shipment={robot.shipment} onTool={(next) => (tool.value = next)} />
       <main class="split">
         <BlocksPane editor={editor} robotRules={robot.robotRules} />
-        <TextPane editor={editor} />
+        <SidePane {...{ editor, api }} />
       </main>
       <section class="dock" aria-label="Results">
         <div class="dock-bar">

@@ -8,6 +8,7 @@ import { suggestionsOf } from "../blocks/suggestions";
 import { NEW_RATE, NEW_RULE } from "../blocks/toolbox";
 import type { RobotRules } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
+import { watchSize, watchTheme } from "../ui/watch";
 
 /** The left half: the rules as blocks. */
 export function BlocksPane({ editor, robotRules }: { editor: RuleEditor; robotRules: RobotRules }) {
@@ -100,16 +101,4 @@ function openWorkspace(
     workspace.dispose();
   };
   return { workspace, close };
-}
-
-function watchSize(host: HTMLElement, resized: () => void): () => void {
-  const observer = new ResizeObserver(resized);
-  observer.observe(host);
-  return () => observer.disconnect();
-}
-
-function watchTheme(changed: () => void): () => void {
-  const query = matchMedia("(prefers-color-scheme: dark)");
-  query.addEventListener("change", changed);
-  return () => query.removeEventListener("change", changed);
 }
