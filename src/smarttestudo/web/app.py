@@ -20,13 +20,14 @@ from smarttestudo.domain.errors import TestudoError
 from smarttestudo.web import optimize_api, rules_api
 from smarttestudo.web import schemas as schema
 from smarttestudo.web.bodies import read_body
+from smarttestudo.web.curve_schemas import LevelsRequest
 from smarttestudo.web.errors import JSON, RequestError, error_answer
 from smarttestudo.web.guard import Access, Guard
 from smarttestudo.web.page import page_files
-from smarttestudo.web.profile_api import ProfileApi
+from smarttestudo.web.profile_api import ProfileApi, levels_of_rate
 from smarttestudo.web.project_api import ProjectApi
 from smarttestudo.web.socket import Listeners
-from smarttestudo.web.try_api import TryApi
+from smarttestudo.web.try_api import CurveApi, TryApi
 
 _Body = TypeVar("_Body", bound=msgspec.Struct)
 _Handler = Callable[[Request], Awaitable[Response]]
@@ -40,6 +41,7 @@ def ruler_app(folder: ProjectFolder, access: Access, *, opened: str | None = Non
         *_rule_routes(rules_api.RulesApi()),
         *_profile_routes(ProfileApi(folder)),
         Route("/api/try", TryApi(folder, listeners).answer, methods=["POST"]),
+        Route("/api/profile/curve", CurveApi(folder, listeners).answer, methods=["POST"]),
         Route("/api/{path:path}", _no_such_thing, methods=["GET", "POST", "PUT", "DELETE", "PATCH"]),
         WebSocketRoute("/ws", listeners.serve),
         Mount("/", page_files()),
@@ -82,6 +84,7 @@ def _profile_routes(api: ProfileApi) -> Iterable[BaseRoute]:
     yield _route("/api/profile/parse", schema.ProfileParseRequest, api.parse)
     yield _route("/api/profile/write", schema.ProfileWriteRequest, api.write)
     yield _route("/api/profile/measure", schema.ProfileMeasureRequest, api.measure)
+    yield _route("/api/profile/levels", LevelsRequest, levels_of_rate)
 
 
 def _route(
