@@ -7,6 +7,7 @@ import "./style/tokens.css";
 import "./style/controls.css";
 import "./style/pages.css";
 import "./style/map.css";
+import "./style/try.css";
 
 const host = document.getElementById("app");
 if (host) render(<App api={new Api()} />, host);

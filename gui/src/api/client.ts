@@ -9,9 +9,10 @@ import type {
   ProfileTable,
   Project,
   RuleDocument,
-  TryAnswer,
   Vocabulary,
 } from "./types";
+import type { Curve } from "./curve_types";
+import type { TryAnswer } from "./try_types";
 
 /** What the server refused, or that it did not answer (status 0). */
 export class ApiError extends Error {
@@ -87,8 +88,17 @@ export class Api {
     return call("POST", "/api/optimize", rules);
   }
 
-  tryOnBag(rules: Rules, bag: string, signal: AbortSignal): Promise<TryAnswer> {
-    return call("POST", "/api/try", { ...rules, bag }, signal);
+  tryOnBag(rules: Rules, bag: string, run: string, signal: AbortSignal): Promise<TryAnswer> {
+    return call("POST", "/api/try", { ...rules, bag, run }, signal);
+  }
+
+  curve(bag: string, topic: string, run: string, signal: AbortSignal): Promise<Curve> {
+    return call("POST", "/api/profile/curve", { bag, topic, run }, signal);
+  }
+
+  /** Six levels for a source of which only the rate is known. */
+  levels(sourceHz: number): Promise<{ tiers_hz: number[] }> {
+    return call("POST", "/api/profile/levels", { source_hz: sourceHz });
   }
 }
 

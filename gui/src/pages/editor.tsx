@@ -10,7 +10,9 @@ import { FindingsPanel } from "../panels/findings_panel";
 import { OptimizePanel } from "../panels/optimize_panel";
 import { TextPane } from "../panels/text_pane";
 import { TryPanel } from "../panels/try_panel";
+import { BagWork } from "../state/bag_work";
 import { RuleEditor } from "../state/rule_editor";
+import type { Trial } from "../state/trial";
 import { Header } from "../ui/header";
 import { Notice } from "../ui/notice";
 import { type Choice, Tabs } from "../ui/tabs";
@@ -22,6 +24,8 @@ export type Tool = "findings" | "optimize" | "try";
 /** Blocks and text of one rule file side by side, and below them what can be said about it. */
 export function EditorPage({ api, project, name }: PageProps) {
   const editor = useMemo(() => new RuleEditor(api, name), []);
+  const tries = useMemo(() => new BagWork<Trial>(), []);
+  useEffect(() => () => tries.cancel(), []);
   const tool = useSignal<Tool>("findings");
   const [state, setState] = useState<"opening" | "open" | { problem: string }>("opening");
   useEffect(() => void open(editor, project, setState), []);
@@ -44,7 +48,7 @@ export function EditorPage({ api, project, name }: PageProps) {
         <div class="dock-body" role="tabpanel" aria-label={tool.value}>
           {tool.value === "findings" && <FindingsPanel editor={editor} />}
           {tool.value === "optimize" && <OptimizePanel {...{ editor, api }} />}
-          {tool.value === "try" && <TryPanel {...{ editor, api, project }} />}
+          {tool.value === "try" && <TryPanel {...{ editor, api, project }} work={tries} />}
         </div>
       </section>
       <Toast message={editor.message} />
