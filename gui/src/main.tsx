@@ -8,6 +8,7 @@ import "./style/controls.css";
 import "./style/pages.css";
 import "./style/map.css";
 import "./style/try.css";
+import "./style/levels.css";
 
 const host = document.getElementById("app");
 if (host) render(<App api={new Api()} />, host);

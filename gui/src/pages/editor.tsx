@@ -17,6 +17,7 @@ import { Header } from "../ui/header";
 import { Notice } from "../ui/notice";
 import { type Choice, Tabs } from "../ui/tabs";
 import { Toast } from "../ui/toast";
+import { useUndoKeys } from "../ui/undo_keys";
 import { ProfileChoice } from "../panels/profile_choice";
 
 export type Tool = "findings" | "optimize" | "try";
@@ -110,23 +111,5 @@ function useUnsavedWarning(editor: RuleEditor): void {
     };
     addEventListener("beforeunload", ask);
     return () => removeEventListener("beforeunload", ask);
-  }, []);
-}
-
-/** Undo, redo and save work everywhere on the page but in a field that somebody types in. */
-function useUndoKeys(editor: RuleEditor): void {
-  useEffect(() => {
-    const act = (event: KeyboardEvent) => {
-      if (!(event.ctrlKey || event.metaKey) || event.target instanceof HTMLInputElement) return;
-      const key = event.key.toLowerCase();
-      if (key === "s") void editor.save();
-      else if (key === "y" || (key === "z" && event.shiftKey)) editor.redo();
-      else if (key === "z") editor.undo();
-      else return;
-      event.preventDefault();
-      event.stopPropagation();
-    };
-    addEventListener("keydown", act, { capture: true });
-    return () => removeEventListener("keydown", act, { capture: true });
   }, []);
 }

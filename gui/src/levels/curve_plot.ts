@@ -1,0 +1,41 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import uPlot from "uplot";
+import "uplot/dist/uPlot.min.css";
+import type { CurvePoint } from "../api/curve_types";
+import type { RateAxis } from "./rate_axis";
+
+export const PLOT_HEIGHT_PX = 290;
+/** Room above the curve, for the names of the levels. */
+const HEADROOM = 1.15;
+
+/** The error at each rate, on a logarithmic axis of rates; without points only that axis. */
+export function drawCurve(host: HTMLElement, points: readonly CurvePoint[], axis: RateAxis): uPlot {
+  const style = getComputedStyle(host);
+  const colour = (name: string) => style.getPropertyValue(name).trim();
+  const look = { stroke: colour("--text-2"), grid: { stroke: colour("--line") }, font: `12px ${colour("--font")}` };
+  const errors = points.map((point) => point.error_percent);
+  const most = Math.max(...errors.map((each) => each ?? 0), 1) * HEADROOM;
+  const data = points.length > 0 ? [points.map((point) => point.rate_hz), errors] : [[axis.low_hz, axis.high_hz], [null, null]];
+  return new uPlot(
+    {
+      width: host.clientWidth,
+      height: PLOT_HEIGHT_PX,
+      cursor: { show: false },
+      legend: { show: false },
+      scales: {
+        x: { time: false, distr: 3, range: [axis.low_hz, axis.high_hz] },
+        y: { range: [0, most] },
+      },
+      axes: [
+        { ...look, label: "Rate (Hz), wider apart where it is lower", labelSize: 22, labelFont: look.font, size: 30 },
+        points.length > 0
+          ? { ...look, label: "Error (% of the range)", labelSize: 22, labelFont: look.font, size: 44 }
+          : { ...look, show: false },
+      ],
+      series: [{}, { stroke: colour("--accent"), width: 2, fill: colour("--accent-soft"), points: { size: 7 } }],
+    },
+    data as uPlot.AlignedData,
+    host,
+  );
+}
