@@ -80,6 +80,11 @@ export class Api {
     return call("POST", "/api/profile/write", { ...table, name, base_text: baseText });
   }
 
+  /** Why a table could not be written; empty if it could. */
+  checkProfile(name: string, table: ProfileTable, baseText: string): Promise<{ problem: string }> {
+    return call("POST", "/api/profile/check", { ...table, name, base_text: baseText });
+  }
+
   measureProfile(bag: string): Promise<{ text: string }> {
     return call("POST", "/api/profile/measure", { bag });
   }

@@ -10,7 +10,7 @@ export function CurveTable({ curve }: { curve: Curve }) {
   return (
     <details>
       <summary>The curve as numbers</summary>
-      <table class="try-table">
+      <table class="try-table curve-table">
         <thead>
           <tr>
             <th scope="col">Rate (Hz)</th>

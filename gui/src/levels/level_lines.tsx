@@ -76,6 +76,7 @@ export function LevelLines(props: {
 
 function rateForKey(key: string, rate_hz: number, least: number, most: number): number | null {
   const steps = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1, PageUp: BIG_STEP, PageDown: -BIG_STEP }[key];
-  if (steps !== undefined) return Math.max(Number((rate_hz + steps * stepOf(rate_hz)).toPrecision(6)), 0);
+  const step = stepOf(rate_hz);
+  if (steps !== undefined) return Math.max(Number((Math.round(rate_hz / step + steps) * step).toPrecision(6)), 0);
   return { Home: least, End: most }[key] ?? null;
 }

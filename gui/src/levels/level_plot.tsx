@@ -27,11 +27,7 @@ export function LevelPlot(props: {
   useEffect(() => {
     const element = host.current;
     if (!element) return;
-    const draw = () => {
-      const plot = drawCurve(element, points, { low_hz, high_hz });
-      setArea({ left: plot.over.offsetLeft, width: plot.over.offsetWidth });
-      return plot;
-    };
+    const draw = () => drawCurve(element, points, { low_hz, high_hz }, setArea);
     let plot = draw();
     const again = () => {
       plot.destroy();

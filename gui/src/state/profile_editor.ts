@@ -158,8 +158,7 @@ export class ProfileEditor {
 
   private async refusalOf(table: ProfileTable): Promise<string> {
     try {
-      await this.api.writeProfile(this.name, table, this.baseText);
-      return "";
+      return (await this.api.checkProfile(this.name, table, this.baseText)).problem;
     } catch (error) {
       if (!(error instanceof ApiError)) throw error;
       return error.message;

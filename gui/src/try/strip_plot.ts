@@ -32,7 +32,7 @@ export function openStrip(host: HTMLElement, trial: Trial, lines: { before?: Val
 function draw(host: HTMLElement, trial: Trial, { before, after }: { before?: Values; after: Values }): uPlot {
   const style = getComputedStyle(host);
   const colour = (name: string) => style.getPropertyValue(name).trim();
-  const axis = { stroke: colour("--text-2"), grid: { stroke: colour("--line") }, font: `11px ${colour("--font")}` };
+  const axis = { stroke: colour("--text-2"), grid: { stroke: colour("--line"), width: 1 }, font: `11px ${colour("--font")}` };
   const sent = { stroke: colour("--accent"), width: 2, fill: colour("--accent-soft"), points: { show: false } };
   const recorded = { stroke: colour("--text-2"), width: 1, dash: [4, 3], points: { show: false } };
   const times = trial.binTimes;

@@ -51,13 +51,15 @@ export function TryResult({ editor, trial }: { editor: RuleEditor; trial: Trial 
   );
 }
 
-/** Marks in text and blocks which rule decides, whenever the time leads to another one. */
+/** Marks in text and blocks which rule decides, from when somebody moves the time. */
 function followInEditor(editor: RuleEditor, trial: Trial): () => void {
-  let shown = trial.leader.peek()?.line;
+  const opened = trial.time.peek();
+  let shown: number | null | undefined;
   return effect(() => {
-    const line = trial.leader.value?.line;
+    const line = trial.leader.value?.line ?? null;
+    if (trial.time.value === opened && shown === undefined) return;
     if (line === shown || editor.text.peek() !== trial.text) return;
     shown = line;
-    showInEditor(editor, line ?? null);
+    showInEditor(editor, line);
   });
 }

@@ -83,6 +83,7 @@ def _profile_routes(api: ProfileApi) -> Iterable[BaseRoute]:
     yield _route("/api/vocabulary", schema.VocabularyRequest, api.vocabulary)
     yield _route("/api/profile/parse", schema.ProfileParseRequest, api.parse)
     yield _route("/api/profile/write", schema.ProfileWriteRequest, api.write)
+    yield _route("/api/profile/check", schema.ProfileWriteRequest, api.check)
     yield _route("/api/profile/measure", schema.ProfileMeasureRequest, api.measure)
     yield _route("/api/profile/levels", LevelsRequest, levels_of_rate)
 

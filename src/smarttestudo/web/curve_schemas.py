@@ -45,6 +45,12 @@ class CurveAnswer(Struct, frozen=True, kw_only=True):
     notices: tuple[str, ...] = ()
 
 
+class ProfileCheckAnswer(Struct, frozen=True, kw_only=True):
+    """``POST /api/profile/check`` (a ``ProfileWriteRequest``): why it cannot be written; empty if it can."""
+
+    problem: str
+
+
 class LevelsRequest(Struct, frozen=True, kw_only=True):
     """``POST /api/profile/levels`` → ``LevelsAnswer``: six levels for a source of ``source_hz``."""
 

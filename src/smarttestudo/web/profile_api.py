@@ -19,7 +19,7 @@ from smarttestudo.domain.rate import MAX_RATE_HZ
 from smarttestudo.domain.tier import Tier
 from smarttestudo.optimizer.profiling.text import proposed_tiers_hz
 from smarttestudo.web import schemas as schema
-from smarttestudo.web.curve_schemas import LevelsAnswer, LevelsRequest
+from smarttestudo.web.curve_schemas import LevelsAnswer, LevelsRequest, ProfileCheckAnswer
 
 
 class ProfileApi:
@@ -67,6 +67,14 @@ class ProfileApi:
             budget_kb_per_s=request.budget_kb_per_s,
         )
         return schema.TextAnswer(text=profile_table.write_table(table, request.base_text, Path(request.name)))
+
+    def check(self, request: schema.ProfileWriteRequest) -> ProfileCheckAnswer:
+        """Whether ``write`` would do it, for a table that is being typed."""
+        try:
+            self.write(request)
+        except ProfileError as error:
+            return ProfileCheckAnswer(problem=error.cause)
+        return ProfileCheckAnswer(problem="")
 
     def measure(self, request: schema.ProfileMeasureRequest) -> schema.TextAnswer:
         """A profile measured in a bag."""
