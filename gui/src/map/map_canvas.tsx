@@ -62,11 +62,11 @@ export function MapCanvas(props: {
         <MapButton label="Zoom out" sign="−" act={() => view?.zoom(-1)} />
         <MapButton label="Show everything" sign="⤢" act={() => view?.fit()} />
       </div>
-      <p class="map-place" aria-label="Place of the pointer">
+      <p class="map-place" role="group" aria-label="Place of the pointer">
         {place ? `x ${place[0].toFixed(2)} m, y ${place[1].toFixed(2)} m` : ""}
       </p>
       {bar && (
-        <p class="map-scale" style={{ width: `${bar.px}px` }} aria-label="Scale">
+        <p class="map-scale" style={{ width: `${bar.px}px` }} role="group" aria-label="Scale">
           {bar.metres} m
         </p>
       )}
@@ -88,7 +88,7 @@ function MapButton({ label, sign, act }: { label: string; sign: string; act: () 
 /** An owner that passes everything on to the one of now. */
 function forwarded(owner: () => MapOwner | undefined): MapOwner {
   return {
-    chosen: (id) => owner()?.chosen?.(id),
+    chosen: (id, rectangle) => owner()?.chosen?.(id, rectangle),
     moved: (id, by) => owner()?.moved?.(id, by),
     resized: (id, sides) => owner()?.resized?.(id, sides),
     drawn: (shape) => owner()?.drawn?.(shape),

@@ -12,8 +12,8 @@ export type Drawn = { kind: "rectangle"; sides: Extent } | { kind: "polygon"; co
 export interface MapOwner {
   /** The pointer moved over this place; null when it left. */
   pointed?: (place: Point | null) => void;
-  /** Somebody pressed a zone, or beside all of them. */
-  chosen?: (id: string | null) => void;
+  /** Somebody pressed a rectangle of a zone, or beside all of them. */
+  chosen?: (id: string | null, rectangle: number) => void;
   /** A zone was dragged by so much. */
   moved?: (id: string, by: Point) => void;
   /** The rectangle with the handles was given other sides. */

@@ -45,6 +45,8 @@ export class MapView {
   private path: readonly Point[] = [];
   private dots: readonly Point[] = [];
   private zones: readonly MapZone[] = [];
+  /** What was seen after everything was last fitted in. */
+  private fitted = "";
   private robot: { place: Point; heading_rad: number | null } | null = null;
 
   constructor(
@@ -90,8 +92,10 @@ export class MapView {
   }
 
   setZones(zones: readonly MapZone[]): void {
+    const wasEmpty = this.content() === null;
     this.zones = zones;
     this.showZones();
+    if (wasEmpty) this.fit();
   }
 
   /** Puts the robot somewhere, looking along `heading_rad` (0 is along x, against the clock); null takes it away. */
@@ -114,6 +118,7 @@ export class MapView {
     this.map.updateSize();
     const extent = [...(this.content() ?? USUAL_EXTENT)];
     this.map.getView().fit(extent, { padding: Array<number>(4).fill(FIT_MARGIN_PX) });
+    this.fitted = this.seen();
   }
 
   zoom(steps: number): void {
@@ -129,8 +134,10 @@ export class MapView {
     this.showMarks();
   }
 
+  /** The host has another size; who has not moved the map still sees everything. */
   resize(): void {
-    this.map.updateSize();
+    if (this.seen() === this.fitted) this.fit();
+    else this.map.updateSize();
   }
 
   dispose(): void {
@@ -180,6 +187,12 @@ export class MapView {
     const robot = new Feature(new OlPoint([...this.robot.place]));
     robot.setStyle(robotStyle(this.palette, this.robot.heading_rad));
     this.marks.addFeature(robot);
+  }
+
+  /** Which part of the world is seen. */
+  private seen(): string {
+    const view = this.map.getView();
+    return `${view.getCenter()} ${view.getResolution()}`;
   }
 
   private tellScale(): void {

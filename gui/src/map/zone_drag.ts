@@ -33,9 +33,8 @@ export function handlesOf(zones: readonly MapZone[], around: Extent): Handle[] {
 export interface DragOwner {
   zones: () => readonly MapZone[];
   around: () => Extent;
-  /** The zone under the pointer. */
-  zoneAt: (pixel: number[]) => string | null;
-  chosen: (id: string | null) => void;
+  /** Whether a zone lies under the pointer. */
+  isAt: (id: string, pixel: number[]) => boolean;
   /** Draws a zone moved by so much, for now. */
   showMoved: (id: string, by: Point) => void;
   moved: (id: string, by: Point) => void;
@@ -58,7 +57,6 @@ export class ZoneDrag extends PointerInteraction {
   override handleDownEvent(event: MapBrowserEvent): boolean {
     this.last = null;
     this.grip = this.handleAt(event) ?? this.zoneAt(event);
-    if (this.grip === null) this.owner.chosen(this.owner.zoneAt(event.pixel));
     return this.grip !== null;
   }
 
@@ -74,7 +72,7 @@ export class ZoneDrag extends PointerInteraction {
     if (grip && this.last) {
       if (grip.kind === "move") this.owner.moved(grip.id, this.by());
       else this.owner.resized(grip.id, this.sides(grip.handle, grip.sides));
-    } else if (grip) this.owner.chosen(grip.id);
+    }
     this.grip = null;
     return false;
   }
@@ -100,9 +98,8 @@ export class ZoneDrag extends PointerInteraction {
   }
 
   private zoneAt(event: MapBrowserEvent): Grip | null {
-    const id = this.owner.zoneAt(event.pixel);
-    const zone = this.owner.zones().find((each) => each.id === id);
-    return zone?.movable ? { kind: "move", id: zone.id, start: placeOf(event) } : null;
+    const zone = this.owner.zones().find((each) => each.movable && this.owner.isAt(each.id, event.pixel));
+    return zone ? { kind: "move", id: zone.id, start: placeOf(event) } : null;
   }
 
   private by(): Point {

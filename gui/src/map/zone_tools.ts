@@ -29,6 +29,11 @@ export class ZoneTools {
     this.snap = new Snap({ source, pixelTolerance: SNAP_PX });
     this.drag.setActive(owner.chosen !== undefined);
     map.addInteraction(this.drag);
+    map.on("click", ({ pixel }) => {
+      if (this.draw) return;
+      const found = this.smallestAt(pixel);
+      owner.chosen?.(found?.id ?? null, found?.rectangle ?? 0);
+    });
   }
 
   use(tool: Tool): void {
@@ -79,8 +84,7 @@ export class ZoneTools {
     return {
       zones: this.zones,
       around: this.around,
-      zoneAt: (pixel) => this.zoneAt(pixel),
-      chosen: (id) => this.owner.chosen?.(id),
+      isAt: (id, pixel) => this.featuresAt(pixel).some((feature) => feature.get("zone") === id),
       moved: (id, by) => this.owner.moved?.(id, by),
       resized: (id, sides) => this.owner.resized?.(id, sides),
       showMoved: (id, [dx, dy]) => {
@@ -107,11 +111,17 @@ export class ZoneTools {
       .sort((a, b) => Number(a.get("rectangle")) - Number(b.get("rectangle")));
   }
 
-  /** The zone at a pixel; of several the smallest, so that none hides another. */
-  private zoneAt(pixel: number[]): string | null {
-    const found = this.map.getFeaturesAtPixel(pixel, { layerFilter: (layer) => layer.get("source") === this.source });
-    const area = (each: (typeof found)[number]) => (each.getGeometry() instanceof Polygon ? (each.getGeometry() as Polygon).getArea() : 0);
-    const [smallest] = found.sort((a, b) => area(a) - area(b));
-    return (smallest?.get("zone") as string | undefined) ?? null;
+  /** The smallest rectangle at a pixel, so that none hides another. */
+  private smallestAt(pixel: number[]): { id: string; rectangle: number } | null {
+    const area = (feature: Feature) => (feature.getGeometry() as Polygon).getArea();
+    const [smallest] = this.featuresAt(pixel).sort((a, b) => area(a) - area(b));
+    return smallest ? { id: String(smallest.get("zone")), rectangle: Number(smallest.get("rectangle")) } : null;
+  }
+
+  /** The rectangles of zones at a pixel; where zones clash is no zone. */
+  private featuresAt(pixel: number[]): Feature[] {
+    const clashes = new Set(this.zones().filter((zone) => zone.tone === "clash").map((zone) => zone.id));
+    const place = this.map.getCoordinateFromPixel(pixel);
+    return this.source.getFeaturesAtCoordinate(place).filter((feature) => !clashes.has(String(feature.get("zone"))));
   }
 }

@@ -49,7 +49,7 @@ export function TryPanel(props: { editor: RuleEditor; api: Api; project: Project
         )}
         <WorkProgress work={work} doing={`Replaying ${bag}`} />
       </div>
-      {state.kind === "done" && <TryResult key={state.answer.bag} {...{ editor }} trial={state.answer} />}
+      {state.kind === "done" && <TryResult key={state.answer.bag} {...{ editor, api }} trial={state.answer} />}
     </div>
   );
 }

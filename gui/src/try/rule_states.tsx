@@ -17,7 +17,11 @@ export function RuleStates({ trial, show }: { trial: Trial; show: ((line: number
           <li key={`${rule.line} ${rule.rule}`} class={rule.decides.length > 0 ? "decides" : undefined}>
             <span class={`truth ${rule.truth}`}>{WORDS[rule.truth]}</span>
             <RuleName rule={rule} show={show} />
-            <span class="quiet">{rule.decides.length > 0 && `decides ${rule.decides.join(", ")}`}</span>
+            {rule.decides.length > 0 && (
+              <span class="quiet" title={rule.decides.join(", ")}>
+                decides {rule.decides.join(", ")}
+              </span>
+            )}
           </li>
         ))}
       </ul>

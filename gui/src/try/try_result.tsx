@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { effect } from "@preact/signals";
 import { useEffect } from "preact/hooks";
+import type { Api } from "../api/client";
 import type { RuleEditor } from "../state/rule_editor";
 import type { Trial } from "../state/trial";
 import { readable } from "../ui/numbers";
@@ -14,7 +15,7 @@ import { showInEditor } from "./show_in_editor";
 import { TryMap } from "./try_map";
 
 /** A try: what it saved, and below one scrubber the map, the rules, the rates, the loss and every decision. */
-export function TryResult({ editor, trial }: { editor: RuleEditor; trial: Trial }) {
+export function TryResult({ editor, api, trial }: { editor: RuleEditor; api: Api; trial: Trial }) {
   const { answer } = trial;
   const isOld = editor.text.value !== trial.text;
   useEffect(() => followInEditor(editor, trial), [trial]);
@@ -39,7 +40,7 @@ export function TryResult({ editor, trial }: { editor: RuleEditor; trial: Trial 
       <RuleStates trial={trial} show={isOld ? null : (line) => showInEditor(editor, line)} />
       <div class="try-columns">
         <div class="try-column">
-          {answer.path.length > 1 && <TryMap trial={trial} />}
+          {answer.path.length > 1 && <TryMap {...{ editor, api, trial }} />}
           <LossTables trial={trial} />
         </div>
         <div class="try-column">

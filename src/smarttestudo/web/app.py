@@ -17,8 +17,9 @@ from starlette.types import ASGIApp
 
 from smarttestudo.adapters.files.project_folder import ProjectFolder
 from smarttestudo.domain.errors import TestudoError
-from smarttestudo.web import optimize_api, rules_api
+from smarttestudo.web import optimize_api, rules_api, zone_schemas, zones_json
 from smarttestudo.web import schemas as schema
+from smarttestudo.web.background_api import BackgroundApi
 from smarttestudo.web.bodies import read_body
 from smarttestudo.web.curve_schemas import LevelsRequest
 from smarttestudo.web.errors import JSON, RequestError, error_answer
@@ -40,6 +41,7 @@ def ruler_app(folder: ProjectFolder, access: Access, *, opened: str | None = Non
         *_project_routes(ProjectApi(folder, opened)),
         *_rule_routes(rules_api.RulesApi()),
         *_profile_routes(ProfileApi(folder)),
+        *_background_routes(BackgroundApi(folder)),
         Route("/api/try", TryApi(folder, listeners).answer, methods=["POST"]),
         Route("/api/profile/curve", CurveApi(folder, listeners).answer, methods=["POST"]),
         Route("/api/{path:path}", _no_such_thing, methods=["GET", "POST", "PUT", "DELETE", "PATCH"]),
@@ -71,7 +73,19 @@ def _rule_routes(api: rules_api.RulesApi) -> Iterable[BaseRoute]:
     yield _route("/api/diff", schema.DifferenceRequest, rules_api.difference)
     yield _route("/api/export", schema.ExportRequest, rules_api.export)
     yield _route("/api/import", schema.ImportRequest, api.import_rules)
+    yield _route("/api/zones", schema.DocumentRequest, api.zones)
+    yield _route("/api/zones/cover", zone_schemas.CoverRequest, zones_json.cover)
     yield _route("/api/optimize", schema.OptimizeRequest, optimize_api.optimize)
+
+
+def _background_routes(api: BackgroundApi) -> Iterable[BaseRoute]:
+    async def choices(_: Request) -> Response:
+        return _json(await run_in_threadpool(api.choices))
+
+    yield Route("/api/backgrounds", choices, methods=["GET"])
+    yield Route("/api/background/picture", api.picture, methods=["GET"])
+    yield _route("/api/background", zone_schemas.BackgroundRequest, api.background)
+    yield _route("/api/background/path", zone_schemas.PathRequest, api.path)
 
 
 def _profile_routes(api: ProfileApi) -> Iterable[BaseRoute]:
