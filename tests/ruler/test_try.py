@@ -208,6 +208,8 @@ def test_a_topic_without_numbers_has_no_curve_and_one_that_is_not_there_is_refus
     answer = page.post("/api/profile/curve", {"bag": "monday", "topic": "/odm"})
     assert answer.status == 422
     assert "/odm" in answer.error
+    assert page.post("/api/profile/curve", {"bag": "monday", "topic": "/*"}).status == 400
+    assert page.post("/api/profile/curve", {"bag": "../monday", "topic": "/odom"}).status == 403
 
 
 def test_levels_can_begin_with_shares_of_the_sources_rate(page: Page) -> None:

@@ -12,14 +12,17 @@ from starlette.responses import Response
 
 from smarttestudo.adapters.files.project_folder import ProjectFolder
 from smarttestudo.composition.ruler.checked_text import Draft, require_usable
+from smarttestudo.domain.names import is_topic_name, resolve_topic
 from smarttestudo.web.bodies import read_body
 from smarttestudo.web.child_work import ChildWork, Order
 from smarttestudo.web.curve_schemas import CurveAnswer, CurveRequest
+from smarttestudo.web.errors import RequestError
 from smarttestudo.web.socket import Listeners
 from smarttestudo.web.try_schemas import TryAnswer, TryRequest
 
 _TRIAL = "smarttestudo.composition.ruler.trial_process"
 _CURVE = "smarttestudo.composition.ruler.curve_process"
+_BAD_REQUEST = 400
 
 
 class TryApi:
@@ -55,7 +58,9 @@ class CurveApi:
     async def answer(self, request: Request) -> Response:
         """Measure a topic of a bag; who leaves ends it."""
         asked = await read_body(request, CurveRequest)
+        if not is_topic_name(asked.topic):
+            raise RequestError(f"{asked.topic!r} is not a valid ROS 2 topic name", _BAD_REQUEST)
         bag = await run_in_threadpool(self._folder.bag, asked.bag)
-        fields: dict[str, object] = {"bag": str(bag), "topic": asked.topic}
+        fields: dict[str, object] = {"bag": str(bag), "topic": resolve_topic(asked.topic)}
         order = Order(module=_CURVE, fields=fields, run=asked.run, place=asked.bag)
         return await self._work.answer(request, order, CurveAnswer)
