@@ -13,7 +13,7 @@ const EMPTY: RuleDocument = { collections: [], findings: [], parses: true };
 export interface Spot {
   offset: number;
   end_offset: number;
-  from: "text" | "blocks" | "findings" | "map";
+  from: "text" | "blocks" | "findings" | "map" | "try";
 }
 
 /** One open rule file. Its text is the truth; blocks and findings are what the server reads in it. */
