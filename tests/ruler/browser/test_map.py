@@ -85,6 +85,17 @@ def test_a_moved_zone_changes_four_numbers_and_nothing_else(ruler: RulerPage, ru
     assert saved(ruler, rules) == RULES
 
 
+def test_a_zone_and_its_block_are_chosen_together(ruler: RulerPage, rules: Path) -> None:
+    open_map(ruler, rules.name)
+    ruler.field("Edit name of the rule: Hall").click()
+    ruler.page.keyboard.press("Escape")
+    expect(ruler.button("Hall")).to_have_attribute("aria-pressed", "true")
+    expect(ruler.button("Bay")).to_have_attribute("aria-pressed", "false")
+    ruler.button("Bay").click()
+    ruler.page.get_by_role("tab", name="Text", exact=True).click()
+    expect(ruler.text.get_by_text('"Bay"')).to_be_visible()
+
+
 def test_a_zone_is_made_and_moved_with_the_keyboard_alone(ruler: RulerPage, rules: Path) -> None:
     keyboard = ruler.page.keyboard
     ruler.home()
