@@ -203,9 +203,8 @@ def test_the_background_is_remembered_and_a_changed_map_is_said(
     odd = project / "<img src=x onerror=alert(1)>.yaml"
     odd.write_text((project / "warehouse_map.yaml").read_text())
     map_page = open_map(ruler, "bay.adirf")
-    ruler.page.get_by_label("Background").select_option("Map: warehouse_map.yaml")
     ruler.page.get_by_label("Background").select_option(f"Map: {odd.name}")
-    with ruler.page.expect_response(lambda answer: "/api/background/picture" in answer.url) as answer:
+    with ruler.page.expect_response(lambda answer: is_picture_of("warehouse_map", answer.url)) as answer:
         ruler.page.get_by_label("Background").select_option("Map: warehouse_map.yaml")
     assert answer.value.ok
     assert answer.value.headers["content-type"] == "image/png"
@@ -224,7 +223,7 @@ def test_the_background_is_remembered_and_a_changed_map_is_said(
 def test_an_image_has_the_scale_that_somebody_gives_it(ruler: RulerPage, project: Path, rules: Path) -> None:
     (project / "plan.png").write_bytes((project / "warehouse_map.png").read_bytes())
     open_map(ruler, "bay.adirf")
-    with ruler.page.expect_response(lambda answer: "/api/background/picture" in answer.url):
+    with ruler.page.expect_response(lambda answer: is_picture_of("plan", answer.url)):
         ruler.page.get_by_label("Background").select_option("Image: plan.png")
     ruler.page.get_by_label("Metres per pixel").fill("0.5")
     ruler.page.get_by_label("Turned by (°)").fill("90")
@@ -234,3 +233,7 @@ def test_an_image_has_the_scale_that_somebody_gives_it(ruler: RulerPage, project
     expect(ruler.page.get_by_label("Metres per pixel")).to_have_value("0.5")
     expect(ruler.page.get_by_label("Turned by (°)")).to_have_value("90")
     assert rules.read_text() == RULES
+
+
+def is_picture_of(name: str, url: str) -> bool:
+    return "/api/background/picture?" in url and f"name={name}." in url
