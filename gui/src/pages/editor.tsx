@@ -13,13 +13,16 @@ import { RobotPanel } from "../panels/robot_panel";
 import { SendDialog } from "../panels/send_dialog";
 import { TryPanel } from "../panels/try_panel";
 import { RobotRules } from "../state/robot_rules";
-import { RuleEditor } from "../state/rule_editor";
 import { Shipment } from "../state/shipment";
+import { BagWork } from "../state/bag_work";
+import { RuleEditor } from "../state/rule_editor";
+import type { Trial } from "../state/trial";
 import { Header } from "../ui/header";
 import { Notice } from "../ui/notice";
 import { useRobot } from "../ui/robot_state";
 import { type Choice, Tabs } from "../ui/tabs";
 import { Toast } from "../ui/toast";
+import { useUndoKeys } from "../ui/undo_keys";
 import { ProfileChoice } from "../panels/profile_choice";
 
 export type Tool = "findings" | "optimize" | "try" | "robot";
@@ -28,6 +31,8 @@ export type Tool = "findings" | "optimize" | "try" | "robot";
 export function EditorPage({ api, project, name }: PageProps) {
   const editor = useMemo(() => new RuleEditor(api, name), []);
   const robot = useRobotSide(api, editor);
+  const tries = useMemo(() => new BagWork<Trial>(), []);
+  useEffect(() => () => tries.cancel(), []);
   const tool = useSignal<Tool>("findings");
   const [state, setState] = useState<"opening" | "open" | { problem: string }>("opening");
   useEffect(() => void open(editor, project, setState), []);
@@ -50,8 +55,8 @@ export function EditorPage({ api, project, name }: PageProps) {
         <div class="dock-body" role="tabpanel" aria-label={tool.value}>
           {tool.value === "findings" && <FindingsPanel editor={editor} />}
           {tool.value === "optimize" && <OptimizePanel {...{ editor, api }} />}
-          {tool.value === "try" && <TryPanel {...{ editor, api, project }} />}
           {tool.value === "robot" && <RobotPanel {...{ editor, ...robot }} />}
+          {tool.value === "try" && <TryPanel {...{ editor, api, project }} work={tries} />}
         </div>
       </section>
       <Toast message={editor.message} />
@@ -142,23 +147,5 @@ function useUnsavedWarning(editor: RuleEditor): void {
     };
     addEventListener("beforeunload", ask);
     return () => removeEventListener("beforeunload", ask);
-  }, []);
-}
-
-/** Undo, redo and save work everywhere on the page but in a field that somebody types in. */
-function useUndoKeys(editor: RuleEditor): void {
-  useEffect(() => {
-    const act = (event: KeyboardEvent) => {
-      if (!(event.ctrlKey || event.metaKey) || event.target instanceof HTMLInputElement) return;
-      const key = event.key.toLowerCase();
-      if (key === "s") void editor.save();
-      else if (key === "y" || (key === "z" && event.shiftKey)) editor.redo();
-      else if (key === "z") editor.undo();
-      else return;
-      event.preventDefault();
-      event.stopPropagation();
-    };
-    addEventListener("keydown", act, { capture: true });
-    return () => removeEventListener("keydown", act, { capture: true });
   }, []);
 }

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import type { Finding, Severity } from "../api/types";
+import { href } from "../route";
 import type { RuleEditor } from "../state/rule_editor";
 
 const MARKS: Record<Severity, string> = { error: "Error", warning: "Warning", info: "Note" };
@@ -61,6 +62,9 @@ function FindingRow({ editor, finding }: { editor: RuleEditor; finding: Finding 
         <button type="button" class="small fix" onClick={() => void editor.fix(finding)}>
           {fix.title}
         </button>
+      )}
+      {finding.code === "tier-without-rate" && (
+        <a href={href({ page: "topics", name: "profile.toml" })}>Topic parameters</a>
       )}
       <code class="quiet">{finding.code}</code>
     </li>
