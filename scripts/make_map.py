@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Write examples/warehouse_map.yaml and its image, the demo's warehouse as a map of nav2, from its floor plan."""
+"""Write examples/warehouse_map.yaml and its image: the demo's warehouse as a map of nav2."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ def header(plan: FloorPlan) -> str:
         f"image: {MAP.with_suffix('.png').name}\n"
         f"resolution: {CELL_M}\n"
         f"origin: [{bounds.min_x_m - MARGIN_M}, {bounds.min_y_m - MARGIN_M}, 0.0]\n"
-        "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.25\n"
+        "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
     )
 
 
 def picture(plan: FloorPlan) -> Image.Image:
-    """The cells of the map of ``plan``: what stands there is occupied, what lies outside the walls unknown."""
+    """The cells of the map of ``plan``: obstacles are occupied, what lies outside the walls is unknown."""
     bounds = plan.bounds
     left_m, low_m = bounds.min_x_m - MARGIN_M, bounds.min_y_m - MARGIN_M
     width = round((bounds.max_x_m + MARGIN_M - left_m) / CELL_M)

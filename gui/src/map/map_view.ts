@@ -3,6 +3,7 @@
 import Feature from "ol/Feature";
 import OlMap from "ol/Map";
 import View from "ol/View";
+import { intersects } from "ol/extent";
 import LineString from "ol/geom/LineString";
 import MultiPoint from "ol/geom/MultiPoint";
 import OlPoint from "ol/geom/Point";
@@ -64,7 +65,8 @@ export class MapView {
       interactions: usualInteractions({ altShiftDragRotate: false, pinchRotate: false, doubleClickZoom: false }),
       view: new View({ projection, center: [0, 0], resolution: 0.05, minResolution: 0.0005, maxResolution: 50, enableRotation: false }),
     });
-    this.tools = new ZoneTools(this.map, this.zoneSource, () => this.zones, () => this.around(), owner);
+    const sketch = () => [zoneStyle(this.palette, "draft", ""), handleStyle(this.palette)];
+    this.tools = new ZoneTools(this.map, this.zoneSource, () => this.zones, () => this.around(), sketch, owner);
     this.map.on("pointermove", ({ coordinate: [x = 0, y = 0] }) => owner.pointed?.([x, y]));
     host.addEventListener("pointerleave", () => owner.pointed?.(null));
     this.map.getView().on("change:resolution", () => this.tellScale());
@@ -95,7 +97,7 @@ export class MapView {
     const wasEmpty = this.content() === null;
     this.zones = zones;
     this.showZones();
-    if (wasEmpty) this.fit();
+    if (wasEmpty || this.hidesChosen()) this.fit();
   }
 
   /** Puts the robot somewhere, looking along `heading_rad` (0 is along x, against the clock); null takes it away. */
@@ -187,6 +189,14 @@ export class MapView {
     const robot = new Feature(new OlPoint([...this.robot.place]));
     robot.setStyle(robotStyle(this.palette, this.robot.heading_rad));
     this.marks.addFeature(robot);
+  }
+
+  /** Whether the zone that somebody works on is nowhere to be seen. */
+  private hidesChosen(): boolean {
+    const seen = this.map.getView().calculateExtent();
+    const chosen = this.zones.filter((zone) => zone.tone === "draft" || zone.tone === "selected");
+    const rectangles = chosen.flatMap((zone) => zone.rectangles);
+    return rectangles.length > 0 && !rectangles.some((each) => intersects([...closed(each, this.around())], seen));
   }
 
   /** Which part of the world is seen. */

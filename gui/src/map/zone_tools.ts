@@ -6,6 +6,7 @@ import Polygon, { fromExtent } from "ol/geom/Polygon";
 import Draw, { createBox } from "ol/interaction/Draw";
 import Snap from "ol/interaction/Snap";
 import type VectorSource from "ol/source/Vector";
+import type Style from "ol/style/Style";
 import type { MapOwner, Tool } from "./map_owner";
 import { closed, type Extent, type MapZone, type Point, toCentimetres } from "./shapes";
 import { type DragOwner, ZoneDrag } from "./zone_drag";
@@ -23,6 +24,7 @@ export class ZoneTools {
     private readonly source: VectorSource<Feature>,
     private readonly zones: () => readonly MapZone[],
     private readonly around: () => Extent,
+    private readonly sketch: () => Style[],
     private readonly owner: MapOwner,
   ) {
     this.drag = new ZoneDrag(this.dragOwner());
@@ -57,11 +59,12 @@ export class ZoneTools {
   }
 
   private newDraw(tool: "rectangle" | "polygon"): Draw {
+    const style = this.sketch();
     // A rectangle is pulled up in one go, a polygon pressed corner by corner.
     const draw =
       tool === "rectangle"
-        ? new Draw({ type: "Circle", geometryFunction: createBox(), freehand: true })
-        : new Draw({ type: "Polygon", stopClick: true });
+        ? new Draw({ type: "Circle", geometryFunction: createBox(), freehand: true, style })
+        : new Draw({ type: "Polygon", stopClick: true, style });
     draw.on("drawend", ({ feature }) => {
       const geometry = feature.getGeometry();
       if (geometry instanceof Polygon) this.tellDrawn(tool, geometry);

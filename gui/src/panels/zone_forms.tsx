@@ -21,19 +21,22 @@ export function ChosenZoneForm({ zones }: { zones: ZoneEditor }) {
   const isMany = rule.zones.length > 1;
   return (
     <div class="zone-form" role="group" aria-label={`Zone of ${rule.label}`}>
-      <h3>{rule.label}</h3>
-      {isMany && (
-        <label>
-          Rectangle
-          <select value={index} onChange={(event) => (zones.index.value = Number(event.currentTarget.value))}>
+      <div class="row zone-head">
+        <h3>{rule.label}</h3>
+        {isMany && (
+          <select
+            aria-label="Rectangle"
+            value={index}
+            onChange={(event) => (zones.index.value = Number(event.currentTarget.value))}
+          >
             {rule.zones.map((_, each) => (
               <option key={each} value={each}>
-                {each + 1} of {rule.zones.length}
+                rectangle {each + 1} of {rule.zones.length}
               </option>
             ))}
           </select>
-        </label>
-      )}
+        )}
+      </div>
       <SidesForm
         rectangle={zone.rectangle}
         submit="Set the sides"
@@ -54,14 +57,18 @@ export function DraftForm({ zones }: { zones: ZoneEditor }) {
   const isPolygon = draft.polygon !== null || shape === "polygon";
   return (
     <div class="zone-form" role="group" aria-label="New zone">
-      <h3>New zone</h3>
-      <label>
-        Shape
-        <select value={isPolygon ? "polygon" : "rectangle"} onChange={(event) => setShape(event.currentTarget.value as typeof shape)} disabled={draft.polygon !== null}>
+      <div class="row zone-head">
+        <h3>New zone</h3>
+        <select
+          aria-label="Shape"
+          value={isPolygon ? "polygon" : "rectangle"}
+          disabled={draft.polygon !== null}
+          onChange={(event) => setShape(event.currentTarget.value as typeof shape)}
+        >
           <option value="rectangle">Rectangle</option>
           <option value="polygon">Polygon</option>
         </select>
-      </label>
+      </div>
       {isPolygon ? (
         <PolygonForm zones={zones} draft={draft} />
       ) : (

@@ -178,7 +178,7 @@ class VocabularyTopic(Struct, frozen=True, kw_only=True):
     topic: str
     type: str | None
     properties: tuple[PropertyModel, ...]
-    source: Literal["profile", "bag", "rules", "example"]
+    source: Literal["profile", "robot", "bag", "rules", "example"]
 
 
 class VocabularyRequest(Struct, frozen=True, kw_only=True):
@@ -364,6 +364,3 @@ class Progress(Struct, frozen=True, kw_only=True, tag_field="kind", tag="progres
 
     run: str
     share: float
-
-
-AnyPush = Hello | Progress

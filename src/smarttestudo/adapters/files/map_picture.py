@@ -10,12 +10,19 @@ from pathlib import Path
 import numpy as np
 from PIL import Image, UnidentifiedImageError
 
-from smarttestudo.adapters.files.nav2_map import MapError, MapHeader, read_darkness, require_bounded
+from smarttestudo.adapters.files.nav2_map import (
+    MapError,
+    MapHeader,
+    read_darkness,
+    require_bounded,
+    too_many_pixels,
+)
 
 _MOST_PIXELS_A_SIDE = 3000
 _FORMATS = ("PNG", "JPEG")
 _OPAQUE = 255
 _UNKNOWN = 36
+_UNREADABLE = (OSError, UnidentifiedImageError, Image.DecompressionBombError, ValueError, SyntaxError)
 _REMEDY = "give a PNG or JPEG image"
 
 
@@ -39,7 +46,7 @@ def image_png(path: Path) -> bytes:
         with Image.open(path, formats=_FORMATS) as image:
             require_bounded(image, path)
             return _png(image.convert("RGBA"))
-    except (OSError, UnidentifiedImageError, Image.DecompressionBombError, ValueError, SyntaxError) as error:
+    except _UNREADABLE as error:
         raise _no_image(path, error) from error
 
 
@@ -49,11 +56,13 @@ def image_size(path: Path) -> tuple[int, int]:
         with Image.open(path) as image:
             require_bounded(image, path)
             return image.width, image.height
-    except (OSError, UnidentifiedImageError, Image.DecompressionBombError, ValueError, SyntaxError) as error:
+    except _UNREADABLE as error:
         raise _no_image(path, error) from error
 
 
 def _no_image(path: Path, error: Exception) -> MapError:
+    if isinstance(error, Image.DecompressionBombError):
+        return too_many_pixels(path)
     cause = getattr(error, "strerror", None) or "not an image"
     return MapError(f"the image cannot be read: {cause}", place=str(path), remedy=_REMEDY)
 

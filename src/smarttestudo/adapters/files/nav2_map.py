@@ -22,7 +22,7 @@ _MAX_YAML_BYTES = 1_000_000
 _MOST_CELLS = 600
 MAX_MEGAPIXELS = 36
 _USUAL_OCCUPIED_SHARE = 0.65
-_USUAL_FREE_SHARE = 0.25
+_USUAL_FREE_SHARE = 0.196
 _ORIGIN_NUMBERS = 3
 _WHITE = 255.0
 _REMEDY = "give the .yaml file that nav2's map_saver wrote"
@@ -80,7 +80,9 @@ def read_darkness(header: MapHeader) -> np.ndarray[Any, np.dtype[np.float32]]:
         with Image.open(header.image) as image:
             require_bounded(image, header.image)
             grey = np.asarray(image.convert("L"), dtype=np.float32) / _WHITE
-    except (OSError, UnidentifiedImageError, Image.DecompressionBombError, ValueError) as error:
+    except Image.DecompressionBombError as error:
+        raise too_many_pixels(header.image) from error
+    except (OSError, UnidentifiedImageError, ValueError) as error:
         cause = f"the map's image cannot be read: {getattr(error, 'strerror', None) or 'not an image'}"
         raise MapError(cause, place=str(header.image), remedy=_REMEDY) from error
     return grey if header.is_negative else 1 - grey
@@ -88,13 +90,14 @@ def read_darkness(header: MapHeader) -> np.ndarray[Any, np.dtype[np.float32]]:
 
 def require_bounded(image: Image.Image, path: Path) -> None:
     """Refuse an image that would fill the memory; nothing of it is decoded yet. Raises ``MapError``."""
-    megapixels = image.width * image.height / 1e6
-    if megapixels > MAX_MEGAPIXELS:
-        raise MapError(
-            f"the image has {megapixels:.0f} megapixels, more than {MAX_MEGAPIXELS}",
-            place=str(path),
-            remedy="make it smaller, with a coarser resolution",
-        )
+    if image.width * image.height > MAX_MEGAPIXELS * 1_000_000:
+        raise too_many_pixels(path)
+
+
+def too_many_pixels(path: Path) -> MapError:
+    """What is said of an image that is too large."""
+    remedy = "save it smaller, a map with a coarser resolution"
+    return MapError(f"the image has more than {MAX_MEGAPIXELS} megapixels", place=str(path), remedy=remedy)
 
 
 def read_map_header(path: Path) -> MapHeader:

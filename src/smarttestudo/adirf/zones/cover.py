@@ -21,13 +21,14 @@ Corner = tuple[int, int]
 """x and y in centimetres."""
 
 _Interval = tuple[int, int]
+_Side = tuple[Corner, Corner]
 
 MAX_CORNERS = 100
 USUAL_RECTANGLES = 8
 MAX_RECTANGLES = 40
 TOLERANCE = 0.02
 """Strips are joined as long as less than this share of the polygon's area is covered beside it."""
-_MAX_STRIPS = 120
+_STRIPS = 60
 
 
 class PolygonError(TestudoError):
@@ -110,23 +111,21 @@ _Strip = tuple[_Interval, list[_Interval]]
 
 def _strips(corners: Sequence[Corner], area: Fraction, most: int, tolerance: float) -> list[_Strip]:
     outline = _Outline(corners)
-    strips = [(ends, outline.reach(*ends)) for ends in pairwise(_cuts(corners))]
+    strips = [(ends, outline.reach(*ends)) for ends in pairwise(outline.cuts())]
     allowed = area + Fraction(tolerance) * area
-    covered = sum(map(_area, strips))
+    covered, count = sum(map(_area, strips)), sum(len(spans) for _, spans in strips)
     joins = [outline.join(*pair) for pair in pairwise(strips)]
     while joins:
-        pairs = zip(joins, pairwise(strips), strict=True)
-        costs = [_area(join) - _area(one) - _area(other) for join, (one, other) in pairs]
-        at = min(range(len(costs)), key=lambda i: (costs[i], len(joins[i][1])))
-        is_too_many = sum(len(spans) for _, spans in strips) > most
-        if not is_too_many and covered + costs[at] > allowed:
+        at = min(range(len(joins)), key=lambda i: joins[i].cost)
+        join = joins[at]
+        if count <= most and covered + join.cost[0] > allowed:
             break
-        covered += costs[at]
-        strips[at : at + 2] = [joins[at]]
-        joins[max(at - 1, 0) : at + 2] = [
-            outline.join(strips[i], strips[i + 1])
-            for i in range(max(at - 1, 0), min(at + 1, len(strips) - 1))
-        ]
+        covered += join.cost[0]
+        count += len(join.strip[1]) - len(strips[at][1]) - len(strips[at + 1][1])
+        strips[at : at + 2] = [join.strip]
+        first = max(at - 1, 0)
+        last = min(at + 1, len(strips) - 1)
+        joins[first : at + 2] = [outline.join(strips[i], strips[i + 1]) for i in range(first, last)]
     return strips
 
 
@@ -138,16 +137,17 @@ def _cost(strips: Sequence[_Strip], area: Fraction, tolerance: float) -> tuple[b
     return (is_loose, 0 if is_loose else count, over)
 
 
-def _cuts(corners: Sequence[Corner]) -> list[int]:
-    """The x of all corners, with more between them as far apart as makes about ``_MAX_STRIPS`` strips."""
-    stops = sorted({x for x, _ in corners})
-    step = max(1, (stops[-1] - stops[0]) // max(1, _MAX_STRIPS - len(stops)))
-    return sorted({x for left, right in pairwise(stops) for x in (*range(left, right, step), right)})
-
-
 def _area(strip: _Strip) -> int:
     (left, right), spans = strip
     return (right - left) * sum(high - low for low, high in spans)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Join:
+    """Two strips as one; ``cost`` is the area that this adds, then how many rectangles it is."""
+
+    strip: _Strip
+    cost: tuple[int, int]
 
 
 class _Outline:
@@ -155,44 +155,69 @@ class _Outline:
 
     def __init__(self, corners: Sequence[Corner]) -> None:
         self._sides = [(min(side), max(side)) for side in _sides(corners)]
+        self._crossings: dict[tuple[int, int], list[_Interval]] = {}
 
-    def join(self, left: _Strip, right: _Strip) -> _Strip:
+    def cuts(self) -> list[int]:
+        """The x of all corners, and where sides are slanted more between them, some tens in all."""
+        stops = sorted({x for side in self._sides for x, _ in side})
+        step = max(1, (stops[-1] - stops[0]) // _STRIPS)
+        cuts = [stops[0]]
+        for left, right in pairwise(stops):
+            is_slanted = any(
+                one[1] != other[1] and _is_over((one, other), left, right) for one, other in self._sides
+            )
+            cuts += [*(range(left + step, right, step) if is_slanted else ()), right]
+        return cuts
+
+    def join(self, left: _Strip, right: _Strip) -> _Join:
+        """Both strips as one."""
         ends = (left[0][0], right[0][1])
-        return (ends, self.reach(*ends))
+        strip = (ends, self.reach(*ends))
+        return _Join(strip=strip, cost=(_area(strip) - _area(left) - _area(right), len(strip[1])))
 
     def reach(self, left: int, right: int) -> list[_Interval]:
         """The stretches of y of the polygon between two x: those of its sides and of both cuts."""
         spans = [*self._along(left, right), *self._across(left, 1), *self._across(right, -1)]
         joined: list[_Interval] = []
-        for low, high in sorted((floor(low), ceil(high)) for low, high in spans):
+        for low, high in sorted(spans):
             if joined and low <= joined[-1][1]:
                 joined[-1] = (joined[-1][0], max(joined[-1][1], high))
             else:
                 joined.append((low, high))
         return [span for span in joined if span[0] < span[1]]
 
-    def _along(self, left: int, right: int) -> Iterator[tuple[Fraction, Fraction]]:
+    def _along(self, left: int, right: int) -> Iterator[_Interval]:
         for side in self._sides:
             (start, low), (end, high) = side
             if start == end:
                 if left < start < right:
-                    yield Fraction(low), Fraction(high)
-            elif start < right and end > left:
-                ends = (_height(side, max(left, start)), _height(side, min(right, end)))
-                yield min(ends), max(ends)
+                    yield low, high
+            elif _is_over(side, left, right):
+                yield _span(_height(side, max(left, start)), _height(side, min(right, end)))
 
-    def _across(self, x: int, way: int) -> Iterator[tuple[Fraction, Fraction]]:
+    def _across(self, x: int, way: int) -> list[_Interval]:
         """Where the line just beside ``x``, on the side of ``way``, runs inside the polygon."""
-        crossed = [
-            (_height(side, x), way * _slope(side))
-            for side in self._sides
-            if (side[0][0] <= x < side[1][0] if way > 0 else side[0][0] < x <= side[1][0])
-        ]
-        heights = [height for height, _ in sorted(crossed)]
-        yield from zip(heights[::2], heights[1::2], strict=True)
+        known = self._crossings.get((x, way))
+        if known is None:
+            crossed = sorted(
+                (_height(side, x), way * _slope(side))
+                for side in self._sides
+                if (side[0][0] <= x < side[1][0] if way > 0 else side[0][0] < x <= side[1][0])
+            )
+            known = [
+                _span(low, high) for (low, _), (high, _) in zip(crossed[::2], crossed[1::2], strict=True)
+            ]
+            self._crossings[x, way] = known
+        return known
 
 
-_Side = tuple[Corner, Corner]
+def _is_over(side: _Side, left: int, right: int) -> bool:
+    """Whether a side has a part between two x; one that is upright has not."""
+    return side[0][0] < right and side[1][0] > left and side[0][0] != side[1][0]
+
+
+def _span(one: Fraction, other: Fraction) -> _Interval:
+    return floor(min(one, other)), ceil(max(one, other))
 
 
 def _sides(corners: Sequence[Corner]) -> Iterator[_Side]:
