@@ -4,9 +4,11 @@ import * as Blockly from "blockly/core";
 import * as english from "blockly/msg/en";
 import type { Edit, Finding, RuleDocument, Statement } from "../api/types";
 import type { Layout } from "../state/layout";
+import { Badges } from "./badges";
 import { addCheck, addRate, toggleElse } from "./block_buttons";
 import { defineBlocks, showRawText, type Suggestions } from "./block_types";
 import { showJoins } from "./joins";
+import type { RuleState } from "./live_states";
 import { fingerprint, toBlock, toStatement } from "./model";
 import { blocklyTheme } from "./palette";
 import { isTop, newSlot, nextEdit, type Slot, statementsOf } from "./slots";
@@ -37,6 +39,8 @@ export class RuleWorkspace {
   /** Changes of blocks that are on their way into the text. */
   private underWay = 0;
   private findings: readonly Finding[] = [];
+  private readonly badges = new Badges();
+  private states: ReadonlyMap<string, RuleState> = new Map();
 
   constructor(
     private readonly host: HTMLElement,
@@ -83,6 +87,20 @@ export class RuleWorkspace {
       showJoins(this.workspace, this.owner.suggestions);
     });
     this.mark(this.findings);
+    this.showLive(this.states);
+  }
+
+  /** Shows beside rules and checks what a robot says of them, by statement id. */
+  showLive(states: ReadonlyMap<string, RuleState>): void {
+    this.states = states;
+    const { suggestions } = this.owner;
+    const known = this.slots.flatMap(({ block, id }) => {
+      const state = block.isDisposed() ? undefined : states.get(id);
+      return state ? [[block, state] as const] : [];
+    });
+    this.badges.show(new Map(known), (check) =>
+      suggestions.unit(String(check.getFieldValue("TOPIC")), String(check.getFieldValue("PROPERTY"))),
+    );
   }
 
   /** Puts findings on the blocks of their statements. */

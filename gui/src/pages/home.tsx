@@ -6,6 +6,7 @@ import type { FileKind, Project } from "../api/types";
 import type { PageProps } from "../app";
 import { href, type Route, toRoute } from "../route";
 import { FormDialog } from "../ui/dialog";
+import { RobotState } from "../ui/robot_state";
 
 const EMPTY_RULES = "begin\nend\n";
 
@@ -14,6 +15,7 @@ export function HomePage({ api, project, refresh }: PageProps) {
   const profile = project.files.find((file) => file.kind === "profile")?.name ?? "profile.toml";
   return (
     <main class="home">
+      <RobotState />
       <div class="hero">
         <img src="./icon.svg" alt="" width="56" height="56" />
         <h1>ADIRF Ruler</h1>

@@ -4,6 +4,7 @@ import { useEffect, useMemo, useState } from "preact/hooks";
 import { ApiError } from "../api/client";
 import type { PageProps } from "../app";
 import { LevelPanel } from "../levels/level_panel";
+import { MeasureRobot } from "../panels/measure_robot";
 import { TopicTable } from "../panels/topic_table";
 import { ProfileEditor } from "../state/profile_editor";
 import { Header } from "../ui/header";
@@ -41,6 +42,7 @@ export function TopicsPage({ api, project, name, refresh }: PageProps) {
           Redo
         </button>
         {bags.length > 0 && <MeasureChoice bags={bags} measure={(bag) => guarded(() => editor.measure(bag))} />}
+        <MeasureRobot measure={(seconds) => guarded(() => editor.measureLive(seconds))} />
         <button
           type="button"
           class="primary"

@@ -6,16 +6,17 @@ import { toBlock } from "../blocks/model";
 import { RuleWorkspace } from "../blocks/rule_workspace";
 import { suggestionsOf } from "../blocks/suggestions";
 import { NEW_RATE, NEW_RULE } from "../blocks/toolbox";
+import type { RobotRules } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
 import { watchSize, watchTheme } from "../ui/watch";
 
 /** The left half: the rules as blocks. */
-export function BlocksPane({ editor }: { editor: RuleEditor }) {
+export function BlocksPane({ editor, robotRules }: { editor: RuleEditor; robotRules: RobotRules }) {
   const host = useRef<HTMLDivElement>(null);
   const workspace = useRef<RuleWorkspace | null>(null);
   useEffect(() => {
     if (!host.current) return;
-    const opened = openWorkspace(host.current, editor);
+    const opened = openWorkspace(host.current, editor, robotRules);
     workspace.current = opened.workspace;
     return opened.close;
   }, []);
@@ -60,7 +61,11 @@ export function BlocksPane({ editor }: { editor: RuleEditor }) {
   );
 }
 
-function openWorkspace(host: HTMLElement, editor: RuleEditor): { workspace: RuleWorkspace; close: () => void } {
+function openWorkspace(
+  host: HTMLElement,
+  editor: RuleEditor,
+  robotRules: RobotRules,
+): { workspace: RuleWorkspace; close: () => void } {
   const show = () => {
     const shown = editor.shown.peek();
     if (shown) workspace.show(shown.document, editor.layout.peek());
@@ -81,6 +86,7 @@ function openWorkspace(host: HTMLElement, editor: RuleEditor): { workspace: Rule
       show();
     }),
     effect(() => workspace.mark(editor.findings.value)),
+    effect(() => workspace.showLive(robotRules.states.value)),
     effect(() => workspace.setReadOnly(editor.isBroken.value || editor.shown.value === null)),
     effect(() => {
       const spot = editor.spot.value;

@@ -68,11 +68,12 @@ export class ProfileEditor {
 
   /** Replaces the table by one measured in a bag. */
   async measure(bag: string): Promise<void> {
-    const { text } = await this.api.measureProfile(bag);
-    const table = await this.api.parseProfile(this.name, text);
-    this.remember();
-    this.load(table, text);
-    this.changed();
+    await this.take(await this.api.measureProfile(bag));
+  }
+
+  /** Replaces the table by one measured on the robot for so many seconds. */
+  async measureLive(seconds: number): Promise<void> {
+    await this.take(await this.api.measureLive(seconds));
   }
 
   async save(): Promise<void> {
@@ -179,6 +180,13 @@ export class ProfileEditor {
     this.rows.value = rows;
     this.budget.value = budget;
     this.baseText = baseText;
+    this.changed();
+  }
+
+  private async take({ text }: { text: string }): Promise<void> {
+    const table = await this.api.parseProfile(this.name, text);
+    this.remember();
+    this.load(table, text);
     this.changed();
   }
 

@@ -231,6 +231,12 @@ export class RuleEditor {
     }
   }
 
+  /** Whether this very text was read, and has no errors. */
+  async isSound(): Promise<boolean> {
+    if (this.read !== this.text.value) await this.check();
+    return this.read === this.text.value && this.errors.value.length === 0;
+  }
+
   private accept(document: RuleDocument, text: string): void {
     this.document.value = document;
     this.read = text;

@@ -7,12 +7,19 @@ import { useEffect, useRef } from "preact/hooks";
 export function FormDialog(props: {
   title: string;
   submit: string;
+  /** Whether there is nothing to cancel. */
+  isNotice?: boolean;
   onSubmit: (form: FormData) => unknown;
   onClose: () => void;
   children: ComponentChildren;
 }) {
   const dialog = useRef<HTMLDialogElement>(null);
-  useEffect(() => dialog.current?.showModal(), []);
+  useEffect(() => {
+    const shown = dialog.current;
+    shown?.showModal();
+    // Closing gives the focus back to what opened it.
+    return () => shown?.close();
+  }, []);
   return (
     <dialog ref={dialog} aria-label={props.title} onClose={props.onClose}>
       <form
@@ -24,9 +31,11 @@ export function FormDialog(props: {
         <h2>{props.title}</h2>
         {props.children}
         <div class="row end">
-          <button type="button" onClick={() => dialog.current?.close()}>
-            Cancel
-          </button>
+          {!props.isNotice && (
+            <button type="button" onClick={() => dialog.current?.close()}>
+              Cancel
+            </button>
+          )}
           <button type="submit" class="primary">
             {props.submit}
           </button>
