@@ -9,9 +9,9 @@ import "./style/tokens.css";
 import "./style/controls.css";
 import "./style/pages.css";
 import "./style/map.css";
+import "./style/robot.css";
 import "./style/try.css";
 import "./style/levels.css";
-import "./style/robot.css";
 
 const host = document.getElementById("app");
 const link = new RobotLink();

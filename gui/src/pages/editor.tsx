@@ -12,10 +12,10 @@ import { SidePane } from "../panels/side_pane";
 import { RobotPanel } from "../panels/robot_panel";
 import { SendDialog } from "../panels/send_dialog";
 import { TryPanel } from "../panels/try_panel";
-import { BagWork } from "../state/bag_work";
 import { RobotRules } from "../state/robot_rules";
-import { RuleEditor } from "../state/rule_editor";
 import { Shipment } from "../state/shipment";
+import { BagWork } from "../state/bag_work";
+import { RuleEditor } from "../state/rule_editor";
 import type { Trial } from "../state/trial";
 import { Header } from "../ui/header";
 import { Notice } from "../ui/notice";
@@ -30,9 +30,9 @@ export type Tool = "findings" | "optimize" | "try" | "robot";
 /** Blocks and text of one rule file side by side, and below them what can be said about it. */
 export function EditorPage({ api, project, name }: PageProps) {
   const editor = useMemo(() => new RuleEditor(api, name), []);
+  const robot = useRobotSide(api, editor);
   const tries = useMemo(() => new BagWork<Trial>(), []);
   useEffect(() => () => tries.cancel(), []);
-  const robot = useRobotSide(api, editor);
   const tool = useSignal<Tool>("findings");
   const [state, setState] = useState<"opening" | "open" | { problem: string }>("opening");
   useEffect(() => void open(editor, project, setState), []);
@@ -55,8 +55,8 @@ export function EditorPage({ api, project, name }: PageProps) {
         <div class="dock-body" role="tabpanel" aria-label={tool.value}>
           {tool.value === "findings" && <FindingsPanel editor={editor} />}
           {tool.value === "optimize" && <OptimizePanel {...{ editor, api }} />}
-          {tool.value === "try" && <TryPanel {...{ editor, api, project }} work={tries} />}
           {tool.value === "robot" && <RobotPanel {...{ editor, ...robot }} />}
+          {tool.value === "try" && <TryPanel {...{ editor, api, project }} work={tries} />}
         </div>
       </section>
       <Toast message={editor.message} />

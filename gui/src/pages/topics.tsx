@@ -3,8 +3,8 @@
 import { useEffect, useMemo, useState } from "preact/hooks";
 import { ApiError } from "../api/client";
 import type { PageProps } from "../app";
-import { LevelPanel } from "../levels/level_panel";
 import { MeasureRobot } from "../panels/measure_robot";
+import { LevelPanel } from "../levels/level_panel";
 import { TopicTable } from "../panels/topic_table";
 import { ProfileEditor } from "../state/profile_editor";
 import { Header } from "../ui/header";

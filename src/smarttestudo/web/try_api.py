@@ -4,11 +4,8 @@
 
 from __future__ import annotations
 
-import asyncio
 from dataclasses import asdict
-from typing import TypeVar
 
-import msgspec
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
 from starlette.responses import Response
@@ -18,10 +15,9 @@ from smarttestudo.composition.ruler.checked_text import Draft, require_usable
 from smarttestudo.domain.errors import TestudoError
 from smarttestudo.domain.names import is_topic_name, resolve_topic
 from smarttestudo.web.bodies import read_body
+from smarttestudo.web.child_work import ChildWork, Order
 from smarttestudo.web.curve_schemas import CurveAnswer, CurveRequest
-from smarttestudo.web.errors import JSON, RequestError
-from smarttestudo.web.long_work import while_asked, worked_out
-from smarttestudo.web.schemas import Progress
+from smarttestudo.web.errors import RequestError
 from smarttestudo.web.socket import Listeners
 from smarttestudo.web.try_schemas import TryAnswer, TryRequest
 
@@ -29,7 +25,6 @@ _TRIAL = "smarttestudo.composition.ruler.trial_process"
 _CURVE = "smarttestudo.composition.ruler.curve_process"
 _TIMEOUT_S = 600.0
 _BAD_REQUEST = 400
-_Answer = TypeVar("_Answer", bound=msgspec.Struct)
 
 
 class TryApi:
@@ -37,7 +32,7 @@ class TryApi:
 
     def __init__(self, folder: ProjectFolder, listeners: Listeners) -> None:
         self._folder = folder
-        self._work = _BagWork(listeners)
+        self._work = ChildWork(listeners)
 
     async def answer(self, request: Request) -> Response:
         """Replay a bag; who leaves ends it."""
@@ -50,8 +45,8 @@ class TryApi:
             profile_name=asked.profile_name,
         )
         await run_in_threadpool(require_usable, draft)
-        order: dict[str, object] = {**asdict(draft), "bag": str(bag)}
-        return await self._work.answer(request, _TRIAL, order, TryAnswer, asked.run)
+        fields: dict[str, object] = {**asdict(draft), "bag": str(bag)}
+        return await self._work.answer(request, _order(_TRIAL, fields, asked), TryAnswer)
 
 
 class CurveApi:
@@ -59,7 +54,7 @@ class CurveApi:
 
     def __init__(self, folder: ProjectFolder, listeners: Listeners) -> None:
         self._folder = folder
-        self._work = _BagWork(listeners)
+        self._work = ChildWork(listeners)
 
     async def answer(self, request: Request) -> Response:
         """Measure a topic of a bag; who leaves ends it."""
@@ -67,29 +62,18 @@ class CurveApi:
         if not is_topic_name(asked.topic):
             raise RequestError(f"{asked.topic!r} is not a valid ROS 2 topic name", _BAD_REQUEST)
         bag = await run_in_threadpool(self._folder.bag, asked.bag)
-        order: dict[str, object] = {"bag": str(bag), "topic": resolve_topic(asked.topic)}
-        return await self._work.answer(request, _CURVE, order, CurveAnswer, asked.run)
+        fields: dict[str, object] = {"bag": str(bag), "topic": resolve_topic(asked.topic)}
+        return await self._work.answer(request, _order(_CURVE, fields, asked), CurveAnswer)
 
 
-class _BagWork:
-    """Does one order at a time; ``listeners`` are told how far it is."""
-
-    def __init__(self, listeners: Listeners) -> None:
-        self._listeners = listeners
-        self._turn = asyncio.Semaphore(1)
-
-    async def answer(
-        self, request: Request, module: str, order: dict[str, object], kind: type[_Answer], run: str
-    ) -> Response:
-        """What the process of ``module`` makes of ``order``."""
-        too_long = TestudoError("the bag takes longer than ten minutes", remedy="try a shorter one")
-        work = self._done(module, order, kind, run)
-        answer = await while_asked(request, work, timeout_s=_TIMEOUT_S, too_long=too_long)
-        return Response(msgspec.json.encode(answer), media_type=JSON)
-
-    async def _done(self, module: str, order: dict[str, object], kind: type[_Answer], run: str) -> _Answer:
-        def report(share: float) -> None:
-            self._listeners.tell(Progress(run=run, share=share))
-
-        async with self._turn:
-            return await worked_out(module, order, kind, report)
+def _order(module: str, fields: dict[str, object], asked: TryRequest | CurveRequest) -> Order:
+    return Order(
+        module=module,
+        fields=fields,
+        run=asked.run,
+        timeout_s=_TIMEOUT_S,
+        too_long=TestudoError("the bag takes longer than ten minutes", remedy="try a shorter one"),
+        broken=TestudoError(
+            "reading the bag ended without a result", place=asked.bag, remedy="try testudo bag info on it"
+        ),
+    )

@@ -8,16 +8,15 @@ The order has ``bag``, a path, and ``topic``; the result has the fields of ``web
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from smarttestudo.composition.bag_curves import measure_curves
-from smarttestudo.composition.ruler.process_lines import answer_order
+from smarttestudo.composition.ruler.child_messages import Report, answer_order
 from smarttestudo.visualizer.loss.curve import CurvePoint, LossCurve, worst_loss
 
 
-def _work(order: dict[str, Any], report: Callable[[float], None]) -> object:
+def _work(order: dict[str, Any], report: Report) -> object:
     curves = measure_curves(Path(order["bag"]), topics=[order["topic"]], report=report)
     curve = next(iter(curves.curves), None)
     if curve is None:

@@ -1,9 +1,8 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Measures the topics of running robots in a process of its own: JSON in, lines of JSON out.
+"""Measures the topics of running robots in a process of its own, which can be ended at any time.
 
-The one object on standard input has ``seconds`` and ``timeout_s``. The lines are those of a trial; the
-``result`` has ``text``, a profile.
+The order has ``seconds`` and ``timeout_s``; the result has ``text``, a profile.
 """
 
 from __future__ import annotations
@@ -11,15 +10,14 @@ from __future__ import annotations
 import os
 import sys
 import time
-from collections.abc import Callable
 from typing import Any
 
 from smarttestudo.adapters.ros import open_robot
 from smarttestudo.composition.profile_robot import profile_of_robot
-from smarttestudo.composition.ruler.process_lines import answer_order
+from smarttestudo.composition.ruler.child_messages import Report, answer_order
 
 
-def _work(order: dict[str, Any], report: Callable[[float], None]) -> object:
+def _work(order: dict[str, Any], report: Report) -> object:
     with open_robot(name=f"testudo_ruler_profile_{os.getpid()}") as robot:
         profile = profile_of_robot(
             robot,

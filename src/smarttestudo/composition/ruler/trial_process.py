@@ -2,25 +2,22 @@
 # SPDX-License-Identifier: Apache-2.0
 """A trial in a process of its own, which can be ended at any time.
 
-The one object on standard input has the fields of ``Draft`` and ``bag``, a path. Each line on standard output
-is an object whose ``kind`` is ``progress`` (``share``), ``result`` (``result``, see ``trial_to_json``) or
-``error`` (``message``, ``place``, ``remedy``).
+The order has the fields of ``Draft`` and ``bag``, a path; the result is that of ``trial_to_json``.
 """
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from smarttestudo.composition.ruler.checked_text import Draft
-from smarttestudo.composition.ruler.process_lines import answer_order
+from smarttestudo.composition.ruler.child_messages import Report, answer_order
 from smarttestudo.composition.ruler.trial import try_rules
 from smarttestudo.composition.ruler.trial_json import trial_to_json
 
 
-def _work(order: dict[str, Any], report: Callable[[float], None]) -> object:
+def _work(order: dict[str, Any], report: Report) -> object:
     bag = Path(order.pop("bag"))
     return trial_to_json(try_rules(Draft(**order), bag, report))
 
