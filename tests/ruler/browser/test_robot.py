@@ -186,8 +186,11 @@ def test_topics_of_the_robot_are_suggested_and_measured(page: RulerPage, runtime
     page.button("Measure on the robot").click()
     page.page.get_by_label("Seconds").fill("2")
     page.button("Measure").click()
-    expect(page.page.get_by_label("Source (Hz) of /imu")).to_have_value(re.compile(r"^(49|50)(\.\d+)?$"))
-    expect(page.page.get_by_label("Message size (KB) of /odom", exact=True)).to_have_value(re.compile(r"^0\.7"))
+    rate, size = (
+        page.page.get_by_label(f"{column} of /imu") for column in ("Source (Hz)", "Message size (KB)")
+    )
+    expect(rate).to_have_value(re.compile(r"^[45]\d(\.\d+)?$"))
+    expect(size).to_have_value(re.compile(r"^0\.3\d*$"))
 
 
 def _append(page: RulerPage, line: str, text: str) -> None:
