@@ -46,7 +46,7 @@ export function FloorNotes({ floor, editor }: { floor: MapFloor; editor: RuleEdi
   return (
     <div class="floor-notes">
       {kind === "map" && (
-        <p class="quiet">/odom counts from where the robot started: right only where that is the map's origin.</p>
+        <p class="quiet">/odom counts from the robot's start: it fits the map if that is the map's origin.</p>
       )}
       {kind === "image" && <ImagePlace floor={floor} editor={editor} />}
       {floor.hasChanged.value && (

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { computed, effect, signal } from "@preact/signals";
+import { computed, effect, signal, untracked } from "@preact/signals";
 import { type Api, ApiError } from "../api/client";
 import type { PushPreview } from "../api/live_types";
 import { type RuleState, ruleStates } from "../blocks/live_states";
@@ -50,8 +50,13 @@ export class RobotRules {
       if (this.comparison.peek().kind !== "none") this.comparison.value = { kind: "none" };
       if (node !== null) this.compareSoon(node, COMPARE_AFTER_MS);
     });
+    // A robot that is heard brings its topics to suggest.
+    const stopReading = effect(() => {
+      if (heard.value !== null) untracked(() => void this.editor.check());
+    });
     return () => {
       stop();
+      stopReading();
       stopWatching();
       window.clearTimeout(this.timer);
     };
