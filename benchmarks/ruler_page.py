@@ -26,7 +26,7 @@ from live.cases import IMU_BYTES, IMU_TYPE, Topic
 from live.contenders import role
 from live.processes import environment, processes
 
-DOMAIN = 74
+DOMAIN = 75
 TOPIC_COUNT = 50
 SAMPLE_S = 10.0
 WARM_S = 60.0

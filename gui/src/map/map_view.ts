@@ -31,7 +31,8 @@ import { ZoneTools } from "./zone_tools";
 
 const USUAL_EXTENT: Extent = [-10, -10, 10, 10];
 const SCALE_PX = 90;
-const FIT_MARGIN_PX = 28;
+/** What buttons and the scale cover: above, right, below, left. */
+const FIT_MARGINS_PX = [50, 54, 28, 30];
 
 /** The map itself, in metres, x to the right and y up. `MapCanvas` is how the page uses it. */
 export class MapView {
@@ -69,7 +70,10 @@ export class MapView {
     this.tools = new ZoneTools(this.map, this.zoneSource, () => this.zones, () => this.around(), sketch, owner);
     this.map.on("pointermove", ({ coordinate: [x = 0, y = 0] }) => owner.pointed?.([x, y]));
     host.addEventListener("pointerleave", () => owner.pointed?.(null));
-    this.map.getView().on("change:resolution", () => this.tellScale());
+    this.map.getView().on("change:resolution", () => {
+      this.tellScale();
+      this.showMarks();
+    });
     this.fit();
     this.tellScale();
   }
@@ -119,7 +123,7 @@ export class MapView {
   fit(): void {
     this.map.updateSize();
     const extent = [...(this.content() ?? USUAL_EXTENT)];
-    this.map.getView().fit(extent, { padding: Array<number>(4).fill(FIT_MARGIN_PX) });
+    this.map.getView().fit(extent, { padding: FIT_MARGINS_PX });
     this.fitted = this.seen();
   }
 
@@ -168,21 +172,23 @@ export class MapView {
 
   private showZones(): void {
     const around = this.around();
-    const features = this.zones.flatMap((zone) =>
-      zone.rectangles.map((rectangle, index) => {
-        const label = index === 0 ? zone.label : "";
-        const feature = styled(fromExtent([...closed(rectangle, around)]), zoneStyle(this.palette, zone.tone, label));
+    const features = this.zones.flatMap((zone) => {
+      const shapes = zone.rectangles.map((rectangle) => fromExtent([...closed(rectangle, around)]));
+      const [largest] = [...shapes].sort((a, b) => b.getArea() - a.getArea());
+      return shapes.map((shape, index) => {
+        const feature = styled(shape, zoneStyle(this.palette, zone.tone, shape === largest ? zone.label : ""));
         feature.setProperties({ zone: zone.id, rectangle: index });
         return feature;
-      }),
-    );
+      });
+    });
     this.zoneSource.clear(true);
     this.zoneSource.addFeatures(features);
     this.showMarks();
   }
 
   private showMarks(): void {
-    const handles = handlesOf(this.zones, this.around()).map(({ place }) => styled(new OlPoint([...place]), handleStyle(this.palette)));
+    const places = handlesOf(this.zones, this.around(), this.resolution).map(({ place }) => new OlPoint([...place]));
+    const handles = places.map((place) => styled(place, handleStyle(this.palette)));
     this.marks.clear(true);
     this.marks.addFeatures(handles);
     if (!this.robot) return;
@@ -205,10 +211,14 @@ export class MapView {
     return `${view.getCenter()} ${view.getResolution()}`;
   }
 
+  /** Metres per pixel. */
+  private get resolution(): number {
+    return this.map.getView().getResolution() ?? 1;
+  }
+
   private tellScale(): void {
-    const resolution = this.map.getView().getResolution() ?? 1;
-    const metres = niceStep((resolution * SCALE_PX) / 2);
-    this.owner.scaled?.({ metres, px: metres / resolution });
+    const metres = niceStep((this.resolution * SCALE_PX) / 2);
+    this.owner.scaled?.({ metres, px: metres / this.resolution });
   }
 }
 

@@ -6,6 +6,8 @@ import { closed, type Extent, type MapZone, type Point, toCentimetres } from "./
 
 const GRIP_PX = 14;
 const LEAST_SIDE_M = 0.01;
+/** Sides shorter than this have no handle in their middle; rectangles smaller than the other have none at all. */
+const LEAST_PX = { middle: 64, any: 32 };
 
 /** A place to take hold of a rectangle: which of its sides follow the pointer (-1 the lower one, 1 the upper). */
 export interface Handle {
@@ -14,19 +16,26 @@ export interface Handle {
   y: -1 | 0 | 1;
 }
 
-/** The handles of the rectangle that has them: its corners and the middles of its sides, where they are bounded. */
-export function handlesOf(zones: readonly MapZone[], around: Extent): Handle[] {
+/**
+ * The handles of the rectangle that has them: its corners and the middles of its sides, where they are bounded.
+ *
+ * `resolution` is metres per pixel: what is too small to take hold of can be moved, or made larger by zooming in.
+ */
+export function handlesOf(zones: readonly MapZone[], around: Extent, resolution: number): Handle[] {
   const zone = zones.find((each) => each.handle !== undefined);
   const rectangle = zone?.rectangles[zone.handle ?? 0];
   if (!rectangle) return [];
   const [left, low, right, high] = closed(rectangle, around);
   const sides = { x: [rectangle.min_x, rectangle.max_x], y: [rectangle.min_y, rectangle.max_y] };
   const isBounded = (axis: "x" | "y", side: number) => side === 0 || sides[axis][side < 0 ? 0 : 1] !== null;
+  const px = { x: (right - left) / resolution, y: (high - low) / resolution };
+  const hasRoom = (x: number, y: number) =>
+    (x !== 0 || px.x >= LEAST_PX.middle) && (y !== 0 || px.y >= LEAST_PX.middle) && Math.max(px.x, px.y) >= LEAST_PX.any;
   const at = (side: number, from: number, to: number) => (side === 0 ? (from + to) / 2 : side < 0 ? from : to);
   const steps = [-1, 0, 1] as const;
   return steps
     .flatMap((x) => steps.map((y): Handle => ({ x, y, place: [at(x, left, right), at(y, low, high)] })))
-    .filter(({ x, y }) => (x !== 0 || y !== 0) && isBounded("x", x) && isBounded("y", y));
+    .filter(({ x, y }) => (x !== 0 || y !== 0) && isBounded("x", x) && isBounded("y", y) && hasRoom(x, y));
 }
 
 /** What a drag does with zones, and where it shows while it lasts. */
@@ -89,7 +98,8 @@ export class ZoneDrag extends PointerInteraction {
     if (!zone || !rectangle) return null;
     const around = this.owner.around();
     const [x = 0, y = 0] = event.pixel;
-    const near = handlesOf([zone], around).find(({ place }) => {
+    const resolution = event.map.getView().getResolution() ?? 1;
+    const near = handlesOf([zone], around, resolution).find(({ place }) => {
       const [left = 0, top = 0] = event.map.getPixelFromCoordinate([...place]);
       return Math.hypot(left - x, top - y) <= GRIP_PX;
     });

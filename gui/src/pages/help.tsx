@@ -31,6 +31,12 @@ export function HelpPage() {
             that fit your link.
           </li>
         </ol>
+        <h2>Zones on a map</h2>
+        <p>
+          <strong>Map</strong>, beside Text, shows where rules hold. Draw a rectangle or a polygon, or type a zone, and add
+          it as a rule or to one; drag it, or change its numbers, to move it. Choose a map of nav2, an image or the path of
+          a recording to see the floor below.
+        </p>
         <h2>A running robot</h2>
         <p>
           The top of each page says whether a robot is connected. <strong>Robot</strong> shows what it relays now; while it

@@ -12,6 +12,11 @@ export function ZoneList({ zones }: { zones: ZoneEditor }) {
   const others = rules.value.length - placed.length - mixed.length;
   return (
     <div class="zone-list">
+      {answer.value?.zones.clashes.map((clash) => (
+        <p key={`${clash.first} ${clash.second} ${clash.message}`} class="problem">
+          Clash: {clash.message}. <span class="quiet">{clash.hint}</span>
+        </p>
+      ))}
       <ul aria-label="Zones">
         {placed.map((rule) => (
           <li key={rule.id}>
@@ -22,11 +27,6 @@ export function ZoneList({ zones }: { zones: ZoneEditor }) {
           </li>
         ))}
       </ul>
-      {answer.value?.zones.clashes.map((clash) => (
-        <p key={`${clash.first} ${clash.second} ${clash.message}`} class="problem">
-          Clash: {clash.message}. <span class="quiet">{clash.hint}</span>
-        </p>
-      ))}
       {answer.value && placed.length === 0 && <p class="quiet">No rule asks where the robot is. Draw a zone, or type one.</p>}
       {placed.length > 0 && others > 0 && <p class="quiet">{others === 1 ? "1 rule asks" : `${others} rules ask`} for no place.</p>}
       {mixed.map((rule) => (
