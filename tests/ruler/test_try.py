@@ -21,6 +21,7 @@ from ruler.ruler_server import TIMEOUT_S, Page, served
 from smarttestudo.composition.ruler.checked_text import Draft
 from smarttestudo.composition.ruler.trial import try_rules
 from smarttestudo.domain.profile import Profile
+from smarttestudo.domain.signal import Truth
 
 STATEMENTS = """\
   SetFrequency /odom 10
@@ -221,6 +222,17 @@ def test_many_decisions_are_cut_and_counted(project: Path, monkeypatch: pytest.M
     tried = try_rules(Draft(text=RULES, name="rules.adirf"), project / "monday", lambda _: None)
     assert len(tried.decisions) == 1
     assert tried.decision_count > 1
+    assert any("only the first 1 decisions are shown" in notice for notice in tried.notices)
+
+
+def test_rules_that_turn_too_often_are_unknown_from_then_on(
+    project: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("smarttestudo.composition.ruler.replay_watch.MAX_TURNS", 1)
+    tried = try_rules(Draft(text=RULES, name="rules.adirf"), project / "monday", lambda _: None)
+    [block] = tried.blocks
+    assert [truth for _, truth in block.turns] == [Truth.UNKNOWN, Truth.FALSE, Truth.UNKNOWN]
+    assert any(f"which hold after {block.turns[-1][0]:.1f} s is not said" in one for one in tried.notices)
 
 
 def command_line(*arguments: object) -> Any:

@@ -88,6 +88,9 @@ export class Trial {
 
   private planAt(time: number): Map<string, Decision> {
     const plan = new Map<string, Decision>();
+    // Where there were too many decisions, nothing is said of what came after the last one that is known.
+    const { decisions, decision_count } = this.answer;
+    if (decision_count > decisions.length && time > (decisions.at(-1)?.t ?? 0)) return plan;
     for (const [topic, decisions] of this.byTopic) {
       const latest = decisions[upTo(decisions, ({ t }) => t <= time) - 1] ?? decisions[0];
       if (latest) plan.set(topic, latest);

@@ -84,7 +84,7 @@ class BlockTurns:
 
 
 class TruthWatch:
-    """Notes when blocks turn, the first ``MAX_TURNS`` times; ``is_cut`` says that there were more."""
+    """Notes when blocks turn, the first ``MAX_TURNS`` times; what they are after ``cut_s`` is unknown."""
 
     def __init__(self, rule_set: RuleSet, start_ns: int) -> None:
         self._start_ns = start_ns
@@ -92,7 +92,7 @@ class TruthWatch:
         self._turns: list[tuple[RuleBlock, list[tuple[float, Truth]]]] = [
             (block, [(0.0, Truth.UNKNOWN)]) for block in rule_set.blocks
         ]
-        self.is_cut = False
+        self.cut_s: float | None = None
 
     @property
     def blocks(self) -> tuple[BlockTurns, ...]:
@@ -101,12 +101,20 @@ class TruthWatch:
 
     def stepped(self, now_ns: int, loop: RelayLoop) -> None:
         """Look which blocks turned; called often, and mostly none did."""
-        for order, truth in loop.take_turned_blocks().items():
+        turned = loop.take_turned_blocks()
+        if not turned or self.cut_s is not None:
+            return
+        now_s = (now_ns - self._start_ns) / NS_PER_S
+        if len(turned) > self._left:
+            self._cut(now_s)
+            return
+        for order, truth in turned.items():
             turns = self._turns[order][1]
-            if turns[-1][1] is truth:
-                continue
-            if self._left:
+            if turns[-1][1] is not truth:
                 self._left -= 1
-                turns.append(((now_ns - self._start_ns) / NS_PER_S, truth))
-            else:
-                self.is_cut = True
+                turns.append((now_s, truth))
+
+    def _cut(self, now_s: float) -> None:
+        self.cut_s = now_s
+        for _, turns in self._turns:
+            turns.append((now_s, Truth.UNKNOWN))

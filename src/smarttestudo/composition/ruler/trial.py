@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -144,8 +144,7 @@ def _compiled(draft: Draft, recording: RecordingReader) -> RuleSet:
 def _trial(watches: _Watches, outcome: ReplayOutcome, decisions: tuple[Decision, ...], bins: _Bins) -> Trial:
     traces = watches.arrivals.traces
     loss = watches.loss.loss(bins.stretches)
-    cut = (f"rules turned more than {MAX_TURNS:,} times; which of them hold is known of the first",)
-    notices = (*outcome.notices, *loss.notices, *(cut if watches.truths.is_cut else ()))
+    notices = (*outcome.notices, *loss.notices, *_cuts(watches.truths, outcome, decisions))
     return Trial(
         duration_s=outcome.duration_s,
         bin_s=float(bins.width_s),
@@ -162,6 +161,17 @@ def _trial(watches: _Watches, outcome: ReplayOutcome, decisions: tuple[Decision,
         loss=loss,
         notices=tuple(dict.fromkeys(notices)),
     )
+
+
+def _cuts(truths: TruthWatch, outcome: ReplayOutcome, decisions: tuple[Decision, ...]) -> Iterator[str]:
+    if outcome.decisions > len(decisions):
+        yield (
+            f"only the first {len(decisions):,} decisions are shown; "
+            f"after {decisions[-1].t_s:,.1f} s it is not said what decided"
+        )
+    if truths.cut_s is not None:
+        after = f"which hold after {truths.cut_s:,.1f} s is not said"
+        yield f"rules turned more than {MAX_TURNS:,} times; {after}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
