@@ -43,7 +43,7 @@ def assert_states_are_naive(both: BothLoops, files: list[RuleFile], later_ns: in
         ]
 
 
-@settings(max_examples=100)
+@settings(max_examples=50)
 @given(rule_files(SIGNALS, BORDERS, max_blocks=4), profiles, moments, st.integers(0, 3 * SECOND))
 def test_states_and_values_agree_with_a_naive_reading_of_the_text_at_any_time(
     files: list[RuleFile], profile: Profile, scenario: list[Moment], later_ns: int
