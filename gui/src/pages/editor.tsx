@@ -3,7 +3,6 @@
 import { useComputed, useSignal } from "@preact/signals";
 import { useEffect, useMemo, useState } from "preact/hooks";
 import { ApiError } from "../api/client";
-import type { Project } from "../api/types";
 import type { PageProps } from "../app";
 import { BlocksPane } from "../panels/blocks_pane";
 import { FindingsPanel } from "../panels/findings_panel";
@@ -35,7 +34,7 @@ export function EditorPage({ api, project, name }: PageProps) {
   useEffect(() => () => tries.cancel(), []);
   const tool = useSignal<Tool>("findings");
   const [state, setState] = useState<"opening" | "open" | { problem: string }>("opening");
-  useEffect(() => void open(editor, project, setState), []);
+  useEffect(() => void open(editor, setState), []);
   useUnsavedWarning(editor);
   useUndoKeys(editor);
   if (state === "opening") return <p class="quiet center">Opening {name} …</p>;
@@ -130,9 +129,9 @@ function useChoices(editor: RuleEditor) {
 
 type Opened = "open" | { problem: string };
 
-async function open(editor: RuleEditor, project: Project, done: (state: Opened) => void): Promise<void> {
+async function open(editor: RuleEditor, done: (state: Opened) => void): Promise<void> {
   try {
-    await editor.open(project.files);
+    await editor.open();
     done("open");
   } catch (error) {
     if (!(error instanceof ApiError)) throw error;

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { batch, computed, signal } from "@preact/signals";
 import { type Api, ApiError, type Rules } from "../api/client";
-import type { Edit, Finding, ProjectFile, Repair, RuleDocument, Statement, Vocabulary } from "../api/types";
+import type { Edit, Finding, Repair, RuleDocument, Statement, Vocabulary } from "../api/types";
 import { type Layout, layoutName, type MapSetting, PLAIN_GRID, readLayout, writeLayout } from "./layout";
 import { History } from "./history";
 
@@ -64,9 +64,9 @@ export class RuleEditor {
     return { text: this.text.value, name: this.name, profile_text: this.profile.value?.text ?? null };
   }
 
-  /** Reads the file, and its layout if it is one of the `files` of the project. */
-  async open(files: readonly ProjectFile[]): Promise<void> {
-    const file = await this.api.read(this.name);
+  /** Reads the file, and its side file if the project has one. */
+  async open(): Promise<void> {
+    const [file, { files }] = await Promise.all([this.api.read(this.name), this.api.project()]);
     const hasLayout = files.some((each) => each.name === layoutName(this.name));
     const none = { layout: {}, map: PLAIN_GRID, hash: null };
     const side = hasLayout ? await readLayout(this.api, this.name) : none;
