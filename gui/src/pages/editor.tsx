@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { useComputed, useSignal } from "@preact/signals";
+import type { ComponentChildren } from "preact";
 import { useEffect, useMemo, useState } from "preact/hooks";
 import { ApiError } from "../api/client";
 import type { Project } from "../api/types";
@@ -10,6 +11,7 @@ import { FindingsPanel } from "../panels/findings_panel";
 import { OptimizePanel } from "../panels/optimize_panel";
 import { TextPane } from "../panels/text_pane";
 import { TryPanel } from "../panels/try_panel";
+import { ShareButtons } from "../sharing/share_buttons";
 import { RuleEditor } from "../state/rule_editor";
 import { Header } from "../ui/header";
 import { Notice } from "../ui/notice";
@@ -31,7 +33,9 @@ export function EditorPage({ api, project, name }: PageProps) {
   if (state !== "open") return <Notice kind="error" text={state.problem} />;
   return (
     <div class="editor">
-      <EditorBar editor={editor} onTool={(next) => (tool.value = next)} />
+      <EditorBar editor={editor} onTool={(next) => (tool.value = next)}>
+        <ShareButtons {...{ editor, api, project }} />
+      </EditorBar>
       <main class="split">
         <BlocksPane editor={editor} />
         <TextPane editor={editor} />
@@ -52,7 +56,8 @@ export function EditorPage({ api, project, name }: PageProps) {
   );
 }
 
-function EditorBar({ editor, onTool }: { editor: RuleEditor; onTool: (tool: Tool) => void }) {
+function EditorBar(props: { editor: RuleEditor; onTool: (tool: Tool) => void; children: ComponentChildren }) {
+  const { editor, onTool, children } = props;
   const { history } = editor;
   return (
     <Header title={editor.name} note={editor.isSaved.value ? "saved" : "not saved"}>
@@ -68,6 +73,7 @@ function EditorBar({ editor, onTool }: { editor: RuleEditor; onTool: (tool: Tool
       <button type="button" disabled={editor.isSaved.value} onClick={() => void editor.save()}>
         Save
       </button>
+      {children}
       <span class="divider" />
       <button type="button" onClick={() => onTool("try")}>
         Try on a bag
@@ -113,7 +119,8 @@ function useUnsavedWarning(editor: RuleEditor): void {
 function useUndoKeys(editor: RuleEditor): void {
   useEffect(() => {
     const act = (event: KeyboardEvent) => {
-      if (!(event.ctrlKey || event.metaKey) || event.target instanceof HTMLInputElement) return;
+      const isElsewhere = event.target instanceof Element && event.target.matches("input, dialog, dialog *");
+      if (!(event.ctrlKey || event.metaKey) || isElsewhere) return;
       const key = event.key.toLowerCase();
       if (key === "s") void editor.save();
       else if (key === "y" || (key === "z" && event.shiftKey)) editor.redo();

@@ -6,11 +6,30 @@ import type { FileKind, Project } from "../api/types";
 import type { PageProps } from "../app";
 import { href, type Route, toRoute } from "../route";
 import { FormDialog } from "../ui/dialog";
+import { useDroppedFile } from "../ui/dropped_file";
+import { FileProblem, fileText } from "../ui/file_text";
+import { Notice } from "../ui/notice";
 
 const EMPTY_RULES = "begin\nend\n";
 
 export function HomePage({ api, project, refresh }: PageProps) {
   const [creating, setCreating] = useState(false);
+  const [refused, setRefused] = useState("");
+  const take = async (file: File) => {
+    try {
+      const { name, text } = await fileText(file);
+      if (project.files.some((each) => each.name === name)) {
+        throw new FileProblem(`${project.root_name} has a ${name} already: give yours another name`);
+      }
+      await api.save(name, text, null);
+      await refresh();
+      toRoute({ page: name.endsWith(".toml") ? "topics" : "rules", name });
+    } catch (error) {
+      if (!(error instanceof ApiError || error instanceof FileProblem)) throw error;
+      setRefused(error.message);
+    }
+  };
+  useDroppedFile((file) => void take(file));
   const profile = project.files.find((file) => file.kind === "profile")?.name ?? "profile.toml";
   return (
     <main class="home">
@@ -36,6 +55,7 @@ export function HomePage({ api, project, refresh }: PageProps) {
           act={() => toRoute({ page: "help", name: "" })}
         />
       </nav>
+      {refused && <Notice kind="error" text={refused} action={{ label: "Close", act: () => setRefused("") }} />}
       <div class="file-lists">
         <FileList project={project} kind="rules" title="Rules" page="rules" />
         <FileList project={project} kind="profile" title="Topic parameters" page="topics" />

@@ -7,6 +7,8 @@ import { useEffect, useRef } from "preact/hooks";
 export function FormDialog(props: {
   title: string;
   submit: string;
+  isWide?: boolean;
+  canSubmit?: boolean;
   onSubmit: (form: FormData) => unknown;
   onClose: () => void;
   children: ComponentChildren;
@@ -14,7 +16,7 @@ export function FormDialog(props: {
   const dialog = useRef<HTMLDialogElement>(null);
   useEffect(() => dialog.current?.showModal(), []);
   return (
-    <dialog ref={dialog} aria-label={props.title} onClose={props.onClose}>
+    <dialog ref={dialog} class={props.isWide ? "wide" : ""} aria-label={props.title} onClose={props.onClose}>
       <form
         onSubmit={(event) => {
           event.preventDefault();
@@ -27,7 +29,7 @@ export function FormDialog(props: {
           <button type="button" onClick={() => dialog.current?.close()}>
             Cancel
           </button>
-          <button type="submit" class="primary">
+          <button type="submit" class="primary" disabled={props.canSubmit === false}>
             {props.submit}
           </button>
         </div>
