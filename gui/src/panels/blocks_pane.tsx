@@ -1,20 +1,23 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { effect } from "@preact/signals";
+import { effect, type Signal, useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
+import { isSamePage, type Pages } from "../blocks/pages";
 import { toBlock } from "../blocks/model";
 import { RuleWorkspace } from "../blocks/rule_workspace";
 import { suggestionsOf } from "../blocks/suggestions";
 import { NEW_RATE, NEW_RULE } from "../blocks/toolbox";
 import type { RuleEditor } from "../state/rule_editor";
+import { PageChoice } from "./page_choice";
 
 /** The left half: the rules as blocks. */
 export function BlocksPane({ editor }: { editor: RuleEditor }) {
   const host = useRef<HTMLDivElement>(null);
   const workspace = useRef<RuleWorkspace | null>(null);
+  const pages = useSignal<Pages>({ first: 0, count: 0, total: 0 });
   useEffect(() => {
     if (!host.current) return;
-    const opened = openWorkspace(host.current, editor);
+    const opened = openWorkspace(host.current, editor, pages);
     workspace.current = opened.workspace;
     return opened.close;
   }, []);
@@ -42,6 +45,7 @@ export function BlocksPane({ editor }: { editor: RuleEditor }) {
         >
           New rule
         </button>
+        <PageChoice pages={pages.value} onGo={(index) => workspace.current?.goTo(index)} />
         {isBehind && (
           <p class="pane-note" role="status">
             The text has {errors === 1 ? "an error" : `${errors} errors`}: the blocks show how it was before.
@@ -59,7 +63,11 @@ export function BlocksPane({ editor }: { editor: RuleEditor }) {
   );
 }
 
-function openWorkspace(host: HTMLElement, editor: RuleEditor): { workspace: RuleWorkspace; close: () => void } {
+function openWorkspace(
+  host: HTMLElement,
+  editor: RuleEditor,
+  pages: Signal<Pages>,
+): { workspace: RuleWorkspace; close: () => void } {
   const show = () => {
     const shown = editor.shown.peek();
     if (shown) workspace.show(shown.document, editor.layout.peek());
@@ -68,6 +76,9 @@ function openWorkspace(host: HTMLElement, editor: RuleEditor): { workspace: Rule
     suggestions: suggestionsOf(() => editor.vocabulary.peek()),
     changed: (next) => editor.edit(next),
     showAgain: show,
+    paged: (shown) => {
+      if (!isSamePage(shown, pages.peek())) pages.value = shown;
+    },
     laidOut: (layout) => editor.moveBlocks(layout),
     selected: (id) => {
       const { offset, end_offset } = editor.statement(id) ?? {};

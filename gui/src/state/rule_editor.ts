@@ -37,6 +37,8 @@ export class RuleEditor {
     () => this.text.value === this.saved.value.text && this.layout.value === this.saved.value.layout,
   );
   readonly findings = computed(() => this.document.value.findings);
+  readonly statements = computed(() => this.document.value.collections.flatMap((each) => each.statements));
+  private readonly byId = computed(() => new Map(this.statements.value.map((each) => [each.id ?? "", each])));
   readonly errors = computed(() => this.findings.value.filter((finding) => finding.severity === "error"));
   /** Whether the blocks show the past, because the text of now cannot be read. */
   readonly isBroken = computed(() => !this.document.value.parses && this.shown.value?.document !== this.document.value);
@@ -45,6 +47,9 @@ export class RuleEditor {
   private read: string | null = null;
   private timer: number | undefined;
   private queue: Promise<void> = Promise.resolve();
+  /** What the server was asked about last, until it answered. */
+  private asked: Rules | null = null;
+  private asking: Promise<void> = Promise.resolve();
 
   constructor(
     private readonly api: Api,
@@ -151,16 +156,12 @@ export class RuleEditor {
 
   /** The statement with this id in what the blocks show. */
   statement(id: string | null): Statement | undefined {
-    const collections = this.document.value.collections;
-    return collections.flatMap((collection) => collection.statements).find((each) => each.id === id);
+    return id === null ? undefined : this.byId.value.get(id);
   }
 
   /** The statement that a place of the text belongs to. */
   statementAt(offset: number): Statement | undefined {
-    const collections = this.document.value.collections;
-    return collections
-      .flatMap((collection) => collection.statements)
-      .find((each) => (each.offset ?? 0) <= offset && offset <= (each.end_offset ?? 0));
+    return this.statements.value.find((each) => (each.offset ?? 0) <= offset && offset <= (each.end_offset ?? 0));
   }
 
   /** Remembers where blocks stand. */
@@ -202,15 +203,20 @@ export class RuleEditor {
     this.timer = window.setTimeout(() => void this.check(), CHECK_AFTER_MS);
   }
 
-  /** Asks the server what the text says; an answer about a text of the past is dropped. */
+  /** Asks the server what the text says now, once at a time: a text of the past is not asked about. */
   async check(): Promise<void> {
     window.clearTimeout(this.timer);
-    const rules = this.rules;
+    const { rules } = this;
+    if (this.asked?.text === rules.text && this.asked.profile_text === rules.profile_text) return this.asking;
+    this.asked = rules;
+    this.asking = this.asking.then(() => (this.asked === rules ? this.ask(rules) : undefined));
+    await this.asking;
+  }
+
+  private async ask(rules: Rules): Promise<void> {
     try {
-      const [document, vocabulary] = await Promise.all([
-        this.api.document(rules),
-        this.api.vocabulary(rules.text, rules.profile_text),
-      ]);
+      const document = await this.api.document(rules);
+      const vocabulary = await this.api.vocabulary(rules.text, rules.profile_text);
       if (rules.text !== this.text.value) return;
       batch(() => {
         this.vocabulary.value = vocabulary;
@@ -218,6 +224,8 @@ export class RuleEditor {
       });
     } catch (error) {
       this.tell(error);
+    } finally {
+      if (this.asked === rules) this.asked = null;
     }
   }
 
