@@ -5,7 +5,7 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 DEMO_ARGS ?=
 PAGE := src/smarttestudo/web/static/index.html
-GUI_SOURCES := $(shell find gui -type f -not -path 'gui/node_modules/*')
+GUI_SOURCES := $(shell find gui -type f -not -path 'gui/node_modules/*') docs/language.md docs/quality-levels.md $(wildcard docs/reference/*.md)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .PHONY: help demo gui test lint format docs test-jazzy test-lowest wheels-aarch64 benchmarks clean

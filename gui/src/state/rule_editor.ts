@@ -5,6 +5,7 @@ import { type Api, ApiError, type Rules } from "../api/client";
 import type { Edit, Finding, ProjectFile, Repair, RuleDocument, Statement, Vocabulary } from "../api/types";
 import { type Layout, layoutName, readLayout, writeLayout } from "./layout";
 import { History } from "./history";
+import { topicsIn } from "./topics_in";
 
 const CHECK_AFTER_MS = 150;
 const EMPTY: RuleDocument = { collections: [], findings: [], parses: true };
@@ -14,6 +15,12 @@ export interface Spot {
   offset: number;
   end_offset: number;
   from: "text" | "blocks" | "findings";
+}
+
+/** What to suggest, and for which topics and profile. */
+interface Words {
+  key: string;
+  vocabulary: Vocabulary;
 }
 
 /** One open rule file. Its text is the truth; blocks and findings are what the server reads in it. */
@@ -50,6 +57,7 @@ export class RuleEditor {
   /** What the server was asked about last, until it answered. */
   private asked: Rules | null = null;
   private asking: Promise<void> = Promise.resolve();
+  private words: Words | null = null;
 
   constructor(
     private readonly api: Api,
@@ -216,10 +224,11 @@ export class RuleEditor {
   private async ask(rules: Rules): Promise<void> {
     try {
       const document = await this.api.document(rules);
-      const vocabulary = await this.api.vocabulary(rules.text, rules.profile_text);
+      const words = await this.wordsFor(rules, document);
       if (rules.text !== this.text.value) return;
       batch(() => {
-        this.vocabulary.value = vocabulary;
+        this.words = words;
+        this.vocabulary.value = words.vocabulary;
         this.accept(document, rules.text);
       });
     } catch (error) {
@@ -227,6 +236,13 @@ export class RuleEditor {
     } finally {
       if (this.asked === rules) this.asked = null;
     }
+  }
+
+  /** What to suggest; asked for only when the rules name other topics than before. */
+  private async wordsFor(rules: Rules, document: RuleDocument): Promise<Words> {
+    const key = JSON.stringify([rules.profile_text, [...topicsIn(document)].sort()]);
+    if (key === this.words?.key) return this.words;
+    return { key, vocabulary: await this.api.vocabulary(rules.text, rules.profile_text) };
   }
 
   private accept(document: RuleDocument, text: string): void {
