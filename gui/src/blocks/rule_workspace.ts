@@ -16,11 +16,15 @@ import { Warnings } from "./warnings";
 
 const GAP = 18;
 const LEFT = 24;
+const SCALE = 0.72;
+const SCALE_FOR_FINGERS = 1.1;
 type NextEdit = (document: RuleDocument) => Edit | null;
 
 /** What the workspace tells and asks. */
 export interface WorkspaceOwner {
   suggestions: Suggestions;
+  /** Rules to take from the list of blocks. */
+  recipes: readonly Statement[];
   /** Blocks say something else than the text; ask `next` for edits until it has none. */
   changed(next: NextEdit): Promise<void>;
   /** Asks for `show` with what the text says now. */
@@ -62,11 +66,11 @@ export class RuleWorkspace {
     this.workspace = Blockly.inject(host, {
       renderer: "zelos",
       theme: blocklyTheme(host),
-      toolbox: toolbox(),
+      toolbox: toolbox(owner.recipes),
       media: "./media/",
       trashcan: false,
       sounds: false,
-      zoom: { controls: true, wheel: false, pinch: true, startScale: 0.72, minScale: 0.3, maxScale: 2 },
+      zoom: { controls: true, wheel: false, pinch: true, startScale: matchMedia("(pointer: coarse)").matches ? SCALE_FOR_FINGERS : SCALE, minScale: 0.3, maxScale: 2 },
       move: { scrollbars: true, drag: true, wheel: true },
     });
     this.workspace.MAX_UNDO = 0;

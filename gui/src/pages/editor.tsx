@@ -12,7 +12,7 @@ import { OptimizePanel } from "../panels/optimize_panel";
 import { TextPane } from "../panels/text_pane";
 import { TryPanel } from "../panels/try_panel";
 import { ShareButtons } from "../sharing/share_buttons";
-import { RuleEditor } from "../state/rule_editor";
+import type { RuleEditor } from "../state/rule_editor";
 import { Header } from "../ui/header";
 import { Notice } from "../ui/notice";
 import { type Choice, Tabs } from "../ui/tabs";
@@ -22,12 +22,11 @@ import { ProfileChoice } from "../panels/profile_choice";
 export type Tool = "findings" | "optimize" | "try";
 
 /** Blocks and text of one rule file side by side, and below them what can be said about it. */
-export function EditorPage({ api, project, name }: PageProps) {
-  const editor = useMemo(() => new RuleEditor(api, name), []);
+export function EditorPage({ api, project, name, editors }: PageProps) {
+  const editor = useMemo(() => editors.of(api, name), []);
   const tool = useSignal<Tool>("findings");
   const [state, setState] = useState<"opening" | "open" | { problem: string }>("opening");
   useEffect(() => void open(editor, project, setState), []);
-  useUnsavedWarning(editor);
   useUndoKeys(editor);
   if (state === "opening") return <p class="quiet center">Opening {name} …</p>;
   if (state !== "open") return <Notice kind="error" text={state.problem} />;
@@ -97,22 +96,12 @@ type Opened = "open" | { problem: string };
 
 async function open(editor: RuleEditor, project: Project, done: (state: Opened) => void): Promise<void> {
   try {
-    await editor.open(project.files);
+    if (!editor.isOpen) await editor.open(project.files);
     done("open");
   } catch (error) {
     if (!(error instanceof ApiError)) throw error;
     done({ problem: error.message });
   }
-}
-
-function useUnsavedWarning(editor: RuleEditor): void {
-  useEffect(() => {
-    const ask = (event: BeforeUnloadEvent) => {
-      if (!editor.isSaved.value) event.preventDefault();
-    };
-    addEventListener("beforeunload", ask);
-    return () => removeEventListener("beforeunload", ask);
-  }, []);
 }
 
 /** Undo, redo and save work everywhere on the page but in a field that somebody types in. */

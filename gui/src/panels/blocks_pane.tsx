@@ -73,6 +73,7 @@ function openWorkspace(
     if (shown) workspace.show(shown.document, editor.layout.peek());
   };
   const workspace = new RuleWorkspace(host, {
+    recipes: editor.recipes,
     suggestions: suggestionsOf(() => editor.vocabulary.peek()),
     changed: (next) => editor.edit(next),
     showAgain: show,

@@ -3,6 +3,7 @@
 import { batch, computed, signal } from "@preact/signals";
 import { type Api, ApiError, type Rules } from "../api/client";
 import type { Edit, Finding, ProjectFile, Repair, RuleDocument, Statement, Vocabulary } from "../api/types";
+import { recipeRules } from "../recipes/recipe_rules";
 import { type Layout, layoutName, readLayout, writeLayout } from "./layout";
 import { History } from "./history";
 import { topicsIn } from "./topics_in";
@@ -49,6 +50,10 @@ export class RuleEditor {
   readonly errors = computed(() => this.findings.value.filter((finding) => finding.severity === "error"));
   /** Whether the blocks show the past, because the text of now cannot be read. */
   readonly isBroken = computed(() => !this.document.value.parses && this.shown.value?.document !== this.document.value);
+  /** The rules to offer as blocks. */
+  recipes: readonly Statement[] = [];
+  /** Whether its file was read. */
+  isOpen = false;
   private layoutHash: string | null = null;
   /** The text that `document` was read from. */
   private read: string | null = null;
@@ -71,7 +76,8 @@ export class RuleEditor {
 
   /** Reads the file, and its layout if it is one of the `files` of the project. */
   async open(files: readonly ProjectFile[]): Promise<void> {
-    const file = await this.api.read(this.name);
+    const [file, recipes] = await Promise.all([this.api.read(this.name), recipeRules(this.api)]);
+    this.recipes = recipes;
     const hasLayout = files.some((each) => each.name === layoutName(this.name));
     const side = hasLayout ? await readLayout(this.api, this.name) : { layout: {}, hash: null };
     this.layoutHash = side.hash;
@@ -81,6 +87,7 @@ export class RuleEditor {
       this.text.value = file.text;
       this.history.clear();
     });
+    this.isOpen = true;
     await this.check();
   }
 
