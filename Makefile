@@ -57,7 +57,7 @@ test-lowest:
 wheels-aarch64: $(VENV)/dev.stamp
 	UV=$(BIN)/uv sh scripts/wheels_aarch64.sh
 
-benchmarks: $(VENV)/dev.stamp
+benchmarks: $(VENV)/dev.stamp $(PAGE)
 	for benchmark in benchmarks/*.py; do $(BIN)/python $$benchmark || exit 1; done
 
 clean:

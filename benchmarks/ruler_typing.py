@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """How long a key stroke takes on the Ruler's page while a large rule file is open.
 
-Run it with ``python benchmarks/ruler_typing.py [--rules 1000] [--keys 120]``; it needs Chromium, Playwright and the built page.
-A real Chromium types into the text and into a field of a block. Measured inside the page: from the time stamp of the key's
-event to behind the frame that shows it, and how long any task held the page up meanwhile.
+Run it with ``python benchmarks/ruler_typing.py [--rules 1000] [--keys 120]``; it needs Chromium, Playwright
+and the built page. A real Chromium types into the text and into a field of a block. Measured inside the page:
+from the time stamp of the key's event to behind the frame that shows it, and how long any task held the page
+up meanwhile.
 """
 
 from __future__ import annotations
@@ -28,6 +29,8 @@ ZONE_M = 3
 FLOOR_M = 300
 KEY_PAUSES_MS = (60, 90, 120, 350)
 """A quick typist, who looks up after every fourth letter: then the server's answer comes between two keys."""
+
+STATEMENT = "SetFrequency /diagnostics 5 "
 
 OBSERVE = """() => {
     window.measured = { keys: [], tasks: [] };
@@ -66,7 +69,10 @@ def rule_file(rules: int) -> str:
             f"        AND CheckValue /odom pose_y < {y_m + ZONE_M:.1f}",
             "    )",
             "    Then",
-            *(f"        SetFrequency {topic} {generator.choice([1, 2, 4, 8])}" for topic in generator.sample(TOPICS, 2)),
+            *(
+                f"        SetFrequency {topic} {generator.choice([1, 2, 4, 8])}"
+                for topic in generator.sample(TOPICS, 2)
+            ),
             "    EndIf",
         ]
     return "\n".join([*lines, "end", ""])
@@ -86,26 +92,31 @@ def served(folder: Path) -> Iterator[str]:
 
 
 def typed(page: Page, letters: str) -> None:
+    """Press one key after the other, with a typist's pauses."""
     for number, letter in enumerate(letters):
         page.keyboard.press(letter)
         page.wait_for_timeout(KEY_PAUSES_MS[number % len(KEY_PAUSES_MS)])
 
 
 def report(title: str, page: Page) -> None:
+    """Print what was measured since the last time."""
     # The last answer of the server may be under way.
     page.wait_for_timeout(3000)
     keys, tasks = page.evaluate(COLLECT)
-    print(f"{title}: {len(keys)} keys, median {statistics.median(keys):.0f} ms, "
-          f"p95 {quantile(keys, 0.95):.0f} ms, max {max(keys):.0f} ms; "
-          f"longest task {max(tasks, default=0):.0f} ms, {sum(task > 100 for task in tasks)} over 100 ms")
+    print(
+        f"{title}: {len(keys)} keys, median {statistics.median(keys):.0f} ms, "
+        f"p95 {quantile(keys, 0.95):.0f} ms, max {max(keys):.0f} ms; "
+        f"longest task {max(tasks, default=0):.0f} ms, {sum(task > 100 for task in tasks)} over 100 ms"
+    )
 
 
 def quantile(values: Sequence[float], share: float) -> float:
+    """The value that ``share`` of ``values`` do not exceed."""
     return sorted(values)[min(int(share * len(values)), len(values) - 1)]
 
 
 def in_text(page: Page, keys: int) -> None:
-    """Type a comment and numbers in the middle of the file."""
+    """Change a number at the top of the file, so that all below moves, then write a statement."""
     page.get_by_role("textbox", name="Rules as text").click()
     page.keyboard.press("Control+Home")
     page.keyboard.press("ArrowDown")
@@ -116,7 +127,7 @@ def in_text(page: Page, keys: int) -> None:
     page.keyboard.press("Enter")
     page.wait_for_timeout(3000)
     page.evaluate(COLLECT)
-    typed(page, ("SetFrequency /diagnostics 5 " * keys)[: keys].replace(" ", "\u0000").replace("\u0000", " "))
+    typed(page, (STATEMENT * keys)[:keys])
     report("statement in the text", page)
 
 
@@ -134,11 +145,14 @@ def in_block(page: Page, keys: int) -> None:
 
 
 def main() -> None:
+    """Open a large file and type."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--rules", type=int, default=1000)
     parser.add_argument("--keys", type=int, default=120)
     options = parser.parse_args()
     chromium = shutil.which("chromium") or shutil.which("google-chrome")
+    if chromium is None:
+        raise SystemExit("this benchmark needs Chromium")
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
         (Path(folder) / "many.adirf").write_text(rule_file(options.rules))
         browser = playwright.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
