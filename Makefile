@@ -47,6 +47,7 @@ format: $(VENV)/dev.stamp
 docs: $(VENV)/dev.stamp
 	$(BIN)/python scripts/make_reference.py
 	$(BIN)/python scripts/make_world.py
+	$(BIN)/python scripts/make_map.py
 
 test-jazzy: $(VENV)/dev.stamp
 	PYTHON=$(BIN)/python UV=$(BIN)/uv sh scripts/test_jazzy.sh

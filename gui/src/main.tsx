@@ -6,6 +6,7 @@ import { App } from "./app";
 import "./style/tokens.css";
 import "./style/controls.css";
 import "./style/pages.css";
+import "./style/map.css";
 
 const host = document.getElementById("app");
 if (host) render(<App api={new Api()} />, host);

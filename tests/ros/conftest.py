@@ -4,32 +4,14 @@
 
 from __future__ import annotations
 
-import fcntl
 import importlib.util
-import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
+from ros.ros_domains import free_domain
 from ros.ros_processes import SmallRobot
-
-# Domains above have ports that Linux gives to others.
-DOMAINS = range(1, 102)
-
-
-@contextmanager
-def free_domain() -> Iterator[int]:
-    for number in DOMAINS:
-        with (Path(tempfile.gettempdir()) / f"smarttestudo-test-domain-{number}").open("w") as lock:
-            try:
-                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except BlockingIOError:
-                continue
-            yield number
-            return
-    pytest.fail("all ROS domains are taken by other test runs")
 
 
 @pytest.fixture(scope="session")

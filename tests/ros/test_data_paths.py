@@ -12,6 +12,7 @@ import pytest
 
 from smarttestudo.adapters.ros import open_robot
 from smarttestudo.adapters.ros.rcl_buffers import KEPT_BUFFERS
+from smarttestudo.adapters.ros.rcl_wake_ups import MOST_AT_ONCE
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import DataPathKind, Outlet, Qos, Robot
@@ -223,6 +224,23 @@ def test_a_resting_inlet_skips_all_but_the_next_message_once_it_is_roused(robot:
     publish_and_await(robot, outlet, heard, "awaited")
     assert heard.copies == [text("before"), CHANGING, text("awaited")]
     assert (inlet.sent, inlet.dropped) == (53, 0)
+
+
+@only_librcl
+def test_what_a_late_wake_up_finds_at_a_resting_inlet_stays_where_it_is(robot: Robot) -> None:
+    path, heard = robot.data_path, Heard()
+    outlet = path.advertise("/fast", TEXT, RELIABLE)
+    inlet = path.subscribe("/fast", TEXT, RELIABLE, heard)
+    inlet.rest()
+    change_over(robot, outlet)
+    inlet.rouse()
+    publish_and_await(robot, outlet, heard, "awaited")
+    outlet.publish(text("next"))
+    assert not inlet.serve(MOST_AT_ONCE)
+    assert heard.copies == [CHANGING, text("awaited")]
+    inlet.rouse()
+    assert inlet.take_kept()
+    assert heard.copies == [CHANGING, text("awaited"), text("next")]
 
 
 @only_librcl

@@ -101,6 +101,6 @@ def test_without_rclpy_one_line_says_how_to_get_it(tmp_path: Path) -> None:
     done = subprocess.run(arguments, capture_output=True, text=True, check=False)
     assert done.returncode == 1
     assert done.stderr.splitlines() == [
-        "error: this command needs ROS 2 (rclpy); source your ROS setup, or, without a ROS 2 installation, "
+        "error: this needs ROS 2 (rclpy); source your ROS setup, or, without a ROS 2 installation, "
         "pip install 'smarttestudo[ros]'"
     ]

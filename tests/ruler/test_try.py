@@ -8,13 +8,12 @@ import json
 import socket
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
-from websockets.sync.client import connect
 
 from bags.bag_factory import small_mission, write_bag
 from replay.replay_runs import replay_bag
+from ruler.page_socket import open_socket
 from ruler.ruler_server import TIMEOUT_S, Page, served
 from smarttestudo.composition.ruler.checked_text import Draft
 from smarttestudo.composition.ruler.trial import try_rules
@@ -67,13 +66,12 @@ def test_the_path_comes_from_the_odometry(page: Page) -> None:
 
 
 def test_progress_is_told_over_the_web_socket(page: Page) -> None:
-    with connect(f"ws://127.0.0.1:{page.port}/ws", origin=page.origin, proxy=None) as listener:  # type: ignore[arg-type]
-        said: list[Any] = [json.loads(listener.recv(timeout=TIMEOUT_S))]
+    with open_socket(page) as listener:
+        listener.next("hello")
         page.post("/api/try", {"text": RULES, "bag": "monday", "run": "try-7"})
-        said.append(json.loads(listener.recv(timeout=TIMEOUT_S)))
-    assert [one["kind"] for one in said] == ["hello", "progress"]
-    assert said[1]["run"] == "try-7"
-    assert 0 < said[1]["share"] <= 1
+        said = listener.next("progress")
+    assert said["run"] == "try-7"
+    assert 0 < said["share"] <= 1
 
 
 @pytest.mark.parametrize(

@@ -7,8 +7,17 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+from smarttestudo.domain.block_status import BlockStatus, CheckStatus
 from smarttestudo.domain.decision import Reason
-from smarttestudo.domain.status import RulesInForce, RuntimeStatus, Silence, TopicCounts, TopicStatus
+from smarttestudo.domain.signal import Truth
+from smarttestudo.domain.status import (
+    RulesInForce,
+    RulesOrigin,
+    RuntimeStatus,
+    Silence,
+    TopicCounts,
+    TopicStatus,
+)
 
 RELAYED = TopicStatus(
     output="/testudo/imu",
@@ -98,10 +107,26 @@ STATUS = RuntimeStatus(
     node="/smarttestudo",
     stamp_ns=1_767_600_030_455_629_098,
     uptime_s=4521.5,
-    rules=RulesInForce(paths=("/etc/testudo/warehouse.adirf",), sha256="ab" * 32),
+    rules=RulesInForce(
+        paths=("/etc/testudo/warehouse.adirf",), sha256="ab" * 32, origin=RulesOrigin.WAITING, waits_s=7.5
+    ),
     budget_kb_per_s=1000.0,
     floors_break_budget=False,
     cpu_percent=4.2,
     memory_mb=71.3,
     topics=ONE_OF_EACH,
+    status_hz=5.0,
+    blocks=(
+        BlockStatus(
+            file=0,
+            line=14,
+            column=5,
+            state=Truth.UNKNOWN,
+            checks=(
+                CheckStatus(line=15, column=9, state=Truth.TRUE, value=5.25),
+                CheckStatus(line=15, column=40, state=Truth.UNKNOWN, value=None),
+            ),
+        ),
+        BlockStatus(file=1, line=3, column=1, state=Truth.FALSE, checks=()),
+    ),
 )

@@ -34,6 +34,7 @@ class VirtualRobot:
     missing_types: frozenset[str] = frozenset()
     start_ns: int = 1_700_000_000 * SECOND
     name: str = "/smarttestudo"
+    listeners: int = 0
 
     def __post_init__(self) -> None:
         self.elapsed_ns = 0
@@ -71,6 +72,12 @@ class VirtualRobot:
 
     def subscribers(self, topic: str) -> Sequence[Endpoint]:
         return []
+
+    def subscriber_count(self, topic: str) -> int:
+        return self.listeners
+
+    def steady_ns(self) -> int:
+        return self.elapsed_ns
 
     def begins_with_header(self, type_name: str) -> bool:
         return False

@@ -13,6 +13,7 @@ import type {
   Vocabulary,
 } from "./types";
 import type { ImportChoice, ImportPreview, TextFile } from "./sharing_types";
+import type { Background, BackgroundChoice, CoverAnswer, DrivenPath, ZonesAnswer } from "./zone_types";
 
 /** What the server refused, or that it did not answer (status 0). */
 export class ApiError extends Error {
@@ -99,6 +100,27 @@ export class Api {
 
   importRules(rules: Rules, otherText: string, choice: ImportChoice): Promise<EditAnswer> {
     return call("POST", "/api/import", { ...rules, other_text: otherText, ...choice });
+  }
+
+  zones(rules: Rules): Promise<ZonesAnswer> {
+    return call("POST", "/api/zones", rules);
+  }
+
+  /** The rectangles that cover a polygon. */
+  cover(corners: readonly (readonly [number, number])[], maxRectangles: number): Promise<CoverAnswer> {
+    return call("POST", "/api/zones/cover", { corners, max_rectangles: maxRectangles });
+  }
+
+  backgrounds(): Promise<{ choices: BackgroundChoice[] }> {
+    return call("GET", "/api/backgrounds");
+  }
+
+  background(kind: "map" | "image", name: string): Promise<Background> {
+    return call("POST", "/api/background", { kind, name });
+  }
+
+  drivenPath(bag: string): Promise<DrivenPath> {
+    return call("POST", "/api/background/path", { bag });
   }
 
   optimize(rules: Rules): Promise<OptimizeAnswer> {

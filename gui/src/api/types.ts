@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the server says and understands; src/smarttestudo/web/schemas.py has the meaning of each.
 
+import type { ZoneEdit } from "./zone_types";
+
 export type Tier = "Unacceptable" | "Marginal" | "Acceptable" | "Desirable" | "Competitive" | "Excessive";
 export type Operator = ">" | "<" | ">=" | "<=" | "=" | "!=";
 
@@ -90,7 +92,8 @@ export type Edit =
   | { kind: "replace"; id: string; statement: Statement }
   | { kind: "insert"; collection: string; index: number; statement: Statement }
   | { kind: "delete"; id: string }
-  | { kind: "move"; id: string; collection: string; index: number };
+  | { kind: "move"; id: string; collection: string; index: number }
+  | ZoneEdit;
 export interface EditAnswer {
   text: string;
   document: RuleDocument;

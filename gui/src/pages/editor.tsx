@@ -9,7 +9,7 @@ import type { PageProps } from "../app";
 import { BlocksPane } from "../panels/blocks_pane";
 import { FindingsPanel } from "../panels/findings_panel";
 import { OptimizePanel } from "../panels/optimize_panel";
-import { TextPane } from "../panels/text_pane";
+import { SidePane } from "../panels/side_pane";
 import { TryPanel } from "../panels/try_panel";
 import { ShareButtons } from "../sharing/share_buttons";
 import type { RuleEditor } from "../state/rule_editor";
@@ -37,7 +37,7 @@ export function EditorPage({ api, project, name, editors }: PageProps) {
       </EditorBar>
       <main class="split">
         <BlocksPane editor={editor} />
-        <TextPane editor={editor} />
+        <SidePane {...{ editor, api }} />
       </main>
       <section class="dock" aria-label="Results">
         <div class="dock-bar">

@@ -9,6 +9,7 @@ import { suggestionsOf } from "../blocks/suggestions";
 import { NEW_RATE, NEW_RULE } from "../blocks/toolbox";
 import type { RuleEditor } from "../state/rule_editor";
 import { PageChoice } from "./page_choice";
+import { watchSize, watchTheme } from "../ui/watch";
 
 /** The left half: the rules as blocks. */
 export function BlocksPane({ editor }: { editor: RuleEditor }) {
@@ -106,16 +107,4 @@ function openWorkspace(
     workspace.dispose();
   };
   return { workspace, close };
-}
-
-function watchSize(host: HTMLElement, resized: () => void): () => void {
-  const observer = new ResizeObserver(resized);
-  observer.observe(host);
-  return () => observer.disconnect();
-}
-
-function watchTheme(changed: () => void): () => void {
-  const query = matchMedia("(prefers-color-scheme: dark)");
-  query.addEventListener("change", changed);
-  return () => query.removeEventListener("change", changed);
 }

@@ -5,16 +5,12 @@ import { useEffect, useRef } from "preact/hooks";
 import type { RuleEditor } from "../state/rule_editor";
 import { TextEditor } from "../text/text_editor";
 
-/** The right half: the rules as text, which is what is saved. */
-export function TextPane({ editor }: { editor: RuleEditor }) {
+/** The rules as text, which is what is saved. */
+export function TextPane({ editor, hidden }: { editor: RuleEditor; hidden: boolean }) {
   const host = useRef<HTMLDivElement>(null);
   useEffect(() => (host.current ? openText(host.current, editor) : undefined), []);
   return (
-    <section class="pane text" aria-label="Text">
-      <div class="pane-bar">
-        <h2>Text</h2>
-        <span class="quiet">this is what is saved</span>
-      </div>
+    <section class="side-part" aria-label="Text" hidden={hidden}>
       <div class="text-host" ref={host} />
     </section>
   );

@@ -5,35 +5,81 @@ import { type Api, ApiError } from "../api/client";
 /** Where blocks that somebody moved stand, by statement key; the rule file knows nothing of it. */
 export type Layout = Readonly<Record<string, readonly [x: number, y: number]>>;
 
+/**
+ * What zones are drawn on: a map or image, and the path of a recording.
+ *
+ * `hash` is that of the files when they were chosen. The rest is what a person said of an image.
+ */
+export interface MapSetting {
+  kind: "map" | "image" | null;
+  name: string;
+  hash: string;
+  metres_per_pixel: number;
+  x: number;
+  y: number;
+  yaw_deg: number;
+  bag: string | null;
+}
+
+export const PLAIN_GRID: MapSetting = {
+  kind: null,
+  name: "",
+  hash: "",
+  metres_per_pixel: 0.05,
+  x: 0,
+  y: 0,
+  yaw_deg: 0,
+  bag: null,
+};
+
+/** All that the side file holds. */
+export interface SideFile {
+  layout: Layout;
+  map: MapSetting;
+}
+
 /** `folder/rules.adirf` → `folder/.rules.adirf.layout.json`. */
 export function layoutName(name: string): string {
   const cut = name.lastIndexOf("/") + 1;
   return `${name.slice(0, cut)}.${name.slice(cut)}.layout.json`;
 }
 
-/** The saved layout; an unreadable one is empty, for it holds nothing but looks. */
-export async function readLayout(api: Api, name: string): Promise<{ layout: Layout; hash: string | null }> {
+/** The saved side file; an unreadable one is empty, for it holds nothing but looks. */
+export async function readLayout(api: Api, name: string): Promise<SideFile & { hash: string | null }> {
   try {
     const { text, hash } = await api.read(layoutName(name));
-    return { layout: parseLayout(text), hash };
+    return { ...parseLayout(text), hash };
   } catch (error) {
-    if (error instanceof ApiError) return { layout: {}, hash: null };
+    if (error instanceof ApiError) return { layout: {}, map: PLAIN_GRID, hash: null };
     throw error;
   }
 }
 
-export async function writeLayout(api: Api, side: string, layout: Layout, hash: string | null): Promise<string> {
-  return (await api.save(side, `${JSON.stringify({ blocks: layout }, null, 1)}\n`, hash)).hash;
+export async function writeLayout(api: Api, side: string, file: SideFile, hash: string | null): Promise<string> {
+  const text = JSON.stringify({ blocks: file.layout, map: file.map }, null, 1);
+  return (await api.save(side, `${text}\n`, hash)).hash;
 }
 
-function parseLayout(text: string): Layout {
+function parseLayout(text: string): SideFile {
   try {
-    const blocks: unknown = (JSON.parse(text) as { blocks?: unknown }).blocks;
+    const { blocks, map } = JSON.parse(text) as { blocks?: unknown; map?: unknown };
     const entries = Object.entries(blocks ?? {}).filter(([, place]) => isPlace(place));
-    return Object.fromEntries(entries) as Layout;
+    return { layout: Object.fromEntries(entries) as Layout, map: { ...PLAIN_GRID, ...likePlainGrid(map ?? {}) } };
   } catch {
-    return {};
+    return { layout: {}, map: PLAIN_GRID };
   }
+}
+
+/** The entries of a setting that are of the right type. */
+function likePlainGrid(map: object): Partial<MapSetting> {
+  const kinds: Record<string, unknown[]> = { kind: ["map", "image", null] };
+  const entries = Object.entries(map).filter(([name, value]) => {
+    const usual = (PLAIN_GRID as unknown as Record<string, unknown>)[name];
+    if (name in kinds) return kinds[name]?.includes(value);
+    if (name === "bag") return value === null || typeof value === "string";
+    return typeof value === typeof usual && (typeof value !== "number" || Number.isFinite(value));
+  });
+  return Object.fromEntries(entries) as Partial<MapSetting>;
 }
 
 function isPlace(place: unknown): boolean {

@@ -4,7 +4,7 @@ import { batch, computed, signal } from "@preact/signals";
 import { type Api, ApiError, type Rules } from "../api/client";
 import type { Edit, Finding, ProjectFile, Repair, RuleDocument, Statement, Vocabulary } from "../api/types";
 import { recipeRules } from "../recipes/recipe_rules";
-import { type Layout, layoutName, readLayout, writeLayout } from "./layout";
+import { type Layout, layoutName, type MapSetting, PLAIN_GRID, readLayout, writeLayout } from "./layout";
 import { History } from "./history";
 import { topicsIn } from "./topics_in";
 
@@ -15,7 +15,7 @@ const EMPTY: RuleDocument = { collections: [], findings: [], parses: true };
 export interface Spot {
   offset: number;
   end_offset: number;
-  from: "text" | "blocks" | "findings";
+  from: "text" | "blocks" | "findings" | "map";
 }
 
 /** What to suggest, and for which topics and profile. */
@@ -35,15 +35,23 @@ export class RuleEditor {
   readonly spot = signal<Spot | null>(null);
   readonly message = signal<string>("");
   readonly layout = signal<Layout>({});
+  /** What zones are drawn on. */
+  readonly map = signal<MapSetting>(PLAIN_GRID);
   readonly history = new History();
-  private readonly saved = signal<{ text: string; hash: string | null; layout: Layout }>({
+  private readonly saved = signal<{ text: string; hash: string | null; layout: Layout; map: MapSetting }>({
     text: "",
     hash: null,
     layout: {},
+    map: PLAIN_GRID,
   });
   readonly isSaved = computed(
-    () => this.text.value === this.saved.value.text && this.layout.value === this.saved.value.layout,
+    () =>
+      this.text.value === this.saved.value.text &&
+      this.layout.value === this.saved.value.layout &&
+      this.map.value === this.saved.value.map,
   );
+  /** Takes back a part of something that is not in the text yet; whether there was any. */
+  takeBack: (() => boolean) | null = null;
   readonly findings = computed(() => this.document.value.findings);
   readonly statements = computed(() => this.document.value.collections.flatMap((each) => each.statements));
   private readonly byId = computed(() => new Map(this.statements.value.map((each) => [each.id ?? "", each])));
@@ -79,11 +87,13 @@ export class RuleEditor {
     const [file, recipes] = await Promise.all([this.api.read(this.name), recipeRules(this.api)]);
     this.recipes = recipes;
     const hasLayout = files.some((each) => each.name === layoutName(this.name));
-    const side = hasLayout ? await readLayout(this.api, this.name) : { layout: {}, hash: null };
+    const none = { layout: {}, map: PLAIN_GRID, hash: null };
+    const side = hasLayout ? await readLayout(this.api, this.name) : none;
     this.layoutHash = side.hash;
     batch(() => {
       this.layout.value = side.layout;
-      this.saved.value = { text: file.text, hash: file.hash, layout: side.layout };
+      this.map.value = side.map;
+      this.saved.value = { text: file.text, hash: file.hash, layout: side.layout, map: side.map };
       this.text.value = file.text;
       this.history.clear();
     });
@@ -105,7 +115,7 @@ export class RuleEditor {
   }
 
   undo(): void {
-    this.goTo(this.history.undo(this.text.value));
+    if (!this.takeBack?.()) this.goTo(this.history.undo(this.text.value));
   }
 
   redo(): void {
@@ -159,12 +169,12 @@ export class RuleEditor {
 
   async save(): Promise<void> {
     await this.inTurn(async () => {
-      const [text, layout] = [this.text.value, this.layout.value];
+      const [text, layout, map] = [this.text.value, this.layout.value, this.map.value];
       const { hash } = await this.api.save(this.name, text, this.saved.value.hash);
-      if (layout !== this.saved.value.layout) {
-        this.layoutHash = await writeLayout(this.api, layoutName(this.name), layout, this.layoutHash);
+      if (layout !== this.saved.value.layout || map !== this.saved.value.map) {
+        this.layoutHash = await writeLayout(this.api, layoutName(this.name), { layout, map }, this.layoutHash);
       }
-      this.saved.value = { text, hash, layout };
+      this.saved.value = { text, hash, layout, map };
       this.message.value = `Saved ${this.name}`;
     });
   }
@@ -263,7 +273,8 @@ export class RuleEditor {
     return this.queue;
   }
 
-  private tell(error: unknown): void {
+  /** Says a refusal; anything else is a bug and goes on. */
+  tell(error: unknown): void {
     if (!(error instanceof ApiError)) throw error;
     this.message.value =
       error.status === 409 && error.problem.findings.length === 0

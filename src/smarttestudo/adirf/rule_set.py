@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from smarttestudo.adirf.normal_form import Form, Resolve, normal_form, signals_of
+from smarttestudo.adirf.region import Region
 from smarttestudo.adirf.syntax import (
     Block,
     KeepAtLeast,
@@ -16,6 +17,7 @@ from smarttestudo.adirf.syntax import (
     RateWord,
     RuleFile,
     SetFrequency,
+    checks_in,
 )
 from smarttestudo.domain.decision import Reason
 from smarttestudo.domain.errors import RuleFileError
@@ -41,10 +43,35 @@ class RuleBlock:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class WrittenCheck:
+    """One check where it is written: true while its signal lies in ``region``, whatever is around it."""
+
+    line: int
+    column: int
+    signal: Signal
+    region: Region
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WrittenBlock:
+    """An If where it is written, in file number ``file``, with its checks in their order.
+
+    ``order`` is that of the block of its Then.
+    """
+
+    file: int
+    line: int
+    column: int
+    order: int
+    checks: tuple[WrittenCheck, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class RuleSet:
     """Defaults, floors in Hz and blocks; topics by full name.
 
-    ``default_reason`` is what decisions give as the reason of a default.
+    ``default_reason`` is what decisions give as the reason of a default. ``written`` are the blocks as the
+    files have them, an If and its Else once.
     """
 
     defaults: Mapping[str, Rate]
@@ -52,6 +79,7 @@ class RuleSet:
     floors_hz: Mapping[str, float]
     blocks: tuple[RuleBlock, ...]
     default_reason: Reason = Reason.DEFAULT
+    written: tuple[WrittenBlock, ...] = ()
 
     @property
     def relayed(self) -> tuple[str, ...]:
@@ -110,8 +138,11 @@ class _Compiler:
         self._default_lines: dict[str, int] = {}
         self._floors_hz: dict[str, float] = {}
         self._blocks: list[RuleBlock] = []
+        self._written: list[WrittenBlock] = []
+        self._files = 0
 
     def add(self, file: RuleFile) -> None:
+        self._files += 1
         for statement in file.statements:
             topic = "" if isinstance(statement, Block) else self._resolve(statement.topic.text)
             match statement:
@@ -122,6 +153,7 @@ class _Compiler:
                     floor_hz = _number(statement.rate)
                     self._floors_hz[topic] = max(floor_hz, self._floors_hz.get(topic, 0.0))
                 case Block():
+                    self._written.append(self._as_written(statement))
                     self._blocks.extend(self._blocks_of(statement, file.path))
 
     def rule_set(self) -> RuleSet:
@@ -130,6 +162,24 @@ class _Compiler:
             default_lines=self._default_lines,
             floors_hz=self._floors_hz,
             blocks=tuple(self._blocks),
+            written=tuple(self._written),
+        )
+
+    def _as_written(self, block: Block) -> WrittenBlock:
+        return WrittenBlock(
+            file=self._files - 1,
+            line=block.span.line,
+            column=block.span.column,
+            order=len(self._blocks),
+            checks=tuple(
+                WrittenCheck(
+                    line=check.span.line,
+                    column=check.span.column,
+                    signal=Signal(self._resolve(check.topic.text), check.property),
+                    region=Region.where(check.operator, check.value),
+                )
+                for check in checks_in(block.condition)
+            ),
         )
 
     def _blocks_of(self, block: Block, path: str) -> Iterator[RuleBlock]:

@@ -7,6 +7,7 @@ Fields that hold comments and blank lines do not count when trees are compared.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from enum import Enum
 
@@ -175,3 +176,15 @@ class RuleFile:
     def statements(self) -> tuple[Statement, ...]:
         """The statements of all collections, in the order of the file."""
         return tuple(statement for part in self.collections for statement in part.statements)
+
+
+def checks_in(condition: Condition) -> Iterator[Check]:
+    """The checks of a condition, in their order."""
+    match condition:
+        case Check():
+            yield condition
+        case Group() | Not():
+            yield from checks_in(condition.operand)
+        case And() | Or():
+            for operand in condition.operands:
+                yield from checks_in(operand)

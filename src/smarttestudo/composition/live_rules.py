@@ -19,6 +19,7 @@ from smarttestudo.composition.monitored_topics import OutputTopic, monitored_top
 from smarttestudo.composition.rule_sets import LoadedRules, check_texts
 from smarttestudo.domain.errors import RuleFileError, TestudoError
 from smarttestudo.domain.profile import Profile
+from smarttestudo.domain.rule_texts import RuleTexts
 from smarttestudo.domain.status import RulesInForce
 
 PUSHED = "rules_text"
@@ -44,6 +45,12 @@ class LiveRules:
     def rules_hash(self) -> str:
         """The SHA-256 of the rule texts, one after the other; empty while there are none."""
         return self.in_force.sha256
+
+    @property
+    def rule_texts(self) -> RuleTexts:
+        """The texts for whoever wants to know what holds."""
+        renamed = {name: full for name, full in self.names.items() if name != full}
+        return RuleTexts(sha256=self.rules_hash, files=tuple(self.texts.items()), full_names=renamed)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

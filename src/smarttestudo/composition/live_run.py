@@ -15,13 +15,14 @@ from smarttestudo.composition.live_sampling import LiveSampling
 from smarttestudo.composition.live_status import LiveStatus
 from smarttestudo.composition.live_topics import LiveTopics
 from smarttestudo.composition.status_announcer import StatusAnnouncer
+from smarttestudo.composition.status_pulse import StatusPulse
 from smarttestudo.domain.observation import LinkBudget
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Robot
+from smarttestudo.domain.status import RulesInForce
 from smarttestudo.runtime.execute.relay import Relayed
 
 LOOK_PERIOD_S = 0.2
-STATUS_PERIOD_S = 1.0
 
 
 class LiveRun:
@@ -42,11 +43,13 @@ class LiveRun:
         self._sampling = LiveSampling(loop)
         self._status = LiveStatus(robot.name, read_own_process())
         self._announcer = StatusAnnouncer(robot)
+        self._pulse = StatusPulse(robot)
+        self._standing: Callable[[], RulesInForce] = lambda: self._rules.in_force
 
     def drive(self, stopped: Callable[[], bool]) -> None:
         """Until ``stopped``."""
         self._robot.every(LOOK_PERIOD_S, self._look)
-        self._robot.every(STATUS_PERIOD_S, self._tell)
+        self._robot.every(self._pulse.period_s, self._tell)
         while not stopped():
             self._report()
             self._robot.wait(self._wake_ns, LOOK_PERIOD_S)
@@ -65,6 +68,14 @@ class LiveRun:
         """The relayed topics may take so much from now on."""
         budget = LinkBudget(link_kb_per_s=budget_kb_per_s)
         self._publish(self._loop.on_budget(budget, self._robot.now_ns()))
+
+    def set_status_hz(self, status_hz: float) -> None:
+        """Tell what goes on so often from now on, as long as somebody listens."""
+        self._pulse.asked_hz = status_hz
+
+    def ask_standing(self, standing: Callable[[], RulesInForce]) -> None:
+        """Have ``standing`` say how the rules came to hold."""
+        self._standing = standing
 
     def _priority_of(self, topic: str) -> float:
         return self._loop.profile.topic(topic).priority
@@ -107,10 +118,19 @@ class LiveRun:
             self._topics.publish(one)
             self._status.note(one)
 
-    def _tell(self) -> None:
-        links, now_ns = self._topics.links(), self._robot.now_ns()
-        status = self._status.look(self._loop, links, self._rules.in_force, read_own_process(), now_ns)
-        self._announcer.announce(status)
+    def _tell(self) -> float:
+        began_ns, now_ns = self._robot.steady_ns(), self._robot.now_ns()
+        self._publish(self._loop.on_wake(now_ns))
+        status = self._status.look(
+            self._loop,
+            self._topics.links(),
+            self._standing(),
+            read_own_process(),
+            now_ns,
+            status_hz=self._pulse.status_hz,
+        )
+        self._announcer.announce(status, diagnostics_too=self._pulse.is_diagnosis_due(began_ns))
+        return self._pulse.next_s(began_ns)
 
     def _report(self) -> None:
         decisions = self._loop.take_decisions()

@@ -28,6 +28,9 @@ from smarttestudo.runtime.execute.statistics import RelayStatistics
 from smarttestudo.runtime.relay_loop import RelayLoop
 
 TOLERANCE_PERCENT = 5.0
+STATUS_HZ = 1.0
+"""How often to tell what a run does, where nobody asks for more."""
+_CPU_OVER_NS = NS_PER_S * 9 // 10
 _ERROR_AFTER_NS = 5 * NS_PER_S
 # What a pacer's credit and the edges of a window may add or take.
 _MESSAGES_EXPLAINED = 3
@@ -70,9 +73,10 @@ class _Error(NamedTuple):
 
 
 class LiveStatus:
-    """Measures a live run; ``look`` is to be called about once a second."""
+    """Measures a live run; ``look`` is to be called once a second or more often."""
 
     def __init__(self, node: str, start: ProcessReading) -> None:
+        self._cpu_percent: float | None = None
         self._node = node
         self._start = self._process = start
         self._meters: dict[str, _Meters] = {}
@@ -90,10 +94,13 @@ class LiveStatus:
         rules: RulesInForce,
         process: ProcessReading,
         now_ns: int,
+        *,
+        status_hz: float = STATUS_HZ,
     ) -> RuntimeStatus:
-        """The status at ``now_ns`` on the node's clock; ``links`` are those of all relayed topics."""
-        before, self._process = self._process, process
-        elapsed_ns = process.steady_ns - before.steady_ns
+        """The status at ``now_ns`` on the node's clock, by when what time alone does was done.
+
+        ``links`` are those of all relayed topics.
+        """
         resident = process.resident_bytes
         return RuntimeStatus(
             node=self._node,
@@ -102,10 +109,20 @@ class LiveStatus:
             rules=rules,
             budget_kb_per_s=loop.budget_kb_per_s,
             floors_break_budget=loop.floors_break_budget,
-            cpu_percent=100 * (process.cpu_ns - before.cpu_ns) / elapsed_ns if elapsed_ns > 0 else None,
+            cpu_percent=self._share_of_cpu(process),
             memory_mb=None if resident is None else resident / _BYTES_PER_MB,
             topics=self._topics(loop, links, now_ns),
+            status_hz=status_hz,
+            blocks=loop.block_states(now_ns),
         )
+
+    def _share_of_cpu(self, process: ProcessReading) -> float | None:
+        """Over about a second: less is too short to say."""
+        elapsed_ns = process.steady_ns - self._process.steady_ns
+        if elapsed_ns >= _CPU_OVER_NS:
+            self._cpu_percent = 100 * (process.cpu_ns - self._process.cpu_ns) / elapsed_ns
+            self._process = process
+        return self._cpu_percent
 
     def _topics(self, loop: RelayLoop, links: Mapping[str, TopicLink], now_ns: int) -> dict[str, TopicStatus]:
         statistics, discarded = loop.topics, loop.discarded

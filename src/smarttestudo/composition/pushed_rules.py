@@ -44,6 +44,10 @@ class PushedRules(Generic[_Rules]):
         """Whether a pushed text holds, confirmed or not."""
         return self._waiting is not None or self._confirmed_hash is not None
 
+    def waits_ns(self, now_ns: int) -> int | None:
+        """How long a pushed text still waits to be confirmed; ``None`` where none does."""
+        return None if self._waiting is None else max(self._waiting.until_ns - now_ns, 0)
+
     def replace(self, rules: _Rules) -> None:
         """Other rules hold for good, and whatever was pushed before is forgotten."""
         self.rules = rules

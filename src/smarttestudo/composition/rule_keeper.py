@@ -6,16 +6,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from contextlib import AbstractContextManager
+from dataclasses import replace
 
 from smarttestudo.composition.fallback import Fallback
 from smarttestudo.composition.live_rules import PUSHED, LiveRuleFiles, LiveRules, Reading
 from smarttestudo.composition.live_run import LOOK_PERIOD_S, LiveRun
 from smarttestudo.composition.pushed_rules import CONFIRM_WITHIN_S, PushedRules
 from smarttestudo.composition.rule_watch import RuleWatch
-from smarttestudo.composition.run_parameters import budget_parameter
+from smarttestudo.composition.run_parameters import budget_parameter, status_hz_parameter
 from smarttestudo.domain.errors import RosError, UsageError
 from smarttestudo.domain.parameter import ParameterValue
 from smarttestudo.domain.robot import Robot
+from smarttestudo.domain.status import RulesInForce, RulesOrigin
+from smarttestudo.domain.units import NS_PER_S
 
 RELOAD_SERVICE = "~/reload"
 FALLBACK_LOOK_PERIOD_S = 1.0
@@ -60,6 +63,7 @@ class RuleKeeper:
     def keep(self) -> AbstractContextManager[None]:
         """Follow the rules during the block, as they change."""
         self._show()
+        self._live.ask_standing(self._standing)
         self._robot.every(LOOK_PERIOD_S, self._look)
         self._robot.every(FALLBACK_LOOK_PERIOD_S, self._look_for_topics)
         try:
@@ -72,6 +76,7 @@ class RuleKeeper:
         """Do what newly set parameters ask for, all of it or nothing. Raises ``TestudoError``."""
         pushed = self._checked_text(str(changes["rules_text"])) if "rules_text" in changes else None
         budget_kb_per_s = _budget(changes)
+        status_hz = status_hz_parameter(changes["status_hz"]) if "status_hz" in changes else None
         confirmed = str(changes.get("confirm_hash", "")).strip().lower()
         if confirmed and not self._is_confirmable(confirmed, pushed):
             cause = "no pushed rules with this hash wait for it"
@@ -79,6 +84,8 @@ class RuleKeeper:
         if budget_kb_per_s is not None:
             self._live.set_budget(budget_kb_per_s)
             self._robot.log.info(f"budget: {budget_kb_per_s:g} KB/s")
+        if status_hz is not None:
+            self._live.set_status_hz(status_hz)
         if pushed is not None:
             self._push(pushed)
         if self._in_force.confirm(confirmed):
@@ -145,6 +152,18 @@ class RuleKeeper:
         rules = self._rules
         self._robot.show("rules_hash", rules.rules_hash)
         self._robot.show("rules_text", rules.texts.get(PUSHED, ""))
+        self._robot.show("rules_in_force", rules.rule_texts.to_text())
+
+    def _standing(self) -> RulesInForce:
+        rules, waits_ns = self._rules, self._in_force.waits_ns(self._robot.steady_ns())
+        if waits_ns is not None:
+            origin = RulesOrigin.WAITING
+        elif self._in_force.rules is None:
+            origin = RulesOrigin.FALLBACK
+        else:
+            origin = RulesOrigin.PUSHED if PUSHED in rules.texts else RulesOrigin.FILES
+        waits_s = None if waits_ns is None else waits_ns / NS_PER_S
+        return replace(rules.in_force, origin=origin, waits_s=waits_s)
 
     def _checked_text(self, text: str) -> LiveRules:
         size_bytes = len(text.encode("utf-8"))

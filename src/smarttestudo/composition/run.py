@@ -48,6 +48,7 @@ def run_live(
         fallback.look()
     rules = first.rules or fallback.rules()
     live = LiveRun(robot, InputRecorder(robot, request, note), rules, decisions)
+    live.set_status_hz(request.status_hz)
     keeper = RuleKeeper(robot, live, files, fallback, first)
     with keeper.keep():
         parameters.serve(keeper.accept)

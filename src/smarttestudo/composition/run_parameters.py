@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from smarttestudo.composition.live_status import STATUS_HZ
 from smarttestudo.composition.monitored_topics import DEFAULT_OUTPUT_TOPIC
 from smarttestudo.domain.budget import budget_kb_per_s
 from smarttestudo.domain.errors import UsageError
@@ -16,6 +17,7 @@ from smarttestudo.domain.parameter import Accept, Access, Parameter, ParameterVa
 from smarttestudo.domain.robot import Robot
 from smarttestudo.pacing.sample import WhenSlow
 
+MAX_STATUS_HZ = 20.0
 PARAMETERS = (
     Parameter(
         name="rules_file",
@@ -42,6 +44,12 @@ PARAMETERS = (
         value="",
         access=Access.NODE,
     ),
+    Parameter(
+        name="rules_in_force",
+        description="The texts of the rules that hold now, as a JSON object. It cannot be set.",
+        value="",
+        access=Access.NODE,
+    ),
     Parameter(name="profile_file", description="What is known about the topics (TOML).", value=""),
     Parameter(
         name="output_topic",
@@ -62,6 +70,13 @@ PARAMETERS = (
         name="budget_kb_per_s",
         description="KB/s that all relayed topics together may take; no limit while it is not set.",
         value=None,
+        access=Access.ANYONE,
+        is_typed=False,
+    ),
+    Parameter(
+        name="status_hz",
+        description=f"Statuses a second on /testudo/status while somebody listens, 1 to {MAX_STATUS_HZ:g}.",
+        value=STATUS_HZ,
         access=Access.ANYONE,
         is_typed=False,
     ),
@@ -89,6 +104,7 @@ class RunRequest:
     topic_prefix: str = ""
     when_slow: WhenSlow = WhenSlow.PASS
     budget_kb_per_s: float | None = None
+    status_hz: float = STATUS_HZ
     decisions: Path | None = None
     record_inputs: Path | None = None
 
@@ -128,6 +144,7 @@ def _request(values: Mapping[str, ParameterValue]) -> RunRequest:
         topic_prefix=_topic_prefix(values["topic_prefix"]),
         when_slow=_when_slow(values["when_slow"]),
         budget_kb_per_s=budget_parameter(values["budget_kb_per_s"]),
+        status_hz=status_hz_parameter(values["status_hz"]),
         decisions=_path(values["decisions_file"]),
         record_inputs=_path(values["record_inputs"]),
     )
@@ -139,6 +156,14 @@ def budget_parameter(value: ParameterValue) -> float | None:
         return None if value is None else budget_kb_per_s(value)
     except ValueError as error:
         raise UsageError(str(error), place="parameter budget_kb_per_s") from error
+
+
+def status_hz_parameter(value: ParameterValue) -> float:
+    """Statuses a second. Raises ``UsageError``."""
+    if isinstance(value, int | float) and not isinstance(value, bool) and STATUS_HZ <= value <= MAX_STATUS_HZ:
+        return float(value)
+    cause = f"it is a number from {STATUS_HZ:g} to {MAX_STATUS_HZ:g}, not {value!r}"
+    raise UsageError(cause, place="parameter status_hz")
 
 
 def _names(value: ParameterValue) -> tuple[str, ...]:

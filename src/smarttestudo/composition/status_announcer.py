@@ -25,12 +25,14 @@ class StatusAnnouncer:
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
-        opened = (self._opened(way) for way in (_as_text, _as_diagnostics))
-        self._ways = [way for way in opened if way is not None]
+        self._text = self._opened(_as_text)
+        self._diagnostics = self._opened(_as_diagnostics)
 
-    def announce(self, status: RuntimeStatus) -> None:
+    def announce(self, status: RuntimeStatus, *, diagnostics_too: bool = True) -> None:
         """Publish ``status``."""
-        self._ways = [way for way in self._ways if self._succeeded(way, status)]
+        self._text = self._said(self._text, status)
+        if diagnostics_too:
+            self._diagnostics = self._said(self._diagnostics, status)
 
     def _opened(self, way: Callable[[Robot], _Announce]) -> _Announce | None:
         try:
@@ -39,13 +41,15 @@ class StatusAnnouncer:
             self._robot.log.warning(str(error))
             return None
 
-    def _succeeded(self, way: _Announce, status: RuntimeStatus) -> bool:
+    def _said(self, way: _Announce | None, status: RuntimeStatus) -> _Announce | None:
+        """``way`` as long as it works."""
         try:
-            way(status)
+            if way is not None:
+                way(status)
         except RosError as error:
             self._robot.log.warning(f"{error}; nothing more is said there")
-            return False
-        return True
+            return None
+        return way
 
 
 def _as_text(robot: Robot) -> _Announce:

@@ -12,6 +12,7 @@ from typing import Protocol
 from smarttestudo.domain.diagnostic import Diagnostic
 from smarttestudo.domain.parameter import Accept, Parameter, ParameterValue
 from smarttestudo.domain.payload import Payload
+from smarttestudo.domain.remote_parameters import RemoteParameters
 
 Receive = Callable[[Payload, Hashable], None]
 """Takes a serialized message and what tells its publisher from others of the topic, or ``None``."""
@@ -219,8 +220,15 @@ class Robot(Protocol):
         It succeeds with the message that ``act`` returns, and fails with its ``TestudoError``.
         """
 
-    def every(self, period_s: float, act: Callable[[], None]) -> None:
-        """Have ``act`` called again and again, in real time."""
+    @property
+    def remote_parameters(self) -> RemoteParameters:
+        """Parameters of other nodes."""
+
+    def every(self, period_s: float, act: Callable[[], float | None]) -> None:
+        """Have ``act`` called again and again, in real time.
+
+        The next time is after as many seconds as it returns, or after ``period_s`` where that is ``None``.
+        """
 
     def wait(self, wake_ns: int | None, longest_s: float) -> None:
         """Handle what comes next; return after it, at ``wake_ns`` or after ``longest_s`` in real time."""

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
 
+from smarttestudo.domain.block_status import BlockStatus
 from smarttestudo.domain.decision import Reason
 
 
@@ -32,12 +33,28 @@ class ProcessReading:
     resident_bytes: int | None
 
 
+class RulesOrigin(Enum):
+    """Where the rules in force come from; the value is its name in JSON."""
+
+    FILES = "files"
+    PUSHED = "pushed"
+    WAITING = "waiting"
+    """Pushed, and not confirmed yet."""
+    FALLBACK = "fallback"
+    """There are none: everything is relayed."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RulesInForce:
-    """The files that the rules came from, and the SHA-256 of their text in hexadecimal."""
+    """The files that the rules came from, and the SHA-256 of their text in hexadecimal.
+
+    ``waits_s`` is how long pushed rules still hold unless they are confirmed; ``None`` where none wait.
+    """
 
     paths: tuple[str, ...] = ()
     sha256: str = ""
+    origin: RulesOrigin = RulesOrigin.FILES
+    waits_s: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -102,7 +119,8 @@ class RuntimeStatus:
     """All of a runtime: its node, its rules, the link, itself, and its topics by source.
 
     ``stamp_ns`` is the node's clock, ``uptime_s`` real time since the start, ``cpu_percent`` of one core
-    since the last status, ``memory_mb`` what is resident.
+    over the last second, ``memory_mb`` what is resident. ``status_hz`` is how often a status comes,
+    ``blocks`` tells which conditions hold.
     """
 
     node: str
@@ -114,6 +132,8 @@ class RuntimeStatus:
     cpu_percent: float | None
     memory_mb: float | None
     topics: Mapping[str, TopicStatus]
+    status_hz: float = 1.0
+    blocks: tuple[BlockStatus, ...] = ()
 
     @property
     def in_kb_per_s(self) -> float:

@@ -9,8 +9,16 @@ import math
 from collections.abc import Callable, Mapping
 from typing import TypeVar
 
+from smarttestudo.domain.block_status_json import block_to_json, blocks_from_json
 from smarttestudo.domain.decision import Reason
-from smarttestudo.domain.status import RulesInForce, RuntimeStatus, Silence, TopicCounts, TopicStatus
+from smarttestudo.domain.status import (
+    RulesInForce,
+    RulesOrigin,
+    RuntimeStatus,
+    Silence,
+    TopicCounts,
+    TopicStatus,
+)
 
 _Read = TypeVar("_Read")
 
@@ -21,7 +29,8 @@ def status_to_json(status: RuntimeStatus) -> dict[str, object]:
         "node": status.node,
         "stamp_ns": status.stamp_ns,
         "uptime_s": round(status.uptime_s, 3),
-        "rules": {"files": list(status.rules.paths), "sha256": status.rules.sha256},
+        "status_hz": _rounded(status.status_hz),
+        "rules": _rules_to_json(status.rules),
         "fallback": status.is_fallback,
         "budget_kb_per_s": status.budget_kb_per_s,
         "floors_break_budget": status.floors_break_budget,
@@ -30,11 +39,15 @@ def status_to_json(status: RuntimeStatus) -> dict[str, object]:
         "cpu_percent": _rounded(status.cpu_percent),
         "memory_mb": _rounded(status.memory_mb),
         "topics": {source: _topic_to_json(topic) for source, topic in status.topics.items()},
+        "blocks": [block_to_json(block) for block in status.blocks],
     }
 
 
 def status_from_text(text: str) -> RuntimeStatus:
-    """The status that ``text`` holds; ``ValueError`` where it is none, or one of another version."""
+    """The status that ``text`` holds; ``ValueError`` where it is none, or one of another version.
+
+    What an older version does not say is as it was then; what a newer one adds is left out.
+    """
     try:
         record = _Record(json.loads(text))
         return RuntimeStatus(
@@ -49,9 +62,20 @@ def status_from_text(text: str) -> RuntimeStatus:
             topics={
                 source: _topic(_Record(topic)) for source, topic in record.record("topics").entries.items()
             },
+            status_hz=record.optional(record.number, "status_hz") or 1.0,
+            blocks=blocks_from_json(record.entries.get("blocks")),
         )
     except (TypeError, RecursionError) as error:
         raise ValueError(str(error)) from error
+
+
+def _rules_to_json(rules: RulesInForce) -> dict[str, object]:
+    return {
+        "files": list(rules.paths),
+        "sha256": rules.sha256,
+        "origin": rules.origin.value,
+        "waits_s": _rounded(rules.waits_s),
+    }
 
 
 def _topic_to_json(topic: TopicStatus) -> dict[str, object]:
@@ -128,7 +152,13 @@ class _Record:
 
 
 def _rules(record: _Record) -> RulesInForce:
-    return RulesInForce(paths=record.texts("files"), sha256=record.text("sha256"))
+    named = record.entries.get("origin")
+    return RulesInForce(
+        paths=record.texts("files"),
+        sha256=record.text("sha256"),
+        origin=next((origin for origin in RulesOrigin if origin.value == named), RulesOrigin.FILES),
+        waits_s=record.optional(record.number, "waits_s"),
+    )
 
 
 def _topic(record: _Record) -> TopicStatus:

@@ -7,12 +7,14 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Hashable, Iterator, Mapping, Sequence
 
 from smarttestudo.adirf.rule_set import RuleSet
+from smarttestudo.domain.block_status import BlockStatus
 from smarttestudo.domain.decision import Decision, PlannedRate
 from smarttestudo.domain.observation import Arrival, LinkBudget, Observation, SourceChanged
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.signal import Signal
 from smarttestudo.pacing.sample import WhenSlow
+from smarttestudo.runtime.analyze.block_states import block_states
 from smarttestudo.runtime.execute.relay import Relayed
 from smarttestudo.runtime.execute.relays import Relays
 from smarttestudo.runtime.execute.statistics import RelayStatistics
@@ -100,6 +102,10 @@ class RelayLoop:
     def budget_kb_per_s(self) -> float | None:
         """What all relayed topics together may take; ``None`` without a budget."""
         return None if self._knowledge.link is None else self._knowledge.link.budget_kb_per_s
+
+    def block_states(self, now_ns: int) -> tuple[BlockStatus, ...]:
+        """Which conditions hold, and what their checks read; to be asked right after ``on_wake``."""
+        return block_states(self._knowledge, self._knowledge.time.at(now_ns))
 
     @property
     def discarded(self) -> Mapping[str, int]:

@@ -4,7 +4,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable, Iterable
+import contextlib
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterable
 from typing import TypeVar
 
 import msgspec
@@ -16,16 +17,23 @@ from starlette.routing import BaseRoute, Mount, Route, WebSocketRoute
 from starlette.types import ASGIApp
 
 from smarttestudo.adapters.files.project_folder import ProjectFolder
+from smarttestudo.composition.ruler.robot_link import RobotLink
+from smarttestudo.composition.ruler.ruler_node import ruler_node
 from smarttestudo.domain.errors import TestudoError
-from smarttestudo.web import optimize_api, rules_api
+from smarttestudo.web import optimize_api, rules_api, zone_schemas, zones_json
+from smarttestudo.web import robot_schemas as robot_schema
 from smarttestudo.web import schemas as schema
 from smarttestudo.web import sharing_schemas as sharing
+from smarttestudo.web.background_api import BackgroundApi
 from smarttestudo.web.bodies import read_body
 from smarttestudo.web.errors import JSON, RequestError, error_answer
 from smarttestudo.web.guard import Access, Guard
+from smarttestudo.web.live_feed import LiveFeed
+from smarttestudo.web.measure_api import MeasureApi
 from smarttestudo.web.page import page_files
 from smarttestudo.web.profile_api import ProfileApi
 from smarttestudo.web.project_api import ProjectApi
+from smarttestudo.web.robots_api import RobotsApi
 from smarttestudo.web.socket import Listeners
 from smarttestudo.web.try_api import TryApi
 
@@ -36,16 +44,28 @@ _Handler = Callable[[Request], Awaitable[Response]]
 def ruler_app(folder: ProjectFolder, access: Access, *, opened: str | None = None) -> ASGIApp:
     """The server of the project in ``folder``, for whom ``access`` lets in."""
     listeners = Listeners()
+    link = RobotLink(ruler_node)
+    robots = RobotsApi(link)
+    feed = LiveFeed(link, listeners)
+
+    @contextlib.asynccontextmanager
+    async def lifespan(_: Starlette) -> AsyncIterator[None]:
+        yield
+        await feed.close()
+
     routes: list[BaseRoute] = [
         *_project_routes(ProjectApi(folder, opened)),
         *_rule_routes(rules_api.RulesApi()),
-        *_profile_routes(ProfileApi(folder)),
+        *_profile_routes(ProfileApi(folder, robots.topics)),
+        *_background_routes(BackgroundApi(folder)),
+        *_robot_routes(robots),
+        Route("/api/profile/measure-live", MeasureApi(listeners).answer, methods=["POST"]),
         Route("/api/try", TryApi(folder, listeners).answer, methods=["POST"]),
         Route("/api/{path:path}", _no_such_thing, methods=["GET", "POST", "PUT", "DELETE", "PATCH"]),
         WebSocketRoute("/ws", listeners.serve),
         Mount("/", page_files()),
     ]
-    app = Starlette(routes=routes, exception_handlers={TestudoError: _said})
+    app = Starlette(routes=routes, exception_handlers={TestudoError: _said}, lifespan=lifespan)
     return Guard(app, access)
 
 
@@ -71,7 +91,19 @@ def _rule_routes(api: rules_api.RulesApi) -> Iterable[BaseRoute]:
     yield _route("/api/export", sharing.ExportRequest, rules_api.export)
     yield _route("/api/import", sharing.ImportRequest, api.import_rules)
     yield _route("/api/import/preview", sharing.ImportPreviewRequest, rules_api.import_preview)
+    yield _route("/api/zones", schema.DocumentRequest, api.zones)
+    yield _route("/api/zones/cover", zone_schemas.CoverRequest, zones_json.cover)
     yield _route("/api/optimize", schema.OptimizeRequest, optimize_api.optimize)
+
+
+def _background_routes(api: BackgroundApi) -> Iterable[BaseRoute]:
+    async def choices(_: Request) -> Response:
+        return _json(await run_in_threadpool(api.choices))
+
+    yield Route("/api/backgrounds", choices, methods=["GET"])
+    yield Route("/api/background/picture", api.picture, methods=["GET"])
+    yield _route("/api/background", zone_schemas.BackgroundRequest, api.background)
+    yield _route("/api/background/path", zone_schemas.PathRequest, api.path)
 
 
 def _profile_routes(api: ProfileApi) -> Iterable[BaseRoute]:
@@ -84,6 +116,20 @@ def _profile_routes(api: ProfileApi) -> Iterable[BaseRoute]:
     yield _route("/api/profile/parse", schema.ProfileParseRequest, api.parse)
     yield _route("/api/profile/write", schema.ProfileWriteRequest, api.write)
     yield _route("/api/profile/measure", schema.ProfileMeasureRequest, api.measure)
+
+
+def _robot_routes(api: RobotsApi) -> Iterable[BaseRoute]:
+    async def robots(_: Request) -> Response:
+        return _json(await run_in_threadpool(api.robots))
+
+    async def rules(request: Request) -> Response:
+        return _json(await run_in_threadpool(api.rules, request.query_params.get("node", "")))
+
+    yield Route("/api/robots", robots, methods=["GET"])
+    yield Route("/api/robots/rules", rules, methods=["GET"])
+    yield _route("/api/push/preview", robot_schema.PushRequest, api.preview)
+    yield _route("/api/push", robot_schema.PushRequest, api.push)
+    yield _route("/api/push/confirm", robot_schema.ConfirmRequest, api.confirm)
 
 
 def _route(

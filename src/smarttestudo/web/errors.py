@@ -14,6 +14,7 @@ from smarttestudo.adapters.files.project_folder import (
 )
 from smarttestudo.composition.ruler.checked_text import RefusedTextError
 from smarttestudo.domain.errors import TestudoError
+from smarttestudo.domain.remote_parameters import SilentNodeError
 from smarttestudo.web.document_json import finding_models
 from smarttestudo.web.schemas import ErrorAnswer, Problem
 from smarttestudo.web.statement_schemas import FindingModel
@@ -24,6 +25,7 @@ _STATUS: tuple[tuple[type[TestudoError], int], ...] = (
     (ForbiddenPathError, 403),
     (ChangedFileError, 409),
     (RefusedTextError, 409),
+    (SilentNodeError, 504),
 )
 _UNPROCESSABLE = 422
 

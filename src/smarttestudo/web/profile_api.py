@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
 from smarttestudo.adapters.files.profile import parse_profile
@@ -19,10 +19,11 @@ from smarttestudo.web import schemas as schema
 
 
 class ProfileApi:
-    """Profiles and words, with the bags of ``folder``."""
+    """Profiles and words, with the bags of ``folder``; ``robot_topics`` are the types of what is live now."""
 
-    def __init__(self, folder: ProjectFolder) -> None:
+    def __init__(self, folder: ProjectFolder, robot_topics: Callable[[], Mapping[str, str]]) -> None:
         self._folder = folder
+        self._robot_topics = robot_topics
 
     def parse(self, request: schema.ProfileParseRequest) -> schema.ProfileTable:
         """A profile as a table."""
@@ -78,6 +79,7 @@ class ProfileApi:
             else parse_profile(request.profile_text, Path("profile.toml")),
             bag_topics={} if request.bag is None else topics_of_bag(self._folder.bag(request.bag)),
             rules=None if request.text is None else parse(request.text, "the rules"),
+            robot_topics=self._robot_topics(),
         )
         return schema.VocabularyAnswer(
             topics=tuple(

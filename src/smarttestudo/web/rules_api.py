@@ -14,11 +14,14 @@ from smarttestudo.composition.ruler.checked_text import CheckedText, Draft, chec
 from smarttestudo.composition.ruler.difference import differences
 from smarttestudo.composition.ruler.importing import encounters, imported
 from smarttestudo.composition.ruler.sharing import download_text, exported
+from smarttestudo.composition.ruler.zones import part_for_zone
 from smarttestudo.web import schemas as schema
 from smarttestudo.web import sharing_schemas as sharing
 from smarttestudo.web.document_json import document_model
 from smarttestudo.web.statement_json import new_statement
 from smarttestudo.web.statement_schemas import DocumentModel
+from smarttestudo.web.zone_schemas import MoveZone, NewZone, ResizeZone, ZonesAnswer
+from smarttestudo.web.zones_json import zone_edited, zones_answer
 
 _TEXTS_KEPT = 4
 
@@ -32,6 +35,10 @@ class RulesApi:
     def document(self, request: schema.DocumentRequest) -> DocumentModel:
         """Statements and findings of a text."""
         return document_model(self._check(_draft(request)))
+
+    def zones(self, request: schema.DocumentRequest) -> ZonesAnswer:
+        """The zones of a text."""
+        return zones_answer(self._check(_draft(request)))
 
     def edit(self, request: schema.EditRequest) -> schema.EditAnswer:
         """A text with one statement edited."""
@@ -122,14 +129,21 @@ def _edited(before: Document, change: schema.AnyEdit) -> str:
             return deleted(before, change.id)
         case schema.Move():
             return moved(before, change.id, change.collection, change.index)
+        case NewZone() | MoveZone() | ResizeZone():
+            return zone_edited(before, change)
 
 
 def _edited_number(before: Document, change: schema.AnyEdit) -> int | None:
     """Which statement of the new text was edited, counted from 0."""
     ids = [entry.id for entry in before.entries]
     match change:
-        case schema.Replace():
+        case schema.Replace() | MoveZone() | ResizeZone():
             return ids.index(change.id)
+        case NewZone():
+            if change.into is not None:
+                return ids.index(change.into)
+            part = part_for_zone(before)
+            return _number_at(before, part.id, len(part.entries), without=None)
         case schema.Delete():
             return None
         case schema.Insert():

@@ -16,9 +16,10 @@ from msgspec import Struct
 
 from smarttestudo.optimizer.model import Model
 from smarttestudo.web.statement_schemas import AnyStatement, DocumentModel, FindingModel
+from smarttestudo.web.zone_schemas import MoveZone, NewZone, ResizeZone
 
 PROTOCOL_VERSION = 1
-FileKindName = Literal["rules", "profile", "bag", "map", "layout"]
+FileKindName = Literal["rules", "profile", "bag", "map", "layout", "image"]
 
 
 class Problem(Struct, frozen=True, kw_only=True):
@@ -134,7 +135,7 @@ class Move(Struct, frozen=True, kw_only=True, tag_field="kind", tag="move"):
     index: int
 
 
-AnyEdit = Replace | Insert | Delete | Move
+AnyEdit = Replace | Insert | Delete | Move | NewZone | MoveZone | ResizeZone
 
 
 class EditRequest(Struct, frozen=True, kw_only=True):
@@ -177,7 +178,7 @@ class VocabularyTopic(Struct, frozen=True, kw_only=True):
     topic: str
     type: str | None
     properties: tuple[PropertyModel, ...]
-    source: Literal["profile", "bag", "rules", "example"]
+    source: Literal["profile", "robot", "bag", "rules", "example"]
 
 
 class VocabularyRequest(Struct, frozen=True, kw_only=True):
@@ -384,6 +385,3 @@ class Progress(Struct, frozen=True, kw_only=True, tag_field="kind", tag="progres
 
     run: str
     share: float
-
-
-AnyPush = Hello | Progress

@@ -53,7 +53,7 @@ def server_of(app: ASGIApp) -> uvicorn.Server:
             ws="websockets-sansio",
             ws_max_size=MAX_BODY_BYTES,
             timeout_graceful_shutdown=_STOP_TIMEOUT_S,
-            lifespan="off",
+            lifespan="on",
         )
     )
 

@@ -13,14 +13,17 @@ from typing import Any
 import numpy as np
 from PIL import Image, UnidentifiedImageError
 from ruamel.yaml import YAML
-from ruamel.yaml.error import YAMLError
+from ruamel.yaml.error import MarkedYAMLError, YAMLError
 
 from smarttestudo.domain.errors import TestudoError
 from smarttestudo.visualizer.floor import OccupancyMap
 
 _MAX_YAML_BYTES = 1_000_000
 _MOST_CELLS = 600
+MAX_MEGAPIXELS = 36
 _USUAL_OCCUPIED_SHARE = 0.65
+_USUAL_FREE_SHARE = 0.196
+_ORIGIN_NUMBERS = 3
 _WHITE = 255.0
 _REMEDY = "give the .yaml file that nav2's map_saver wrote"
 
@@ -29,14 +32,22 @@ class MapError(TestudoError):
     """A map that cannot be read."""
 
 
+class _HeaderError(ValueError):
+    """A value of the YAML file that no map has."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
-class _Header:
-    """What the YAML file says; ``occupied_share`` is how dark an occupied cell is at least, 0 … 1."""
+class MapHeader:
+    """What the YAML file says; ``occupied_share`` is how dark an occupied cell is at least, 0 … 1.
+
+    Cells less dark than ``free_share`` are free, those between are unknown.
+    """
 
     image: Path
     cell_m: float
     origin: tuple[float, float, float]
     occupied_share: float
+    free_share: float
     is_negative: bool
 
 
@@ -48,15 +59,8 @@ def read_nav2_map(path: Path) -> OccupancyMap:
     Raises:
         MapError: either file cannot be read or is none of a map.
     """
-    header = _header(path)
-    try:
-        with Image.open(header.image) as image:
-            grey = np.asarray(image.convert("L"), dtype=np.float64) / _WHITE
-    except (OSError, UnidentifiedImageError, Image.DecompressionBombError, ValueError) as error:
-        cause = f"the map's image cannot be read: {getattr(error, 'strerror', None) or 'not an image'}"
-        raise MapError(cause, place=str(header.image), remedy=_REMEDY) from error
-    darkness = grey if header.is_negative else 1 - grey
-    occupied = darkness > header.occupied_share
+    header = read_map_header(path)
+    occupied = read_darkness(header) > header.occupied_share
     joined = max(1, math.ceil(max(occupied.shape) / _MOST_CELLS))
     # Rows of an image run downwards, those of a map upwards.
     rows = _joined(occupied[::-1], joined)
@@ -70,7 +74,34 @@ def read_nav2_map(path: Path) -> OccupancyMap:
     )
 
 
-def _header(path: Path) -> _Header:
+def read_darkness(header: MapHeader) -> np.ndarray[Any, np.dtype[np.float32]]:
+    """How dark each cell is, 0 … 1, rows from the top; ``MapError`` where the image cannot be read."""
+    try:
+        with Image.open(header.image) as image:
+            require_bounded(image, header.image)
+            grey = np.asarray(image.convert("L"), dtype=np.float32) / _WHITE
+    except Image.DecompressionBombError as error:
+        raise too_many_pixels(header.image) from error
+    except (OSError, UnidentifiedImageError, ValueError) as error:
+        cause = f"the map's image cannot be read: {getattr(error, 'strerror', None) or 'not an image'}"
+        raise MapError(cause, place=str(header.image), remedy=_REMEDY) from error
+    return grey if header.is_negative else 1 - grey
+
+
+def require_bounded(image: Image.Image, path: Path) -> None:
+    """Refuse an image that would fill the memory; nothing of it is decoded yet. Raises ``MapError``."""
+    if image.width * image.height > MAX_MEGAPIXELS * 1_000_000:
+        raise too_many_pixels(path)
+
+
+def too_many_pixels(path: Path) -> MapError:
+    """What is said of an image that is too large."""
+    remedy = "save it smaller, a map with a coarser resolution"
+    return MapError(f"the image has more than {MAX_MEGAPIXELS} megapixels", place=str(path), remedy=remedy)
+
+
+def read_map_header(path: Path) -> MapHeader:
+    """What the YAML file at ``path`` says; ``MapError`` with the place of what is wrong in it."""
     try:
         with path.open("rb") as file:
             values = YAML(typ="safe").load(file.read(_MAX_YAML_BYTES))
@@ -80,19 +111,37 @@ def _header(path: Path) -> _Header:
             f"the map cannot be read: {error.strerror}", place=str(path), remedy=_REMEDY
         ) from error
     except (YAMLError, LookupError, TypeError, ValueError, AttributeError, RecursionError) as error:
-        raise MapError("not a map of nav2", place=str(path), remedy=_REMEDY) from error
+        raise MapError(
+            f"not a map of nav2{_reason(error)}", place=f"{path}{_line(error)}", remedy=_REMEDY
+        ) from error
 
 
-def _read_header(values: Mapping[str, Any], folder: Path) -> _Header:
-    x_m, y_m, yaw_rad = (float(value) for value in values["origin"])
-    cell_m = float(values["resolution"])
+def _reason(error: Exception) -> str:
+    if isinstance(error, KeyError):
+        return f": it has no {error.args[0]!r}"
+    if isinstance(error, MarkedYAMLError) and error.problem:
+        return f": {error.problem}"
+    return f": {error}" if type(error) is _HeaderError else ""
+
+
+def _line(error: Exception) -> str:
+    mark = error.problem_mark if isinstance(error, MarkedYAMLError) else None
+    return "" if mark is None else f":{mark.line + 1}:{mark.column + 1}"
+
+
+def _read_header(values: Mapping[str, Any], folder: Path) -> MapHeader:
+    origin, cell_m = values["origin"], float(values["resolution"])
+    if len(origin) != _ORIGIN_NUMBERS:
+        raise _HeaderError("'origin' is not [x, y, yaw]")
+    x_m, y_m, yaw_rad = (float(value) for value in origin)
     if not (cell_m > 0 and all(map(math.isfinite, (cell_m, x_m, y_m, yaw_rad)))):
-        raise ValueError("a map has a resolution above 0 and a finite origin")
-    return _Header(
+        raise _HeaderError("'resolution' must be above 0 and 'origin' finite")
+    return MapHeader(
         image=folder / str(values["image"]),
         cell_m=cell_m,
         origin=(x_m, y_m, yaw_rad),
         occupied_share=float(values.get("occupied_thresh", _USUAL_OCCUPIED_SHARE)),
+        free_share=float(values.get("free_thresh", _USUAL_FREE_SHARE)),
         is_negative=bool(int(values.get("negate", 0))),
     )
 

@@ -11,6 +11,7 @@ import threading
 from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import Enum
+from itertools import islice
 from pathlib import Path, PurePosixPath
 
 from smarttestudo.adapters.files.rule_files import write_rule_text
@@ -21,6 +22,8 @@ MAX_FILES = 2000
 _MAX_DEPTH = 5
 _LAYOUT = re.compile(r"\.[^/]+\.layout\.json\Z")
 _BAG_SUFFIXES = frozenset({".db3", ".mcap"})
+_IMAGE_SUFFIXES = frozenset({".png", ".jpg", ".jpeg"})
+MAX_IMAGES = 200
 _SKIPPED = frozenset({"node_modules", "__pycache__", "build", "install", "log"})
 
 
@@ -32,6 +35,7 @@ class FileKind(Enum):
     BAG = "bag"
     MAP = "map"
     LAYOUT = "layout"
+    IMAGE = "image"
 
 
 _KINDS = {".adirf": FileKind.RULES, ".toml": FileKind.PROFILE, ".yaml": FileKind.MAP, ".yml": FileKind.MAP}
@@ -81,12 +85,14 @@ class ProjectFolder:
 
     def files(self) -> tuple[list[FoundFile], bool]:
         """What the Ruler can open, by name, and whether there is more than it lists."""
-        found: list[FoundFile] = []
-        for file in self._walk(self._root, _MAX_DEPTH):
-            if len(found) == MAX_FILES:
-                return found, True
-            found.append(file)
-        return found, False
+        known = (one for one in self._walk(self._root, _MAX_DEPTH) if one.kind is not FileKind.IMAGE)
+        found = list(islice(known, MAX_FILES + 1))
+        return found[:MAX_FILES], len(found) > MAX_FILES
+
+    def images(self) -> list[FoundFile]:
+        """The first 200 images, by name."""
+        found = (one for one in self._walk(self._root, _MAX_DEPTH) if one.kind is FileKind.IMAGE)
+        return list(islice(found, MAX_IMAGES))
 
     def path(self, name: str) -> Path:
         """The path of the file or folder ``name``, with links followed; ``ForbiddenPathError`` outside."""
@@ -105,6 +111,28 @@ class ProjectFolder:
         if not path.exists():
             raise MissingFileError("there is no such bag in the project", place=name)
         return path
+
+    def background(self, name: str, kind: FileKind) -> Path:
+        """The path of the map or image ``name``."""
+        path, suffix = self.path(name), PurePosixPath(name).suffix
+        is_image = suffix.lower() in _IMAGE_SUFFIXES
+        if not (is_image if kind is FileKind.IMAGE else _KINDS.get(suffix) is kind):
+            remedy = "maps end in .yaml, images in .png or .jpg"
+            raise ForbiddenPathError("this is no map or image", place=name, remedy=remedy)
+        if not path.is_file():
+            raise MissingFileError("there is no such file in the project", place=name)
+        return path
+
+    def require_inside(self, path: Path, place: str) -> None:
+        """Refuse a file that ``place`` names outside the project, by ``ForbiddenPathError``."""
+        if not path.resolve().is_relative_to(self._root):
+            raise ForbiddenPathError(
+                "this names a file outside the project folder", place=place, remedy="copy it into the project"
+            )
+
+    def shown(self, path: str) -> str:
+        """A path as the project calls it."""
+        return path.removeprefix(f"{self._root}{os.sep}")
 
     def read(self, name: str) -> FileText:
         """The text of the rule file, profile, map description or layout ``name``."""
@@ -183,6 +211,8 @@ class ProjectFolder:
         kind = FileKind.LAYOUT if _LAYOUT.fullmatch(entry.name) else _KINDS.get(path.suffix)
         if path.suffix in _BAG_SUFFIXES:
             kind = FileKind.BAG
+        if path.suffix.lower() in _IMAGE_SUFFIXES:
+            kind = FileKind.IMAGE
         if kind is None or (entry.name.startswith(".") and kind is not FileKind.LAYOUT):
             return
         if kind is FileKind.MAP and not _describes_map(path):

@@ -33,7 +33,7 @@ def open_robot(
         import rclpy  # noqa: F401, PLC0415  a laptop lacks it
     except ImportError as error:
         raise RosError(
-            "this command needs ROS 2 (rclpy)",
+            "this needs ROS 2 (rclpy)",
             remedy="source your ROS setup, or, without a ROS 2 installation, pip install 'smarttestudo[ros]'",
         ) from error
     from smarttestudo.adapters.ros.node import open_node  # noqa: PLC0415  needs rclpy

@@ -19,6 +19,7 @@ from smarttestudo.adapters.ros.data_path import open_data_path
 from smarttestudo.adapters.ros.diagnostics import diagnostics_publisher
 from smarttestudo.adapters.ros.message_types import begins_with_header, message_type
 from smarttestudo.adapters.ros.output_domain import operators_node
+from smarttestudo.adapters.ros.parameter_clients import REMOTE_LOOK_PERIOD_S, NodeParameterClients
 from smarttestudo.adapters.ros.parameters import NodeParameters
 from smarttestudo.adapters.ros.qos import further_policies, is_reliable, is_transient_local, qos_profile
 from smarttestudo.adapters.ros.rcl_path import RclPath
@@ -29,6 +30,7 @@ from smarttestudo.adapters.ros.services import offer_trigger
 from smarttestudo.domain.diagnostic import Diagnostic
 from smarttestudo.domain.errors import RosError, UsageError
 from smarttestudo.domain.parameter import Accept, Parameter, ParameterValue
+from smarttestudo.domain.remote_parameters import RemoteParameters
 from smarttestudo.domain.robot import DataPath, DataPathKind, Endpoint, OutputDomain, Qos, RobotLog
 from smarttestudo.domain.units import NS_PER_S
 
@@ -81,6 +83,7 @@ class RosNode:
         self._look_at_clock()
         self.every(CLOCK_PERIOD_S, self._look_at_clock)
         self._parameters = NodeParameters(node)
+        self._remote_parameters: NodeParameterClients | None = None
 
     @property
     def name(self) -> str:
@@ -185,8 +188,16 @@ class RosNode:
         """Offer a std_srvs/srv/Trigger service that calls ``act``. Raises ``RosError``."""
         offer_trigger(self._node, name, act)
 
-    def every(self, period_s: float, act: Callable[[], None]) -> None:
-        """Have ``act`` called again and again, in real time."""
+    @property
+    def remote_parameters(self) -> RemoteParameters:
+        """Parameters of other nodes."""
+        if self._remote_parameters is None:
+            self._remote_parameters = NodeParameterClients(self._node, time.monotonic)
+            self.every(REMOTE_LOOK_PERIOD_S, self._remote_parameters.look)
+        return self._remote_parameters
+
+    def every(self, period_s: float, act: Callable[[], float | None]) -> None:
+        """Have ``act`` called again and again, in real time; after what it returns, or ``period_s``."""
         self._timers.add(period_s, act, time.monotonic())
 
     def wait(self, wake_ns: int | None, longest_s: float) -> None:

@@ -52,11 +52,11 @@ class NodeParameters:
             )
         except ParameterException as error:
             raise UsageError(str(error), place=f"parameter {one.name}") from error
-        return _plain(declared.value)
+        return plain_value(declared.value)
 
     def _asked(self, parameters: Sequence[Any]) -> Any:
         """Whether rclpy may give the parameters their new values."""
-        changes = {one.name: _plain(one.value) for one in parameters if one.name in self._access}
+        changes = {one.name: plain_value(one.value) for one in parameters if one.name in self._access}
         if self._is_ours or not changes:
             return SetParametersResult(successful=True)
         try:
@@ -73,7 +73,8 @@ def _nothing(_changes: Mapping[str, ParameterValue]) -> None:
     """Accept whatever is set while nothing is declared."""
 
 
-def _plain(value: Any) -> ParameterValue:
+def plain_value(value: Any) -> ParameterValue:
+    """A value of ROS as ours; one of a type that we lack as text."""
     if value is None or isinstance(value, bool | int | float | str):
         return value
     try:

@@ -42,6 +42,7 @@ class RclInlet:
         self._taker = taker
         self._wake_ups = wake_ups
         self._is_to_rest = False
+        self._is_roused = False
         self._kept: RclPayload | None = None
         self._successor: RclSubscription | None = None
         self._subscription = self._open(qos)
@@ -60,14 +61,18 @@ class RclInlet:
 
     def serve(self, most: int) -> bool:
         """Deliver up to ``most`` messages; whether there may be more."""
+        if self._rests and not self._is_roused:
+            # What came just as it fell asleep would be held back as the last word, a period too long.
+            return False
         taker, subscription = self._taker, self._subscription
         for _ in range(most):
             payload = taker.take(subscription)
             if payload is None:
                 return self._successor is not None and self._hand_over(self._successor)
             self._receive(payload, taker.publisher)
-            if self._is_to_rest and self._successor is None:
+            if self._rests:
                 self._kept = None
+                self._is_roused = False
                 subscription.wake(wanted=False)
                 return False
         return True
@@ -81,7 +86,8 @@ class RclInlet:
 
     def rouse(self) -> None:
         """Receive the next message, then rest on; the newest that came while resting is kept for now."""
-        if self._is_to_rest and self._successor is None:
+        if self._rests:
+            self._is_roused = True
             self._kept = self._taker.take_newest(self._subscription) or self._kept
             self._subscription.wake(wanted=True)
 
@@ -97,10 +103,14 @@ class RclInlet:
         """Receive every message again."""
         if self._is_to_rest and self._taker.numbers is not None:
             self._taker.numbers.work()
-            self._is_to_rest = False
+            self._is_to_rest = self._is_roused = False
             self.take_kept()
             self._subscription.wake(wanted=True)
             self._succeed(self._qos)
+
+    @property
+    def _rests(self) -> bool:
+        return self._is_to_rest and self._successor is None
 
     def close(self) -> None:
         """Receive nothing more."""

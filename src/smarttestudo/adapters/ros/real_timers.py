@@ -12,7 +12,7 @@ from dataclasses import dataclass
 @dataclass(slots=True)
 class _Timer:
     period_s: float
-    act: Callable[[], None]
+    act: Callable[[], float | None]
     due_s: float
 
 
@@ -28,8 +28,11 @@ class RealTimers:
         self._timers: list[_Timer] = []
         self.due_s = math.inf
 
-    def add(self, period_s: float, act: Callable[[], None], now_s: float) -> None:
-        """Do ``act`` every ``period_s``, for the first time after one period."""
+    def add(self, period_s: float, act: Callable[[], float | None], now_s: float) -> None:
+        """Do ``act`` every ``period_s``, for the first time after one period.
+
+        Where it returns a number, the next time is after so many seconds.
+        """
         self._timers.append(_Timer(period_s, act, now_s + period_s))
         self._arm()
 
@@ -37,9 +40,9 @@ class RealTimers:
         """Do what is due, each once."""
         for timer in self._timers:
             if timer.due_s <= now_s:
-                next_s = timer.due_s + timer.period_s
-                timer.due_s = next_s if next_s > now_s else now_s + timer.period_s
-                timer.act()
+                due_s, timer.due_s = timer.due_s, math.inf
+                period_s = timer.act() or timer.period_s
+                timer.due_s = due_s + period_s if due_s + period_s > now_s else now_s + period_s
         self._arm()
 
     def _arm(self) -> None:

@@ -9,9 +9,9 @@ from dataclasses import replace
 from typing import TypeVar
 
 from smarttestudo.adirf.comments import Comment, Trivia
-from smarttestudo.adirf.document.meaning import Meaning, checks_in, condition_meaning, meaning
+from smarttestudo.adirf.document.meaning import Meaning, condition_meaning, meaning
 from smarttestudo.adirf.document.stretch import Stretch
-from smarttestudo.adirf.syntax import And, Block, Check, Condition, Group, Not, Or, SetFrequency
+from smarttestudo.adirf.syntax import And, Block, Check, Condition, Group, Not, Or, SetFrequency, checks_in
 
 
 def grafted(old: Block, new: Block, *, inside: Stretch) -> Block:

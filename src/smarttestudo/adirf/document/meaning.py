@@ -4,8 +4,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 from smarttestudo.adirf.syntax import And, Block, Check, Condition, Group, KeepAtLeast, Not, Or, Statement
 
 Meaning = tuple[object, ...]
@@ -53,15 +51,3 @@ def shape(condition: Condition) -> Meaning:
             return (Not, shape(condition.operand))
         case And() | Or():
             return (type(condition), *map(shape, condition.operands))
-
-
-def checks_in(condition: Condition) -> Iterator[Check]:
-    """The checks of a condition, in their order."""
-    match condition:
-        case Check():
-            yield condition
-        case Group() | Not():
-            yield from checks_in(condition.operand)
-        case And() | Or():
-            for operand in condition.operands:
-                yield from checks_in(operand)

@@ -9,14 +9,14 @@ from dataclasses import replace
 
 from smarttestudo.adirf.document.document import Entry
 from smarttestudo.adirf.document.grafting import grafted, grafted_condition
-from smarttestudo.adirf.document.meaning import checks_in, condition_meaning, meaning, shape
+from smarttestudo.adirf.document.meaning import condition_meaning, meaning, shape
 from smarttestudo.adirf.document.splices import Splice, addition, removal
 from smarttestudo.adirf.document.stretch import Stretch
 from smarttestudo.adirf.formatter import format_condition, format_heading, format_statement
 from smarttestudo.adirf.formatter.values import number_text, rate_text
 from smarttestudo.adirf.parser.headings import quoted
 from smarttestudo.adirf.parser.tokens import TokenKind
-from smarttestudo.adirf.syntax import Block, Check, Condition, KeepAtLeast, SetFrequency, Statement
+from smarttestudo.adirf.syntax import Block, Check, Condition, KeepAtLeast, SetFrequency, Statement, checks_in
 
 _TOPIC, _PROPERTY, _OPERATOR, _NUMBER = 1, 2, 3, 4
 """Which word of a check is what."""

@@ -12,7 +12,7 @@ from smarttestudo.adirf.evaluator.literal import Literal
 from smarttestudo.adirf.evaluator.propagation import Propagation
 from smarttestudo.adirf.evaluator.thresholds import Thresholds
 from smarttestudo.adirf.normal_form import signals_of
-from smarttestudo.adirf.region import Bound
+from smarttestudo.adirf.region import Bound, Region
 from smarttestudo.adirf.rule_set import RuleBlock, RuleSet
 from smarttestudo.domain.decision import PlannedRate
 from smarttestudo.domain.signal import Signal, Truth
@@ -73,6 +73,10 @@ class Evaluator:
         """Whether the condition of a block holds."""
         self._propagation.settle()
         return Truth(self._literals[block_order].truth)
+
+    def check_truth(self, signal: Signal, region: Region) -> Truth:
+        """Whether the value of ``signal``, which a check reads, lies in ``region``."""
+        return Truth(self._thresholds[signal].truth_in(region))
 
     def reads(self, block_order: int) -> list[Signal]:
         """The signals that the condition of a block reads, sorted."""

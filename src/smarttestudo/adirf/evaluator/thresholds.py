@@ -9,7 +9,7 @@ from bisect import bisect_left
 from collections.abc import Collection, Iterable
 
 from smarttestudo.adirf.evaluator.literal import FALSE, TRUE, UNKNOWN, Leaf
-from smarttestudo.adirf.region import Bound
+from smarttestudo.adirf.region import Bound, Region
 
 
 class Thresholds:
@@ -43,9 +43,13 @@ class Thresholds:
 
     def truth(self, leaf: Leaf) -> int:
         """What the current value makes of one of the leaves."""
+        return self.truth_in(leaf.region)
+
+    def truth_in(self, region: Region) -> int:
+        """Whether the current value lies in ``region``."""
         if self.value is None:
             return UNKNOWN
-        return TRUE if leaf.region.contains(self.value) else FALSE
+        return TRUE if region.contains(self.value) else FALSE
 
     def _forget(self) -> Collection[Leaf]:
         self.value = None

@@ -3,7 +3,7 @@
 """A trial in a process of its own, which can be ended at any time: JSON in, lines of JSON out.
 
 The one object on standard input has the fields of ``Draft`` and ``bag``, a path. Each line on standard output
-is an object whose ``kind`` is ``progress`` (``share``), ``result`` (``trial``) or ``error`` (``message``,
+is an object whose ``kind`` is ``progress`` (``share``), ``result`` (``result``) or ``error`` (``message``,
 ``place``, ``remedy``).
 """
 
@@ -12,13 +12,12 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
-from typing import Any, TextIO
+from typing import Any
 
 from smarttestudo.composition.ruler.checked_text import Draft
+from smarttestudo.composition.ruler.process_lines import Reporter, say
 from smarttestudo.composition.ruler.trial import Trial, try_rules
 from smarttestudo.domain.errors import TestudoError
-
-_MIN_STEP = 0.01
 
 
 def main() -> int:
@@ -26,30 +25,12 @@ def main() -> int:
     order: dict[str, Any] = json.load(sys.stdin)
     bag = Path(order.pop("bag"))
     try:
-        trial = try_rules(Draft(**order), bag, _Reporter(sys.stdout))
+        trial = try_rules(Draft(**order), bag, Reporter(sys.stdout))
     except TestudoError as error:
-        _say(sys.stdout, kind="error", message=error.cause, place=error.place, remedy=error.remedy)
+        say(sys.stdout, kind="error", message=error.cause, place=error.place, remedy=error.remedy)
         return 1
-    _say(sys.stdout, kind="result", trial=_to_json(trial))
+    say(sys.stdout, kind="result", result=_to_json(trial))
     return 0
-
-
-class _Reporter:
-    """Says how far it is, a hundred times at most."""
-
-    def __init__(self, stream: TextIO) -> None:
-        self._stream = stream
-        self._said = 0.0
-
-    def __call__(self, share: float) -> None:
-        if share >= self._said + _MIN_STEP:
-            self._said = share
-            _say(self._stream, kind="progress", share=round(min(share, 1.0), 3))
-
-
-def _say(stream: TextIO, **record: object) -> None:
-    stream.write(json.dumps(record, allow_nan=False) + "\n")
-    stream.flush()
 
 
 def _to_json(trial: Trial) -> dict[str, object]:

@@ -10,9 +10,8 @@ from enum import Enum
 from pathlib import Path
 from types import MappingProxyType
 
-from smarttestudo.adirf.document.meaning import checks_in
 from smarttestudo.adirf.parser import ParseResult
-from smarttestudo.adirf.syntax import Block
+from smarttestudo.adirf.syntax import Block, checks_in
 from smarttestudo.domain.profile import Profile
 
 
@@ -20,6 +19,7 @@ class TopicSource(Enum):
     """Who names a topic; the value is its name in JSON, the order that of trust."""
 
     PROFILE = "profile"
+    ROBOT = "robot"
     BAG = "bag"
     RULES = "rules"
     EXAMPLE = "example"
@@ -52,13 +52,18 @@ EXAMPLE_TYPES: Mapping[str, str] = MappingProxyType(
 
 
 def known_topics(
-    *, profile: Profile | None, bag_topics: Mapping[str, str], rules: ParseResult | None
+    *,
+    profile: Profile | None,
+    bag_topics: Mapping[str, str],
+    rules: ParseResult | None,
+    robot_topics: Mapping[str, str] = MappingProxyType({}),
 ) -> tuple[KnownTopic, ...]:
     """Every topic once, by the most trusted who names it; types from whoever knows them."""
     by_source: dict[TopicSource, dict[str, str | None]] = {
         TopicSource.PROFILE: {}
         if profile is None
         else {name: entry.type_name for name, entry in profile.topics.items()},
+        TopicSource.ROBOT: dict(robot_topics),
         TopicSource.BAG: dict(bag_topics),
         TopicSource.RULES: dict.fromkeys(sorted(_topics_in(rules)) if rules else ()),
         TopicSource.EXAMPLE: dict(EXAMPLE_TYPES),

@@ -36,6 +36,12 @@ class ArrivalWindow:
         while self._arrivals and self._arrivals[0][0] <= now_ns - WINDOW_NS:
             _, self._bytes_gone = self._arrivals.popleft()
 
+    def leaving(self, now_ns: int) -> int:
+        """How many will have left the window by ``now_ns``."""
+        oldest_first = enumerate(self._arrivals)
+        is_in = (count for count, (stamp_ns, _) in oldest_first if stamp_ns > now_ns - WINDOW_NS)
+        return next(is_in, len(self._arrivals))
+
     def rate_hz(self, leaving: int = 0) -> float:
         """Arrivals per second without the oldest ``leaving``."""
         return (len(self._arrivals) - leaving) / WINDOW_S

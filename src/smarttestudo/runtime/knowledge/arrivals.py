@@ -43,13 +43,12 @@ class Arrivals:
             self._window.record(now_ns, size_bytes)
 
     def values(self, now_ns: int, silent_since_ns: int) -> Iterator[tuple[ArrivalProperty, float]]:
-        """The value of each property at ``now_ns``."""
+        """The value of each property at ``now_ns``; to ask changes nothing."""
         for kind in self._cuts:
             if kind is ArrivalProperty.AGE:
                 yield kind, (now_ns - silent_since_ns) / NS_PER_S
             else:
-                self._window.forget(now_ns)
-                yield kind, self._measure(kind)(0)
+                yield kind, self._measure(kind)(self._window.leaving(now_ns))
 
     def changes_ns(self, now_ns: int, silent_since_ns: int) -> Iterator[int]:
         """When time alone next takes each property across a cut; for those that it will."""

@@ -27,6 +27,10 @@ class SteadyTime:
         self.now_ns = steady_ns
         return steady_ns
 
+    def at(self, clock_ns: int) -> int:
+        """What ``advance`` would return; nothing changes."""
+        return max(self.now_ns, clock_ns + self._behind_ns)
+
     def on_clock(self, steady_ns: int) -> int:
         """What the clock will show at ``steady_ns``, unless it jumps again."""
         return steady_ns - self._behind_ns

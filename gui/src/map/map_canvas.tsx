@@ -1,0 +1,123 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import { useEffect, useRef, useState } from "preact/hooks";
+import { watchSize, watchTheme } from "../ui/watch";
+import type { MapOwner } from "./map_owner";
+import type { MapView } from "./map_view";
+import type { MapPicture, MapZone, Point } from "./shapes";
+
+/**
+ * A map in metres with its buttons, the pointer's place and a scale bar; OpenLayers loads when it is first shown.
+ *
+ * What is shown comes as props: `picture` of the floor (null is a plain grid), `path`, `dots` and `zones`. What moves
+ * often is set on the view that `opened` gets: `view.setRobot([x, y], heading_rad)` puts the robot somewhere,
+ * `view.setRobot(null)` takes it away. It is asked again with `null` before the view goes. Without `owner` nothing on
+ * the map can be chosen, dragged or drawn. The element fills its container, which needs a height:
+ *
+ *     const view = useRef<MapView | null>(null);
+ *     <div class="my-map"><MapCanvas label="Path of the robot" path={path} opened={(map) => (view.current = map)} /></div>
+ *     view.current?.setRobot([x, y]);
+ */
+export function MapCanvas(props: {
+  /** What a screen reader calls the map. */
+  label: string;
+  picture?: MapPicture | null;
+  path?: readonly Point[];
+  dots?: readonly Point[];
+  zones?: readonly MapZone[];
+  owner?: MapOwner;
+  opened?: (view: MapView | null) => void;
+}) {
+  const host = useRef<HTMLDivElement>(null);
+  const [view, setView] = useState<MapView | null>(null);
+  const [place, setPlace] = useState<Point | null>(null);
+  const [bar, setBar] = useState<{ metres: number; px: number } | null>(null);
+  const told = useRef(props);
+  told.current = props;
+  useEffect(() => {
+    const element = host.current;
+    if (!element) return;
+    const owner = { ...forwarded(() => told.current.owner), scaled: setBar };
+    const pointed = (at: Point | null) => {
+      setPlace(at);
+      told.current.owner?.pointed?.(at);
+    };
+    return openLater(element, { ...owner, pointed }, props.owner !== undefined, (opened) => {
+      setView(opened);
+      told.current.opened?.(opened);
+    });
+  }, []);
+  const { picture = null, path = NONE, dots = NONE, zones = NO_ZONES } = props;
+  useEffect(() => view?.setPicture(picture), [view, picture]);
+  useEffect(() => view?.setPath(path), [view, path]);
+  useEffect(() => view?.setDots(dots), [view, dots]);
+  useEffect(() => view?.setZones(zones), [view, zones]);
+  useEffect(() => view?.fit(), [view, picture, path]);
+  return (
+    <div class="map">
+      <div class="map-host" ref={host} role="application" aria-label={props.label} tabIndex={0} />
+      {!view && <p class="quiet map-note">Loading the map …</p>}
+      <div class="map-buttons">
+        <MapButton label="Zoom in" sign="+" act={() => view?.zoom(1)} />
+        <MapButton label="Zoom out" sign="−" act={() => view?.zoom(-1)} />
+        <MapButton label="Show everything" sign="⤢" act={() => view?.fit()} />
+      </div>
+      <p class="map-place" role="group" aria-label="Place of the pointer">
+        {place ? `x ${place[0].toFixed(2)} m, y ${place[1].toFixed(2)} m` : ""}
+      </p>
+      {bar && (
+        <p class="map-scale" style={{ width: `${bar.px}px` }} role="group" aria-label="Scale">
+          {bar.metres} m
+        </p>
+      )}
+    </div>
+  );
+}
+
+const NONE: readonly Point[] = [];
+const NO_ZONES: readonly MapZone[] = [];
+
+function MapButton({ label, sign, act }: { label: string; sign: string; act: () => void }) {
+  return (
+    <button type="button" class="small" aria-label={label} title={label} onClick={act}>
+      {sign}
+    </button>
+  );
+}
+
+/** An owner that passes everything on to the one of now. */
+function forwarded(owner: () => MapOwner | undefined): MapOwner {
+  return {
+    chosen: (id, rectangle) => owner()?.chosen?.(id, rectangle),
+    moved: (id, by) => owner()?.moved?.(id, by),
+    resized: (id, sides) => owner()?.resized?.(id, sides),
+    drawn: (shape) => owner()?.drawn?.(shape),
+    failed: () => owner()?.failed?.(),
+  };
+}
+
+function openLater(
+  host: HTMLElement,
+  owner: MapOwner,
+  isEditable: boolean,
+  done: (view: MapView | null) => void,
+): () => void {
+  let close: (() => void) | null = null;
+  let isWanted = true;
+  void import("./map_view").then(({ MapView }) => {
+    if (!isWanted) return;
+    const { chosen, ...others } = owner;
+    const view = new MapView(host, isEditable && chosen ? { ...others, chosen } : others);
+    const stops = [watchSize(host, () => view.resize()), watchTheme(() => view.applyTheme())];
+    close = () => {
+      for (const stop of stops) stop();
+      done(null);
+      view.dispose();
+    };
+    done(view);
+  });
+  return () => {
+    isWanted = false;
+    close?.();
+  };
+}

@@ -1,0 +1,96 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+
+/** A place in the frame of the map, in metres. */
+export type Point = readonly [x: number, y: number];
+
+/** An upright rectangle in metres; null is a side that nothing bounds. */
+export interface Rectangle {
+  min_x: number | null;
+  max_x: number | null;
+  min_y: number | null;
+  max_y: number | null;
+}
+
+/** Left, lower, right and upper end in metres. */
+export type Extent = readonly [min_x: number, min_y: number, max_x: number, max_y: number];
+
+/**
+ * A picture of the floor. Its lower left corner lies at (`x`, `y`), and it is turned about it by `yaw_rad`.
+ *
+ * `is_stencil` says that only its opacity counts: it is drawn in the colour of the text, light or dark.
+ */
+export interface MapPicture {
+  url: string;
+  width_m: number;
+  height_m: number;
+  x: number;
+  y: number;
+  yaw_rad: number;
+  is_stencil: boolean;
+}
+
+/** Zones of one rule; `tone` colours them, `selected` puts handles on the rectangle number `handle`. */
+export interface MapZone {
+  id: string;
+  label: string;
+  rectangles: readonly Rectangle[];
+  tone: "zone" | "selected" | "clash" | "draft";
+  /** Which rectangle has handles to resize it. */
+  handle?: number | undefined;
+  /** Whether it can be dragged. */
+  movable?: boolean;
+}
+
+const FAR_M = 1e5;
+
+/** `rectangle` with its open sides at the borders of `around`. */
+export function closed(rectangle: Rectangle, around: Extent | null): Extent {
+  const [left, low, right, high] = around ?? [-FAR_M, -FAR_M, FAR_M, FAR_M];
+  return [
+    rectangle.min_x ?? Math.min(left, rectangle.max_x ?? left),
+    rectangle.min_y ?? Math.min(low, rectangle.max_y ?? low),
+    rectangle.max_x ?? Math.max(right, rectangle.min_x ?? right),
+    rectangle.max_y ?? Math.max(high, rectangle.min_y ?? high),
+  ];
+}
+
+/** The four corners of a picture, from its lower left one against the clock. */
+export function cornersOf(picture: MapPicture): Point[] {
+  const [cos, sin] = [Math.cos(picture.yaw_rad), Math.sin(picture.yaw_rad)];
+  const sides: Point[] = [[0, 0], [picture.width_m, 0], [picture.width_m, picture.height_m], [0, picture.height_m]];
+  return sides.map(([along, up]) => [picture.x + along * cos - up * sin, picture.y + along * sin + up * cos]);
+}
+
+/** The extent of all `points`; null without any. */
+export function extentOf(points: Iterable<Point>): Extent | null {
+  let extent: [number, number, number, number] | null = null;
+  for (const [x, y] of points) {
+    extent ??= [x, y, x, y];
+    extent = [Math.min(extent[0], x), Math.min(extent[1], y), Math.max(extent[2], x), Math.max(extent[3], y)];
+  }
+  return extent;
+}
+
+/** The finite corners of rectangles, as points to take an extent of. */
+export function* finiteCorners(rectangles: Iterable<Rectangle>): Generator<Point> {
+  for (const { min_x, max_x, min_y, max_y } of rectangles) {
+    const [xs, ys] = [[min_x, max_x].filter(isNumber), [min_y, max_y].filter(isNumber)];
+    for (const x of xs.length ? xs : [0]) for (const y of ys.length ? ys : [0]) yield [x, y];
+  }
+}
+
+/** `extent` with a margin of `share` of its longer side, at least one metre. */
+export function widened(extent: Extent, share: number): Extent {
+  const margin = Math.max(extent[2] - extent[0], extent[3] - extent[1], 1 / share) * share;
+  return [extent[0] - margin, extent[1] - margin, extent[2] + margin, extent[3] + margin];
+}
+
+/** To whole centimetres, which is how zones are written. */
+export function toCentimetres(value: number): number {
+  return Math.round(value * 100) / 100 + 0;
+}
+
+function isNumber(value: number | null): value is number {
+  return value !== null;
+}

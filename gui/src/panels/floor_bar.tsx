@@ -1,0 +1,93 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import type { BackgroundChoice } from "../api/zone_types";
+import type { MapFloor } from "../state/map_floor";
+import type { RuleEditor } from "../state/rule_editor";
+import { Notice } from "../ui/notice";
+
+const KINDS = { map: "Map", image: "Image", bag: "Recording" };
+
+/** What lies below the zones. */
+export function FloorChoice({ floor, editor }: { floor: MapFloor; editor: RuleEditor }) {
+  const { kind, name, bag } = editor.map.value;
+  const choices = floor.choices.value;
+  const pictures = choices.filter((choice) => choice.kind !== "bag");
+  const bags = choices.filter((choice) => choice.kind === "bag");
+  const pick = (value: string) => floor.choose(pictures.find((choice) => keyOf(choice) === value) ?? null);
+  return (
+    <div class="floor-bar">
+      <label>
+        Background
+        <select value={kind === null ? "" : `${kind} ${name}`} onChange={(event) => pick(event.currentTarget.value)}>
+          <option value="">Plain grid</option>
+          {pictures.map((choice) => (
+            <option key={keyOf(choice)} value={keyOf(choice)}>
+              {KINDS[choice.kind]}: {choice.name}
+            </option>
+          ))}
+        </select>
+      </label>
+      <label>
+        Path of
+        <select value={bag ?? ""} onChange={(event) => floor.choosePath(event.currentTarget.value || null)}>
+          <option value="">no recording</option>
+          {bags.map((choice) => (
+            <option key={choice.name}>{choice.name}</option>
+          ))}
+        </select>
+      </label>
+    </div>
+  );
+}
+
+/** Where an image lies, and what somebody should know of what lies below the zones. */
+export function FloorNotes({ floor, editor }: { floor: MapFloor; editor: RuleEditor }) {
+  const { kind, name } = editor.map.value;
+  return (
+    <div class="floor-notes">
+      {kind === "image" && <ImagePlace floor={floor} editor={editor} />}
+      {floor.hasChanged.value && (
+        <Notice
+          kind="warning"
+          text={`${name} has changed since it was chosen here: look whether the zones still lie right.`}
+          action={{ label: "They lie right", act: () => floor.accept() }}
+        />
+      )}
+      {floor.notices.value.map((notice) => (
+        <p key={notice} class="quiet">
+          {notice}
+        </p>
+      ))}
+    </div>
+  );
+}
+
+const keyOf = (choice: BackgroundChoice) => `${choice.kind} ${choice.name}`;
+
+const FIELDS = [
+  { field: "metres_per_pixel", label: "Metres per pixel" },
+  { field: "x", label: "Lower left corner x (m)" },
+  { field: "y", label: "Lower left corner y (m)" },
+  { field: "yaw_deg", label: "Turned by (°)" },
+] as const;
+
+/** The scale and place of an image, which only a person can know. */
+function ImagePlace({ floor, editor }: { floor: MapFloor; editor: RuleEditor }) {
+  const { metres_per_pixel, x, y, yaw_deg } = editor.map.value;
+  const place = { metres_per_pixel, x, y, yaw_deg };
+  const change = (field: keyof typeof place, text: string) => {
+    const value = Number(text.replace(",", "."));
+    if (text.trim() === "" || !Number.isFinite(value) || (field === "metres_per_pixel" && value <= 0)) return;
+    floor.place({ ...place, [field]: value });
+  };
+  return (
+    <div class="row image-place">
+      {FIELDS.map(({ field, label }) => (
+        <label key={field}>
+          {label}
+          <input inputMode="decimal" value={place[field]} onChange={(event) => change(field, event.currentTarget.value)} />
+        </label>
+      ))}
+    </div>
+  );
+}

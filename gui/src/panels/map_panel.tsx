@@ -1,0 +1,128 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import { type Signal, useSignal } from "@preact/signals";
+import { useEffect, useMemo, useRef } from "preact/hooks";
+import type { Api } from "../api/client";
+import { MapCanvas } from "../map/map_canvas";
+import type { MapOwner, Tool } from "../map/map_owner";
+import type { MapView } from "../map/map_view";
+import type { Extent, Rectangle } from "../map/shapes";
+import type { MapFloor } from "../state/map_floor";
+import type { RuleEditor } from "../state/rule_editor";
+import { DRAFT, ZoneEditor } from "../state/zone_editor";
+import { FloorNotes } from "./floor_bar";
+import { ChosenZoneForm, DraftForm } from "./zone_forms";
+import { ZoneList } from "./zone_list";
+
+const TOOLS: { tool: Tool; label: string }[] = [
+  { tool: "choose", label: "Choose" },
+  { tool: "rectangle", label: "Draw a rectangle" },
+  { tool: "polygon", label: "Draw a polygon" },
+];
+const FIRST_SIDES: Rectangle = { min_x: 0, max_x: 1, min_y: 0, max_y: 1 };
+
+/** The zones of the rules on a map: everything the mouse does there, the forms below it do as well. */
+export function MapPanel({ editor, api, floor }: { editor: RuleEditor; api: Api; floor: MapFloor }) {
+  const zones = useMemo(() => new ZoneEditor(api, editor), []);
+  const tool = useSignal<Tool>("choose");
+  const view = useRef<MapView | null>(null);
+  useEffect(() => zones.follow(), []);
+  useEffect(() => view.current?.setTool(tool.value), [tool.value, view.current]);
+  useEffect(() => {
+    editor.takeBack = () => view.current?.removeLastCorner() ?? false;
+    return () => (editor.takeBack = null);
+  }, []);
+  const owner = useMemo(() => ownerOf(zones, () => (tool.value = "choose")), []);
+  return (
+    <section class="map-panel" aria-label="Map">
+      <FloorNotes floor={floor} editor={editor} />
+      <div class="map-area">
+        <MapCanvas
+          label="Zones on the map"
+          picture={floor.picture.value}
+          path={floor.path.value}
+          zones={zones.shown.value}
+          owner={owner}
+          opened={(opened) => {
+            view.current = opened;
+            opened?.setTool(tool.value);
+          }}
+        />
+        <Tools {...{ zones, tool }} />
+      </div>
+      <div class="map-strip">
+        {zones.draft.value ? <DraftForm zones={zones} /> : <ChosenZoneForm zones={zones} />}
+        <ZoneList zones={zones} />
+      </div>
+    </section>
+  );
+}
+
+/** What the mouse does on the map. */
+function Tools({ zones, tool }: { zones: ZoneEditor; tool: Signal<Tool> }) {
+  const isBroken = zones.editor.isBroken.value;
+  const hint = hintOf(tool.value, isBroken);
+  return (
+    <div class="map-tools" role="toolbar" aria-label="Zones">
+      {TOOLS.map((each) => (
+        <button
+          key={each.tool}
+          type="button"
+          class="small"
+          aria-pressed={tool.value === each.tool}
+          disabled={isBroken}
+          onClick={() => (tool.value = each.tool)}
+        >
+          {each.label}
+        </button>
+      ))}
+      <button
+        type="button"
+        class="small"
+        disabled={isBroken}
+        onClick={() => (zones.draft.value = { rectangles: [FIRST_SIDES], polygon: null })}
+      >
+        Type a zone
+      </button>
+      {hint && (
+        <p class="map-hint" role="status">
+          {hint}
+        </p>
+      )}
+    </div>
+  );
+}
+
+function hintOf(tool: Tool, isBroken: boolean): string {
+  if (isBroken) return "The text has an error: mend it first.";
+  if (tool === "rectangle") return "Press where one corner is, and pull to the other.";
+  if (tool === "polygon") return "Press each corner, the last one twice. Undo takes the last corner back.";
+  return "";
+}
+
+function ownerOf(zones: ZoneEditor, done: () => void): MapOwner {
+  return {
+    chosen: (id, rectangle) => zones.choose(id, rectangle),
+    moved: (id, by) => void zones.move(id, by),
+    resized: (id, sides) => {
+      const index = id === DRAFT ? 0 : zones.index.peek();
+      const known = id === DRAFT ? zones.draft.peek()?.rectangles[0] : zones.chosen.peek()?.zones[index]?.rectangle;
+      if (known) void zones.resize(id, index, bounded(known, sides));
+    },
+    drawn: (shape) => {
+      done();
+      void zones.draw(shape);
+    },
+    failed: () => (zones.editor.message.value = "The picture of the map cannot be shown"),
+  };
+}
+
+/** `sides` where `known` is bounded; what was open stays so. */
+function bounded(known: Rectangle, [left, low, right, high]: Extent): Rectangle {
+  return {
+    min_x: known.min_x === null ? null : left,
+    max_x: known.max_x === null ? null : right,
+    min_y: known.min_y === null ? null : low,
+    max_y: known.max_y === null ? null : high,
+  };
+}

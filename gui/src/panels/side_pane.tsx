@@ -1,0 +1,36 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import { useSignal } from "@preact/signals";
+import { useEffect, useMemo } from "preact/hooks";
+import type { Api } from "../api/client";
+import { MapFloor } from "../state/map_floor";
+import type { RuleEditor } from "../state/rule_editor";
+import { type Choice, Tabs } from "../ui/tabs";
+import { FloorChoice } from "./floor_bar";
+import { MapPanel } from "./map_panel";
+import { TextPane } from "./text_pane";
+
+type Side = "text" | "map";
+
+const CHOICES: Choice<Side>[] = [
+  { value: "text", label: "Text" },
+  { value: "map", label: "Map" },
+];
+
+/** The right half: the rules as text, or their zones on a map. */
+export function SidePane({ editor, api }: { editor: RuleEditor; api: Api }) {
+  const side = useSignal<Side>("text");
+  const floor = useMemo(() => new MapFloor(api, editor), []);
+  const isMap = side.value === "map";
+  useEffect(() => (isMap ? floor.follow() : undefined), [isMap]);
+  return (
+    <div class="pane side">
+      <div class="pane-bar">
+        <Tabs label="Text or map" choices={CHOICES} chosen={side} />
+        {isMap ? <FloorChoice {...{ floor, editor }} /> : <span class="quiet">this is what is saved</span>}
+      </div>
+      <TextPane editor={editor} hidden={isMap} />
+      {isMap && <MapPanel {...{ editor, api, floor }} />}
+    </div>
+  );
+}

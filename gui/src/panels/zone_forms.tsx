@@ -1,0 +1,237 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import { useState } from "preact/hooks";
+import type { Point, Rectangle } from "../map/shapes";
+import { type Draft, type ZoneEditor, USUAL_RECTANGLES } from "../state/zone_editor";
+
+const SIDES = [
+  { side: "min_x", label: "x from (m)" },
+  { side: "max_x", label: "x to (m)" },
+  { side: "min_y", label: "y from (m)" },
+  { side: "max_y", label: "y to (m)" },
+] as const;
+const USUAL_TOPIC = "/odom";
+
+/** The sides of the chosen zone as numbers, and how far to move all of it. */
+export function ChosenZoneForm({ zones }: { zones: ZoneEditor }) {
+  const rule = zones.chosen.value;
+  const index = Math.min(zones.index.value, (rule?.zones.length ?? 1) - 1);
+  const zone = rule?.zones[index];
+  if (!rule || !zone) return null;
+  const isMany = rule.zones.length > 1;
+  return (
+    <div class="zone-form" role="group" aria-label={`Zone of ${rule.label}`}>
+      <div class="row zone-head">
+        <h3>{rule.label}</h3>
+        {isMany && (
+          <select
+            aria-label="Rectangle"
+            value={index}
+            onChange={(event) => (zones.index.value = Number(event.currentTarget.value))}
+          >
+            {rule.zones.map((_, each) => (
+              <option key={each} value={each}>
+                rectangle {each + 1} of {rule.zones.length}
+              </option>
+            ))}
+          </select>
+        )}
+      </div>
+      <SidesForm
+        rectangle={zone.rectangle}
+        submit="Set the sides"
+        disabled={zones.editor.isBroken.value}
+        done={(sides) => void zones.resize(rule.id, index, sides)}
+      />
+      {isMany && <MoveForm move={(by) => void zones.move(rule.id, by)} />}
+      {zone.is_shared && <p class="quiet">Checks of this rectangle bound others of the rule as well: they change with it.</p>}
+    </div>
+  );
+}
+
+/** A zone that is being made: its shape, what it is called and where it goes. */
+export function DraftForm({ zones }: { zones: ZoneEditor }) {
+  const draft = zones.draft.value;
+  const [shape, setShape] = useState<"rectangle" | "polygon">(draft?.polygon ? "polygon" : "rectangle");
+  if (!draft) return null;
+  const isPolygon = draft.polygon !== null || shape === "polygon";
+  return (
+    <div class="zone-form" role="group" aria-label="New zone">
+      <div class="row zone-head">
+        <h3>New zone</h3>
+        <select
+          aria-label="Shape"
+          value={isPolygon ? "polygon" : "rectangle"}
+          disabled={draft.polygon !== null}
+          onChange={(event) => setShape(event.currentTarget.value as typeof shape)}
+        >
+          <option value="rectangle">Rectangle</option>
+          <option value="polygon">Polygon</option>
+        </select>
+      </div>
+      {isPolygon ? (
+        <PolygonForm zones={zones} draft={draft} />
+      ) : (
+        <SidesForm
+          rectangle={draft.rectangles[0] ?? { min_x: null, max_x: null, min_y: null, max_y: null }}
+          submit="Show"
+          disabled={false}
+          done={(sides) => (zones.draft.value = { rectangles: [sides], polygon: null })}
+        />
+      )}
+      <GoesTo zones={zones} canAdd={!isPolygon || draft.polygon !== null} />
+    </div>
+  );
+}
+
+function SidesForm(props: { rectangle: Rectangle; submit: string; disabled: boolean; done: (sides: Rectangle) => void }) {
+  const [problem, setProblem] = useState("");
+  const read = (form: HTMLFormElement) => {
+    const data = new FormData(form);
+    const sides = Object.fromEntries(SIDES.map(({ side }) => [side, numberIn(data, side)])) as unknown as Rectangle;
+    const wrong = SIDES.find(({ side }) => Number.isNaN(sides[side]));
+    setProblem(wrong ? `"${wrong.label}" is not a number.` : "");
+    if (!wrong) props.done(sides);
+  };
+  return (
+    <form
+      class="row"
+      key={JSON.stringify(props.rectangle)}
+      onSubmit={(event) => {
+        event.preventDefault();
+        read(event.currentTarget);
+      }}
+    >
+      {SIDES.map(({ side, label }) => (
+        <label key={side}>
+          {label}
+          <input name={side} inputMode="decimal" defaultValue={String(props.rectangle[side] ?? "")} placeholder="open" />
+        </label>
+      ))}
+      <button type="submit" class="small" disabled={props.disabled}>
+        {props.submit}
+      </button>
+      {problem && <p class="problem" role="alert">{problem}</p>}
+    </form>
+  );
+}
+
+function MoveForm({ move }: { move: (by: Point) => void }) {
+  return (
+    <form
+      class="row"
+      onSubmit={(event) => {
+        event.preventDefault();
+        const data = new FormData(event.currentTarget);
+        const [dx, dy] = [numberIn(data, "dx") ?? 0, numberIn(data, "dy") ?? 0];
+        if (Number.isFinite(dx) && Number.isFinite(dy)) move([dx, dy]);
+      }}
+    >
+      <label>
+        Move all by x (m)
+        <input name="dx" inputMode="decimal" defaultValue="0" />
+      </label>
+      <label>
+        and y (m)
+        <input name="dy" inputMode="decimal" defaultValue="0" />
+      </label>
+      <button type="submit" class="small">
+        Move all
+      </button>
+    </form>
+  );
+}
+
+/** The corners of a polygon, and what covering it with rectangles adds. */
+function PolygonForm({ zones, draft }: { zones: ZoneEditor; draft: Draft }) {
+  const { polygon } = draft;
+  const corners = polygon?.corners.map(([x, y]) => `${x} ${y}`).join(", ") ?? "";
+  const [problem, setProblem] = useState("");
+  return (
+    <form
+      class="row"
+      key={`${corners} ${polygon?.most}`}
+      onSubmit={(event) => {
+        event.preventDefault();
+        const data = new FormData(event.currentTarget);
+        const read = cornersIn(String(data.get("corners")));
+        setProblem(read ? "" : "Give each corner as two numbers, with commas between corners: 0 0, 4 0, 2 3.");
+        if (read) void zones.cover(read, numberIn(data, "most") ?? USUAL_RECTANGLES);
+      }}
+    >
+      <label class="wide">
+        Corners: x y, x y, … (m)
+        <input name="corners" defaultValue={corners} placeholder="0 0, 4 0, 2 3" />
+      </label>
+      <label>
+        Rectangles at most
+        <input name="most" inputMode="numeric" defaultValue={String(polygon?.most ?? USUAL_RECTANGLES)} />
+      </label>
+      <button type="submit" class="small">
+        Show
+      </button>
+      {polygon && <p role="status">{saidOf(draft.rectangles.length, polygon.area_m2, polygon.over_m2)}</p>}
+      {problem && <p class="problem" role="alert">{problem}</p>}
+    </form>
+  );
+}
+
+function saidOf(count: number, areaM2: number, overM2: number): string {
+  const rectangles = count === 1 ? "1 rectangle covers" : `${count} rectangles cover`;
+  if (overM2 === 0) return `${rectangles} exactly the ${areaM2.toFixed(1)} m² of the polygon.`;
+  const share = ((100 * overM2) / areaM2).toFixed(0);
+  return `Rules know rectangles only: ${rectangles} the polygon of ${areaM2.toFixed(1)} m² and ${overM2.toFixed(1)} m² beside it (${share} % more).`;
+}
+
+function GoesTo({ zones, canAdd }: { zones: ZoneEditor; canAdd: boolean }) {
+  const { answer, editor, rules } = zones;
+  return (
+    <form
+      class="row"
+      onSubmit={(event) => {
+        event.preventDefault();
+        const data = new FormData(event.currentTarget);
+        const text = (name: string) => String(data.get(name) ?? "").trim();
+        void zones.add(text("topic") || USUAL_TOPIC, text("label") || (answer.value?.zones.label ?? "Zone"), text("into") || null);
+      }}
+    >
+      <label>
+        Goes to
+        <select name="into">
+          <option value="">a new rule</option>
+          {rules.value.map((rule) => (
+            <option key={rule.id} value={rule.id}>
+              {rule.label}: {rule.zones.length > 0 ? "here as well" : "here only"}
+            </option>
+          ))}
+        </select>
+      </label>
+      <label>
+        Name of the new rule
+        <input name="label" defaultValue={answer.value?.zones.label ?? ""} />
+      </label>
+      <label>
+        Position from
+        <input name="topic" defaultValue={USUAL_TOPIC} />
+      </label>
+      <button type="submit" class="small primary" disabled={!canAdd || editor.isBroken.value}>
+        Add the zone
+      </button>
+      <button type="button" class="small" onClick={() => (zones.draft.value = null)}>
+        Discard
+      </button>
+    </form>
+  );
+}
+
+/** The number in a field, null for an empty one, NaN for anything else. */
+function numberIn(data: FormData, name: string): number | null {
+  const text = String(data.get(name) ?? "").trim();
+  return text === "" ? null : Number(text.replace(",", ".").replace("−", "-"));
+}
+
+function cornersIn(text: string): Point[] | null {
+  const corners = text.split(/[,;]/).filter((each) => each.trim() !== "").map((each) => each.trim().split(/\s+/).map(Number));
+  const isRead = corners.length > 2 && corners.every((each) => each.length === 2 && each.every(Number.isFinite));
+  return isRead ? corners.map(([x = 0, y = 0]): Point => [x, y]) : null;
+}

@@ -1,0 +1,120 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import { computed, effect, signal, untracked } from "@preact/signals";
+import type { Api } from "../api/client";
+import type { Background, BackgroundChoice, DrivenPath } from "../api/zone_types";
+import type { MapPicture, Point } from "../map/shapes";
+import { type MapSetting, PLAIN_GRID } from "./layout";
+import type { RuleEditor } from "./rule_editor";
+
+const RADIANS = Math.PI / 180;
+const NO_PATH: readonly Point[] = [];
+
+/** What lies below the zones: a map or image, and the path of a recording. The choice is kept in the side file. */
+export class MapFloor {
+  readonly choices = signal<readonly BackgroundChoice[]>([]);
+  readonly background = signal<Background | null>(null);
+  private readonly driven = signal<DrivenPath | null>(null);
+  readonly picture = computed((): MapPicture | null => pictureOf(this.background.value, this.editor.map.value));
+  readonly path = computed(() => this.driven.value?.path.map(([, x, y]): Point => [x, y]) ?? NO_PATH);
+  readonly notices = computed(() => this.driven.value?.notices ?? []);
+  /** Whether the files of the map are others than when it was chosen. */
+  readonly hasChanged = computed(() => {
+    const [found, known] = [this.background.value, this.editor.map.value];
+    return found !== null && known.hash !== "" && found.hash !== known.hash;
+  });
+
+  constructor(
+    private readonly api: Api,
+    private readonly editor: RuleEditor,
+  ) {}
+
+  /** Loads what the side file names, now and when that changes; returns how to stop. */
+  follow(): () => void {
+    const kind = computed(() => this.editor.map.value.kind);
+    const name = computed(() => this.editor.map.value.name);
+    const bag = computed(() => this.editor.map.value.bag);
+    void this.told(async () => {
+      this.choices.value = (await this.api.backgrounds()).choices;
+    });
+    const stops = [
+      effect(() => {
+        const [what, which] = [kind.value, name.value];
+        untracked(() => void this.told(() => this.loadBackground(what, which)));
+      }),
+      effect(() => {
+        const which = bag.value;
+        untracked(() => void this.told(() => this.loadPath(which)));
+      }),
+    ];
+    return () => {
+      for (const stop of stops) stop();
+    };
+  }
+
+  /** Draws on another map or image from now on. */
+  choose(choice: BackgroundChoice | null): void {
+    const { bag } = this.editor.map.value;
+    const isPicture = choice !== null && choice.kind !== "bag";
+    this.set({ ...PLAIN_GRID, bag, ...(isPicture ? { kind: choice.kind as "map" | "image", name: choice.name } : {}) });
+  }
+
+  choosePath(bag: string | null): void {
+    this.set({ ...this.editor.map.value, bag });
+  }
+
+  /** Says where an image lies. */
+  place(place: Pick<MapSetting, "metres_per_pixel" | "x" | "y" | "yaw_deg">): void {
+    this.set({ ...this.editor.map.value, ...place });
+  }
+
+  /** The zones lie right on the map as it is now. */
+  accept(): void {
+    this.set({ ...this.editor.map.value, hash: this.background.value?.hash ?? "" });
+  }
+
+  private set(setting: MapSetting): void {
+    this.editor.map.value = setting;
+  }
+
+  private async loadBackground(kind: MapSetting["kind"], name: string): Promise<void> {
+    this.background.value = null;
+    if (kind === null) return;
+    const found = await this.api.background(kind, name);
+    if (this.editor.map.peek().name !== name) return;
+    this.background.value = found;
+    if (this.editor.map.peek().hash === "") this.accept();
+  }
+
+  private async loadPath(bag: string | null): Promise<void> {
+    this.driven.value = null;
+    if (bag === null) return;
+    const found = await this.api.drivenPath(bag);
+    if (this.editor.map.peek().bag === bag) this.driven.value = found;
+  }
+
+  private async told(work: () => Promise<void>): Promise<void> {
+    try {
+      await work();
+    } catch (error) {
+      this.editor.tell(error);
+    }
+  }
+}
+
+function pictureOf(background: Background | null, said: MapSetting): MapPicture | null {
+  if (background === null || background.name !== said.name) return null;
+  const { kind, name, hash, width_px, height_px } = background;
+  const isStencil = kind === "map";
+  const scale = background.metres_per_pixel ?? said.metres_per_pixel;
+  const place = isStencil ? background : { x: said.x, y: said.y, yaw_rad: said.yaw_deg * RADIANS };
+  return {
+    url: `api/background/picture?${new URLSearchParams({ kind, name, hash })}`,
+    width_m: width_px * scale,
+    height_m: height_px * scale,
+    x: place.x,
+    y: place.y,
+    yaw_rad: place.yaw_rad,
+    is_stencil: isStencil,
+  };
+}

@@ -1,0 +1,164 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import { computed, effect, signal, untracked } from "@preact/signals";
+import type { Api } from "../api/client";
+import type { RuleZones, ZoneEdit, ZonesAnswer } from "../api/zone_types";
+import type { Drawn } from "../map/map_owner";
+import type { MapZone, Point, Rectangle } from "../map/shapes";
+import type { RuleEditor } from "./rule_editor";
+
+export const DRAFT = "draft";
+export const USUAL_RECTANGLES = 8;
+
+/** A zone that is not in the text yet; `corners` are those of a polygon, with the areas it and its cover have. */
+export interface Draft {
+  rectangles: readonly Rectangle[];
+  polygon: { corners: readonly Point[]; area_m2: number; over_m2: number; most: number } | null;
+}
+
+/** The zones of the open file, the one that is chosen, and the one that is being made. */
+export class ZoneEditor {
+  /** What the server says of `text`. */
+  readonly answer = signal<{ zones: ZonesAnswer; text: string } | null>(null);
+  readonly draft = signal<Draft | null>(null);
+  /** Which rectangle of the chosen rule. */
+  readonly index = signal(0);
+  readonly rules = computed(() => this.answer.value?.zones.rules ?? []);
+  /** The rule that the cursor, a block or the map points at, if it has zones. */
+  readonly chosen = computed((): RuleZones | null => {
+    const { spot } = this.editor;
+    const id = spot.value && this.editor.statementAt(spot.value.offset)?.id;
+    return this.rules.value.find((rule) => rule.id === id && rule.zones.length > 0) ?? null;
+  });
+  readonly shown = computed((): MapZone[] => this.zonesToShow());
+
+  constructor(
+    private readonly api: Api,
+    readonly editor: RuleEditor,
+  ) {}
+
+  /** Asks anew whenever the server has read the text; returns how to stop. */
+  follow(): () => void {
+    return effect(() => {
+      void this.editor.document.value;
+      untracked(() => void this.ask());
+    });
+  }
+
+  choose(id: string | null, rectangle = 0): void {
+    if (id === DRAFT) return;
+    const { offset, end_offset } = this.editor.statement(id) ?? {};
+    this.index.value = rectangle;
+    const isPlaced = offset !== undefined && end_offset !== undefined;
+    this.editor.spot.value = isPlaced ? { offset, end_offset, from: "map" } : null;
+  }
+
+  /** Moves all zones of a rule, or the draft. */
+  async move(id: string, [dx, dy]: Point): Promise<void> {
+    const topic = this.rules.value.find((rule) => rule.id === id)?.zones[0]?.topic;
+    if (id === DRAFT) this.moveDraft(dx, dy);
+    else if (topic !== undefined) await this.change({ kind: "zone_move", id, topic, dx, dy });
+  }
+
+  /** Gives one rectangle other sides. */
+  async resize(id: string, index: number, rectangle: Rectangle): Promise<void> {
+    if (id === DRAFT) this.draft.value = { rectangles: [rectangle], polygon: null };
+    else await this.change({ kind: "zone_resize", id, index, rectangle });
+  }
+
+  async draw(shape: Drawn): Promise<void> {
+    if (shape.kind === "polygon") return this.cover(shape.corners, USUAL_RECTANGLES);
+    const [min_x, min_y, max_x, max_y] = shape.sides;
+    this.draft.value = { rectangles: [{ min_x, max_x, min_y, max_y }], polygon: null };
+  }
+
+  /** Makes a draft of the rectangles that cover a polygon. */
+  async cover(corners: readonly Point[], most: number): Promise<void> {
+    try {
+      const { rectangles, polygon_m2, over_m2 } = await this.api.cover(corners, most);
+      this.draft.value = { rectangles, polygon: { corners, area_m2: polygon_m2, over_m2, most } };
+    } catch (error) {
+      this.editor.tell(error);
+    }
+  }
+
+  /** Puts the draft into the text: as a rule of its own, or into the rule `into`. */
+  async add(topic: string, label: string, into: string | null): Promise<void> {
+    const draft = this.draft.value;
+    if (!draft) return;
+    const isDone = await this.change({ kind: "zone_new", topic, rectangles: draft.rectangles, into, label });
+    if (!isDone) return;
+    this.draft.value = null;
+    const made = this.rules.value.filter((rule) => (into === null ? rule.label === label : rule.id === into)).at(-1);
+    this.choose(made?.id ?? null);
+  }
+
+  /** Does one edit as one step of undo; whether it was done. What is refused is told, and drawn as it was. */
+  private async change(edit: ZoneEdit): Promise<boolean> {
+    const known = this.answer.peek()?.text;
+    const before = this.editor.text.peek();
+    let isAsked = false;
+    await this.editor.edit(() => {
+      // The edit names a rule of the text that the map shows.
+      if (isAsked || known !== before) return null;
+      isAsked = true;
+      return edit;
+    });
+    await this.ask();
+    return this.editor.text.peek() !== before;
+  }
+
+  private async ask(): Promise<void> {
+    const { rules } = this.editor;
+    try {
+      const zones = await this.api.zones(rules);
+      if (rules.text === this.editor.text.peek()) this.answer.value = { zones, text: rules.text };
+    } catch (error) {
+      this.editor.tell(error);
+    }
+  }
+
+  private moveDraft(dx: number, dy: number): void {
+    const { draft } = this;
+    if (!draft.value) return;
+    const { rectangles, polygon } = draft.value;
+    const corners = polygon?.corners.map(([x, y]): Point => [rounded(x + dx), rounded(y + dy)]) ?? [];
+    draft.value = {
+      rectangles: rectangles.map((one) => ({
+        min_x: shifted(one.min_x, dx),
+        max_x: shifted(one.max_x, dx),
+        min_y: shifted(one.min_y, dy),
+        max_y: shifted(one.max_y, dy),
+      })),
+      polygon: polygon && { ...polygon, corners },
+    };
+  }
+
+  private zonesToShow(): MapZone[] {
+    const chosen = this.chosen.value;
+    const draft = this.draft.value;
+    const canEdit = !this.editor.isBroken.value && draft === null;
+    const zones = this.rules.value.map((rule): MapZone => {
+      const isChosen = rule.id === chosen?.id;
+      const rectangles = rule.zones.map((zone) => zone.rectangle);
+      const tone = isChosen ? "selected" : "zone";
+      const grip = isChosen && canEdit ? { movable: true, handle: Math.min(this.index.value, rectangles.length - 1) } : {};
+      return { id: rule.id, label: rule.label, rectangles, tone, ...grip };
+    });
+    const clashes = (this.answer.value?.zones.clashes ?? []).map(({ common }, index): MapZone => {
+      return { id: `clash ${index}`, label: "clash", rectangles: common, tone: "clash" };
+    });
+    if (!draft) return [...zones, ...clashes];
+    const handle = draft.polygon ? undefined : 0;
+    return [...zones, ...clashes, { id: DRAFT, label: "new zone", rectangles: draft.rectangles, tone: "draft", movable: true, handle }];
+  }
+}
+
+function shifted(value: number | null, by: number): number | null {
+  return value === null ? null : rounded(value + by);
+}
+
+/** Without the dust of binary fractions; zones are written in centimetres, or as finely as somebody typed. */
+function rounded(value: number): number {
+  return Number(value.toFixed(6));
+}
