@@ -3,10 +3,22 @@
 import { render } from "preact";
 import { Api } from "./api/client";
 import { App } from "./app";
+import { RobotLink } from "./state/robot_link";
+import { RobotProvider } from "./ui/robot_state";
 import "./style/tokens.css";
 import "./style/controls.css";
 import "./style/pages.css";
 import "./style/map.css";
+import "./style/robot.css";
 
 const host = document.getElementById("app");
-if (host) render(<App api={new Api()} />, host);
+const link = new RobotLink();
+link.open();
+if (host) {
+  render(
+    <RobotProvider value={link}>
+      <App api={new Api()} />
+    </RobotProvider>,
+    host,
+  );
+}

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+import type { PushPreview, Staged } from "./live_types";
 import type {
   Edit,
   EditAnswer,
@@ -121,6 +122,26 @@ export class Api {
 
   drivenPath(bag: string): Promise<DrivenPath> {
     return call("POST", "/api/background/path", { bag });
+  }
+
+  /** Measures what a robot publishes now, for so many seconds. */
+  measureLive(seconds: number): Promise<{ text: string }> {
+    return call("POST", "/api/profile/measure-live", { seconds });
+  }
+
+  /** What would change on a robot that gets these rules. */
+  previewPush(rules: Rules, node: string): Promise<PushPreview> {
+    return call("POST", "/api/push/preview", { ...rules, node });
+  }
+
+  /** Lets a robot try these rules. */
+  push(rules: Rules, node: string): Promise<Staged> {
+    return call("POST", "/api/push", { ...rules, node });
+  }
+
+  /** Lets a robot keep the rules that it tries. */
+  confirmPush(node: string, hash: string): Promise<unknown> {
+    return call("POST", "/api/push/confirm", { node, hash });
   }
 
   optimize(rules: Rules): Promise<OptimizeAnswer> {

@@ -3,11 +3,13 @@
 import * as Blockly from "blockly/core";
 import type { Operator } from "../api/types";
 import { parseRate, RATE_WORDS, rateText } from "./rate_text";
-import { oneWord, SuggestionField } from "./suggestion_field";
+import { oneWord, type Suggestion, SuggestionField } from "./suggestion_field";
 
 /** What the blocks suggest. */
 export interface Suggestions {
   topics(): readonly string[];
+  /** Topics with a word on where they come from, such as a live robot. */
+  markedTopics(): readonly Suggestion[];
   properties(topic: string): readonly string[];
   unit(topic: string, property: string): string;
 }
@@ -48,7 +50,7 @@ type Init = (this: Blockly.BlockSvg) => void;
 /** Defines every block of the language, once for a page. */
 export function defineBlocks(suggest: Suggestions, buttons: BlockButtons): void {
   const topicField = (label: string) =>
-    new SuggestionField("/odom", () => suggest.topics(), label, oneWord as Blockly.FieldTextInputValidator);
+    new SuggestionField("/odom", () => suggest.markedTopics(), label, oneWord as Blockly.FieldTextInputValidator);
   const button = (src: string, label: string, act: (block: Blockly.BlockSvg) => void) =>
     new Blockly.FieldImage(src, 22, 22, label, (field) => act(field.getSourceBlock() as Blockly.BlockSvg));
   const removeButton = (label: string) => button(MINUS, label, (block) => buttons.remove(block));

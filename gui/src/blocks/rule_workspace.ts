@@ -4,9 +4,11 @@ import * as Blockly from "blockly/core";
 import * as english from "blockly/msg/en";
 import type { Edit, Finding, RuleDocument, Statement } from "../api/types";
 import type { Layout } from "../state/layout";
+import { Badges } from "./badges";
 import { addCheck, addRate, toggleElse } from "./block_buttons";
 import { defineBlocks, showRawText, type Suggestions } from "./block_types";
 import { showJoins } from "./joins";
+import type { RuleState } from "./live_states";
 import { fingerprint, toBlock, toStatement } from "./model";
 import { blocklyTheme } from "./palette";
 import { follow, onPage, pageAt, type Pages } from "./pages";
@@ -51,6 +53,8 @@ export class RuleWorkspace {
   private known: Layout = {};
   private readonly warnings = new Warnings();
   private revealed: Blockly.BlockSvg | null = null;
+  private readonly badges = new Badges();
+  private states: ReadonlyMap<string, RuleState> = new Map();
 
   constructor(
     private readonly host: HTMLElement,
@@ -113,7 +117,21 @@ export class RuleWorkspace {
       showJoins(this.workspace, this.owner.suggestions);
     });
     this.mark(this.findings);
+    this.showLive(this.states);
     this.owner.paged(this.pages);
+  }
+
+  /** Shows beside rules and checks what a robot says of them, by statement id. */
+  showLive(states: ReadonlyMap<string, RuleState>): void {
+    this.states = states;
+    const { suggestions } = this.owner;
+    const known = this.slots.flatMap(({ block, id }) => {
+      const state = block.isDisposed() ? undefined : states.get(id);
+      return state ? [[block, state] as const] : [];
+    });
+    this.badges.show(new Map(known), (check) =>
+      suggestions.unit(String(check.getFieldValue("TOPIC")), String(check.getFieldValue("PROPERTY"))),
+    );
   }
 
   /** Puts findings on the blocks of their statements. */

@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 import * as Blockly from "blockly/core";
 
+/** A word to suggest, and what is said beside it. */
+export type Suggestion = string | { word: string; note: string };
 /** What can be suggested for a field, asked when somebody starts to type. */
-export type Suggest = (field: SuggestionField) => readonly string[];
+export type Suggest = (field: SuggestionField) => readonly Suggestion[];
 
 /** A text field with suggestions. Unlike a drop-down it keeps a value that nobody knows. */
 export class SuggestionField extends Blockly.FieldTextInput {
@@ -20,7 +22,10 @@ export class SuggestionField extends Blockly.FieldTextInput {
     const input = super.widgetCreate_() as HTMLInputElement;
     const list = document.createElement("datalist");
     list.id = Blockly.utils.idGenerator.getNextUniqueId();
-    for (const word of this.suggest(this)) list.append(new Option(word, word));
+    for (const each of this.suggest(this)) {
+      const { word, note } = typeof each === "string" ? { word: each, note: each } : each;
+      list.append(new Option(note, word));
+    }
     input.after(list);
     input.setAttribute("list", list.id);
     input.setAttribute("aria-label", this.label);

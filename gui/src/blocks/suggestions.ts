@@ -3,6 +3,9 @@
 import type { Vocabulary } from "../api/types";
 import type { Suggestions } from "./block_types";
 
+/** What is said beside a topic that a running robot publishes. */
+export const ON_ROBOT = "on the robot now";
+
 /** What the vocabulary of the moment suggests. */
 export function suggestionsOf(vocabulary: () => Vocabulary | null): Suggestions {
   const properties = (topic: string) => {
@@ -12,6 +15,8 @@ export function suggestionsOf(vocabulary: () => Vocabulary | null): Suggestions 
   };
   return {
     topics: () => vocabulary()?.topics.map(({ topic }) => topic) ?? [],
+    markedTopics: () =>
+      vocabulary()?.topics.map(({ topic, source }) => (source === "live" ? { word: topic, note: ON_ROBOT } : topic)) ?? [],
     properties: (topic) => properties(topic).map(({ name }) => name),
     unit: (topic, property) => properties(topic).find(({ name }) => name === property)?.unit ?? "",
   };

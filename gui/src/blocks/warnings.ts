@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import type * as Blockly from "blockly/core";
-import type { Check, Condition, Finding, SetStatement, Statement } from "../api/types";
+import type { Check, Finding, SetStatement, Statement } from "../api/types";
+import { checksOf } from "./live_states";
 import type { Slot } from "./slots";
 
 /** The marks on blocks; a block is touched only where its mark changes. */
@@ -52,13 +53,8 @@ function blockAt(block: Blockly.BlockSvg, statement: Statement, finding: Finding
     (part.offset ?? 0) <= finding.offset && finding.end_offset <= (part.end_offset ?? -1);
   const inner = block.getDescendants(true) as Blockly.BlockSvg[];
   const nth = (type: string, index: number) => inner.filter((each) => each.type === type)[index];
-  const check = checksIn(statement.condition).findIndex(holds);
+  const check = checksOf(statement.condition).findIndex(holds);
   if (check >= 0) return nth("adirf_check", check) ?? block;
   const set = [...statement.then, ...statement.else].findIndex(holds);
   return (set >= 0 ? nth("adirf_set", set) : undefined) ?? block;
-}
-
-function checksIn(condition: Condition): Check[] {
-  if (condition.kind === "check") return [condition];
-  return condition.kind === "not" ? checksIn(condition.term) : condition.terms.flatMap(checksIn);
 }

@@ -10,20 +10,26 @@ import { BlocksPane } from "../panels/blocks_pane";
 import { FindingsPanel } from "../panels/findings_panel";
 import { OptimizePanel } from "../panels/optimize_panel";
 import { SidePane } from "../panels/side_pane";
+import { RobotPanel } from "../panels/robot_panel";
+import { SendDialog } from "../panels/send_dialog";
 import { TryPanel } from "../panels/try_panel";
 import { ShareButtons } from "../sharing/share_buttons";
 import type { RuleEditor } from "../state/rule_editor";
+import { RobotRules } from "../state/robot_rules";
+import { Shipment } from "../state/shipment";
 import { Header } from "../ui/header";
 import { Notice } from "../ui/notice";
+import { useRobot } from "../ui/robot_state";
 import { type Choice, Tabs } from "../ui/tabs";
 import { Toast } from "../ui/toast";
 import { ProfileChoice } from "../panels/profile_choice";
 
-export type Tool = "findings" | "optimize" | "try";
+export type Tool = "findings" | "optimize" | "try" | "robot";
 
 /** Blocks and text of one rule file side by side, and below them what can be said about it. */
 export function EditorPage({ api, project, name, editors }: PageProps) {
   const editor = useMemo(() => editors.of(api, name), []);
+  const robot = useRobotSide(api, editor);
   const tool = useSignal<Tool>("findings");
   const [state, setState] = useState<"opening" | "open" | { problem: string }>("opening");
   useEffect(() => void open(editor, project, setState), []);
@@ -32,11 +38,11 @@ export function EditorPage({ api, project, name, editors }: PageProps) {
   if (state !== "open") return <Notice kind="error" text={state.problem} />;
   return (
     <div class="editor">
-      <EditorBar editor={editor} onTool={(next) => (tool.value = next)}>
+      <EditorBar editor={editor} shipment={robot.shipment} onTool={(next) => (tool.value = next)}>
         <ShareButtons {...{ editor, api, project }} />
       </EditorBar>
       <main class="split">
-        <BlocksPane editor={editor} />
+        <BlocksPane editor={editor} robotRules={robot.robotRules} />
         <SidePane {...{ editor, api }} />
       </main>
       <section class="dock" aria-label="Results">
@@ -48,15 +54,35 @@ export function EditorPage({ api, project, name, editors }: PageProps) {
           {tool.value === "findings" && <FindingsPanel editor={editor} />}
           {tool.value === "optimize" && <OptimizePanel {...{ editor, api }} />}
           {tool.value === "try" && <TryPanel {...{ editor, api, project }} />}
+          {tool.value === "robot" && <RobotPanel {...{ editor, ...robot }} />}
         </div>
       </section>
       <Toast message={editor.message} />
+      <SendDialog shipment={robot.shipment} />
     </div>
   );
 }
 
-function EditorBar(props: { editor: RuleEditor; onTool: (tool: Tool) => void; children: ComponentChildren }) {
-  const { editor, onTool, children } = props;
+/** What links the open rules with a running robot, for as long as the page is open. */
+function useRobotSide(api: PageProps["api"], editor: RuleEditor): { robotRules: RobotRules; shipment: Shipment } {
+  const link = useRobot();
+  const side = useMemo(
+    () => ({ robotRules: new RobotRules(api, editor, link), shipment: new Shipment(api, editor, link) }),
+    [],
+  );
+  useEffect(() => side.robotRules.follow(), []);
+  useEffect(() => side.shipment.follow(), []);
+  return side;
+}
+
+interface BarProps {
+  editor: RuleEditor;
+  shipment: Shipment;
+  onTool: (tool: Tool) => void;
+  children: ComponentChildren;
+}
+
+function EditorBar({ editor, shipment, onTool, children }: BarProps) {
   const { history } = editor;
   return (
     <Header title={editor.name} note={editor.isSaved.value ? "saved" : "not saved"}>
@@ -77,6 +103,15 @@ function EditorBar(props: { editor: RuleEditor; onTool: (tool: Tool) => void; ch
       <button type="button" onClick={() => onTool("try")}>
         Try on a bag
       </button>
+      <button
+        type="button"
+        onClick={() => {
+          onTool("robot");
+          void shipment.ask();
+        }}
+      >
+        Send to robot
+      </button>
       <button type="button" class="primary" onClick={() => onTool("optimize")}>
         Optimize and Download
       </button>
@@ -89,6 +124,7 @@ function useChoices(editor: RuleEditor) {
     { value: "findings", label: `Findings (${editor.findings.value.length})` },
     { value: "optimize", label: "Optimize" },
     { value: "try", label: "Try on a bag" },
+    { value: "robot", label: "Robot" },
   ]);
 }
 

@@ -75,6 +75,13 @@ function Start() {
             that fit your link.
           </li>
         </ol>
+        <h2>A running robot</h2>
+        <p>
+          The top of each page says whether a robot is connected. <strong>Robot</strong> shows what it relays now; while it
+          follows the open rules, signs beside the blocks say which checks and rules hold there.{" "}
+          <strong>Send to robot</strong> shows the differences first. The robot checks the rules and tries them for some
+          seconds; without <em>Keep these rules</em> it goes back by itself.
+        </p>
         <h2>Rates</h2>
         <p>
           A number in Hz; <code>Full</code> for every message; <code>Off</code> for none; or a quality level from{" "}

@@ -11,6 +11,7 @@ import { FormDialog } from "../ui/dialog";
 import { useDroppedFile } from "../ui/dropped_file";
 import { FileProblem, fileText } from "../ui/file_text";
 import { Notice } from "../ui/notice";
+import { RobotState } from "../ui/robot_state";
 
 const EMPTY_RULES = "begin\nend\n";
 
@@ -36,6 +37,7 @@ export function HomePage({ api, project, refresh, editors }: PageProps) {
   const profile = project.files.find((file) => file.kind === "profile")?.name ?? "profile.toml";
   return (
     <main class="home">
+      <RobotState />
       <div class="hero">
         <img src="./icon.svg" alt="" width="56" height="56" />
         <h1>ADIRF Ruler</h1>

@@ -3,6 +3,7 @@
 import { useEffect, useMemo, useState } from "preact/hooks";
 import { ApiError } from "../api/client";
 import type { PageProps } from "../app";
+import { MeasureRobot } from "../panels/measure_robot";
 import { TopicTable } from "../panels/topic_table";
 import { ProfileEditor } from "../state/profile_editor";
 import { Header } from "../ui/header";
@@ -30,6 +31,7 @@ export function TopicsPage({ api, project, name, refresh }: PageProps) {
     <>
       <Header title="Topic parameters" note={`${name}, ${isSaved ? "saved" : "not saved"}`}>
         {bags.length > 0 && <MeasureChoice bags={bags} measure={(bag) => guarded(() => editor.measure(bag))} />}
+        <MeasureRobot measure={(seconds) => guarded(() => editor.measureLive(seconds))} />
         <button
           type="button"
           class="primary"

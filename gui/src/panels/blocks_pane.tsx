@@ -7,18 +7,19 @@ import { toBlock } from "../blocks/model";
 import { RuleWorkspace } from "../blocks/rule_workspace";
 import { suggestionsOf } from "../blocks/suggestions";
 import { NEW_RATE, NEW_RULE } from "../blocks/toolbox";
+import type { RobotRules } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
 import { PageChoice } from "./page_choice";
 import { watchSize, watchTheme } from "../ui/watch";
 
 /** The left half: the rules as blocks. */
-export function BlocksPane({ editor }: { editor: RuleEditor }) {
+export function BlocksPane({ editor, robotRules }: { editor: RuleEditor; robotRules: RobotRules }) {
   const host = useRef<HTMLDivElement>(null);
   const workspace = useRef<RuleWorkspace | null>(null);
   const pages = useSignal<Pages>({ first: 0, count: 0, total: 0 });
   useEffect(() => {
     if (!host.current) return;
-    const opened = openWorkspace(host.current, editor, pages);
+    const opened = openWorkspace(host.current, editor, robotRules, pages);
     workspace.current = opened.workspace;
     return opened.close;
   }, []);
@@ -67,6 +68,7 @@ export function BlocksPane({ editor }: { editor: RuleEditor }) {
 function openWorkspace(
   host: HTMLElement,
   editor: RuleEditor,
+  robotRules: RobotRules,
   pages: Signal<Pages>,
 ): { workspace: RuleWorkspace; close: () => void } {
   const show = () => {
@@ -93,6 +95,7 @@ function openWorkspace(
       show();
     }),
     effect(() => workspace.mark(editor.findings.value)),
+    effect(() => workspace.showLive(robotRules.states.value)),
     effect(() => workspace.setReadOnly(editor.isBroken.value || editor.shown.value === null)),
     effect(() => {
       const spot = editor.spot.value;

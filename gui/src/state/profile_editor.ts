@@ -58,9 +58,12 @@ export class ProfileEditor {
 
   /** Replaces the table by one measured in a bag. */
   async measure(bag: string): Promise<void> {
-    const { text } = await this.api.measureProfile(bag);
-    this.load(await this.api.parseProfile(this.name, text), text);
-    this.isSaved.value = false;
+    await this.take(await this.api.measureProfile(bag));
+  }
+
+  /** Replaces the table by one measured on the robot for so many seconds. */
+  async measureLive(seconds: number): Promise<void> {
+    await this.take(await this.api.measureLive(seconds));
   }
 
   async save(): Promise<void> {
@@ -103,6 +106,11 @@ export class ProfileEditor {
       rows[start + index] = { ...old, topic, message_kb: size, tiers_hz: tiers, priority, source_hz: source };
     });
     this.rows.value = rows;
+    this.isSaved.value = false;
+  }
+
+  private async take({ text }: { text: string }): Promise<void> {
+    this.load(await this.api.parseProfile(this.name, text), text);
     this.isSaved.value = false;
   }
 

@@ -9,6 +9,7 @@ import { History } from "./history";
 import { topicsIn } from "./topics_in";
 
 const CHECK_AFTER_MS = 150;
+const WORDS_KEPT_MS = 5000;
 const EMPTY: RuleDocument = { collections: [], findings: [], parses: true };
 
 /** A stretch of the text that one side points at and the other shows. */
@@ -21,6 +22,7 @@ export interface Spot {
 /** What to suggest, and for which topics and profile. */
 interface Words {
   key: string;
+  askedMs: number;
   vocabulary: Vocabulary;
 }
 
@@ -255,11 +257,18 @@ export class RuleEditor {
     }
   }
 
-  /** What to suggest; asked for only when the rules name other topics than before. */
+  /** What to suggest; asked for when the rules name other topics than before, or a robot may have others by now. */
   private async wordsFor(rules: Rules, document: RuleDocument): Promise<Words> {
     const key = JSON.stringify([rules.profile_text, [...topicsIn(document)].sort()]);
-    if (key === this.words?.key) return this.words;
-    return { key, vocabulary: await this.api.vocabulary(rules.text, rules.profile_text) };
+    const askedMs = performance.now();
+    if (key === this.words?.key && askedMs - this.words.askedMs < WORDS_KEPT_MS) return this.words;
+    return { key, askedMs, vocabulary: await this.api.vocabulary(rules.text, rules.profile_text) };
+  }
+
+  /** Whether this very text was read, and has no errors. */
+  async isSound(): Promise<boolean> {
+    if (this.read !== this.text.value) await this.check();
+    return this.read === this.text.value && this.errors.value.length === 0;
   }
 
   private accept(document: RuleDocument, text: string): void {

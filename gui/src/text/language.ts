@@ -4,6 +4,7 @@ import type { Completion, CompletionContext, CompletionResult } from "@codemirro
 import { HighlightStyle, StreamLanguage, syntaxHighlighting } from "@codemirror/language";
 import { tags } from "@lezer/highlight";
 import type { Vocabulary } from "../api/types";
+import { ON_ROBOT } from "../blocks/suggestions";
 
 const KEYWORDS = ["begin", "end", "SetFrequency", "KeepAtLeast", "Rule", "Priority", "If", "Then", "Else", "EndIf"];
 const LOGIC = ["AND", "OR", "Not", "CheckValue"];
@@ -60,7 +61,11 @@ function options(before: string, word: string, vocabulary: Vocabulary | null): C
     }));
   }
   if (word.startsWith("/") || /(SetFrequency|KeepAtLeast|CheckValue)\s+$/.test(before)) {
-    return topics.map(({ topic, type }) => ({ label: topic, detail: type ?? "", type: "variable" }));
+    return topics.map(({ topic, type, source }) => ({
+      label: topic,
+      detail: [type, source === "live" ? ON_ROBOT : null].filter(Boolean).join(", "),
+      type: "variable",
+    }));
   }
   return [...KEYWORDS, ...LOGIC, ...RATES].map((label) => ({ label, type: "keyword" }));
 }

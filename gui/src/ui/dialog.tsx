@@ -9,12 +9,19 @@ export function FormDialog(props: {
   submit: string;
   isWide?: boolean;
   canSubmit?: boolean;
+  /** Whether there is nothing to cancel. */
+  isNotice?: boolean;
   onSubmit: (form: FormData) => unknown;
   onClose: () => void;
   children: ComponentChildren;
 }) {
   const dialog = useRef<HTMLDialogElement>(null);
-  useEffect(() => dialog.current?.showModal(), []);
+  useEffect(() => {
+    const shown = dialog.current;
+    shown?.showModal();
+    // Closing gives the focus back to what opened it.
+    return () => shown?.close();
+  }, []);
   return (
     <dialog ref={dialog} class={props.isWide ? "wide" : ""} aria-label={props.title} onClose={props.onClose}>
       <form
@@ -26,9 +33,11 @@ export function FormDialog(props: {
         <h2>{props.title}</h2>
         {props.children}
         <div class="row end">
-          <button type="button" onClick={() => dialog.current?.close()}>
-            Cancel
-          </button>
+          {!props.isNotice && (
+            <button type="button" onClick={() => dialog.current?.close()}>
+              Cancel
+            </button>
+          )}
           <button type="submit" class="primary" disabled={props.canSubmit === false}>
             {props.submit}
           </button>

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { ComponentChildren } from "preact";
 import { href } from "../route";
+import { RobotState } from "./robot_state";
 
 /** The bar on top of every page but the first: the way home, what is open, and what can be done with it. */
 export function Header({ title, note, children }: { title: string; note?: string; children?: ComponentChildren }) {
@@ -12,6 +13,7 @@ export function Header({ title, note, children }: { title: string; note?: string
       </a>
       <h1>{title}</h1>
       {note !== undefined && <span class="quiet">{note}</span>}
+      <RobotState />
       <div class="bar-tools" role="toolbar" aria-label="Tools">
         {children}
       </div>

@@ -10,9 +10,8 @@ from enum import Enum
 from itertools import product
 from types import MappingProxyType
 
-from smarttestudo.adirf.document.meaning import checks_in
 from smarttestudo.adirf.normal_form import Resolve
-from smarttestudo.adirf.syntax import And, Check, Condition, Group, Not, Operator, Or
+from smarttestudo.adirf.syntax import And, Check, Condition, Group, Not, Operator, Or, checks_in
 from smarttestudo.adirf.zones.rectangle import ZoneRectangle
 
 MAX_ALTERNATIVES = 64

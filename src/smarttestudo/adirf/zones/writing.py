@@ -9,9 +9,19 @@ from dataclasses import replace
 from decimal import Decimal
 
 from smarttestudo.adirf.document.edits import EditError
-from smarttestudo.adirf.document.meaning import checks_in
 from smarttestudo.adirf.normal_form import Resolve
-from smarttestudo.adirf.syntax import And, Block, Check, Condition, Group, Not, Operator, Or, TopicName
+from smarttestudo.adirf.syntax import (
+    And,
+    Block,
+    Check,
+    Condition,
+    Group,
+    Not,
+    Operator,
+    Or,
+    TopicName,
+    checks_in,
+)
 from smarttestudo.adirf.zones.reading import Side, ZoneReading, axis_of, zones_in
 from smarttestudo.adirf.zones.rectangle import ZoneRectangle
 from smarttestudo.domain.source import Span

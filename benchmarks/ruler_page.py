@@ -1,0 +1,122 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Whether the memory of the Ruler's page stays flat beside a running robot.
+
+Run it with ``python benchmarks/ruler_page.py`` where ROS 2 and Chromium are installed; it takes ten minutes.
+A source publishes fifty topics, ``testudo run`` relays them, and the page shows the tab Robot with twenty
+updates a second. The heap is read after a collection; its growth is the slope of a straight line through the
+readings after the first minute.
+"""
+
+from __future__ import annotations
+
+import argparse
+import shutil
+import statistics
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from playwright.sync_api import CDPSession, Page, sync_playwright
+
+from live.cases import IMU_BYTES, IMU_TYPE, Topic
+from live.contenders import role
+from live.processes import environment, processes
+
+DOMAIN = 74
+TOPIC_COUNT = 50
+SAMPLE_S = 10.0
+WARM_S = 60.0
+TOPICS = [
+    Topic(name=f"/imu{number}", type=IMU_TYPE, hz=20, target_hz=5, size_bytes=IMU_BYTES)
+    for number in range(TOPIC_COUNT)
+]
+RULE = 'Rule "Fast" If (CheckValue /imu0 rate > 10) Then SetFrequency /imu1 7 EndIf'
+Reading = tuple[float, float, int]
+
+
+@contextmanager
+def ruler(folder: Path, settings: dict[str, str]) -> Iterator[str]:
+    """``testudo ruler``; yields its address."""
+    command = [sys.executable, "-m", "smarttestudo", "ruler", str(folder), "--port", "0", "--no-browser"]
+    settings = {**settings, "PYTHONUNBUFFERED": "1"}
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=settings) as process:
+        assert process.stdout is not None
+        try:
+            yield process.stdout.readline().split(": ", 1)[1].split()[0]
+        finally:
+            process.terminate()
+
+
+def show_robot(page: Page, url: str) -> None:
+    """Open the rules, and the robot with as many updates as there can be."""
+    page.goto(url)
+    page.get_by_role("link", name="rules.adirf").click()
+    page.get_by_role("tab", name="Robot", exact=True).click()
+    page.get_by_label("Updates (1/s)").select_option("20")
+    page.get_by_role("row").nth(TOPIC_COUNT).wait_for()
+
+
+def heap_mb(session: CDPSession) -> float:
+    """The page's JavaScript heap after a collection."""
+    session.send("HeapProfiler.collectGarbage")
+    metrics = session.send("Performance.getMetrics")["metrics"]
+    return float(next(one["value"] for one in metrics if one["name"] == "JSHeapUsedSize")) / 1e6
+
+
+def readings(page: Page, frames: list[None], seconds: float) -> list[Reading]:
+    """Seconds since the start, MB of heap, messages that the page got so far; every ten seconds."""
+    session = page.context.new_cdp_session(page)
+    session.send("Performance.enable")
+    read = [(0.0, heap_mb(session), len(frames))]
+    for number in range(1, int(seconds / SAMPLE_S) + 1):
+        page.wait_for_timeout(1000 * SAMPLE_S)
+        read.append((number * SAMPLE_S, heap_mb(session), len(frames)))
+    return read
+
+
+def measure(seconds: float, domain: int) -> list[Reading]:
+    """Everything as processes of their own, and what the page's heap did."""
+    settings = environment(domain, large_messages=False)
+    with tempfile.TemporaryDirectory() as name, sync_playwright() as playwright:
+        rules = Path(name) / "rules.adirf"
+        rates = [f"SetFrequency {topic.name} {topic.target_hz}" for topic in TOPICS]
+        rules.write_text("\n".join(["begin", *rates, RULE, "end"]), encoding="utf-8")
+        run = [sys.executable, "-m", "smarttestudo", "run", "--rules", str(rules)]
+        commands = [run, role("source", TOPICS), role("operator", TOPICS)]
+        with processes(commands, settings), ruler(rules.parent, settings) as url:
+            browser = playwright.chromium.launch(
+                executable_path=shutil.which("chromium"), args=["--no-sandbox"]
+            )
+            page = browser.new_page(viewport={"width": 1280, "height": 2400})
+            frames: list[None] = []
+            page.on("websocket", lambda socket: socket.on("framereceived", lambda _: frames.append(None)))
+            show_robot(page, url)
+            read = readings(page, frames, seconds)
+            browser.close()
+            return read
+
+
+def main() -> None:
+    """Measure, and print the readings."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--seconds", type=float, default=600.0)
+    parser.add_argument("--domain", type=int, default=DOMAIN)
+    arguments = parser.parse_args()
+    read = measure(arguments.seconds, arguments.domain)
+    for elapsed_s, used_mb, frames in read:
+        print(f"{elapsed_s:5.0f} s  {used_mb:6.2f} MB  {frames} messages")
+    print(f"{read[-1][2] / read[-1][0]:.1f} messages a second" if read[-1][0] else "")
+    warm = [(elapsed_s, used_mb) for elapsed_s, used_mb, _ in read if elapsed_s >= WARM_S]
+    if len(warm) > 1:
+        slope, _ = statistics.linear_regression(*zip(*warm, strict=True))
+        print(f"growth after {WARM_S:.0f} s: {slope * 3600:+.2f} MB an hour")
+
+
+if __name__ == "__main__":
+    main()

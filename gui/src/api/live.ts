@@ -1,0 +1,57 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import type { Push } from "./live_types";
+
+const FIRST_WAIT_MS = 500;
+const LONGEST_WAIT_MS = 8000;
+
+/** What the socket tells. */
+export interface LiveOwner {
+  /** The server's greeting came: from now on it can be told something. */
+  heard(push: Push): void;
+  /** The server cannot be reached; it is tried again by itself. */
+  lost(): void;
+}
+
+/** The web socket to the server; it connects again by itself, ever more seldom up to every 8 s. */
+export class LiveSocket {
+  private socket: WebSocket | null = null;
+  private waitMs = FIRST_WAIT_MS;
+  private timer: number | undefined;
+
+  constructor(private readonly owner: LiveOwner) {}
+
+  open(): void {
+    window.clearTimeout(this.timer);
+    const socket = new WebSocket(new URL("ws", location.href.replace(/^http/, "ws")));
+    this.socket = socket;
+    socket.onmessage = ({ data }) => {
+      if (this.socket === socket) this.hear(JSON.parse(String(data)) as Push);
+    };
+    socket.onclose = () => {
+      if (this.socket !== socket) return;
+      this.socket = null;
+      this.owner.lost();
+      this.timer = window.setTimeout(() => this.open(), this.waitMs);
+      this.waitMs = Math.min(2 * this.waitMs, LONGEST_WAIT_MS);
+    };
+  }
+
+  /** Tells the server something; lost while there is no connection. */
+  send(message: object): void {
+    if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(message));
+  }
+
+  /** Ends it for good. */
+  close(): void {
+    window.clearTimeout(this.timer);
+    const { socket } = this;
+    this.socket = null;
+    socket?.close();
+  }
+
+  private hear(push: Push): void {
+    this.waitMs = FIRST_WAIT_MS;
+    this.owner.heard(push);
+  }
+}

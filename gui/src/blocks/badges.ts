@@ -1,0 +1,93 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import * as Blockly from "blockly/core";
+import type { Truth } from "../api/live_types";
+import { readable } from "../ui/numbers";
+import type { CheckState, RuleState } from "./live_states";
+
+const GAP = 10;
+const HEIGHT = 28;
+const FIRST_ROW = 48;
+// Letters are drawn in a monospaced font, so that no badge needs to be measured.
+const LETTER_WIDTH = 9.1;
+const PADDING = 9;
+
+/** What a badge says, and in which colour. */
+interface Badge {
+  look: Truth;
+  words: string;
+}
+interface Drawn extends Badge {
+  group: SVGGElement;
+  box: SVGRectElement;
+  text: SVGTextElement;
+  /** The size of the block that the badge stands beside. */
+  size: string;
+}
+
+/** Small signs beside blocks: whether a condition holds on the robot now. Blocks are not drawn anew for them. */
+export class Badges {
+  private readonly drawn = new Map<Blockly.BlockSvg, Drawn>();
+
+  /** Shows exactly the `states`, by rule block, and touches only what differs from before. */
+  show(states: ReadonlyMap<Blockly.BlockSvg, RuleState>, unitOf: (check: Blockly.BlockSvg) => string): void {
+    const wanted = new Map<Blockly.BlockSvg, Badge>();
+    for (const [rule, state] of states) {
+      const checks = checkBlocks(rule);
+      if (checks.length !== state.checks.length) continue;
+      wanted.set(rule, { look: state.state, words: RULE_WORDS[state.state] });
+      state.checks.forEach((check, at) => {
+        const block = checks[at];
+        if (block) wanted.set(block, checkBadge(check, unitOf(block)));
+      });
+    }
+    for (const [block, { group }] of this.drawn) {
+      if (wanted.has(block)) continue;
+      group.remove();
+      this.drawn.delete(block);
+    }
+    for (const [block, badge] of wanted) this.draw(block, badge);
+  }
+
+  private draw(block: Blockly.BlockSvg, badge: Badge): void {
+    const drawn = this.drawn.get(block) ?? this.create(block);
+    const size = `${block.width} ${block.height}`;
+    if (drawn.size !== size) {
+      const { width } = (block.pathObject.svgPath as SVGPathElement).getBBox();
+      const y = Math.min(block.height, FIRST_ROW) / 2;
+      drawn.group.setAttribute("transform", `translate(${width + GAP}, ${y})`);
+      drawn.size = size;
+    }
+    if (drawn.words === badge.words) return;
+    drawn.words = badge.words;
+    drawn.text.textContent = badge.words;
+    drawn.box.setAttribute("width", String(badge.words.length * LETTER_WIDTH + 2 * PADDING));
+    drawn.group.setAttribute("class", `badge ${badge.look}`);
+    drawn.group.setAttribute("aria-label", `On the robot: ${badge.words}`);
+  }
+
+  private create(block: Blockly.BlockSvg): Drawn {
+    const { createSvgElement } = Blockly.utils.dom;
+    const group = createSvgElement(Blockly.utils.Svg.G, { role: "img" }, block.getSvgRoot());
+    const box = createSvgElement(Blockly.utils.Svg.RECT, { y: -HEIGHT / 2, height: HEIGHT, rx: HEIGHT / 2 }, group);
+    const text = createSvgElement(Blockly.utils.Svg.TEXT, { x: PADDING, dy: "0.35em" }, group);
+    const drawn: Drawn = { group, box, text, size: "", look: "unknown", words: "" };
+    this.drawn.set(block, drawn);
+    return drawn;
+  }
+}
+
+const CHECK_WORDS = { true: "✓ true", false: "✗ false", unknown: "? unknown" };
+const RULE_WORDS = { true: "✓ holds", false: "✗ does not hold", unknown: "? unknown" };
+
+function checkBadge({ state, value }: CheckState, unit: string): Badge {
+  const shown = value === null ? "" : ` ${readable(value)}${unit && ` ${unit}`}`;
+  return { look: state, words: `${CHECK_WORDS[state]}${shown}` };
+}
+
+/** The checks of a rule's condition in the order of the text. */
+function checkBlocks(rule: Blockly.BlockSvg): Blockly.BlockSvg[] {
+  const first = rule.getInputTargetBlock("IF");
+  const all = first instanceof Blockly.BlockSvg ? first.getDescendants(true) : [];
+  return all.filter((block) => block.type === "adirf_check" && !block.isInsertionMarker());
+}

@@ -1,0 +1,60 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import type { Live, Truth } from "../api/live_types";
+import type { Check, Condition, RuleDocument } from "../api/types";
+
+/** What a robot says of one check now. */
+export interface CheckState {
+  state: Truth;
+  value: number | null;
+}
+/** What a robot says of one rule now, and of its checks in the order of the text. */
+export interface RuleState {
+  state: Truth;
+  checks: readonly CheckState[];
+}
+
+const UNKNOWN: CheckState = { state: "unknown", value: null };
+
+/**
+ * What a robot says of each rule of a document, by statement id; rules that it does not tell of are left out.
+ *
+ * The robot's text may have other comments and another order, so rules are found by what they are called, and
+ * checks by their words: equal checks hold at the same time.
+ */
+export function ruleStates(document: RuleDocument, live: Live): ReadonlyMap<string, RuleState> {
+  const rules = document.collections.flatMap(({ statements }) => statements).filter((each) => each.kind === "rule");
+  const labels = numbered(live.blocks.map(({ label }) => label));
+  const blocks = new Map(live.blocks.map(({ state }, index) => [labels[index], state]));
+  const checks = new Map(live.checks.map((check) => [words({ ...check, value: check.limit }), check]));
+  const states = new Map<string, RuleState>();
+  numbered(rules.map(({ label = "" }) => label)).forEach((label, index) => {
+    const [rule, state] = [rules[index], blocks.get(label)];
+    if (!rule || state === undefined) return;
+    const own = checksOf(rule.condition).map((check) => checks.get(words(check)) ?? UNKNOWN);
+    states.set(rule.id ?? "", { state, checks: own });
+  });
+  return states;
+}
+
+/** Names that tell rules apart: those of one name are numbered, and so are unnamed ones, whose line may move. */
+function numbered(labels: readonly string[]): string[] {
+  const seen = new Map<string, number>();
+  return labels.map((label) => {
+    const name = label.replace(/^block at line \d+$/, "");
+    const number = (seen.get(name) ?? 0) + 1;
+    seen.set(name, number);
+    return `${number} ${name}`;
+  });
+}
+
+function words(check: { topic: string; property: string; op: string; value: number | null }): string {
+  return `${check.topic} ${check.property} ${check.op} ${check.value}`;
+}
+
+/** All checks of a condition in the order of the text. */
+function checksOf(condition: Condition): Check[] {
+  if (condition.kind === "check") return [condition];
+  if (condition.kind === "not") return checksOf(condition.term);
+  return condition.terms.flatMap(checksOf);
+}

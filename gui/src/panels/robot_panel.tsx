@@ -1,0 +1,95 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import { RULES_WORDS } from "../state/connection";
+import { type RobotLink, UPDATE_RATES_HZ } from "../state/robot_link";
+import type { RobotRules } from "../state/robot_rules";
+import type { RuleEditor } from "../state/rule_editor";
+import type { Shipment } from "../state/shipment";
+import { useRobot } from "../ui/robot_state";
+import { RobotTopics } from "./robot_topics";
+import { RobotTotals } from "./robot_totals";
+import { ShipmentSteps } from "./shipment_steps";
+
+/** The running robot: what it relays now, and whether it follows the open rules. */
+export function RobotPanel(props: { editor: RuleEditor; robotRules: RobotRules; shipment: Shipment }) {
+  const link = useRobot();
+  const live = link.live.value;
+  return (
+    <div class="robot">
+      <ShipmentSteps shipment={props.shipment} editor={props.editor} />
+      <div class="row">
+        <RobotChoice link={link} />
+        <p>
+          <Situation link={link} />
+        </p>
+        <RulesNotice robotRules={props.robotRules} />
+      </div>
+      {live && <RobotTotals live={live} />}
+      {live && <RobotTopics link={link} live={live} />}
+      {!live && link.connection.value.kind === "connected" && <p class="quiet">Waiting for its values …</p>}
+    </div>
+  );
+}
+
+function RobotChoice({ link }: { link: RobotLink }) {
+  const robots = link.robots.value?.robots ?? [];
+  if (robots.length === 0) return null;
+  return (
+    <>
+      <label>
+        Robot
+        <select value={link.node.value ?? ""} onChange={(event) => link.choose(event.currentTarget.value)}>
+          {robots.map(({ node, is_heard }) => (
+            <option key={node} value={node}>
+              {is_heard ? node : `${node} (silent)`}
+            </option>
+          ))}
+        </select>
+      </label>
+      <label>
+        Updates (1/s)
+        <select value={link.updateHz.value} onChange={(event) => link.updateAt(Number(event.currentTarget.value))}>
+          {UPDATE_RATES_HZ.map((rate) => (
+            <option key={rate}>{rate}</option>
+          ))}
+        </select>
+      </label>
+    </>
+  );
+}
+
+function Situation({ link }: { link: RobotLink }) {
+  const { kind, words, why } = link.connection.value;
+  const robot = link.robot.value;
+  if (kind !== "connected" || robot === null) {
+    return (
+      <>
+        <strong>{words}.</strong> {why}
+      </>
+    );
+  }
+  return <>{RULES_WORDS[robot.rules]}</>;
+}
+
+function RulesNotice({ robotRules }: { robotRules: RobotRules }) {
+  const comparison = robotRules.comparison.value;
+  switch (comparison.kind) {
+    case "none":
+      return null;
+    case "same":
+      return <p class="quiet">The robot follows these rules: the blocks show what holds there now.</p>;
+    case "other":
+      return (
+        <details>
+          <summary>The robot has other rules, so the blocks do not show what holds there.</summary>
+          <ul>
+            {comparison.preview.differences.map((difference) => (
+              <li key={difference}>{difference}</li>
+            ))}
+          </ul>
+        </details>
+      );
+    case "unclear":
+      return <p class="quiet">These rules cannot be compared with the robot's. {comparison.why}</p>;
+  }
+}

@@ -1,0 +1,31 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import type { Shipment } from "../state/shipment";
+import { FormDialog } from "../ui/dialog";
+
+/** What would change on the robot, before anything is sent. */
+export function SendDialog({ shipment }: { shipment: Shipment }) {
+  const stage = shipment.stage.value;
+  if (stage.kind !== "asked") return null;
+  const { preview, node } = stage;
+  // Sending closes the dialog, too, and the stage of that must stay.
+  const close = () => shipment.stage.peek() === stage && shipment.close();
+  if (preview.same) {
+    return (
+      <FormDialog title={`Send to ${node}`} submit="Close" isNotice onSubmit={close} onClose={close}>
+        <p>Nothing differs: nothing to send. Where blocks stand, and how the text is laid out, stays with the file.</p>
+      </FormDialog>
+    );
+  }
+  return (
+    <FormDialog title={`Send to ${node}`} submit="Send" onSubmit={() => shipment.send()} onClose={close}>
+      <p>This changes on the robot:</p>
+      <ul class="differences" aria-label="Differences">
+        {preview.differences.map((difference) => (
+          <li key={difference}>{difference}</li>
+        ))}
+      </ul>
+      <p class="quiet">The robot checks the rules and tries them. It goes back by itself unless you keep them.</p>
+    </FormDialog>
+  );
+}

@@ -1,0 +1,62 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import type { RobotSummary, Robots } from "../api/live_types";
+
+/** The server tells of robots every two seconds; what is so old is no longer trusted. */
+const TOLD_WITHIN_S = 8;
+
+/** Whether the server's web socket is open, and speaks what this page understands. */
+export type ServerState = { kind: "lost" } | { kind: "opening" } | { kind: "open" } | { kind: "other"; version: string };
+
+/** What the top of every page says of the robot: few words, and why in full. */
+export interface Connection {
+  kind: "connected" | "silent" | "none";
+  words: string;
+  why: string;
+}
+
+/** Sums up what is known; `sinceToldS` is how old `robots` is. */
+export function connectionOf(
+  server: ServerState,
+  robots: Robots | null,
+  node: string | null,
+  sinceToldS: number,
+): Connection {
+  if (server.kind === "lost") return none("The Ruler's server does not answer. The page tries again by itself.");
+  if (server.kind === "other") {
+    return none(`The server is SmartTestudo ${server.version}, which speaks to another version of this page. Reload the page.`);
+  }
+  if (server.kind === "opening" || robots === null) return none("The page is asking the server for robots.");
+  const robot = robots.robots.find((each) => each.node === node);
+  if (robots.problem !== null && !robot) return none(robots.problem);
+  if (!robot) return none("No robot is heard. Start 'testudo run' on the robot, in the ROS domain of this server.");
+  return heardFrom(robot, sinceToldS);
+}
+
+function heardFrom(robot: RobotSummary, sinceToldS: number): Connection {
+  const silentS = Math.floor(robot.heard_s_ago + sinceToldS);
+  if (robot.is_heard && sinceToldS < TOLD_WITHIN_S) {
+    return {
+      kind: "connected",
+      words: `connected to ${robot.node}`,
+      why: `${robot.node} relays ${robot.topics} topics. ${RULES_WORDS[robot.rules]}`,
+    };
+  }
+  return {
+    kind: "silent",
+    words: `robot silent for ${silentS} s`,
+    why: `Nothing is heard of ${robot.node} for ${silentS} s. Is 'testudo run' still running, and the radio up?`,
+  };
+}
+
+function none(why: string): Connection {
+  return { kind: "none", words: "not connected", why };
+}
+
+/** Which rules a robot follows, as a sentence. */
+export const RULES_WORDS: Record<RobotSummary["rules"], string> = {
+  files: "It follows the rule files on its disk.",
+  pushed: "It follows rules that were sent to it.",
+  waiting: "It tries rules that were sent to it, and goes back unless they are kept.",
+  fallback: "It has no valid rules and relays everything.",
+};

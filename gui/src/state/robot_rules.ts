@@ -1,0 +1,73 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import { computed, effect, signal } from "@preact/signals";
+import { type Api, ApiError } from "../api/client";
+import type { PushPreview } from "../api/live_types";
+import { type RuleState, ruleStates } from "../blocks/live_states";
+import type { RobotLink } from "./robot_link";
+import type { RuleEditor } from "./rule_editor";
+
+const COMPARE_AFTER_MS = 300;
+const NONE: ReadonlyMap<string, RuleState> = new Map();
+
+/** How the open rules stand to those on the robot. */
+export type Comparison =
+  | { kind: "none" }
+  | { kind: "same"; preview: PushPreview }
+  | { kind: "other"; preview: PushPreview }
+  | { kind: "unclear"; why: string };
+
+/** The open rules beside those that the chosen robot follows. */
+export class RobotRules {
+  readonly comparison = signal<Comparison>({ kind: "none" });
+  /** What the robot says of each rule now, by statement id; empty unless it follows these very rules. */
+  readonly states = computed(() => {
+    const live = this.link.calm.value;
+    if (this.comparison.value.kind !== "same" || live === null || this.editor.isBroken.value) return NONE;
+    return ruleStates(this.editor.document.value, live);
+  });
+  private timer: number | undefined;
+  private asked = 0;
+
+  constructor(
+    private readonly api: Api,
+    private readonly editor: RuleEditor,
+    private readonly link: RobotLink,
+  ) {}
+
+  /** Compares whenever either side changes, until the returned function is called. */
+  follow(): () => void {
+    const stopWatching = this.link.watch();
+    const hash = computed(() => this.link.robot.value?.rules_hash);
+    const stop = effect(() => {
+      void [this.editor.text.value, this.editor.profile.value, hash.value];
+      const node = this.link.node.value;
+      this.asked++;
+      window.clearTimeout(this.timer);
+      if (this.comparison.peek().kind !== "none") this.comparison.value = { kind: "none" };
+      if (node !== null) this.timer = window.setTimeout(() => void this.compare(node), COMPARE_AFTER_MS);
+    });
+    return () => {
+      stop();
+      stopWatching();
+      window.clearTimeout(this.timer);
+    };
+  }
+
+  private async compare(node: string): Promise<void> {
+    const asked = this.asked;
+    const comparison = await this.ask(node);
+    if (asked === this.asked) this.comparison.value = comparison;
+  }
+
+  private async ask(node: string): Promise<Comparison> {
+    try {
+      if (!(await this.editor.isSound())) return { kind: "unclear", why: "The text has errors." };
+      const preview = await this.api.previewPush(this.editor.rules, node);
+      return { kind: preview.same ? "same" : "other", preview };
+    } catch (error) {
+      if (!(error instanceof ApiError)) throw error;
+      return { kind: "unclear", why: error.message };
+    }
+  }
+}
