@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { Placed } from "./slots";
 
-/** How many statements are shown as blocks at once: Blockly keeps every block drawn, and thousands stop the page. */
-export const PAGE = 40;
+/** How many statements of a long text are shown as blocks at once: Blockly keeps every block drawn. */
+export const PAGE = 20;
+/** A text with no more statements than this is shown whole. */
+const WHOLE = 40;
 const LARGEST = 2 * PAGE;
 
 /** The statements that are shown as blocks, counted from 0 in the order of the text. */
@@ -15,6 +17,7 @@ export interface Pages {
 
 /** The page that holds a statement. */
 export function pageAt(index: number, total: number): Pages {
+  if (total <= WHOLE) return { first: 0, count: total, total };
   const first = Math.max(0, Math.min(index - (index % PAGE), total - 1));
   return { first, count: Math.min(PAGE, total - first), total };
 }
@@ -23,8 +26,7 @@ export function pageAt(index: number, total: number): Pages {
 export function follow(pages: Pages, before: readonly Placed[], after: readonly Placed[]): Pages {
   const { length } = after;
   const more = length - pages.total;
-  if (length <= PAGE) return { first: 0, count: length, total: length };
-  if (pages.total === 0) return pageAt(0, length);
+  if (length <= WHOLE || pages.total === 0) return pageAt(0, length);
   const changed = before.findIndex(({ statement }, index) => statement.key !== after[index]?.statement.key);
   const at = changed < 0 ? before.length : changed;
   const isAbove = at < pages.first;
