@@ -51,6 +51,11 @@ class Process:
         self._process.stdin.flush()
         return json.loads(self._process.stdout.readline())
 
+    def line(self) -> str:
+        """The next line that it says."""
+        assert self._process.stdout is not None
+        return self._process.stdout.readline()
+
     @property
     def cpu_s(self) -> float:
         """CPU time of all its threads so far, to the nanosecond."""

@@ -10,6 +10,8 @@ import "./style/controls.css";
 import "./style/pages.css";
 import "./style/map.css";
 import "./style/robot.css";
+import "./style/try.css";
+import "./style/levels.css";
 
 const host = document.getElementById("app");
 const link = new RobotLink();

@@ -53,6 +53,7 @@ def test_wishes_truths_and_values_agree_with_plain_recursion_after_every_change(
     topics = compile_rules(files, lambda name: name).relayed
     known: dict[Signal, float | None] = {}
     shown = dict.fromkeys(topics)
+    truths = {one.place: Truth.UNKNOWN for one in naive_blocks(files)}
     for step in [{}, *steps]:
         for signal, value in step.items():
             evaluator.set(signal, value)
@@ -63,8 +64,12 @@ def test_wishes_truths_and_values_agree_with_plain_recursion_after_every_change(
             assert wish_of(evaluator, topic) == expected
             assert shown[topic] == expected or topic in changed
             shown[topic] = expected
+        turned = evaluator.take_changed_blocks()
         for one in naive_blocks(files):
-            assert evaluator.truth(one.place) is TRUTHS[one.truth(known)]
+            truth = TRUTHS[one.truth(known)]
+            assert evaluator.truth(one.place) is truth
+            assert truths[one.place] is truth or one.place in turned
+            truths[one.place] = truth
             reads = {str(signal): known.get(signal) for signal in naive_signals(one.condition)}
             assert evaluator.values_of(one.place) == reads
 

@@ -75,7 +75,8 @@ def test_an_empty_profile_knows_nothing(tmp_path: Path) -> None:
         ),
         (
             '[topics."/a"]\ntiers_hz = [\n  1, 2, 3,\n  9, 5, 6 ]',
-            ':2:1: error: topics."/a".tiers_hz must not fall from one tier to the next',
+            ':2:1: error: topics."/a".tiers_hz must not fall from one tier to the next: '
+            "Competitive (5 Hz) is below Desirable (9 Hz)",
         ),
         ('[topics."a//b"]', ":1:1: error: 'a//b' is not a valid ROS 2 topic name"),
         ('[topics."/a"]\nmin_hz = 5\nmax_hz = 1', ":2:1: error: min_hz is above max_hz"),

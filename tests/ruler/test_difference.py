@@ -4,15 +4,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from random import Random
+
 import pytest
 from hypothesis import assume, given, settings
+from hypothesis import strategies as st
 
-from adirf.rule_strategies import WrittenFile, written_files
+from adirf.rule_strategies import WrittenFile, rule_files, written_files
 from ruler.ruler_server import EXAMPLES, Page
-from smarttestudo.adirf.formatter import format_rules
+from smarttestudo.adirf.formatter import format_file, format_rules
 from smarttestudo.adirf.parser import ParseResult, parse
-from smarttestudo.adirf.syntax import Block
-from smarttestudo.composition.ruler.difference import differences
+from smarttestudo.adirf.syntax import Block, RuleFile, SetFrequency, Statement
+from smarttestudo.composition.ruler.difference import differences, mean_the_same
 
 WAREHOUSE = (EXAMPLES / "warehouse.adirf").read_text(encoding="utf-8")
 
@@ -53,6 +57,40 @@ def test_layout_is_no_difference(written: WrittenFile) -> None:
     # A comment that the formatter moves to a rule without a name gives it one.
     assume(unnamed(old) == unnamed(new))
     assert differences(old, new) == ()
+
+
+@given(rule_files(), st.randoms(use_true_random=False))
+@settings(max_examples=50)
+def test_rules_in_another_order_mean_the_same(file: RuleFile, random: Random) -> None:
+    # Of two defaults of a topic the last one counts, so defaults keep their order.
+    (part, *_) = file.collections
+    defaults = [one for one in part.statements if isinstance(one, SetFrequency)]
+    others = [closed(one) for one in part.statements if not isinstance(one, SetFrequency)]
+    before = replace(file, collections=(replace(part, statements=(*defaults, *others)),))
+    random.shuffle(others)
+    after = replace(file, collections=(replace(part, statements=(*others, *defaults)),))
+    assert mean_the_same(parsed(before), parsed(after))
+
+
+@given(rule_files(), rule_files())
+@settings(max_examples=50)
+def test_rules_mean_the_same_only_where_nothing_is_said_to_differ(old: RuleFile, new: RuleFile) -> None:
+    if differences(parsed(old), parsed(new)):
+        assert not mean_the_same(parsed(old), parsed(new)) or has_unnamed_rules(old)
+
+
+def has_unnamed_rules(file: RuleFile) -> bool:
+    return any(isinstance(one, Block) and one.name is None for one in file.statements)
+
+
+def closed(statement: Statement) -> Statement:
+    return replace(statement, has_end_if=True) if isinstance(statement, Block) else statement
+
+
+def parsed(file: RuleFile) -> ParseResult:
+    result = parse(format_file(file), "rules.adirf")
+    assert result.is_valid
+    return result
 
 
 def unnamed(result: ParseResult) -> list[bool]:

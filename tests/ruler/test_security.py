@@ -65,7 +65,7 @@ def test_a_web_socket_of_another_site_is_not_opened(examples_page: Page, origin:
     assert refused.value.response.status_code == 403
 
 
-def test_a_web_socket_says_who_it_is_and_listens_to_nothing(examples_page: Page) -> None:
+def test_a_web_socket_says_who_it_is_and_outlives_what_it_does_not_understand(examples_page: Page) -> None:
     url = f"ws://127.0.0.1:{examples_page.port}/ws"
     with connect(url, origin=examples_page.origin, proxy=None) as page:  # type: ignore[arg-type]
         assert '"kind":"hello"' in str(page.recv(timeout=TIMEOUT_S))
@@ -73,7 +73,8 @@ def test_a_web_socket_says_who_it_is_and_listens_to_nothing(examples_page: Page)
         page.send("{}")
         with pytest.raises(ConnectionClosed):  # noqa: PT012  either notices first
             page.send(" " * 3_000_000)
-            page.recv(timeout=TIMEOUT_S)
+            for _ in range(20):
+                page.recv(timeout=TIMEOUT_S)
 
 
 @pytest.mark.parametrize(

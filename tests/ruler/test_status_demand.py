@@ -48,9 +48,18 @@ def test_a_robot_that_speaks_often_enough_already_is_left_alone() -> None:
     assert robot.status_hz == 10.0
 
 
+def test_it_is_left_as_it_was_even_before_it_says_that_it_changed() -> None:
+    demand = StatusDemand()
+    demand.wanted_hz = 5.0
+    assert demand.change_hz(1.0, 0.0) == 5.0
+    demand.wanted_hz = None
+    assert demand.change_hz(1.0, 0.5) == 1.0
+
+
 def test_what_somebody_else_set_meanwhile_is_not_put_back() -> None:
     robot = Robot(1)
     robot.want(0, 5.0)
+    robot.now_s = 10.0
     robot.status_hz = 15.0
     robot.hear(0)
     robot.want(0, None)

@@ -6,8 +6,11 @@ from __future__ import annotations
 
 import json
 import socket
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -25,6 +28,16 @@ STATEMENTS = """\
   Rule "Far" If (CheckValue /odom pose_y > 2) Then SetFrequency /scan 5
 """
 RULES = f"begin\n{STATEMENTS}\nend\n"
+
+
+LOSS_STATEMENTS = """\
+  SetFrequency /odom 2
+  SetFrequency /scan Off
+  SetFrequency /image 1
+  SetFrequency /gripper 3
+  SetFrequency /map_name 1
+  Rule "Far" If (CheckValue /odom pose_y > 2) Then SetFrequency /odom 5 SetFrequency /scan 2
+"""
 
 
 @pytest.fixture(scope="module")
@@ -59,6 +72,67 @@ def test_a_try_counts_what_testudo_replay_would_write(page: Page, project: Path,
     assert sorted(project.iterdir()) == [project / "broken", project / "monday"]
 
 
+def test_a_try_loses_what_testudo_bag_loss_says(page: Page, project: Path, tmp_path: Path) -> None:
+    (tmp_path / "rules.adirf").write_text(f"begin\n{LOSS_STATEMENTS}\nend\n")
+    tried = page.post("/api/try", {"text": f"begin\n{LOSS_STATEMENTS}\nend\n", "bag": "monday"}).json["loss"]
+    bag, monitored, rules = project / "monday", tmp_path / "monitored", tmp_path / "rules.adirf"
+    command_line("replay", bag, "--rules", rules, "--output", monitored)
+    said = command_line("bag", "loss", bag, monitored, "--rules", rules)
+    expected = {one["topic"]: one for one in tried["topics"]}
+    assert list(expected) == list(said["topics"])
+    for topic, loss in said["topics"].items():
+        assert {arm: expected[topic][arm] for arm in ("sent", "received")} == {
+            arm: loss[arm] for arm in ("sent", "received")
+        }
+    assert [
+        (one["topic"], one["field"], one["unit"], one["range"], one["hold"]) for one in tried["fields"]
+    ] == [
+        (one["topic"], one["field"], one["unit"], one["range"], (one["received"] or {}).get("hold"))
+        for one in said["fields"]
+    ]
+    assert [one["hold"] for one in tried["fields"] if one["topic"] == "/odom"]
+    assert tried["crossings"] == [
+        {"check": one["check"], "crossings": one["crossings"], **one["received"]} for one in said["crossings"]
+    ]
+    assert tried["images"] == [
+        {arm: one[arm] for arm in ("topic", "sent", "received")} for one in said["images"]
+    ]
+
+
+def test_the_worst_moment_of_a_course_is_the_worst_of_all(page: Page) -> None:
+    loss = page.post("/api/try", {"text": RULES, "bag": "monday"}).json["loss"]
+    for one in loss["fields"]:
+        if one["hold"]:
+            worst = max(error for error in one["error_bins"] if error is not None)
+            assert worst == pytest.approx(one["hold"]["max"], rel=1e-3)
+    for one in loss["topics"]:
+        if one["received"]["age"]:
+            oldest = max(age for age in one["age_s_bins"] if age is not None)
+            assert oldest == pytest.approx(one["received"]["age"]["max_s"], rel=1e-3)
+
+
+def test_a_rule_holds_from_when_its_value_said_so(page: Page) -> None:
+    tried = page.post("/api/try", {"text": RULES, "bag": "monday"}).json
+    [block] = tried["blocks"]
+    assert (block["rule"], block["line"]) == ("Far", 4)
+    assert block["turns"][0] == [0, "unknown"]
+    assert {truth for _, truth in block["turns"]} == {"unknown", "true", "false"}
+    times = [t_s for t_s, _ in block["turns"]]
+    assert times == sorted(times)
+    assert tried["first_bin_s"] <= 0 < tried["first_bin_s"] + tried["bin_s"]
+    raised = [one["t"] for one in tried["decisions"] if one["rule"] == "Far" and one["reason"] == "block"]
+    assert set(raised) <= {t_s for t_s, truth in block["turns"] if truth == "true"}
+
+
+def test_a_bag_with_more_messages_than_are_kept_says_for_how_long_its_loss_counts(
+    project: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("smarttestudo.composition.ruler.trial_loss.MAX_SAMPLES", 20)
+    tried = try_rules(Draft(text=RULES, name="rules.adirf"), project / "monday", lambda _: None)
+    assert sum(one.sent.messages for one, _ in tried.loss.topics) == 20
+    assert any("the loss is that of the first" in notice for notice in tried.notices)
+
+
 def test_the_path_comes_from_the_odometry(page: Page) -> None:
     path = page.post("/api/try", {"text": RULES, "bag": "monday"}).json["path"]
     assert len(path) > 2
@@ -86,7 +160,10 @@ def test_a_bag_that_cannot_be_tried_is_refused_with_a_sentence(page: Page, bag: 
 def test_rules_with_errors_are_not_tried(page: Page) -> None:
     answer = page.post("/api/try", {"text": "begin SetFrequency /odom Desirable end", "bag": "monday"})
     assert answer.status == 409
-    assert answer.json["error"]["findings"][0]["code"] == "tier-without-rate"
+    [finding, *_] = answer.json["error"]["findings"]
+    assert finding["code"] == "tier-without-rate"
+    assert "topic parameters" in finding["hint"]
+    assert "--" not in finding["hint"]
 
 
 def test_a_page_that_leaves_gives_its_turn_to_the_next(page: Page) -> None:
@@ -108,8 +185,45 @@ def test_a_profile_measured_in_a_bag_fills_the_table(page: Page) -> None:
     assert page.post("/api/vocabulary", {"bag": "monday"}).json["topics"][0]["source"] == "bag"
 
 
+def test_a_curve_is_that_of_testudo_bag_loss_and_its_levels_those_of_testudo_profile(
+    page: Page, project: Path
+) -> None:
+    answer = page.post("/api/profile/curve", {"bag": "monday", "topic": "/odom"}).json
+    said = command_line("bag", "loss", project / "monday", "--topics", "/odom")["topics"]["/odom"]
+    assert answer["source_hz"] == said["source_hz"]
+    assert answer["tiers_hz"] == said["tiers_hz"]
+    assert [(one["rate_hz"], one["kb_per_s"]) for one in answer["points"]] == [
+        (one["hz"], one["kb_per_s"]) for one in said["points"]
+    ]
+    for shown, point in zip(answer["points"], said["points"], strict=True):
+        errors = [field["hold"]["relative_rmse"] or 0 for field in point["fields"].values()]
+        assert shown["error_percent"] == pytest.approx(100 * max(errors))
+        assert shown["worst_field"] in point["fields"]
+
+
+def test_a_topic_without_numbers_has_no_curve_and_one_that_is_not_there_is_refused(page: Page) -> None:
+    answer = page.post("/api/profile/curve", {"bag": "monday", "topic": "/map_name"})
+    assert (answer.status, answer.json["points"]) == (200, [])
+    answer = page.post("/api/profile/curve", {"bag": "monday", "topic": "/odm"})
+    assert answer.status == 422
+    assert "/odm" in answer.error
+    assert page.post("/api/profile/curve", {"bag": "monday", "topic": "/*"}).status == 400
+    assert page.post("/api/profile/curve", {"bag": "../monday", "topic": "/odom"}).status == 403
+
+
+def test_levels_can_begin_with_shares_of_the_sources_rate(page: Page) -> None:
+    assert page.post("/api/profile/levels", {"source_hz": 20}).json["tiers_hz"] == [1, 2, 5, 10, 16, 20]
+    assert page.post("/api/profile/levels", {"source_hz": 0}).status == 422
+
+
 def test_many_decisions_are_cut_and_counted(project: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("smarttestudo.composition.ruler.trial.MAX_DECISIONS", 1)
     tried = try_rules(Draft(text=RULES, name="rules.adirf"), project / "monday", lambda _: None)
     assert len(tried.decisions) == 1
     assert tried.decision_count > 1
+
+
+def command_line(*arguments: object) -> Any:
+    """What the command line says with ``--json``."""
+    command = [sys.executable, "-m", "smarttestudo", *map(str, arguments), "--json"]
+    return json.loads(subprocess.run(command, capture_output=True, check=True).stdout)

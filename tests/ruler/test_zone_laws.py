@@ -14,10 +14,9 @@ from hypothesis import strategies as st
 
 from adirf.rule_strategies import WrittenFile, written_files
 from smarttestudo.adirf.document import Document, meaning, read_document
-from smarttestudo.adirf.document.meaning import checks_in
 from smarttestudo.adirf.normal_form import holds, normal_form
 from smarttestudo.adirf.parser.tokens import TokenKind
-from smarttestudo.adirf.syntax import Block
+from smarttestudo.adirf.syntax import Block, checks_in
 from smarttestudo.adirf.zones import (
     Cover,
     PolygonError,

@@ -76,9 +76,6 @@ class VirtualRobot:
     def subscriber_count(self, topic: str) -> int:
         return self.listeners
 
-    def steady_ns(self) -> int:
-        return self.elapsed_ns
-
     def begins_with_header(self, type_name: str) -> bool:
         return False
 

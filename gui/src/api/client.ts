@@ -10,10 +10,11 @@ import type {
   ProfileTable,
   Project,
   RuleDocument,
-  TryAnswer,
   Vocabulary,
 } from "./types";
 import type { ImportChoice, ImportPreview, TextFile } from "./sharing_types";
+import type { Curve } from "./curve_types";
+import type { TryAnswer } from "./try_types";
 import type { Background, BackgroundChoice, CoverAnswer, DrivenPath, ZonesAnswer } from "./zone_types";
 
 /** What the server refused, or that it did not answer (status 0). */
@@ -82,6 +83,11 @@ export class Api {
     return call("POST", "/api/profile/write", { ...table, name, base_text: baseText });
   }
 
+  /** Why a table could not be written; empty if it could. */
+  checkProfile(name: string, table: ProfileTable, baseText: string): Promise<{ problem: string }> {
+    return call("POST", "/api/profile/check", { ...table, name, base_text: baseText });
+  }
+
   measureProfile(bag: string): Promise<{ text: string }> {
     return call("POST", "/api/profile/measure", { bag });
   }
@@ -148,8 +154,17 @@ export class Api {
     return call("POST", "/api/optimize", rules);
   }
 
-  tryOnBag(rules: Rules, bag: string, signal: AbortSignal): Promise<TryAnswer> {
-    return call("POST", "/api/try", { ...rules, bag }, signal);
+  tryOnBag(rules: Rules, bag: string, run: string, signal: AbortSignal): Promise<TryAnswer> {
+    return call("POST", "/api/try", { ...rules, bag, run }, signal);
+  }
+
+  curve(bag: string, topic: string, run: string, signal: AbortSignal): Promise<Curve> {
+    return call("POST", "/api/profile/curve", { bag, topic, run }, signal);
+  }
+
+  /** Six levels for a source of which only the rate is known. */
+  levels(sourceHz: number): Promise<{ tiers_hz: number[] }> {
+    return call("POST", "/api/profile/levels", { source_hz: sourceHz });
   }
 }
 

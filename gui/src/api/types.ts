@@ -179,39 +179,6 @@ export interface OptimizeAnswer {
   download_text: string | null;
 }
 
-export interface Decision {
-  t: number;
-  topic: string;
-  from_hz?: number | null;
-  to_hz: number | null;
-  reason: string;
-  rule?: string | null;
-  line?: number | null;
-  start?: boolean;
-}
-export interface TryTopic {
-  topic: string;
-  before_kb: number;
-  after_kb: number;
-  before_messages: number;
-  after_messages: number;
-  target_hz: number | null;
-  before_hz_bins: number[];
-  after_hz_bins: number[];
-}
-export interface TryAnswer {
-  duration_s: number;
-  bin_s: number;
-  before_kb: number;
-  after_kb: number;
-  percent: number;
-  decisions: Decision[];
-  has_more_decisions: boolean;
-  topics: TryTopic[];
-  path: [number, number, number][];
-  notices: string[];
-}
-
 export interface Problem {
   message: string;
   place: string;

@@ -31,7 +31,8 @@ import { ZoneTools } from "./zone_tools";
 
 const USUAL_EXTENT: Extent = [-10, -10, 10, 10];
 const SCALE_PX = 90;
-const FIT_MARGIN_PX = 28;
+/** What buttons and the scale cover: above, right, below, left. */
+const FIT_MARGINS_PX = [50, 54, 28, 30];
 
 /** The map itself, in metres, x to the right and y up. `MapCanvas` is how the page uses it. */
 export class MapView {
@@ -119,7 +120,7 @@ export class MapView {
   fit(): void {
     this.map.updateSize();
     const extent = [...(this.content() ?? USUAL_EXTENT)];
-    this.map.getView().fit(extent, { padding: Array<number>(4).fill(FIT_MARGIN_PX) });
+    this.map.getView().fit(extent, { padding: FIT_MARGINS_PX });
     this.fitted = this.seen();
   }
 

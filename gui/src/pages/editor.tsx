@@ -17,11 +17,14 @@ import { ShareButtons } from "../sharing/share_buttons";
 import type { RuleEditor } from "../state/rule_editor";
 import { RobotRules } from "../state/robot_rules";
 import { Shipment } from "../state/shipment";
+import { BagWork } from "../state/bag_work";
+import type { Trial } from "../state/trial";
 import { Header } from "../ui/header";
 import { Notice } from "../ui/notice";
 import { useRobot } from "../ui/robot_state";
 import { type Choice, Tabs } from "../ui/tabs";
 import { Toast } from "../ui/toast";
+import { useUndoKeys } from "../ui/undo_keys";
 import { ProfileChoice } from "../panels/profile_choice";
 
 export type Tool = "findings" | "optimize" | "try" | "robot";
@@ -30,6 +33,8 @@ export type Tool = "findings" | "optimize" | "try" | "robot";
 export function EditorPage({ api, project, name, editors }: PageProps) {
   const editor = useMemo(() => editors.of(api, name), []);
   const robot = useRobotSide(api, editor);
+  const tries = useMemo(() => new BagWork<Trial>(), []);
+  useEffect(() => () => tries.cancel(), []);
   const tool = useSignal<Tool>("findings");
   const [state, setState] = useState<"opening" | "open" | { problem: string }>("opening");
   useEffect(() => void open(editor, project, setState), []);
@@ -53,8 +58,8 @@ export function EditorPage({ api, project, name, editors }: PageProps) {
         <div class="dock-body" role="tabpanel" aria-label={tool.value}>
           {tool.value === "findings" && <FindingsPanel editor={editor} />}
           {tool.value === "optimize" && <OptimizePanel {...{ editor, api }} />}
-          {tool.value === "try" && <TryPanel {...{ editor, api, project }} />}
           {tool.value === "robot" && <RobotPanel {...{ editor, ...robot }} />}
+          {tool.value === "try" && <TryPanel {...{ editor, api, project }} work={tries} />}
         </div>
       </section>
       <Toast message={editor.message} />
@@ -138,23 +143,4 @@ async function open(editor: RuleEditor, project: Project, done: (state: Opened) 
     if (!(error instanceof ApiError)) throw error;
     done({ problem: error.message });
   }
-}
-
-/** Undo, redo and save work everywhere on the page but in a field that somebody types in. */
-function useUndoKeys(editor: RuleEditor): void {
-  useEffect(() => {
-    const act = (event: KeyboardEvent) => {
-      const isElsewhere = event.target instanceof Element && event.target.matches("input, dialog, dialog *");
-      if (!(event.ctrlKey || event.metaKey) || isElsewhere) return;
-      const key = event.key.toLowerCase();
-      if (key === "s") void editor.save();
-      else if (key === "y" || (key === "z" && event.shiftKey)) editor.redo();
-      else if (key === "z") editor.undo();
-      else return;
-      event.preventDefault();
-      event.stopPropagation();
-    };
-    addEventListener("keydown", act, { capture: true });
-    return () => removeEventListener("keydown", act, { capture: true });
-  }, []);
 }

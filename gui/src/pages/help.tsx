@@ -68,7 +68,8 @@ function Start() {
             click.
           </li>
           <li>
-            <strong>Try on a bag</strong> shows what the rules would have done to a recording.
+            <strong>Try on a bag</strong> shows what the rules would have done to a recording, and what the operator would
+            have lost. One slider moves the robot on the map, the rules, the rates and the loss through its time.
           </li>
           <li>
             <strong>Save</strong> keeps the rules. <strong>Optimize and Download</strong> turns quality levels into rates

@@ -4,9 +4,11 @@ import { useEffect, useMemo, useState } from "preact/hooks";
 import { ApiError } from "../api/client";
 import type { PageProps } from "../app";
 import { MeasureRobot } from "../panels/measure_robot";
+import { LevelPanel } from "../levels/level_panel";
 import { TopicTable } from "../panels/topic_table";
 import { ProfileEditor } from "../state/profile_editor";
 import { Header } from "../ui/header";
+import { useUndoKeys } from "../ui/undo_keys";
 import { Notice } from "../ui/notice";
 import { Toast } from "../ui/toast";
 
@@ -25,18 +27,27 @@ export function TopicsPage({ api, project, name, refresh }: PageProps) {
     }
   };
   useEffect(() => void guarded(() => editor.open(project.files).then(() => setOpen(true))), []);
+  const canSave = () => !editor.isSaved.peek() && editor.problems.peek().length === 0;
+  const save = () => guarded(() => editor.save().then(refresh));
+  useUndoKeys({ undo: () => editor.undo(), redo: () => editor.redo(), save: async () => (canSave() ? save() : undefined) });
   const bags = project.files.filter((file) => file.kind === "bag").map((file) => file.name);
   const isSaved = editor.isSaved.value;
   return (
     <>
       <Header title="Topic parameters" note={`${name}, ${isSaved ? "saved" : "not saved"}`}>
+        <button type="button" disabled={!editor.history.canUndo.value} onClick={() => editor.undo()}>
+          Undo
+        </button>
+        <button type="button" disabled={!editor.history.canRedo.value} onClick={() => editor.redo()}>
+          Redo
+        </button>
         {bags.length > 0 && <MeasureChoice bags={bags} measure={(bag) => guarded(() => editor.measure(bag))} />}
         <MeasureRobot measure={(seconds) => guarded(() => editor.measureLive(seconds))} />
         <button
           type="button"
           class="primary"
           disabled={isSaved || editor.problems.value.length > 0}
-          onClick={() => void guarded(() => editor.save().then(refresh))}
+          onClick={() => void save()}
         >
           Save
         </button>
@@ -44,6 +55,7 @@ export function TopicsPage({ api, project, name, refresh }: PageProps) {
       <main class="topics">
         {problem && <Notice kind="error" text={problem} />}
         {isOpen && <TopicTable editor={editor} />}
+        {isOpen && <LevelPanel {...{ editor, api, bags }} />}
         <Toast message={editor.message} />
       </main>
     </>

@@ -78,6 +78,9 @@ function FindingRow({ editor, finding }: { editor: RuleEditor; finding: Finding 
           {fix.title}
         </button>
       )}
+      {finding.code === "tier-without-rate" && (
+        <a href={href({ page: "topics", name: "profile.toml" })}>Topic parameters</a>
+      )}
       <a class="why" target="ruler-documentation" title={finding.code} href={href({ page: "help", name: finding.code })}>
         Why?
       </a>

@@ -45,6 +45,9 @@ export function FloorNotes({ floor, editor }: { floor: MapFloor; editor: RuleEdi
   const { kind, name } = editor.map.value;
   return (
     <div class="floor-notes">
+      {kind === "map" && (
+        <p class="quiet">/odom counts from where the robot started: right only where that is the map's origin.</p>
+      )}
       {kind === "image" && <ImagePlace floor={floor} editor={editor} />}
       {floor.hasChanged.value && (
         <Notice

@@ -2,14 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 import { type Signal, useSignal } from "@preact/signals";
 import { useEffect, useMemo, useRef } from "preact/hooks";
-import type { Api } from "../api/client";
 import { MapCanvas } from "../map/map_canvas";
 import type { MapOwner, Tool } from "../map/map_owner";
 import type { MapView } from "../map/map_view";
 import type { Extent, Rectangle } from "../map/shapes";
 import type { MapFloor } from "../state/map_floor";
 import type { RuleEditor } from "../state/rule_editor";
-import { DRAFT, ZoneEditor } from "../state/zone_editor";
+import { DRAFT, type ZoneEditor } from "../state/zone_editor";
 import { FloorNotes } from "./floor_bar";
 import { ChosenZoneForm, DraftForm } from "./zone_forms";
 import { ZoneList } from "./zone_list";
@@ -22,19 +21,24 @@ const TOOLS: { tool: Tool; label: string }[] = [
 const FIRST_SIDES: Rectangle = { min_x: 0, max_x: 1, min_y: 0, max_y: 1 };
 
 /** The zones of the rules on a map: everything the mouse does there, the forms below it do as well. */
-export function MapPanel({ editor, api, floor }: { editor: RuleEditor; api: Api; floor: MapFloor }) {
-  const zones = useMemo(() => new ZoneEditor(api, editor), []);
+export function MapPanel({ editor, zones, floor }: { editor: RuleEditor; zones: ZoneEditor; floor: MapFloor }) {
   const tool = useSignal<Tool>("choose");
   const view = useRef<MapView | null>(null);
   useEffect(() => zones.follow(), []);
   useEffect(() => view.current?.setTool(tool.value), [tool.value, view.current]);
   useEffect(() => {
-    editor.takeBack = () => view.current?.removeLastCorner() ?? false;
+    editor.takeBack = () => view.current?.removeLastCorner() || zones.discard();
     return () => (editor.takeBack = null);
   }, []);
   const owner = useMemo(() => ownerOf(zones, () => (tool.value = "choose")), []);
   return (
-    <section class="map-panel" aria-label="Map">
+    <section
+      class="map-panel"
+      aria-label="Map"
+      onKeyDown={(event) => {
+        if (event.key === "Escape") tool.value = "choose";
+      }}
+    >
       <FloorNotes floor={floor} editor={editor} />
       <div class="map-area">
         <MapCanvas
@@ -50,7 +54,7 @@ export function MapPanel({ editor, api, floor }: { editor: RuleEditor; api: Api;
         />
         <Tools {...{ zones, tool }} />
       </div>
-      <div class="map-strip">
+      <div class="map-strip" key={zones.draft.value ? DRAFT : "chosen"}>
         {zones.draft.value ? <DraftForm zones={zones} /> : <ChosenZoneForm zones={zones} />}
         <ZoneList zones={zones} />
       </div>
@@ -96,7 +100,7 @@ function Tools({ zones, tool }: { zones: ZoneEditor; tool: Signal<Tool> }) {
 function hintOf(tool: Tool, isBroken: boolean): string {
   if (isBroken) return "The text has an error: mend it first.";
   if (tool === "rectangle") return "Press where one corner is, and pull to the other.";
-  if (tool === "polygon") return "Press each corner, the last one twice. Undo takes the last corner back.";
+  if (tool === "polygon") return "Press each corner, the last one twice. Ctrl+Z takes a corner back.";
   return "";
 }
 

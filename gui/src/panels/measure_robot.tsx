@@ -4,7 +4,7 @@ import { useState } from "preact/hooks";
 import { FormDialog } from "../ui/dialog";
 
 const USUAL_S = 10;
-const LONGEST_S = 120;
+const LONGEST_S = 60;
 
 /** Asks for how long to listen to the robot, and then measures its topics. */
 export function MeasureRobot({ measure }: { measure: (seconds: number) => Promise<void> }) {

@@ -33,7 +33,7 @@ export function RobotTopics({ link, live }: { link: RobotLink; live: Live }) {
   );
 }
 
-/** What the row of a topic says, in the order of the columns; the sparkline is beside it. */
+/** What the row of a topic says, in the order of the columns, and how it looks; the sparkline is beside it. */
 function cellsOf(topic: LiveTopic): string {
   const rate = (hz: number | null) => (hz === null ? "–" : hz.toFixed(1));
   const target = topic.target_hz === null ? "Full" : readable(topic.target_hz);
@@ -44,12 +44,13 @@ function cellsOf(topic: LiveTopic): string {
     topic.out_kb_per_s.toFixed(1),
     topic.rule ?? REASONS[topic.reason] ?? topic.reason,
     topic.problem ?? topic.silence ?? relayed(topic),
+    topic.problem ?? topic.silence ? "silent" : "",
   ].join("\n");
 }
 
 function relayed({ keeps_rate, error_percent }: LiveTopic): string {
   if (keeps_rate || error_percent === null) return "relayed";
-  return `rate off by ${error_percent.toFixed(0)} %`;
+  return `rate off by ${error_percent.toFixed(0).replace("-", "−")} %`;
 }
 
 const REASONS: Record<string, string> = {
@@ -64,9 +65,9 @@ const REASONS: Record<string, string> = {
 /** One row; `cells` is one text, so that a row in which nothing changed is left alone. */
 function TopicRow({ link, topic, cells }: { link: RobotLink; topic: string; cells: string }) {
   return useMemo(() => {
-    const [source, target, actual, sent, decider, state] = cells.split("\n");
+    const [source, target, actual, sent, decider, state, look] = cells.split("\n");
     return (
-      <tr class={state === "relayed" ? "" : "silent"}>
+      <tr class={look}>
         <th scope="row">{topic}</th>
         <td class="number">{source}</td>
         <td class="number">{target}</td>

@@ -1,10 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { useSignal } from "@preact/signals";
+import { useSignal, useSignalEffect } from "@preact/signals";
 import { useEffect, useMemo } from "preact/hooks";
 import type { Api } from "../api/client";
 import { MapFloor } from "../state/map_floor";
 import type { RuleEditor } from "../state/rule_editor";
+import { ZoneEditor } from "../state/zone_editor";
 import { type Choice, Tabs } from "../ui/tabs";
 import { FloorChoice } from "./floor_bar";
 import { MapPanel } from "./map_panel";
@@ -21,8 +22,16 @@ const CHOICES: Choice<Side>[] = [
 export function SidePane({ editor, api }: { editor: RuleEditor; api: Api }) {
   const side = useSignal<Side>("text");
   const floor = useMemo(() => new MapFloor(api, editor), []);
+  const zones = useMemo(() => new ZoneEditor(api, editor), []);
   const isMap = side.value === "map";
   useEffect(() => (isMap ? floor.follow() : undefined), [isMap]);
+  useSignalEffect(() => {
+    const spot = editor.spot.value;
+    if (spot?.from !== "findings" || side.peek() === "text") return;
+    side.value = "text";
+    // The text can only scroll to a place once it is to be seen.
+    requestAnimationFrame(() => (editor.spot.value = { ...spot }));
+  });
   return (
     <div class="pane side">
       <div class="pane-bar">
@@ -30,7 +39,7 @@ export function SidePane({ editor, api }: { editor: RuleEditor; api: Api }) {
         {isMap ? <FloorChoice {...{ floor, editor }} /> : <span class="quiet">this is what is saved</span>}
       </div>
       <TextPane editor={editor} hidden={isMap} />
-      {isMap && <MapPanel {...{ editor, api, floor }} />}
+      {isMap && <MapPanel {...{ editor, zones, floor }} />}
     </div>
   );
 }

@@ -30,7 +30,8 @@ function openText(host: HTMLElement, editor: RuleEditor): () => void {
     effect(() => text.mark(editor.findings.value)),
     effect(() => {
       const spot = editor.spot.value;
-      if (spot && spot.from !== "text") text.reveal(spot.offset, spot.end_offset, spot.from === "findings");
+      if (spot === null) text.reveal(0, 0, false);
+      else if (spot.from !== "text") text.reveal(spot.offset, spot.end_offset, spot.from === "findings");
     }),
   ];
   return () => {

@@ -1,23 +1,23 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { useEffect, useRef, useState } from "preact/hooks";
-import { type Api, ApiError } from "../api/client";
-import type { Project, TryAnswer } from "../api/types";
+import { useState } from "preact/hooks";
+import type { Api } from "../api/client";
+import type { Project } from "../api/types";
+import type { BagWork } from "../state/bag_work";
 import type { RuleEditor } from "../state/rule_editor";
-import { TryResult } from "./try_result";
-
-type State = { kind: "idle" } | { kind: "running" } | { kind: "done"; answer: TryAnswer } | { kind: "failed"; why: string };
+import { Trial } from "../state/trial";
+import { TryResult } from "../try/try_result";
+import { WorkProgress } from "../ui/work_progress";
 
 /** What the rules would have done to a recording. */
-export function TryPanel({ editor, api, project }: { editor: RuleEditor; api: Api; project: Project }) {
+export function TryPanel(props: { editor: RuleEditor; api: Api; project: Project; work: BagWork<Trial> }) {
+  const { editor, api, project, work } = props;
   const bags = project.files
     .filter((file) => file.kind === "bag")
     .sort((a, b) => b.size_bytes - a.size_bytes)
     .map((file) => file.name);
-  const [bag, setBag] = useState(bags[0] ?? "");
-  const [state, setState] = useState<State>({ kind: "idle" });
-  const running = useRef<AbortController | null>(null);
-  useEffect(() => () => running.current?.abort(), []);
+  const state = work.state.value;
+  const [bag, setBag] = useState((state.kind === "done" ? state.answer.bag : bags[0]) ?? "");
   if (bags.length === 0) {
     return (
       <p class="quiet">
@@ -26,17 +26,11 @@ export function TryPanel({ editor, api, project }: { editor: RuleEditor; api: Ap
       </p>
     );
   }
-  const run = async () => {
-    running.current = new AbortController();
-    setState({ kind: "running" });
-    try {
-      setState({ kind: "done", answer: await api.tryOnBag(editor.rules, bag, running.current.signal) });
-    } catch (error) {
-      if (running.current.signal.aborted) setState({ kind: "idle" });
-      else if (error instanceof ApiError) setState({ kind: "failed", why: error.message });
-      else throw error;
-    }
-  };
+  const run = () =>
+    work.start(async (name, signal) => {
+      const { rules } = editor;
+      return new Trial(await api.tryOnBag(rules, bag, name, signal), rules.text, bag);
+    });
   return (
     <div class="try">
       <div class="row">
@@ -48,19 +42,14 @@ export function TryPanel({ editor, api, project }: { editor: RuleEditor; api: Ap
             ))}
           </select>
         </label>
-        {state.kind === "running" ? (
-          <button type="button" onClick={() => running.current?.abort()}>
-            Stop
-          </button>
-        ) : (
+        {state.kind !== "running" && (
           <button type="button" class="primary" onClick={() => void run()}>
             Run the rules on it
           </button>
         )}
+        <WorkProgress work={work} doing={`Replaying ${bag}`} />
       </div>
-      {state.kind === "running" && <p role="status">Replaying {bag} …</p>}
-      {state.kind === "failed" && <p class="problem" role="alert">{state.why}</p>}
-      {state.kind === "done" && <TryResult answer={state.answer} />}
+      {state.kind === "done" && <TryResult key={state.answer.bag} {...{ editor, api }} trial={state.answer} />}
     </div>
   );
 }

@@ -217,7 +217,7 @@ function GoesTo({ zones, canAdd }: { zones: ZoneEditor; canAdd: boolean }) {
       <button type="submit" class="small primary" disabled={!canAdd || editor.isBroken.value}>
         Add the zone
       </button>
-      <button type="button" class="small" onClick={() => (zones.draft.value = null)}>
+      <button type="button" class="small" onClick={() => zones.discard()}>
         Discard
       </button>
     </form>

@@ -31,17 +31,12 @@ export class MapFloor {
 
   /** Loads what the side file names, now and when that changes; returns how to stop. */
   follow(): () => void {
-    const kind = computed(() => this.editor.map.value.kind);
-    const name = computed(() => this.editor.map.value.name);
     const bag = computed(() => this.editor.map.value.bag);
     void this.told(async () => {
       this.choices.value = (await this.api.backgrounds()).choices;
     });
     const stops = [
-      effect(() => {
-        const [what, which] = [kind.value, name.value];
-        untracked(() => void this.told(() => this.loadBackground(what, which)));
-      }),
+      this.followPicture(),
       effect(() => {
         const which = bag.value;
         untracked(() => void this.told(() => this.loadPath(which)));
@@ -50,6 +45,16 @@ export class MapFloor {
     return () => {
       for (const stop of stops) stop();
     };
+  }
+
+  /** As `follow`, for the map or image alone. */
+  followPicture(): () => void {
+    const kind = computed(() => this.editor.map.value.kind);
+    const name = computed(() => this.editor.map.value.name);
+    return effect(() => {
+      const [what, which] = [kind.value, name.value];
+      untracked(() => void this.told(() => this.loadBackground(what, which)));
+    });
   }
 
   /** Draws on another map or image from now on. */

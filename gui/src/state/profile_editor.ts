@@ -1,10 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { computed, signal } from "@preact/signals";
-import type { Api } from "../api/client";
+import { type Api, ApiError } from "../api/client";
 import type { ProfileRow, ProfileTable, ProjectFile } from "../api/types";
+import { History } from "./history";
 
 export const TIER_COUNT = 6;
+const CHECK_AFTER_MS = 400;
 
 /** One row as it is being typed: texts, since half a number is not a number yet. */
 export interface DraftRow {
@@ -21,7 +23,8 @@ export interface DraftRow {
 export type NumberField = "message_kb" | "priority" | "source_hz" | "min_hz" | "max_hz";
 
 const shown = (value: number | null | undefined) => (value === null || value === undefined ? "" : String(value));
-const toNumber = (text: string) => (text.trim() === "" ? null : Number(text.trim().replace(",", ".")));
+/** The number in a cell; null where it is empty, NaN where it is none. */
+export const toNumber = (text: string) => (text.trim() === "" ? null : Number(text.trim().replace(",", ".")));
 /** Whether a cell holds a number that can be saved; an empty one is "not given". */
 export const isNumber = (text: string) => {
   const value = toNumber(text);
@@ -34,7 +37,14 @@ export class ProfileEditor {
   readonly budget = signal("");
   readonly message = signal("");
   readonly isSaved = signal(true);
-  readonly problems = computed(() => problemsOf(this.rows.value, this.budget.value));
+  readonly history = new History();
+  /** Why the server would not save the table. */
+  private readonly refusal = signal("");
+  readonly problems = computed(() => [
+    ...problemsOf(this.rows.value, this.budget.value),
+    ...(this.refusal.value ? [this.refusal.value] : []),
+  ]);
+  private timer: number | undefined;
   private baseText = "";
   private hash: string | null = null;
   private nextKey = 0;
@@ -51,7 +61,7 @@ export class ProfileEditor {
       this.hash = file.hash;
       this.load(await this.api.parseProfile(this.name, file.text), file.text);
     } else {
-      this.addRow();
+      this.rows.value = [this.draft({ topic: "" })];
     }
     this.isSaved.value = true;
   }
@@ -74,28 +84,47 @@ export class ProfileEditor {
     this.message.value = `Saved ${this.name}`;
   }
 
+  undo(): void {
+    this.restore(this.history.undo(this.snapshot()));
+  }
+
+  redo(): void {
+    this.restore(this.history.redo(this.snapshot()));
+  }
+
   addRow(): void {
+    this.remember();
     this.rows.value = [...this.rows.value, this.draft({ topic: "" })];
-    this.isSaved.value = false;
+    this.changed();
   }
 
   removeRow(key: number): void {
+    this.remember();
     this.rows.value = this.rows.value.filter((row) => row.key !== key);
-    this.isSaved.value = false;
+    this.changed();
   }
 
+  /** A key stroke in a cell. */
   change(key: number, changes: Partial<DraftRow>): void {
-    this.rows.value = this.rows.value.map((row) => (row.key === key ? { ...row, ...changes } : row));
-    this.isSaved.value = false;
+    this.remember(performance.now());
+    this.replace(key, changes);
+  }
+
+  /** Sets the six levels of a row; what goes on, as a drag does, is one step of undo with what went before. */
+  setTiers(key: number, tiersHz: readonly number[], goesOn: boolean): void {
+    if (!goesOn) this.remember();
+    this.replace(key, { tiers_hz: tiersHz.map(shown) });
   }
 
   setBudget(text: string): void {
+    this.remember(performance.now());
     this.budget.value = text;
-    this.isSaved.value = false;
+    this.changed();
   }
 
   /** Cells of a spreadsheet from a row on: topic, KB, six levels, priority, source rate. */
   paste(key: number, cells: string[][]): void {
+    this.remember();
     const rows = [...this.rows.value];
     const start = rows.findIndex((row) => row.key === key);
     cells.forEach(([topic = "", size = "", ...numbers], index) => {
@@ -106,12 +135,59 @@ export class ProfileEditor {
       rows[start + index] = { ...old, topic, message_kb: size, tiers_hz: tiers, priority, source_hz: source };
     });
     this.rows.value = rows;
+    this.changed();
+  }
+
+  private replace(key: number, changes: Partial<DraftRow>): void {
+    this.rows.value = this.rows.value.map((row) => (row.key === key ? { ...row, ...changes } : row));
+    this.changed();
+  }
+
+  private changed(): void {
     this.isSaved.value = false;
+    window.clearTimeout(this.timer);
+    this.timer = window.setTimeout(() => void this.check(), CHECK_AFTER_MS);
+  }
+
+  /** Asks the server whether it would save the table: it alone knows what a profile can hold. */
+  private async check(): Promise<void> {
+    const asked = this.snapshot();
+    const isReadable = problemsOf(this.rows.value, this.budget.value).length === 0;
+    const refusal = isReadable ? await this.refusalOf(this.table()) : "";
+    if (asked === this.snapshot()) this.refusal.value = refusal;
+  }
+
+  private async refusalOf(table: ProfileTable): Promise<string> {
+    try {
+      return (await this.api.checkProfile(this.name, table, this.baseText)).problem;
+    } catch (error) {
+      if (!(error instanceof ApiError)) throw error;
+      return error.message;
+    }
+  }
+
+  private remember(typedMs: number | null = null): void {
+    this.history.push(this.snapshot(), typedMs);
+  }
+
+  private snapshot(): string {
+    return JSON.stringify({ rows: this.rows.value, budget: this.budget.value, baseText: this.baseText });
+  }
+
+  private restore(snapshot: string | null): void {
+    if (snapshot === null) return;
+    const { rows, budget, baseText } = JSON.parse(snapshot) as { rows: DraftRow[]; budget: string; baseText: string };
+    this.rows.value = rows;
+    this.budget.value = budget;
+    this.baseText = baseText;
+    this.changed();
   }
 
   private async take({ text }: { text: string }): Promise<void> {
-    this.load(await this.api.parseProfile(this.name, text), text);
-    this.isSaved.value = false;
+    const table = await this.api.parseProfile(this.name, text);
+    this.remember();
+    this.load(table, text);
+    this.changed();
   }
 
   private load(table: ProfileTable, text: string): void {

@@ -8,6 +8,7 @@ import type { RobotLink } from "./robot_link";
 import type { RuleEditor } from "./rule_editor";
 
 const COMPARE_AFTER_MS = 300;
+const AGAIN_AFTER_MS = 5000;
 const NONE: ReadonlyMap<string, RuleState> = new Map();
 
 /** How the open rules stand to those on the robot. */
@@ -39,13 +40,15 @@ export class RobotRules {
   follow(): () => void {
     const stopWatching = this.link.watch();
     const hash = computed(() => this.link.robot.value?.rules_hash);
+    // A silent robot is not asked anything.
+    const heard = computed(() => (this.link.connection.value.kind === "connected" ? this.link.node.value : null));
     const stop = effect(() => {
       void [this.editor.text.value, this.editor.profile.value, hash.value];
-      const node = this.link.node.value;
+      const node = heard.value;
       this.asked++;
       window.clearTimeout(this.timer);
       if (this.comparison.peek().kind !== "none") this.comparison.value = { kind: "none" };
-      if (node !== null) this.timer = window.setTimeout(() => void this.compare(node), COMPARE_AFTER_MS);
+      if (node !== null) this.compareSoon(node, COMPARE_AFTER_MS);
     });
     return () => {
       stop();
@@ -54,20 +57,24 @@ export class RobotRules {
     };
   }
 
-  private async compare(node: string): Promise<void> {
-    const asked = this.asked;
-    const comparison = await this.ask(node);
-    if (asked === this.asked) this.comparison.value = comparison;
+  private compareSoon(node: string, afterMs: number): void {
+    this.timer = window.setTimeout(() => void this.compare(node), afterMs);
   }
 
-  private async ask(node: string): Promise<Comparison> {
+  private async compare(node: string): Promise<void> {
+    const asked = this.asked;
+    const tell = (comparison: Comparison) => {
+      if (asked === this.asked) this.comparison.value = comparison;
+    };
     try {
-      if (!(await this.editor.isSound())) return { kind: "unclear", why: "The text has errors." };
+      if (!(await this.editor.isSound())) return tell({ kind: "unclear", why: "The text has errors." });
       const preview = await this.api.previewPush(this.editor.rules, node);
-      return { kind: preview.same ? "same" : "other", preview };
+      tell({ kind: preview.same ? "same" : "other", preview });
     } catch (error) {
       if (!(error instanceof ApiError)) throw error;
-      return { kind: "unclear", why: error.message };
+      tell({ kind: "unclear", why: error.message });
+      // The robot, or the server, may answer yet.
+      if (asked === this.asked && (error.status === 0 || error.status >= 500)) this.compareSoon(node, AGAIN_AFTER_MS);
     }
   }
 }

@@ -16,7 +16,7 @@ const EMPTY: RuleDocument = { collections: [], findings: [], parses: true };
 export interface Spot {
   offset: number;
   end_offset: number;
-  from: "text" | "blocks" | "findings" | "map";
+  from: "text" | "blocks" | "findings" | "map" | "try";
 }
 
 /** What to suggest, and for which topics and profile. */
@@ -265,8 +265,12 @@ export class RuleEditor {
     return { key, askedMs, vocabulary: await this.api.vocabulary(rules.text, rules.profile_text) };
   }
 
-  /** Whether this very text was read, and has no errors. */
+  /** Whether the text has no errors, once it was read and says all that the blocks say. */
   async isSound(): Promise<boolean> {
+    // Blocks hand over what changed with the next picture, and the text follows in turn.
+    await nextPicture();
+    await nextPicture();
+    await this.queue;
     if (this.read !== this.text.value) await this.check();
     return this.read === this.text.value && this.errors.value.length === 0;
   }
@@ -290,4 +294,8 @@ export class RuleEditor {
         ? `${error.message}. Your text is still here; copy it before you reload the page`
         : error.message;
   }
+}
+
+function nextPicture(): Promise<unknown> {
+  return new Promise(requestAnimationFrame);
 }

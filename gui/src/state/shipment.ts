@@ -51,7 +51,8 @@ export class Shipment {
   /** Asks what would change on the robot. */
   async ask(): Promise<void> {
     const node = this.link.node.peek();
-    if (node === null) return this.refuse({ message: this.link.connection.peek().why });
+    const { kind, why } = this.link.connection.peek();
+    if (node === null || kind !== "connected") return this.refuse({ message: why });
     this.stage.value = { kind: "asking", node };
     if (!(await this.editor.isSound())) {
       const findings = this.editor.errors.peek();

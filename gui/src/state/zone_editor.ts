@@ -82,6 +82,13 @@ export class ZoneEditor {
     }
   }
 
+  /** Forgets the draft; whether there was one. */
+  discard(): boolean {
+    const hadDraft = this.draft.value !== null;
+    this.draft.value = null;
+    return hadDraft;
+  }
+
   /** Puts the draft into the text: as a rule of its own, or into the rule `into`. */
   async add(topic: string, label: string, into: string | null): Promise<void> {
     const draft = this.draft.value;

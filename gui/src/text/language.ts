@@ -63,7 +63,7 @@ function options(before: string, word: string, vocabulary: Vocabulary | null): C
   if (word.startsWith("/") || /(SetFrequency|KeepAtLeast|CheckValue)\s+$/.test(before)) {
     return topics.map(({ topic, type, source }) => ({
       label: topic,
-      detail: [type, source === "live" ? ON_ROBOT : null].filter(Boolean).join(", "),
+      detail: [type, source === "robot" ? ON_ROBOT : null].filter(Boolean).join(", "),
       type: "variable",
     }));
   }

@@ -4,7 +4,7 @@ import { autocompletion, completionKeymap } from "@codemirror/autocomplete";
 import { defaultKeymap, indentWithTab } from "@codemirror/commands";
 import { indentUnit } from "@codemirror/language";
 import { type Diagnostic, lintGutter, lintKeymap, setDiagnostics } from "@codemirror/lint";
-import { EditorState, StateEffect, StateField } from "@codemirror/state";
+import { EditorSelection, EditorState, StateEffect, StateField } from "@codemirror/state";
 import {
   Decoration,
   type DecorationSet,
@@ -106,11 +106,14 @@ export class TextEditor {
     this.quietly(() => this.view.dispatch(setDiagnostics(this.view.state, diagnostics)));
   }
 
-  /** Highlights a stretch and scrolls to it; with `focus` the cursor goes there too. */
+  /** Highlights a stretch and scrolls to it; with `focus` the cursor goes there too. An empty one is no highlight. */
   reveal(offset: number, endOffset: number, focus: boolean): void {
     const end = this.view.state.doc.length;
     const [from, to] = [Math.min(offset, end), Math.min(endOffset, end)];
-    const effects = [setSpot.of({ from, to }), EditorView.scrollIntoView(from, { y: "nearest", yMargin: 40 })];
+    const effects: StateEffect<unknown>[] = [setSpot.of({ from, to })];
+    if (focus || to > from) {
+      effects.push(EditorView.scrollIntoView(EditorSelection.range(to, from), { y: "nearest", yMargin: 24 }));
+    }
     this.quietly(() => this.view.dispatch({ effects, ...(focus ? { selection: { anchor: from } } : {}) }));
     if (focus) this.view.focus();
   }

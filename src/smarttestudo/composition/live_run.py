@@ -119,18 +119,18 @@ class LiveRun:
             self._status.note(one)
 
     def _tell(self) -> float:
-        began_ns, now_ns = self._robot.steady_ns(), self._robot.now_ns()
+        process, now_ns = read_own_process(), self._robot.now_ns()
         self._publish(self._loop.on_wake(now_ns))
         status = self._status.look(
             self._loop,
             self._topics.links(),
             self._standing(),
-            read_own_process(),
+            process,
             now_ns,
             status_hz=self._pulse.status_hz,
         )
-        self._announcer.announce(status, diagnostics_too=self._pulse.is_diagnosis_due(began_ns))
-        return self._pulse.next_s(began_ns)
+        self._announcer.announce(status, diagnostics_too=self._pulse.is_diagnosis_due(process.steady_ns))
+        return self._pulse.next_s(read_own_process().cpu_ns - process.cpu_ns)
 
     def _report(self) -> None:
         decisions = self._loop.take_decisions()

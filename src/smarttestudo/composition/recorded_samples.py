@@ -56,6 +56,60 @@ class _Left:
     undefined: dict[str, Channel] = field(default_factory=dict)
 
 
+class SampleTaker:
+    """Takes the numbers of messages that are shown to it, of the topics in ``readings``.
+
+    Of a topic with two types the first counts. Messages that do not lie between ``start_ns`` and ``end_ns``
+    are left out; ``declared_bytes`` are their sizes where a recording declares them.
+    """
+
+    def __init__(
+        self,
+        readings: Mapping[str, TopicReading],
+        declared_bytes: Mapping[str, int],
+        *,
+        start_ns: int,
+        end_ns: int,
+    ) -> None:
+        self._readings = readings
+        self._declared_bytes = declared_bytes
+        self._start_ns = start_ns
+        self._end_ns = end_ns
+        self._decoder = RosbagDecoder()
+        self._left = _Left()
+        self._topics: dict[str, _Topic] = {}
+
+    @property
+    def samples(self) -> dict[str, TopicSamples]:
+        """What was taken, by topic."""
+        return {name: topic.samples for name, topic in self._topics.items()}
+
+    def add(self, channel: Channel) -> None:
+        """Expect messages of ``channel``."""
+        topic = channel.topic
+        if topic in self._readings and topic not in self._topics:
+            self._topics[topic] = _topic(channel, self._readings[topic], self._decoder, self._left)
+
+    def take(self, channel: Channel, stamp_ns: int, payload: bytes) -> bool:
+        """Take a message, if it is one of those wanted; whether it is."""
+        topic = self._topics.get(channel.topic)
+        if topic is None or not self._start_ns <= stamp_ns <= self._end_ns:
+            return False
+        if topic.samples.channel is not channel:
+            self._left.second_types[channel.topic] += 1
+            return False
+        frames = topic.frames.child_frames(payload) if topic.frames else ()
+        size_bytes = self._declared_bytes.get(channel.topic, len(payload))
+        topic.samples.add(stamp_ns, size_bytes, frames)
+        if topic.decodes:
+            _read(topic, payload, self._decoder)
+        return True
+
+    def notices(self) -> Iterator[str]:
+        """What was left out, a line each."""
+        return _notices(self.samples, self._left)
+
+
 def read_samples(
     recording: RecordingReader,
     readings: Mapping[str, TopicReading],
@@ -64,31 +118,15 @@ def read_samples(
     end_ns: int,
     report: Callable[[float], None],
 ) -> RecordedSamples:
-    """The messages from ``start_ns`` to ``end_ns`` of the topics in ``readings``, in one pass.
-
-    Of a topic with two types the first counts.
-    """
-    decoder, left = RosbagDecoder(), _Left()
-    topics: dict[str, _Topic] = {}
+    """The messages from ``start_ns`` to ``end_ns`` of the topics in ``readings``, in one pass."""
+    taker = SampleTaker(readings, recording.declared_bytes, start_ns=start_ns, end_ns=end_ns)
     for channel in recording.channels:
-        if channel.topic in readings and channel.topic not in topics:
-            topics[channel.topic] = _topic(channel, readings[channel.topic], decoder, left)
-    declared_bytes = recording.declared_bytes
-    for number, (channel, stamp_ns, payload) in enumerate(recording.messages()):
+        taker.add(channel)
+    for number, message in enumerate(recording.messages()):
         if number % _MESSAGES_PER_REPORT == 0 and recording.message_count:
             report(number / recording.message_count)
-        topic = topics.get(channel.topic)
-        if topic is None or not start_ns <= stamp_ns <= end_ns:
-            continue
-        if topic.samples.channel is not channel:
-            left.second_types[channel.topic] += 1
-            continue
-        frames = topic.frames.child_frames(payload) if topic.frames else ()
-        topic.samples.add(stamp_ns, declared_bytes.get(channel.topic, len(payload)), frames)
-        if topic.decodes:
-            _read(topic, payload, decoder)
-    samples = {name: topic.samples for name, topic in topics.items()}
-    return RecordedSamples(topics=samples, notices=(*recording.notices(), *_notices(samples, left)))
+        taker.take(*message)
+    return RecordedSamples(topics=taker.samples, notices=(*recording.notices(), *taker.notices()))
 
 
 def require_numbers(topics: Mapping[str, TopicSamples], asked: Mapping[str, Sequence[str]]) -> None:

@@ -51,7 +51,8 @@ class ReplayRequest:
 
     ``output_topic`` names monitored topics, with ``{topic}`` for the source's full name. ``decided`` is given
     decisions in order, some at a time, ``report`` the share of the recording that is done, 0 … 1. Where there
-    is a ``writer``, it takes what is relayed, and no recording is made; ``arrived`` is shown every message.
+    is a ``writer``, it takes what is relayed, and no recording is made; ``arrived`` is shown every message,
+    ``stepped`` the time and the loop whenever that may have changed.
     """
 
     recording: RecordingReader
@@ -66,6 +67,7 @@ class ReplayRequest:
     report: Callable[[float], None] = _ignore
     writer: RecordingWriter | None = None
     arrived: Callable[[Channel, int, bytes], None] | None = None
+    stepped: Callable[[int, RelayLoop], None] | None = None
 
 
 def replay(request: ReplayRequest) -> ReplayOutcome:
@@ -176,7 +178,7 @@ class _Run:
         loop, declared_bytes = self._loop, self._request.recording.declared_bytes
         sources = self._sources_needed()
         decoded = frozenset(topic for topic in sources if loop.reads(topic))
-        report_ns, arrived = 0, self._request.arrived
+        report_ns, arrived, stepped = 0, self._request.arrived, self._request.stepped
         for channel, stamp_ns, payload in self._request.recording.messages():
             topic = channel.topic
             if arrived is not None:
@@ -195,6 +197,8 @@ class _Run:
             relayed = loop.on_message(topic, stamp_ns, payload, size_bytes, message=message)
             if relayed:
                 self._write(relayed)
+            if stepped is not None:
+                stepped(stamp_ns, loop)
 
     def _sources_needed(self) -> dict[str, Channel]:
         """The sources that are relayed or that checks read; the loop need not know of the others."""
@@ -212,6 +216,8 @@ class _Run:
         """Let the loop do, each at its time, what it has to do before ``stamp_ns``."""
         while (wake_ns := self._loop.next_wake_ns) is not None and wake_ns < stamp_ns:
             self._write(self._loop.on_wake(wake_ns))
+            if self._request.stepped is not None:
+                self._request.stepped(wake_ns, self._loop)
 
     def _write(self, relayed: Iterable[Relayed]) -> None:
         for topic, stamp_ns, payload, *_ in relayed:

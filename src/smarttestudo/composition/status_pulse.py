@@ -9,8 +9,8 @@ from smarttestudo.composition.status_announcer import STATUS_TOPIC
 from smarttestudo.domain.robot import Robot
 from smarttestudo.domain.units import NS_PER_S
 
-# Telling is worth a tenth of the time at most: messages come first.
-_TIMES_ITS_COST = 10
+# Telling is worth a fifth of a core at most: messages come first.
+_TIMES_ITS_COST = 5
 # A period of one second is met by timers that are a little early.
 _DIAGNOSIS_AFTER_NS = NS_PER_S * 9 // 10
 
@@ -45,7 +45,6 @@ class StatusPulse:
         self._diagnosed_ns = steady_ns
         return True
 
-    def next_s(self, began_ns: int) -> float:
-        """In how many seconds to tell again, where telling began at ``began_ns`` and is done now."""
-        cost_s = (self._robot.steady_ns() - began_ns) / NS_PER_S
-        return max(self.period_s, min(cost_s * _TIMES_ITS_COST, 1 / STATUS_HZ))
+    def next_s(self, cost_ns: int) -> float:
+        """In how many seconds to tell again, where telling took ``cost_ns`` of CPU time."""
+        return max(self.period_s, min(cost_ns * _TIMES_ITS_COST / NS_PER_S, 1 / STATUS_HZ))

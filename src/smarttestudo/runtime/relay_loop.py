@@ -12,7 +12,7 @@ from smarttestudo.domain.decision import Decision, PlannedRate
 from smarttestudo.domain.observation import Arrival, LinkBudget, Observation, SourceChanged
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.profile import Profile
-from smarttestudo.domain.signal import Signal
+from smarttestudo.domain.signal import Signal, Truth
 from smarttestudo.pacing.sample import WhenSlow
 from smarttestudo.runtime.analyze.block_states import block_states
 from smarttestudo.runtime.execute.relay import Relayed
@@ -214,6 +214,11 @@ class RelayLoop:
         """The decisions since the last call; at first, one for every relayed topic."""
         decisions, self._decisions = self._decisions, []
         return decisions
+
+    def take_turned_blocks(self) -> dict[int, Truth]:
+        """Whether each block holds now, by order, of those that turned since the last call."""
+        evaluator = self._knowledge.evaluator
+        return {order: evaluator.truth(order) for order in evaluator.take_changed_blocks()}
 
     def finish(self, now_ns: int) -> Iterator[Relayed]:
         """The recording ended at ``now_ns``: what is still held back, each at its time, by the last plan."""

@@ -26,16 +26,17 @@ from smarttestudo.web import schemas as schema
 from smarttestudo.web import sharing_schemas as sharing
 from smarttestudo.web.background_api import BackgroundApi
 from smarttestudo.web.bodies import read_body
+from smarttestudo.web.curve_schemas import LevelsRequest
 from smarttestudo.web.errors import JSON, RequestError, error_answer
 from smarttestudo.web.guard import Access, Guard
 from smarttestudo.web.live_feed import LiveFeed
 from smarttestudo.web.measure_api import MeasureApi
 from smarttestudo.web.page import page_files
-from smarttestudo.web.profile_api import ProfileApi
+from smarttestudo.web.profile_api import ProfileApi, levels_of_rate
 from smarttestudo.web.project_api import ProjectApi
 from smarttestudo.web.robots_api import RobotsApi
 from smarttestudo.web.socket import Listeners
-from smarttestudo.web.try_api import TryApi
+from smarttestudo.web.try_api import CurveApi, TryApi
 
 _Body = TypeVar("_Body", bound=msgspec.Struct)
 _Handler = Callable[[Request], Awaitable[Response]]
@@ -61,6 +62,7 @@ def ruler_app(folder: ProjectFolder, access: Access, *, opened: str | None = Non
         *_robot_routes(robots),
         Route("/api/profile/measure-live", MeasureApi(listeners).answer, methods=["POST"]),
         Route("/api/try", TryApi(folder, listeners).answer, methods=["POST"]),
+        Route("/api/profile/curve", CurveApi(folder, listeners).answer, methods=["POST"]),
         Route("/api/{path:path}", _no_such_thing, methods=["GET", "POST", "PUT", "DELETE", "PATCH"]),
         WebSocketRoute("/ws", listeners.serve),
         Mount("/", page_files()),
@@ -115,7 +117,9 @@ def _profile_routes(api: ProfileApi) -> Iterable[BaseRoute]:
     yield _route("/api/vocabulary", schema.VocabularyRequest, api.vocabulary)
     yield _route("/api/profile/parse", schema.ProfileParseRequest, api.parse)
     yield _route("/api/profile/write", schema.ProfileWriteRequest, api.write)
+    yield _route("/api/profile/check", schema.ProfileWriteRequest, api.check)
     yield _route("/api/profile/measure", schema.ProfileMeasureRequest, api.measure)
+    yield _route("/api/profile/levels", LevelsRequest, levels_of_rate)
 
 
 def _robot_routes(api: RobotsApi) -> Iterable[BaseRoute]:

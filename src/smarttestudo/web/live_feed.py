@@ -30,7 +30,6 @@ class LiveFeed:
         self._loop: asyncio.AbstractEventLoop | None = None
         self._told: object = None
         self._telling: asyncio.Task[None] | None = None
-        self._background: set[asyncio.Task[None]] = set()
         link.news = self._heard
         listeners.changed = self._pages_changed
 

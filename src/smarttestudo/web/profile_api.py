@@ -14,8 +14,12 @@ from smarttestudo.adirf.properties import ARRIVAL_PROPERTIES, PropertySpec, know
 from smarttestudo.adirf.syntax import Operator
 from smarttestudo.composition.ruler import profile_table
 from smarttestudo.composition.ruler.vocabulary import known_topics, topics_of_bag
+from smarttestudo.domain.errors import ProfileError
+from smarttestudo.domain.rate import MAX_RATE_HZ
 from smarttestudo.domain.tier import Tier
+from smarttestudo.optimizer.profiling.text import proposed_tiers_hz
 from smarttestudo.web import schemas as schema
+from smarttestudo.web.curve_schemas import LevelsAnswer, LevelsRequest, ProfileCheckAnswer
 
 
 class ProfileApi:
@@ -65,6 +69,14 @@ class ProfileApi:
         )
         return schema.TextAnswer(text=profile_table.write_table(table, request.base_text, Path(request.name)))
 
+    def check(self, request: schema.ProfileWriteRequest) -> ProfileCheckAnswer:
+        """Whether ``write`` would do it, for a table that is being typed."""
+        try:
+            self.write(request)
+        except ProfileError as error:
+            return ProfileCheckAnswer(problem=error.cause)
+        return ProfileCheckAnswer(problem="")
+
     def measure(self, request: schema.ProfileMeasureRequest) -> schema.TextAnswer:
         """A profile measured in a bag."""
         from smarttestudo.composition.ruler.measuring import measured_profile  # noqa: PLC0415  reads bags
@@ -101,6 +113,16 @@ class ProfileApi:
         """Words to suggest, from files of the project."""
         text = None if profile is None else self._folder.read(profile).text
         return self.vocabulary(schema.VocabularyRequest(profile_text=text, bag=bag))
+
+
+def levels_of_rate(request: LevelsRequest) -> LevelsAnswer:
+    """Six levels to begin with, where nothing but the rate of the source is known."""
+    if not 0 < request.source_hz <= MAX_RATE_HZ:
+        raise ProfileError(
+            f"a source of {request.source_hz:g} Hz has no levels",
+            remedy=f"give a rate above 0, up to {MAX_RATE_HZ:g} Hz",
+        )
+    return LevelsAnswer(tiers_hz=_six(proposed_tiers_hz(request.source_hz)))
 
 
 def _models(specs: Iterable[PropertySpec]) -> tuple[schema.PropertyModel, ...]:

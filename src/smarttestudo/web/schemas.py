@@ -330,49 +330,6 @@ class DifferenceAnswer(Struct, frozen=True, kw_only=True):
     changes: tuple[str, ...]
 
 
-class TryRequest(Struct, frozen=True, kw_only=True):
-    """``POST /api/try`` → ``TryAnswer``; ``run`` names the try in ``Progress`` messages of ``/ws``."""
-
-    text: str
-    bag: str
-    name: str = "rules.adirf"
-    profile_text: str | None = None
-    profile_name: str = "profile.toml"
-    run: str = ""
-
-
-class TryTopic(Struct, frozen=True, kw_only=True):
-    """One topic of the bag before and after; ``*_hz_bins`` are messages a second, bin by bin."""
-
-    topic: str
-    before_kb: float
-    after_kb: float
-    before_messages: int
-    after_messages: int
-    target_hz: float | None
-    before_hz_bins: tuple[float, ...]
-    after_hz_bins: tuple[float, ...]
-
-
-class TryAnswer(Struct, frozen=True, kw_only=True):
-    """What the rules would have done to a bag; ``percent`` is how much less was sent.
-
-    ``decisions`` are as in a decision log, the first 2000 of ``decision_count``; ``path`` is
-    ``[seconds, x, y]`` in metres where the bag has odometry.
-    """
-
-    duration_s: float
-    bin_s: float
-    before_kb: float
-    after_kb: float
-    percent: float
-    decisions: tuple[dict[str, object], ...]
-    decision_count: int
-    topics: tuple[TryTopic, ...]
-    path: tuple[tuple[float, float, float], ...]
-    notices: tuple[str, ...]
-
-
 class Hello(Struct, frozen=True, kw_only=True, tag_field="kind", tag="hello"):
     """The first message on ``/ws``; a page that knows another protocol asks to be reloaded."""
 

@@ -1,12 +1,11 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the page asks of a bag: what its rules would have done."""
+"""What the page asks of a bag: what its rules would have done, and what each rate of a topic loses."""
 
 from __future__ import annotations
 
-import asyncio
+from dataclasses import asdict
 
-import msgspec
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
 from starlette.responses import Response
@@ -14,14 +13,18 @@ from starlette.responses import Response
 from smarttestudo.adapters.files.project_folder import ProjectFolder
 from smarttestudo.composition.ruler.checked_text import Draft, require_usable
 from smarttestudo.domain.errors import TestudoError
+from smarttestudo.domain.names import is_topic_name, resolve_topic
 from smarttestudo.web.bodies import read_body
-from smarttestudo.web.errors import JSON
-from smarttestudo.web.long_work import while_asked, worked_out
-from smarttestudo.web.schemas import Progress, TryAnswer, TryRequest
+from smarttestudo.web.child_work import ChildWork, Order
+from smarttestudo.web.curve_schemas import CurveAnswer, CurveRequest
+from smarttestudo.web.errors import RequestError
 from smarttestudo.web.socket import Listeners
+from smarttestudo.web.try_schemas import TryAnswer, TryRequest
 
-_PROCESS = "smarttestudo.composition.ruler.trial_process"
+_TRIAL = "smarttestudo.composition.ruler.trial_process"
+_CURVE = "smarttestudo.composition.ruler.curve_process"
 _TIMEOUT_S = 600.0
+_BAD_REQUEST = 400
 
 
 class TryApi:
@@ -29,37 +32,48 @@ class TryApi:
 
     def __init__(self, folder: ProjectFolder, listeners: Listeners) -> None:
         self._folder = folder
-        self._listeners = listeners
-        self._turn = asyncio.Semaphore(1)
+        self._work = ChildWork(listeners)
 
     async def answer(self, request: Request) -> Response:
         """Replay a bag; who leaves ends it."""
-        order = await read_body(request, TryRequest)
-        bag = await run_in_threadpool(self._folder.bag, order.bag)
+        asked = await read_body(request, TryRequest)
+        bag = await run_in_threadpool(self._folder.bag, asked.bag)
         draft = Draft(
-            text=order.text,
-            name=order.name,
-            profile_text=order.profile_text,
-            profile_name=order.profile_name,
+            text=asked.text,
+            name=asked.name,
+            profile_text=asked.profile_text,
+            profile_name=asked.profile_name,
         )
         await run_in_threadpool(require_usable, draft)
-        too_long = TestudoError("the bag takes longer than ten minutes", remedy="try a shorter one")
-        tried = self._tried(draft, str(bag), order.run)
-        answer = await while_asked(request, tried, timeout_s=_TIMEOUT_S, too_long=too_long)
-        return Response(msgspec.json.encode(answer), media_type=JSON)
+        fields: dict[str, object] = {**asdict(draft), "bag": str(bag)}
+        return await self._work.answer(request, _order(_TRIAL, fields, asked), TryAnswer)
 
-    async def _tried(self, draft: Draft, bag: str, run: str) -> TryAnswer:
-        order = {
-            "text": draft.text,
-            "name": draft.name,
-            "profile_text": draft.profile_text,
-            "profile_name": draft.profile_name,
-            "bag": bag,
-        }
-        async with self._turn:
-            return await worked_out(
-                _PROCESS,
-                order,
-                TryAnswer,
-                lambda share: self._listeners.tell(Progress(run=run, share=share)),
-            )
+
+class CurveApi:
+    """Measures what topics of the bags of ``folder`` lose at each rate, one at a time."""
+
+    def __init__(self, folder: ProjectFolder, listeners: Listeners) -> None:
+        self._folder = folder
+        self._work = ChildWork(listeners)
+
+    async def answer(self, request: Request) -> Response:
+        """Measure a topic of a bag; who leaves ends it."""
+        asked = await read_body(request, CurveRequest)
+        if not is_topic_name(asked.topic):
+            raise RequestError(f"{asked.topic!r} is not a valid ROS 2 topic name", _BAD_REQUEST)
+        bag = await run_in_threadpool(self._folder.bag, asked.bag)
+        fields: dict[str, object] = {"bag": str(bag), "topic": resolve_topic(asked.topic)}
+        return await self._work.answer(request, _order(_CURVE, fields, asked), CurveAnswer)
+
+
+def _order(module: str, fields: dict[str, object], asked: TryRequest | CurveRequest) -> Order:
+    return Order(
+        module=module,
+        fields=fields,
+        run=asked.run,
+        timeout_s=_TIMEOUT_S,
+        too_long=TestudoError("the bag takes longer than ten minutes", remedy="try a shorter one"),
+        broken=TestudoError(
+            "reading the bag ended without a result", place=asked.bag, remedy="try testudo bag info on it"
+        ),
+    )

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import pytest
 from playwright.sync_api import Locator, expect
 
-from ros.conftest import free_domain
+from ros.ros_domains import free_domain
 from ros.ros_processes import Process, SmallRobot
 from ruler.browser.ruler_page import RulerPage
 
@@ -79,13 +79,14 @@ def page(browser: Browser, world: World) -> Iterator[RulerPage]:
 
 
 @pytest.fixture
-def runtime(world: World) -> Iterator[Process]:
-    """``testudo run`` with the rules; the robot stands at x = 0."""
+def runtime(world: World, page: RulerPage) -> Iterator[Process]:
+    """``testudo run`` with the rules; the robot stands at x = 0. The next test begins when it is missed."""
     world.source.say("home odom")
     process = world.robot.runtime(RULES)
     yield process
     process.signal(signal.SIGINT)
     process.exit_code()
+    page.page.get_by_role("button", name=NOT_CONNECTED).wait_for()
 
 
 def test_what_holds_on_the_robot_stands_beside_the_blocks(
@@ -127,6 +128,7 @@ def test_sent_rules_are_compared_tried_and_kept_with_the_keyboard_alone(
     expect(page.button("Send to robot")).to_be_focused()
 
     page.change("Edit rate: 5", "20")
+    page.expect_lines("SetFrequency /imu 20")
     page.button("Send to robot").focus()
     keyboard.press("Enter")
     expect(page.page.get_by_role("list", name="Differences")).to_have_text("default: /imu 5 → 20 Hz")
@@ -162,12 +164,26 @@ def test_refused_rules_change_nothing_and_unkept_ones_go_back(
     page.page.keyboard.press("Control+z")
 
     page.change("Edit rate: 5", "7")
+    page.expect_lines("SetFrequency /imu 7")
     _send(page)
     target = page.page.get_by_role("row", name="/imu").get_by_role("cell").nth(1)
     expect(target).to_have_text("7")
     went_back = "/smarttestudo went back to the rules from before by itself"
     expect(page.page.get_by_text(went_back)).to_be_visible()
     expect(target).to_have_text("5")
+    expect(page.page.get_by_text("The robot has other rules")).to_be_visible()
+
+
+def test_topics_of_the_robot_are_suggested_and_measured(page: RulerPage) -> None:
+    _append(page, "SetFrequency /imu 5", "\n    SetFrequency /od")
+    expect(page.page.get_by_role("option", name=re.compile("/odom.*on the robot now"))).to_be_visible()
+    page.page.keyboard.press("Escape")
+    page.page.get_by_role("link", name="Create", exact=True).click()
+    page.button("Measure on the robot").click()
+    page.page.get_by_label("Seconds").fill("2")
+    page.button("Measure").click()
+    expect(page.page.get_by_label("Source (Hz) of /imu")).to_have_value(re.compile(r"^(49|50)(\.\d+)?$"))
+    expect(page.page.get_by_label("Message size (KB) of /odom", exact=True)).to_have_value("0.72")
 
 
 def _append(page: RulerPage, line: str, text: str) -> None:

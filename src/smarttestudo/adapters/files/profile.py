@@ -119,8 +119,10 @@ class _ProfileReader:
             given = f"{len(value)} numbers" if isinstance(value, list) else "something else"
             raise self._error(at, f"{_name(at)} must be a list of six rates τ0 … τ5 in Hz, it is {given}")
         tiers = tuple(self._rate(at, one) for one in value)
-        if any(later < earlier for earlier, later in itertools.pairwise(tiers)):
-            raise self._error(at, f"{_name(at)} must not fall from one tier to the next")
+        for (lower, lower_hz), (higher, higher_hz) in itertools.pairwise(zip(Tier, tiers, strict=True)):
+            if higher_hz < lower_hz:
+                fall = f"{higher.value} ({higher_hz:g} Hz) is below {lower.value} ({lower_hz:g} Hz)"
+                raise self._error(at, f"{_name(at)} must not fall from one tier to the next: {fall}")
         return tiers
 
     def _text(self, at: KeyPath, value: object) -> str:

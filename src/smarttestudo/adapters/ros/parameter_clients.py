@@ -11,6 +11,7 @@ from typing import Any
 
 import rclpy.parameter
 from rcl_interfaces.srv import GetParameters, SetParameters
+from rclpy.exceptions import NameValidationException
 
 from smarttestudo.adapters.ros.parameters import plain_value
 from smarttestudo.adapters.ros.ros_errors import ros_errors
@@ -102,15 +103,20 @@ class NodeParameterClients:
         client = self._clients.get((node, kind))
         try:
             if client is None:
-                with ros_errors(node):
-                    client = _Client(self._node.create_client(kind, f"{node}/{service}"), now_s)
-                self._clients[node, kind] = client
+                client = self._clients[node, kind] = self._new_client(kind, f"{node}/{service}", now_s)
         except RosError as error:
             told(error)
             return
         client.used_s = now_s
         self._calls.append(_Call(client, request, told, node, now_s + ANSWER_WITHIN_S))
         self.look()
+
+    def _new_client(self, kind: Any, service: str, now_s: float) -> _Client:
+        try:
+            with ros_errors(service):
+                return _Client(self._node.create_client(kind, service), now_s)
+        except NameValidationException as error:
+            raise RosError("this is not the name of a node", place=service) from error
 
     def _send(self, call: _Call) -> None:
         call.future = call.client.handle.call_async(call.request)

@@ -29,6 +29,7 @@ def values_of(spec: PropertySpec | None) -> Region:
 class CheckContext:
     """``resolve`` gives the full name of a topic, ``bag_topics`` the type of each topic of a recording.
 
+    ``way_to_profile`` says how the reader of a finding gives a profile, as in "or …".
     ``has_all_files`` is false where a file of the set could not be read, so that statements are missing.
     """
 
@@ -36,6 +37,7 @@ class CheckContext:
     profile: Profile | None = None
     bag_topics: Mapping[str, str] | None = None
     has_all_files: bool = True
+    way_to_profile: str = "give a profile with --profile"
 
     def topic(self, topic: str) -> TopicProfile:
         """What the profile says about ``topic``, nothing without a profile."""

@@ -22,7 +22,7 @@ def _find(book: RuleBook) -> Iterator[Found]:
                 path=one.path,
                 span=one.statement.rate.span,
                 message=f"{tier.value} has no rate without a profile",
-                hint="write a rate in Hz, or give a profile with --profile",
+                hint=f"write a rate in Hz, or {book.context.way_to_profile}",
             )
 
 

@@ -39,6 +39,7 @@ class Evaluator:
             for block in rule_set.blocks
         ]
         self._changed_topics = set(self._contests)
+        self._changed_blocks: set[int] = set()
         self._propagation = Propagation(graph, self._block_changed)
 
     @property
@@ -58,6 +59,12 @@ class Evaluator:
         """The topics whose wish may have changed since the last call; at first all that are relayed."""
         self._propagation.settle()
         changed, self._changed_topics = self._changed_topics, set()
+        return changed
+
+    def take_changed_blocks(self) -> AbstractSet[int]:
+        """The blocks, by order, that turned since the last call; at first none: all start unknown."""
+        self._propagation.settle()
+        changed, self._changed_blocks = self._changed_blocks, set()
         return changed
 
     def wish(self, topic: str) -> PlannedRate:
@@ -91,6 +98,7 @@ class Evaluator:
         return self._thresholds[signal].cuts
 
     def _block_changed(self, order: int, before: int, after: int) -> None:
+        self._changed_blocks.add(order)
         for topic, contest, rank in self._entries[order]:
             contest.move(rank, before, after)
             self._changed_topics.add(topic)

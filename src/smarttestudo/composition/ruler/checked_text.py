@@ -14,6 +14,8 @@ from smarttestudo.domain.errors import RuleFileError
 from smarttestudo.domain.finding import Finding, Severity
 from smarttestudo.domain.profile import Profile
 
+WAY_TO_PROFILE = "choose or create the topic parameters: they say what each quality level is in Hz"
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Draft:
@@ -60,7 +62,7 @@ class RefusedTextError(RuleFileError):
 def check_text(draft: Draft) -> CheckedText:
     """Read and check ``draft``; ``ProfileError`` for a profile that cannot be read."""
     document = read_document(draft.text, draft.name)
-    context = CheckContext(profile=draft.profile())
+    context = CheckContext(profile=draft.profile(), way_to_profile=WAY_TO_PROFILE)
     return CheckedText(document=document, findings=tuple(check_rules([document.result], context)))
 
 

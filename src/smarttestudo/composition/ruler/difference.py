@@ -4,9 +4,10 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 
-from smarttestudo.adirf.document.meaning import condition_meaning
+from smarttestudo.adirf.document.meaning import condition_meaning, meaning
 from smarttestudo.adirf.formatter.values import number_text
 from smarttestudo.adirf.parser import ParseResult
 from smarttestudo.adirf.syntax import Block, KeepAtLeast, RateExpression, SetFrequency
@@ -18,6 +19,25 @@ _Rates = Mapping[str, str]
 def differences(old: ParseResult, new: ParseResult) -> tuple[str, ...]:
     """Sentences such as ``Corridor: /scan 4 → 6 Hz``, defaults first, then rules in the new file's order."""
     return tuple(_differences(old, new))
+
+
+def mean_the_same(old: ParseResult, new: ParseResult) -> bool:
+    """Whether a robot could not tell one from the other but by a rule's place.
+
+    Neither the order of blocks nor comments, layout and spellings matter.
+    """
+    return _meaning(old) == _meaning(new)
+
+
+def _meaning(result: ParseResult) -> object:
+    statements = result.file.statements
+    defaults = {one.topic.text: one.rate.value for one in statements if isinstance(one, SetFrequency)}
+    floors_hz: dict[str, float] = {}
+    for one in statements:
+        if isinstance(one, KeepAtLeast) and isinstance(one.rate.value, int | float):
+            floors_hz[one.topic.text] = max(one.rate.value, floors_hz.get(one.topic.text, 0.0))
+    blocks = Counter(meaning(one) for one in statements if isinstance(one, Block))
+    return result.is_valid, defaults, floors_hz, blocks
 
 
 def _differences(old: ParseResult, new: ParseResult) -> Iterator[str]:

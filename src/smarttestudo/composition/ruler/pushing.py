@@ -6,17 +6,14 @@ from __future__ import annotations
 
 import hashlib
 import re
-from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
-from smarttestudo.adirf.document.meaning import meaning
-from smarttestudo.adirf.parser import ParseResult, parse
-from smarttestudo.adirf.syntax import Block, KeepAtLeast
+from smarttestudo.adirf.parser import parse
 from smarttestudo.composition.pushed_rules import CONFIRM_WITHIN_S
 from smarttestudo.composition.ruler.checked_text import Draft
-from smarttestudo.composition.ruler.difference import differences
+from smarttestudo.composition.ruler.difference import differences, mean_the_same
 from smarttestudo.composition.ruler.sharing import download_text
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.parameter import ParameterValue
@@ -65,7 +62,7 @@ def compare_with_robot(robots: Parameters, node: str, draft: Draft) -> Change:
     text = download_text(draft)
     texts = texts_of(robots, node)
     old, new = parse(texts.text, "the robot's rules"), parse(text, draft.name)
-    is_same = bool(texts.files) and _meaning(old) == _meaning(new)
+    is_same = bool(texts.files) and mean_the_same(old, new)
     return Change(
         text=text,
         sha256=hashlib.sha256(text.encode("utf-8")).hexdigest(),
@@ -126,21 +123,3 @@ def _set(robots: Parameters, node: str, name: str, value: str, called: Mapping[s
     for theirs, ours in called.items():
         place = place.replace(theirs, ours, 1)
     raise RefusedByRobotError(words["cause"], place=place)
-
-
-def _meaning(result: ParseResult) -> object:
-    """All that a robot makes of the rules; neither the order of blocks nor comments and layout."""
-    defaults: dict[str, object] = {}
-    floors_hz: dict[str, object] = {}
-    blocks: Counter[object] = Counter()
-    for statement in result.file.statements:
-        match statement:
-            case Block():
-                blocks[meaning(statement)] += 1
-            case KeepAtLeast():
-                # The highest of several counts; their values are numbers.
-                rates = (floors_hz.get(statement.topic.text, 0.0), statement.rate.value)
-                floors_hz[statement.topic.text] = max(rates, key=lambda rate: float(str(rate)))
-            case _:
-                defaults[statement.topic.text] = statement.rate.value
-    return result.is_valid, defaults, floors_hz, blocks

@@ -1,26 +1,33 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What passes while a recording is replayed: counts by topic, and where the robot was."""
+"""What passes while a recording is replayed: counts, where the robot was, what was lost, what held."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
+from smarttestudo.adirf.rule_set import RuleBlock, RuleSet
+from smarttestudo.composition.ruler.trial_loss import LossWatch
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import Channel, MessageDecoder, RecordingReader
+from smarttestudo.domain.signal import Truth
 from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.runtime.relay_loop import RelayLoop
 from smarttestudo.visualizer.floor import PathPoint
 from smarttestudo.visualizer.trace import TraceAccumulator
 
 ODOMETRY = "nav_msgs/msg/Odometry"
 MAX_POINTS = 1000
+MAX_TURNS = 5000
 
 
 class ArrivalWatch:
     """Counts the messages of ``recording`` as they are read, and follows its odometry."""
 
-    def __init__(self, recording: RecordingReader, decoder: MessageDecoder) -> None:
+    def __init__(self, recording: RecordingReader, decoder: MessageDecoder, loss: LossWatch) -> None:
         self._decoder = decoder
+        self._loss = loss
         self._declared_bytes = recording.declared_bytes
         self._start_ns = self._due_ns = recording.start_ns
         self._step_ns = max((recording.end_ns - recording.start_ns) // MAX_POINTS, 1)
@@ -33,6 +40,7 @@ class ArrivalWatch:
         """Take one message of the recording."""
         topic = channel.topic
         self.traces[topic].add(stamp_ns, self._declared_bytes.get(topic, len(payload)))
+        self._loss.arrived(channel, stamp_ns, payload)
         if topic == self._odometry and stamp_ns >= self._due_ns:
             self._due_ns = stamp_ns + self._step_ns
             self._follow(channel, stamp_ns, payload)
@@ -50,15 +58,55 @@ class ArrivalWatch:
 class CountingWriter:
     """Counts what a replay relays, and keeps none of it; ``declared_bytes`` are by monitored topic."""
 
-    def __init__(self, declared_bytes: Mapping[str, int]) -> None:
+    def __init__(self, declared_bytes: Mapping[str, int], loss: LossWatch) -> None:
         self._declared_bytes = declared_bytes
+        self._loss = loss
         self.traces: dict[str, TraceAccumulator] = {}
 
     def add(self, channel: Channel) -> None:
         """Expect messages of ``channel``."""
         self.traces.setdefault(channel.topic, TraceAccumulator())
+        self._loss.add(channel)
 
     def write(self, channel: Channel, stamp_ns: int, payload: bytes) -> None:
         """Count one message."""
         size_bytes = self._declared_bytes.get(channel.topic, len(payload))
         self.traces[channel.topic].add(stamp_ns, size_bytes)
+        self._loss.relayed(channel, stamp_ns, payload)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BlockTurns:
+    """A block of the rules, and since when it holds, or not, or nobody knows; it starts unknown."""
+
+    block: RuleBlock
+    turns: tuple[tuple[float, Truth], ...]
+
+
+class TruthWatch:
+    """Notes when blocks turn, the first ``MAX_TURNS`` times; ``is_cut`` says that there were more."""
+
+    def __init__(self, rule_set: RuleSet, start_ns: int) -> None:
+        self._start_ns = start_ns
+        self._left = MAX_TURNS
+        self._turns: list[tuple[RuleBlock, list[tuple[float, Truth]]]] = [
+            (block, [(0.0, Truth.UNKNOWN)]) for block in rule_set.blocks
+        ]
+        self.is_cut = False
+
+    @property
+    def blocks(self) -> tuple[BlockTurns, ...]:
+        """What was noted, in the order of the rules."""
+        return tuple(BlockTurns(block=block, turns=tuple(turns)) for block, turns in self._turns)
+
+    def stepped(self, now_ns: int, loop: RelayLoop) -> None:
+        """Look which blocks turned; called often, and mostly none did."""
+        for order, truth in loop.take_turned_blocks().items():
+            turns = self._turns[order][1]
+            if turns[-1][1] is truth:
+                continue
+            if self._left:
+                self._left -= 1
+                turns.append(((now_ns - self._start_ns) / NS_PER_S, truth))
+            else:
+                self.is_cut = True

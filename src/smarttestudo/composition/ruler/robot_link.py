@@ -29,8 +29,9 @@ _END_WITHIN_S = 3.0
 # What was asked for on leaving is sent, and mostly answered, within this.
 _FAREWELL_S = 0.3
 _Answer = TypeVar("_Answer")
-_Order = Callable[[Robot, RobotWatch], None]
+_Order = Callable[[Robot], None]
 _STARTING = "the ROS graph is being joined"
+_LEFT = "the ROS graph was left"
 
 
 class RobotLink:
@@ -43,6 +44,7 @@ class RobotLink:
         self.news: Callable[[Sequence[SeenRobot]], None] = _nobody
         self._open_node = open_node
         self._orders: queue.SimpleQueue[_Order] = queue.SimpleQueue()
+        self._wanted_hz: Mapping[str, float] = MappingProxyType({})
         self._seen: Mapping[str, SeenRobot] = MappingProxyType({})
         self._problem: str | None = _STARTING
         self._thread: threading.Thread | None = None
@@ -87,8 +89,7 @@ class RobotLink:
 
     def watch(self, wanted_hz: Mapping[str, float]) -> None:
         """Have these robots watched, with so many statuses a second, and no others."""
-        if self.is_up or wanted_hz:
-            self._orders.put(lambda _robot, watch: watch.want(wanted_hz))
+        self._wanted_hz = wanted_hz
 
     def get(self, node: str, names: Sequence[str]) -> Values:
         """Parameters of a robot. Raises ``RosError``."""
@@ -119,7 +120,7 @@ class RobotLink:
         answer: Future[_Answer] = Future()
         self._require_up()
 
-        def taken(robot: Robot, _watch: RobotWatch) -> None:
+        def taken(robot: Robot) -> None:
             try:
                 order(robot, answer)
             except TestudoError as error:
@@ -148,10 +149,12 @@ class RobotLink:
             self._problem = f"{error.cause}; {error.remedy}" if error.remedy else error.cause
         finally:
             self._is_up.clear()
+            self._problem = self._problem or _LEFT
 
     def _serve(self, robot: Robot, watch: RobotWatch) -> None:
         while not self._is_closing.is_set():
-            self._obey(robot, watch)
+            self._obey(robot)
+            watch.want(self._wanted_hz)
             robot.wait(None, _WAIT_S)
             news = watch.look()
             if news or len(watch.seen) < len(self._seen):
@@ -163,10 +166,10 @@ class RobotLink:
         while time.monotonic() < end_s:
             robot.wait(None, _WAIT_S)
 
-    def _obey(self, robot: Robot, watch: RobotWatch) -> None:
+    def _obey(self, robot: Robot) -> None:
         with contextlib.suppress(queue.Empty):
             while True:
-                self._orders.get_nowait()(robot, watch)
+                self._orders.get_nowait()(robot)
 
 
 def _settle(answer: Future[_Answer], result: _Answer | TestudoError) -> None:

@@ -47,6 +47,7 @@ class RobotWatch:
         self._robot = robot
         self._steady_s = steady_s
         self._watch = StatusWatch(robot, steady_s)
+        self._wanted_hz: Mapping[str, float] = {}
         self._demands: dict[str, StatusDemand] = {}
         self._words: dict[str, RuleWords] = {}
         self._ask_again_s: dict[str, float] = {}
@@ -70,6 +71,9 @@ class RobotWatch:
 
     def want(self, wanted_hz: Mapping[str, float]) -> None:
         """Watch these robots, so many times a second, and no others."""
+        if wanted_hz == self._wanted_hz:
+            return
+        self._wanted_hz = dict(wanted_hz)
         for node in wanted_hz.keys() - self._demands.keys():
             self._demands[node] = StatusDemand()
         for node, demand in [*self._demands.items()]:

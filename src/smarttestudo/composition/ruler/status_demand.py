@@ -27,7 +27,7 @@ class StatusDemand:
     def change_hz(self, status_hz: float, now_s: float) -> float | None:
         """What to set at ``now_s``, where the robot said that it is ``status_hz``; ``None``: nothing."""
         if self.wanted_hz is None:
-            return self._put_back_hz(status_hz)
+            return self._put_back_hz(status_hz, now_s)
         is_ours = status_hz == self._ours_hz
         if status_hz >= self.wanted_hz and not (is_ours and status_hz > self.wanted_hz):
             return None
@@ -38,6 +38,8 @@ class StatusDemand:
         self._ours_hz, self._again_s = self.wanted_hz, now_s + _TRY_AGAIN_S
         return self.wanted_hz
 
-    def _put_back_hz(self, status_hz: float) -> float | None:
+    def _put_back_hz(self, status_hz: float, now_s: float) -> float | None:
         ours_hz, self._ours_hz = self._ours_hz, None
-        return self._before_hz if ours_hz is not None and ours_hz == status_hz else None
+        # What was set a moment ago is not in a status yet.
+        is_ours = ours_hz is not None and (status_hz == ours_hz or now_s < self._again_s)
+        return self._before_hz if is_ours else None

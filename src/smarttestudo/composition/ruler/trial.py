@@ -16,13 +16,21 @@ from smarttestudo.composition.optimize_tiers import tier_rates_for
 from smarttestudo.composition.replay import ReplayRequest, replay
 from smarttestudo.composition.replay_outcome import ReplayOutcome
 from smarttestudo.composition.ruler.checked_text import CheckedText, Draft, RefusedTextError
-from smarttestudo.composition.ruler.replay_watch import ArrivalWatch, CountingWriter
+from smarttestudo.composition.ruler.replay_watch import (
+    MAX_TURNS,
+    ArrivalWatch,
+    BlockTurns,
+    CountingWriter,
+    TruthWatch,
+)
+from smarttestudo.composition.ruler.trial_loss import LossWatch, TrialLoss
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.recording import RecordingReader
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
 from smarttestudo.visualizer.floor import PathPoint
+from smarttestudo.visualizer.loss.course import Stretches
 from smarttestudo.visualizer.trace import TraceAccumulator
 
 MAX_BINS = 300
@@ -45,14 +53,20 @@ class TopicTrial:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Trial:
-    """A bag under rules. ``decisions`` are the first 2000, of ``decision_count`` in all."""
+    """A bag under rules. ``decisions`` are the first 2000, of ``decision_count`` in all.
+
+    The bins are ``bin_s`` long; the first begins at ``first_bin_s``, which is 0 or less.
+    """
 
     duration_s: float
     bin_s: float
+    first_bin_s: float
     topics: tuple[TopicTrial, ...]
     decisions: tuple[Decision, ...]
     decision_count: int
     path: tuple[PathPoint, ...]
+    blocks: tuple[BlockTurns, ...]
+    loss: TrialLoss
     notices: tuple[str, ...]
 
     @property
@@ -80,22 +94,39 @@ def try_rules(draft: Draft, bag: Path, report: Callable[[float], None]) -> Trial
     """
     decisions: list[Decision] = []
     with open_recording(bag) as recording:
-        watch = ArrivalWatch(recording, RosbagDecoder())
-        writer = CountingWriter(recording.declared_bytes)
+        rule_set, profile = _compiled(draft, recording), draft.profile() or Profile()
+        loss = LossWatch(recording, rule_set, profile)
+        watches = _Watches(
+            arrivals=ArrivalWatch(recording, RosbagDecoder(), loss),
+            writer=CountingWriter(recording.declared_bytes, loss),
+            truths=TruthWatch(rule_set, recording.start_ns),
+            loss=loss,
+        )
         outcome = replay(
             ReplayRequest(
                 recording=recording,
-                rule_set=_compiled(draft, recording),
+                rule_set=rule_set,
                 output=Path(),
-                profile=draft.profile() or Profile(),
+                profile=profile,
                 decided=lambda some: decisions.extend(some[: MAX_DECISIONS - len(decisions)]),
                 report=report,
-                writer=writer,
-                arrived=watch.arrived,
+                writer=watches.writer,
+                arrived=watches.arrivals.arrived,
+                stepped=watches.truths.stepped,
             )
         )
         bins = _bins(recording.start_ns, recording.end_ns)
-        return _trial(watch, writer, outcome, tuple(decisions), bins)
+        return _trial(watches, outcome, tuple(decisions), bins)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Watches:
+    """Who looks on while the bag is replayed."""
+
+    arrivals: ArrivalWatch
+    writer: CountingWriter
+    truths: TruthWatch
+    loss: LossWatch
 
 
 def _compiled(draft: Draft, recording: RecordingReader) -> RuleSet:
@@ -110,49 +141,69 @@ def _compiled(draft: Draft, recording: RecordingReader) -> RuleSet:
     return compile_rules(files, resolve_topic, tier_rates_for(files, profile, resolve_topic))
 
 
-def _trial(
-    watch: ArrivalWatch,
-    writer: CountingWriter,
-    outcome: ReplayOutcome,
-    decisions: tuple[Decision, ...],
-    bins: _Bins,
-) -> Trial:
+def _trial(watches: _Watches, outcome: ReplayOutcome, decisions: tuple[Decision, ...], bins: _Bins) -> Trial:
+    traces = watches.arrivals.traces
+    loss = watches.loss.loss(bins.stretches)
+    cut = (f"rules turned more than {MAX_TURNS:,} times; which of them hold is known of the first",)
+    notices = (*outcome.notices, *loss.notices, *(cut if watches.truths.is_cut else ()))
     return Trial(
         duration_s=outcome.duration_s,
         bin_s=float(bins.width_s),
+        first_bin_s=bins.offset_s,
         topics=tuple(
-            _topic(topic, watch.traces, writer.traces, target_hz=one.target_hz, bins=bins)
+            _topic(topic, traces, watches.writer.traces, target_hz=one.target_hz, bins=bins)
             for topic, one in outcome.topics.items()
-            if topic in watch.traces
+            if topic in traces
         ),
         decisions=decisions,
         decision_count=outcome.decisions,
-        path=tuple(watch.path),
-        notices=outcome.notices,
+        path=tuple(watches.arrivals.path),
+        blocks=watches.truths.blocks,
+        loss=loss,
+        notices=tuple(dict.fromkeys(notices)),
     )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Bins:
-    """Stretches of ``width_s`` whole seconds of the epoch."""
+    """Stretches of ``width_s`` whole seconds of the epoch, for a recording that starts at ``start_ns``."""
 
-    first_s: int
+    start_ns: int
     seconds: int
     width_s: int
 
+    @property
+    def first_s(self) -> int:
+        """The second of the epoch in which the first one begins."""
+        return self.start_ns // NS_PER_S
+
+    @property
+    def offset_s(self) -> float:
+        """When the first one begins, counted from the recording's start."""
+        return (self.first_s * NS_PER_S - self.start_ns) / NS_PER_S
+
+    @property
+    def count(self) -> int:
+        """How many there are."""
+        return -(-self.seconds // self.width_s)
+
+    @property
+    def stretches(self) -> Stretches:
+        """The same in ns."""
+        return Stretches(first_ns=self.first_s * NS_PER_S, width_ns=self.width_s * NS_PER_S, count=self.count)
+
     def rates_hz(self, trace: TraceAccumulator) -> tuple[float, ...]:
-        counts = [0] * -(-self.seconds // self.width_s)
+        """The rate in each; what is held back to the end is relayed after it, and counts in the last."""
+        counts = [0] * self.count
         for bin_ in trace.bins():
             at = (bin_.second - self.first_s) // self.width_s
-            # What is held back to the end is relayed after it.
             counts[min(at, len(counts) - 1)] += bin_.messages
         return tuple(count / self.width_s for count in counts)
 
 
 def _bins(start_ns: int, end_ns: int) -> _Bins:
-    first_s = start_ns // NS_PER_S
-    seconds = end_ns // NS_PER_S - first_s + 1
-    return _Bins(first_s=first_s, seconds=seconds, width_s=max(-(-seconds // MAX_BINS), 1))
+    seconds = end_ns // NS_PER_S - start_ns // NS_PER_S + 1
+    return _Bins(start_ns=start_ns, seconds=seconds, width_s=max(-(-seconds // MAX_BINS), 1))
 
 
 def _topic(

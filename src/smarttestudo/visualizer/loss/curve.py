@@ -92,7 +92,7 @@ def loss_curve(samples: TopicSamples, end_ns: int) -> LossCurve | None:
     points = tuple(
         _point(samples, fields, rate_hz, end_ns) for rate_hz in curve_rates_hz(source_hz, duration_s)
     )
-    losses = [_worst(point, fields) for point in points[:-1]]
+    losses = [worst_loss(point, fields) for point in points[:-1]]
     return LossCurve(
         topic=samples.channel.topic,
         source_hz=source_hz,
@@ -127,7 +127,8 @@ def _point(samples: TopicSamples, fields: tuple[Field, ...], rate_hz: float, end
     )
 
 
-def _worst(point: CurvePoint, fields: tuple[Field, ...]) -> Loss:
+def worst_loss(point: CurvePoint, fields: tuple[Field, ...]) -> Loss:
+    """The relative hold RMSE of the worst of ``fields`` at the rate of ``point``."""
     relative, field = max(
         ((error.hold.relative_rmse or 0.0) if error else 0.0, field.name)
         for error, field in zip(point.errors, fields, strict=True)

@@ -67,6 +67,11 @@ def between(sent: Series, received: Series, end_ns: int) -> Iterator[Stretch]:
             yield min(next_ns, end_ns) - stamp_ns, values[index], line.at(stamp_ns)
 
 
+def distance(true_value: float, shown_value: float, *, wraps: bool) -> float:
+    """How far the operator's value is from the true one; an angle that wraps, the shorter way round."""
+    return abs(turn(true_value, shown_value) if wraps else shown_value - true_value)
+
+
 class _Steps:
     """The value of a series at rising times; ``next_ns`` is when it changes next."""
 
@@ -113,7 +118,7 @@ def _error_size(stretches: Iterable[Stretch], value_range: float, *, wraps: bool
     total_ns = 0
     is_known = False
     for lasts_ns, true_value, shown_value in stretches:
-        error = abs(turn(true_value, shown_value) if wraps else shown_value - true_value)
+        error = distance(true_value, shown_value, wraps=wraps)
         if math.isnan(error):
             continue
         is_known = True

@@ -1,0 +1,139 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import { useState } from "preact/hooks";
+import type { Crossing, FieldLoss, ImageLoss, TopicLoss } from "../api/try_types";
+import type { Trial } from "../state/trial";
+import { readable } from "../ui/numbers";
+import { LossStrip } from "./loss_strip";
+
+const nameOf = (loss: FieldLoss) => `${loss.topic} ${loss.field}`;
+const LEAST = 0.0001;
+
+function shown(value: number | null | undefined): string {
+  if (value === null || value === undefined) return "–";
+  return value > 0 && value < LEAST ? `< ${LEAST}` : readable(value);
+}
+
+/** What the operator would lose, over all and at the time of the scrubber. */
+export function LossTables({ trial }: { trial: Trial }) {
+  const { fields, topics, crossings, images } = trial.answer.loss;
+  const [chosen, setChosen] = useState(fields[0] ? nameOf(fields[0]) : "");
+  const field = fields.find((each) => nameOf(each) === chosen);
+  const crossed = crossings.filter((each) => each.crossings > 0);
+  return (
+    <section class="loss" aria-label="What the operator loses">
+      <h3>What the operator loses</h3>
+      {fields.length > 0 && (
+        <label>
+          Error over time of
+          <select value={chosen} onChange={(event) => setChosen(event.currentTarget.value)}>
+            {fields.map((each) => (
+              <option key={nameOf(each)}>{nameOf(each)}</option>
+            ))}
+          </select>
+        </label>
+      )}
+      {field && <LossStrip key={chosen} {...{ trial, field }} />}
+      {fields.length > 0 && <FieldTable {...{ trial, fields }} />}
+      <AgeTable {...{ trial, topics }} />
+      {crossed.length > 0 && <CrossingTable crossings={crossed} />}
+      {images.length > 0 && <ImageTable images={images} />}
+    </section>
+  );
+}
+
+function FieldTable({ trial, fields }: { trial: Trial; fields: FieldLoss[] }) {
+  const bin = trial.bin.value;
+  return (
+    <LossTable
+      caption="Error of who holds the last value received"
+      headings={["Value", "Unit", "Mean (RMSE)", "Largest", "Mean (% of its range)", "Largest here"]}
+      rows={fields.map((each) => [
+        nameOf(each),
+        each.unit,
+        shown(each.hold?.rmse),
+        shown(each.hold?.max),
+        shown(each.hold?.relative_rmse == null ? null : 100 * each.hold.relative_rmse),
+        shown(each.error_bins[bin]),
+      ])}
+    />
+  );
+}
+
+function AgeTable({ trial, topics }: { trial: Trial; topics: TopicLoss[] }) {
+  const bin = trial.bin.value;
+  return (
+    <LossTable
+      caption="Age of the newest message received"
+      headings={["Topic", "Mean (s)", "95 % below (s)", "Greatest (s)", "Greatest here (s)"]}
+      rows={topics.map(({ topic, received: { age }, age_s_bins }) => [
+        topic,
+        shown(age?.mean_s),
+        shown(age?.p95_s),
+        shown(age?.max_s),
+        shown(age_s_bins[bin]),
+      ])}
+    />
+  );
+}
+
+function CrossingTable({ crossings }: { crossings: Crossing[] }) {
+  return (
+    <LossTable
+      caption="Thresholds of your checks that were crossed"
+      headings={["Check", "Crossed", "Seen in time", "Seen late", "Missed", "Latest (s)"]}
+      rows={crossings.map((each) => [
+        each.check,
+        String(each.crossings),
+        String(each.in_time),
+        String(each.late),
+        String(each.missed),
+        shown(each.late_max_s),
+      ])}
+    />
+  );
+}
+
+function ImageTable({ images }: { images: ImageLoss[] }) {
+  return (
+    <LossTable
+      caption="Images"
+      headings={["Topic", "Frames sent by the robot", "Frames received", "Longest without one (s)"]}
+      rows={images.map(({ topic, sent, received }) => [
+        topic,
+        String(sent.frames),
+        String(received.frames),
+        shown(received.longest_blind_s),
+      ])}
+    />
+  );
+}
+
+function LossTable({ caption, headings, rows }: { caption: string; headings: string[]; rows: string[][] }) {
+  return (
+    <table class="try-table">
+      <caption>{caption}</caption>
+      <thead>
+        <tr>
+          {headings.map((heading) => (
+            <th key={heading} scope="col">
+              {heading}
+            </th>
+          ))}
+        </tr>
+      </thead>
+      <tbody>
+        {rows.map(([name = "", ...cells]) => (
+          <tr key={name}>
+            <th scope="row">{name}</th>
+            {cells.map((cell, index) => (
+              <td key={index} class="number">
+                {cell}
+              </td>
+            ))}
+          </tr>
+        ))}
+      </tbody>
+    </table>
+  );
+}

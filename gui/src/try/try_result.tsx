@@ -1,0 +1,66 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import { effect } from "@preact/signals";
+import { useEffect } from "preact/hooks";
+import type { Api } from "../api/client";
+import type { RuleEditor } from "../state/rule_editor";
+import type { Trial } from "../state/trial";
+import { readable } from "../ui/numbers";
+import { DecisionTable } from "./decision_table";
+import { LossTables } from "./loss_tables";
+import { RateStrips } from "./rate_strips";
+import { RuleStates } from "./rule_states";
+import { Scrubber } from "./scrubber";
+import { showInEditor } from "./show_in_editor";
+import { TryMap } from "./try_map";
+
+/** A try: what it saved, and below one scrubber the map, the rules, the rates, the loss and every decision. */
+export function TryResult({ editor, api, trial }: { editor: RuleEditor; api: Api; trial: Trial }) {
+  const { answer } = trial;
+  const isOld = editor.text.value !== trial.text;
+  useEffect(() => followInEditor(editor, trial), [trial]);
+  return (
+    <div class="try-result">
+      <p class="headline" role="status">
+        <strong>{answer.percent.toFixed(1)} % less</strong> sent: {readable(answer.after_kb)} of{" "}
+        {readable(answer.before_kb)} KB in {readable(answer.duration_s)} s. The rules decided {answer.decision_count}{" "}
+        times{answer.path.length > 1 && ", where the map has dots"}.
+      </p>
+      {isOld && (
+        <p class="notice warning" role="status">
+          The rules changed since. Run them again to see what they do now.
+        </p>
+      )}
+      {answer.notices.map((notice) => (
+        <p key={notice} class="quiet">
+          {notice}
+        </p>
+      ))}
+      <Scrubber trial={trial} />
+      <RuleStates trial={trial} show={isOld ? null : (line) => showInEditor(editor, line)} />
+      <div class="try-columns">
+        <div class="try-column">
+          {answer.path.length > 1 && <TryMap {...{ editor, api, trial }} />}
+          <LossTables trial={trial} />
+        </div>
+        <div class="try-column">
+          <RateStrips trial={trial} />
+          <DecisionTable trial={trial} />
+        </div>
+      </div>
+    </div>
+  );
+}
+
+/** Marks in text and blocks which rule decides, from when somebody moves the time. */
+function followInEditor(editor: RuleEditor, trial: Trial): () => void {
+  const opened = trial.time.peek();
+  let shown: number | null | undefined;
+  return effect(() => {
+    const line = trial.leader.value?.line ?? null;
+    if (trial.time.value === opened && shown === undefined) return;
+    if (line === shown || editor.text.peek() !== trial.text) return;
+    shown = line;
+    showInEditor(editor, line);
+  });
+}

@@ -1,0 +1,30 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import { useEffect } from "preact/hooks";
+
+/** What can be saved, and changed back and forth. */
+interface Undoable {
+  undo(): void;
+  redo(): void;
+  save(): Promise<void>;
+}
+
+/** Undo, redo and save work everywhere on the page but in a field that somebody types in. */
+export function useUndoKeys(editor: Undoable): void {
+  useEffect(() => {
+    const act = (event: KeyboardEvent) => {
+      const isTyping = event.target instanceof HTMLInputElement && event.target.type !== "range";
+      const isInDialog = event.target instanceof Element && event.target.closest("dialog") !== null;
+      if (!(event.ctrlKey || event.metaKey) || isTyping || isInDialog) return;
+      const key = event.key.toLowerCase();
+      if (key === "s") void editor.save();
+      else if (key === "y" || (key === "z" && event.shiftKey)) editor.redo();
+      else if (key === "z") editor.undo();
+      else return;
+      event.preventDefault();
+      event.stopPropagation();
+    };
+    addEventListener("keydown", act, { capture: true });
+    return () => removeEventListener("keydown", act, { capture: true });
+  }, []);
+}
