@@ -5,7 +5,7 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 DEMO_ARGS ?=
 PAGE := src/smarttestudo/web/static/index.html
-GUI_SOURCES := $(shell find gui -type f -not -path 'gui/node_modules/*')
+GUI_SOURCES := $(shell find gui -type f -not -path 'gui/node_modules/*') docs/language.md docs/quality-levels.md $(wildcard docs/reference/*.md)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .PHONY: help demo gui test lint format docs test-jazzy test-lowest wheels-aarch64 benchmarks clean
@@ -58,7 +58,7 @@ test-lowest:
 wheels-aarch64: $(VENV)/dev.stamp
 	UV=$(BIN)/uv sh scripts/wheels_aarch64.sh
 
-benchmarks: $(VENV)/dev.stamp
+benchmarks: $(VENV)/dev.stamp $(PAGE)
 	for benchmark in benchmarks/*.py; do $(BIN)/python $$benchmark || exit 1; done
 
 clean:

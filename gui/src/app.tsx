@@ -1,11 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import type { ComponentType } from "preact";
-import { useEffect, useState } from "preact/hooks";
+import { useEffect, useMemo, useState } from "preact/hooks";
 import { type Api, ApiError } from "./api/client";
 import type { Project } from "./api/types";
 import { HomePage } from "./pages/home";
 import { type Route, readRoute, toRoute } from "./route";
+import { OpenEditors } from "./state/open_editors";
 import { Notice } from "./ui/notice";
 
 /** What every page gets. */
@@ -14,6 +15,8 @@ export interface PageProps {
   project: Project;
   /** The file of the page, if it is about one. */
   name: string;
+  /** Rule files with what was changed in them. */
+  editors: OpenEditors;
   /** Reads the list of files again. */
   refresh: () => Promise<void>;
 }
@@ -28,6 +31,8 @@ const LAZY: Record<Exclude<Route["page"], "home">, () => Promise<ComponentType<P
 export function App({ api }: { api: Api }) {
   const [project, setProject] = useState<Project | null>(null);
   const [problem, setProblem] = useState("");
+  const editors = useMemo(() => new OpenEditors(), []);
+  useUnsavedWarning(editors);
   const route = useRoute();
   const refresh = async () => {
     try {
@@ -44,8 +49,8 @@ export function App({ api }: { api: Api }) {
   }, [project]);
   if (problem) return <Notice kind="error" text={problem} action={{ label: "Try again", act: refresh }} />;
   if (project === null) return <p class="quiet center">Opening the project …</p>;
-  if (route.page === "home") return <HomePage {...{ api, project, refresh }} name="" />;
-  const props = { api, project, refresh, name: route.name };
+  if (route.page === "home") return <HomePage {...{ api, project, refresh, editors }} name="" />;
+  const props = { api, project, refresh, editors, name: route.name };
   return <LazyPage key={`${route.page} ${route.name}`} load={LAZY[route.page]} props={props} />;
 }
 
@@ -53,6 +58,16 @@ function LazyPage({ load, props }: { load: () => Promise<ComponentType<PageProps
   const [page, setPage] = useState<{ Page: ComponentType<PageProps> } | null>(null);
   useEffect(() => void load().then((Page) => setPage({ Page })), []);
   return page ? <page.Page {...props} /> : <p class="quiet center">Loading …</p>;
+}
+
+function useUnsavedWarning(editors: OpenEditors): void {
+  useEffect(() => {
+    const ask = (event: BeforeUnloadEvent) => {
+      if (editors.hasUnsaved) event.preventDefault();
+    };
+    addEventListener("beforeunload", ask);
+    return () => removeEventListener("beforeunload", ask);
+  }, []);
 }
 
 function useRoute(): Route {

@@ -12,6 +12,7 @@ import type {
   RuleDocument,
   Vocabulary,
 } from "./types";
+import type { ImportChoice, ImportPreview, TextFile } from "./sharing_types";
 import type { Curve } from "./curve_types";
 import type { TryAnswer } from "./try_types";
 import type { Background, BackgroundChoice, CoverAnswer, DrivenPath, ZonesAnswer } from "./zone_types";
@@ -89,6 +90,23 @@ export class Api {
 
   measureProfile(bag: string): Promise<{ text: string }> {
     return call("POST", "/api/profile/measure", { bag });
+  }
+
+  exportRules(rules: Rules, ids: readonly string[]): Promise<{ text: string }> {
+    return call("POST", "/api/export", { text: rules.text, name: rules.name, ids });
+  }
+
+  importPreview(rules: Rules, other: TextFile): Promise<ImportPreview> {
+    return call("POST", "/api/import/preview", {
+      text: rules.text,
+      name: rules.name,
+      other_text: other.text,
+      other_name: other.name,
+    });
+  }
+
+  importRules(rules: Rules, otherText: string, choice: ImportChoice): Promise<EditAnswer> {
+    return call("POST", "/api/import", { ...rules, other_text: otherText, ...choice });
   }
 
   zones(rules: Rules): Promise<ZonesAnswer> {

@@ -53,7 +53,7 @@ function words(check: { topic: string; property: string; op: string; value: numb
 }
 
 /** All checks of a condition in the order of the text. */
-function checksOf(condition: Condition): Check[] {
+export function checksOf(condition: Condition): Check[] {
   if (condition.kind === "check") return [condition];
   if (condition.kind === "not") return checksOf(condition.term);
   return condition.terms.flatMap(checksOf);

@@ -11,16 +11,22 @@ import { showJoins } from "./joins";
 import type { RuleState } from "./live_states";
 import { fingerprint, toBlock, toStatement } from "./model";
 import { blocklyTheme } from "./palette";
-import { isTop, newSlot, nextEdit, type Slot, statementsOf } from "./slots";
+import { follow, onPage, pageAt, type Pages } from "./pages";
+import { isTop, newSlot, nextEdit, type Placed, type Slot, statementsOf } from "./slots";
 import { toolbox } from "./toolbox";
+import { Warnings } from "./warnings";
 
 const GAP = 18;
 const LEFT = 24;
+const SCALE = 0.72;
+const SCALE_FOR_FINGERS = 1.1;
 type NextEdit = (document: RuleDocument) => Edit | null;
 
 /** What the workspace tells and asks. */
 export interface WorkspaceOwner {
   suggestions: Suggestions;
+  /** Rules to take from the list of blocks. */
+  recipes: readonly Statement[];
   /** Blocks say something else than the text; ask `next` for edits until it has none. */
   changed(next: NextEdit): Promise<void>;
   /** Asks for `show` with what the text says now. */
@@ -28,6 +34,8 @@ export interface WorkspaceOwner {
   /** Somebody moved top blocks. */
   laidOut(layout: Layout): void;
   selected(statement: string | null): void;
+  /** Which part of the statements is shown. */
+  paged(pages: Pages): void;
 }
 
 /** The blocks of one rule file, kept in step with its text. */
@@ -39,6 +47,12 @@ export class RuleWorkspace {
   /** Changes of blocks that are on their way into the text. */
   private underWay = 0;
   private findings: readonly Finding[] = [];
+  /** All statements of the document that is shown, and which of them are blocks. */
+  private placed: readonly Placed[] = [];
+  private pages: Pages = { first: 0, count: 0, total: 0 };
+  private known: Layout = {};
+  private readonly warnings = new Warnings();
+  private revealed: Blockly.BlockSvg | null = null;
   private readonly badges = new Badges();
   private states: ReadonlyMap<string, RuleState> = new Map();
 
@@ -56,11 +70,11 @@ export class RuleWorkspace {
     this.workspace = Blockly.inject(host, {
       renderer: "zelos",
       theme: blocklyTheme(host),
-      toolbox: toolbox(),
+      toolbox: toolbox(owner.recipes),
       media: "./media/",
       trashcan: false,
       sounds: false,
-      zoom: { controls: true, wheel: false, pinch: true, startScale: 0.72, minScale: 0.3, maxScale: 2 },
+      zoom: { controls: true, wheel: false, pinch: true, startScale: matchMedia("(pointer: coarse)").matches ? SCALE_FOR_FINGERS : SCALE, minScale: 0.3, maxScale: 2 },
       move: { scrollbars: true, drag: true, wheel: true },
     });
     this.workspace.MAX_UNDO = 0;
@@ -74,8 +88,24 @@ export class RuleWorkspace {
    */
   show(document: RuleDocument, layout: Layout): void {
     if (this.waiting || this.underWay > 0) return;
+    const all = statementsOf(document);
+    this.pages = follow(this.pages, this.placed, all);
+    this.placed = all;
+    this.known = layout;
+    this.showPage();
+  }
+
+  /** Shows the page that holds the statement with this number. */
+  goTo(index: number): void {
+    if (this.waiting || this.underWay > 0) return;
+    this.pages = pageAt(index, this.placed.length);
+    this.showPage();
+    this.workspace.scroll(0, 0);
+  }
+
+  private showPage(): void {
     this.quietly(() => {
-      const placed = statementsOf(document);
+      const placed = onPage(this.placed, this.pages);
       const reused = this.reuse(placed.map(({ statement }) => statement));
       const isSame = reused.length === this.slots.length && this.slots.every(({ block }, at) => block === reused[at]);
       const old = new Set(this.slots.map((slot) => slot.block));
@@ -83,11 +113,12 @@ export class RuleWorkspace {
       const spots = this.freedSpots(old);
       for (const block of old) if (!block.isDisposed()) block.dispose(true);
       this.slots = placed.map(({ statement }, index) => newSlot(reused[index] ?? this.create(statement), statement));
-      if (!isSame) this.arrange(layout, spots);
+      if (!isSame) this.arrange(this.known, spots);
       showJoins(this.workspace, this.owner.suggestions);
     });
     this.mark(this.findings);
     this.showLive(this.states);
+    this.owner.paged(this.pages);
   }
 
   /** Shows beside rules and checks what a robot says of them, by statement id. */
@@ -106,23 +137,23 @@ export class RuleWorkspace {
   /** Puts findings on the blocks of their statements. */
   mark(findings: readonly Finding[]): void {
     this.findings = findings;
-    this.quietly(() => {
-      for (const slot of this.slots) {
-        const own = findings.filter((finding) => finding.statement === slot.id);
-        const text = own.map((finding) => `${finding.message}${finding.hint ? `\n${finding.hint}` : ""}`).join("\n\n");
-        slot.block.setWarningText(text || null, "findings");
-      }
-      for (const block of this.tops()) {
-        const statement = toStatement(block);
-        const missing = "missing" in statement && block.type !== "adirf_raw";
-        block.setWarningText(missing ? `Not in the text yet. ${statement.missing}.` : null, "missing");
-      }
-    });
+    const statements = onPage(this.placed, this.pages).map(({ statement }) => statement);
+    const missing = new Map<Blockly.BlockSvg, string>();
+    for (const block of this.tops()) {
+      const said = block.type === "adirf_raw" ? {} : toStatement(block);
+      if ("missing" in said) missing.set(block, `Not in the text yet. ${said.missing}.`);
+    }
+    this.quietly(() => this.warnings.show(this.slots, statements, findings, missing));
   }
 
-  /** Shows which block says a statement; the focus stays where somebody works. */
+  /** Shows which block says a statement, turning to its page; the focus stays where somebody works. */
   reveal(id: string | null): void {
-    const block = this.slots.find((each) => each.id === id)?.block;
+    const index = id === null ? -1 : this.placed.findIndex(({ statement }) => statement.id === id);
+    if (index >= 0 && !onPage(this.placed, this.pages).includes(this.placed[index] as Placed)) this.goTo(index);
+    const block = this.slots.find((each) => each.id === id)?.block ?? null;
+    // Scrolling draws anew, so that each key stroke in one statement must not do it.
+    if (block === this.revealed) return;
+    this.revealed = block;
     this.workspace.highlightBlock(block?.id ?? null);
     if (block) this.workspace.scrollBoundsIntoView(block.getBoundingRectangleWithoutChildren(), GAP);
   }
@@ -179,7 +210,7 @@ export class RuleWorkspace {
 
   private async hand(): Promise<void> {
     this.underWay++;
-    await this.owner.changed((document) => nextEdit(document, this.slots, this.tops()));
+    await this.owner.changed((document) => nextEdit(document, this.pages.first, this.slots, this.tops()));
     this.underWay--;
     this.owner.showAgain();
   }
@@ -201,8 +232,17 @@ export class RuleWorkspace {
   }
 
   private layout(): Layout {
-    const placed = this.slots.filter((slot) => this.moved.has(slot.block.id));
-    return Object.fromEntries(placed.map((slot) => [slot.key, this.moved.get(slot.block.id) ?? [0, 0]]));
+    const here = this.slots.filter((slot) => this.moved.has(slot.block.id));
+    const moved = here.map((slot) => [slot.key, this.moved.get(slot.block.id) ?? [0, 0]] as const);
+    return { ...this.elsewhere(), ...Object.fromEntries(moved) };
+  }
+
+  /** Where blocks of other pages stand. */
+  private elsewhere(): Layout {
+    const { first, count } = this.pages;
+    const others = this.placed.filter((_, index) => index < first || index >= first + count);
+    const keys = new Set(others.map(({ statement }) => statement.key));
+    return Object.fromEntries(Object.entries(this.known).filter(([key]) => keys.has(key)));
   }
 
   /** All blocks that are statements of their own, or could become some. */

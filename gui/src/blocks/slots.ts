@@ -14,7 +14,8 @@ export interface Slot {
   comments: string | null;
 }
 
-interface Placed {
+/** A statement with its place in the text. */
+export interface Placed {
   statement: Statement;
   collection: Collection;
   index: number;
@@ -41,10 +42,15 @@ export function newSlot(block: Blockly.BlockSvg, statement: Statement): Slot {
  * The next edit that brings the text to what the blocks say; null when they agree, or when the text is
  * no longer the one that the slots know.
  *
- * `slots` is in the order of the text and is changed as if the edit were done.
+ * `first` is the number of the first slot's statement. `slots` is in the order of the text and is changed as if the edit were done.
  */
-export function nextEdit(document: RuleDocument, slots: Slot[], tops: Blockly.BlockSvg[]): Edit | null {
-  const places = statementsOf(document);
+export function nextEdit(
+  document: RuleDocument,
+  first: number,
+  slots: Slot[],
+  tops: Blockly.BlockSvg[],
+): Edit | null {
+  const places = statementsOf(document).slice(first, first + slots.length);
   const isKnown = slots.every((slot, index) => slot.print === printAt(places, index));
   if (places.length !== slots.length || !isKnown) return null;
   slots.forEach((slot, index) => {
@@ -112,8 +118,9 @@ function collectionAt(
 ): { id: string; index: number } | null {
   const before = places[at - 1];
   if (before) return { id: before.collection.id, index: before.index + 1 };
-  const first = places[0]?.collection ?? fallback;
-  return first ? { id: first.id, index: 0 } : null;
+  const [first] = places;
+  if (first) return { id: first.collection.id, index: first.index };
+  return fallback ? { id: fallback.id, index: 0 } : null;
 }
 
 function nextMove(places: Placed[], slots: Slot[], tops: Blockly.BlockSvg[]): Edit | null {

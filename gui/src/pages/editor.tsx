@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { useComputed, useSignal } from "@preact/signals";
+import type { ComponentChildren } from "preact";
 import { useEffect, useMemo, useState } from "preact/hooks";
 import { ApiError } from "../api/client";
-import type { Project } from "../api/types";
 import type { PageProps } from "../app";
 import { BlocksPane } from "../panels/blocks_pane";
 import { FindingsPanel } from "../panels/findings_panel";
@@ -12,10 +12,11 @@ import { SidePane } from "../panels/side_pane";
 import { RobotPanel } from "../panels/robot_panel";
 import { SendDialog } from "../panels/send_dialog";
 import { TryPanel } from "../panels/try_panel";
+import { ShareButtons } from "../sharing/share_buttons";
+import type { RuleEditor } from "../state/rule_editor";
 import { RobotRules } from "../state/robot_rules";
 import { Shipment } from "../state/shipment";
 import { BagWork } from "../state/bag_work";
-import { RuleEditor } from "../state/rule_editor";
 import type { Trial } from "../state/trial";
 import { Header } from "../ui/header";
 import { Notice } from "../ui/notice";
@@ -28,21 +29,22 @@ import { ProfileChoice } from "../panels/profile_choice";
 export type Tool = "findings" | "optimize" | "try" | "robot";
 
 /** Blocks and text of one rule file side by side, and below them what can be said about it. */
-export function EditorPage({ api, project, name }: PageProps) {
-  const editor = useMemo(() => new RuleEditor(api, name), []);
+export function EditorPage({ api, project, name, editors }: PageProps) {
+  const editor = useMemo(() => editors.of(api, name), []);
   const robot = useRobotSide(api, editor);
   const tries = useMemo(() => new BagWork<Trial>(), []);
   useEffect(() => () => tries.cancel(), []);
   const tool = useSignal<Tool>("findings");
   const [state, setState] = useState<"opening" | "open" | { problem: string }>("opening");
-  useEffect(() => void open(editor, project, setState), []);
-  useUnsavedWarning(editor);
+  useEffect(() => void open(editor, setState), []);
   useUndoKeys(editor);
   if (state === "opening") return <p class="quiet center">Opening {name} …</p>;
   if (state !== "open") return <Notice kind="error" text={state.problem} />;
   return (
     <div class="editor">
-      <EditorBar editor={editor} shipment={robot.shipment} onTool={(next) => (tool.value = next)} />
+      <EditorBar editor={editor} shipment={robot.shipment} onTool={(next) => (tool.value = next)}>
+        <ShareButtons {...{ editor, api, project }} />
+      </EditorBar>
       <main class="split">
         <BlocksPane editor={editor} robotRules={robot.robotRules} />
         <SidePane {...{ editor, api }} />
@@ -81,9 +83,10 @@ interface BarProps {
   editor: RuleEditor;
   shipment: Shipment;
   onTool: (tool: Tool) => void;
+  children: ComponentChildren;
 }
 
-function EditorBar({ editor, shipment, onTool }: BarProps) {
+function EditorBar({ editor, shipment, onTool, children }: BarProps) {
   const { history } = editor;
   return (
     <Header title={editor.name} note={editor.isSaved.value ? "saved" : "not saved"}>
@@ -99,6 +102,7 @@ function EditorBar({ editor, shipment, onTool }: BarProps) {
       <button type="button" disabled={editor.isSaved.value} onClick={() => void editor.save()}>
         Save
       </button>
+      {children}
       <span class="divider" />
       <button type="button" onClick={() => onTool("try")}>
         Try on a bag
@@ -130,22 +134,12 @@ function useChoices(editor: RuleEditor) {
 
 type Opened = "open" | { problem: string };
 
-async function open(editor: RuleEditor, project: Project, done: (state: Opened) => void): Promise<void> {
+async function open(editor: RuleEditor, done: (state: Opened) => void): Promise<void> {
   try {
-    await editor.open(project.files);
+    if (!editor.isOpen) await editor.open();
     done("open");
   } catch (error) {
     if (!(error instanceof ApiError)) throw error;
     done({ problem: error.message });
   }
-}
-
-function useUnsavedWarning(editor: RuleEditor): void {
-  useEffect(() => {
-    const ask = (event: BeforeUnloadEvent) => {
-      if (!editor.isSaved.value) event.preventDefault();
-    };
-    addEventListener("beforeunload", ask);
-    return () => removeEventListener("beforeunload", ask);
-  }, []);
 }

@@ -1,14 +1,59 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+import { useEffect } from "preact/hooks";
+import language from "../../../docs/language.md?raw";
+import levels from "../../../docs/quality-levels.md?raw";
+import checks from "../../../docs/reference/checks.md?raw";
+import properties from "../../../docs/reference/properties.md?raw";
+import type { PageProps } from "../app";
+import { MarkdownView } from "../help/markdown_view";
+import { href } from "../route";
 import { Header } from "../ui/header";
 
-/** The documentation that a beginner needs, offline. */
-export function HelpPage() {
+const CHAPTERS: readonly { anchor: string; title: string; text: string }[] = [
+  { anchor: "language", title: "The language", text: language },
+  { anchor: "findings", title: "Findings, and why", text: checks },
+  { anchor: "properties", title: "Properties and units", text: properties },
+  { anchor: "levels", title: "Quality levels", text: levels },
+];
+
+/** The documentation, whole and offline; `name` is the place to show. */
+export function HelpPage({ name }: PageProps) {
+  useEffect(() => {
+    // Errors of syntax explain themselves; what they are about is the language.
+    if (name) (document.getElementById(name) ?? document.getElementById("language"))?.scrollIntoView();
+  }, [name]);
   return (
     <>
       <Header title="Documentation" />
-      <main class="prose">
-        <h2>Rules in five minutes</h2>
+      <div class="help">
+        <nav class="contents" aria-label="Contents">
+          <a href={href({ page: "help", name: "start" })}>Rules in five minutes</a>
+          <a href={href({ page: "help", name: "keys" })}>Keys</a>
+          {CHAPTERS.map(({ anchor, title }) => (
+            <a key={anchor} href={href({ page: "help", name: anchor })}>
+              {title}
+            </a>
+          ))}
+        </nav>
+        <main class="prose">
+          <Start />
+          {CHAPTERS.map(({ anchor, title, text }) => (
+            <section key={anchor} aria-label={title}>
+              <h2 id={anchor}>{title}</h2>
+              <MarkdownView text={text} />
+            </section>
+          ))}
+        </main>
+      </div>
+    </>
+  );
+}
+
+function Start() {
+  return (
+    <>
+        <h2 id="start">Rules in five minutes</h2>
         <ol>
           <li>
             <strong>New rate</strong> for each topic that the operator watches: how often it is sent when nothing special
@@ -62,7 +107,7 @@ export function HelpPage() {
           Topic parameters hold the size of one message in KB (1000 bytes) and six levels in Hz. A topic without a level is
           Unacceptable: it gets as little as that level allows. Where not everything fits, the page says what would.
         </p>
-        <h2>Keys</h2>
+        <h2 id="keys">Keys</h2>
         <table class="keys">
           <tbody>
             <Key keys="Ctrl+Z, Ctrl+Shift+Z" does="Undo and redo, blocks and text alike" />
@@ -77,7 +122,6 @@ export function HelpPage() {
             <Key keys="Esc, then Tab" does="Leave the text" />
           </tbody>
         </table>
-      </main>
     </>
   );
 }

@@ -4,14 +4,36 @@ import { useId, useState } from "preact/hooks";
 import { ApiError } from "../api/client";
 import type { FileKind, Project } from "../api/types";
 import type { PageProps } from "../app";
+import type { OpenEditors } from "../state/open_editors";
+import { RECIPES } from "../recipes/recipes";
 import { href, type Route, toRoute } from "../route";
 import { FormDialog } from "../ui/dialog";
+import { useDroppedFile } from "../ui/dropped_file";
+import { FileProblem, fileText } from "../ui/file_text";
+import { Notice } from "../ui/notice";
 import { RobotState } from "../ui/robot_state";
 
 const EMPTY_RULES = "begin\nend\n";
 
-export function HomePage({ api, project, refresh }: PageProps) {
-  const [creating, setCreating] = useState(false);
+export function HomePage({ api, project, refresh, editors }: PageProps) {
+  /** The recipe that a new project starts from, "" for none. */
+  const [creating, setCreating] = useState<string | null>(null);
+  const [refused, setRefused] = useState("");
+  const take = async (file: File) => {
+    try {
+      const { name, text } = await fileText(file);
+      if (project.files.some((each) => each.name === name)) {
+        throw new FileProblem(`${project.root_name} has a ${name} already: give yours another name`);
+      }
+      await api.save(name, text, null);
+      await refresh();
+      toRoute({ page: name.endsWith(".toml") ? "topics" : "rules", name });
+    } catch (error) {
+      if (!(error instanceof ApiError || error instanceof FileProblem)) throw error;
+      setRefused(error.message);
+    }
+  };
+  useDroppedFile((file) => void take(file));
   const profile = project.files.find((file) => file.kind === "profile")?.name ?? "profile.toml";
   return (
     <main class="home">
@@ -25,7 +47,7 @@ export function HomePage({ api, project, refresh }: PageProps) {
         <Card
           title="Create New Project"
           text="Build rules from blocks, check them, try them on a recording."
-          act={() => setCreating(true)}
+          act={() => setCreating("")}
         />
         <Card
           title="Configure Topic Parameters"
@@ -34,18 +56,31 @@ export function HomePage({ api, project, refresh }: PageProps) {
         />
         <Card
           title="Documentation"
-          text="Rules, quality levels and keys, on one page."
+          text="Rules, findings, units and keys, on one page that needs no network."
           act={() => toRoute({ page: "help", name: "" })}
         />
       </nav>
+      <section class="recipes" aria-label="Recipes">
+        <h2>Start from a recipe</h2>
+        <div class="row">
+          {RECIPES.map(({ title }) => (
+            <button key={title} type="button" onClick={() => setCreating(title)}>
+              {title}
+            </button>
+          ))}
+        </div>
+      </section>
+      {refused && <Notice kind="error" text={refused} action={{ label: "Close", act: () => setRefused("") }} />}
       <div class="file-lists">
-        <FileList project={project} kind="rules" title="Rules" page="rules" />
+        <FileList project={project} kind="rules" title="Rules" page="rules" editors={editors} />
         <FileList project={project} kind="profile" title="Topic parameters" page="topics" />
       </div>
       <footer class="quiet">
         {project.root_name} · SmartTestudo {project.version} · {project.ros ? "ROS 2 found" : "works without ROS 2"}
       </footer>
-      {creating && <NewProject {...{ api, project, refresh }} onClose={() => setCreating(false)} />}
+      {creating !== null && (
+        <NewProject {...{ api, project, refresh }} recipe={creating} onClose={() => setCreating(null)} />
+      )}
     </main>
   );
 }
@@ -60,7 +95,7 @@ function Card({ title, text, act }: { title: string; text: string; act: () => vo
   );
 }
 
-function FileList(props: { project: Project; kind: FileKind; title: string; page: Route["page"] }) {
+function FileList(props: { project: Project; kind: FileKind; title: string; page: Route["page"]; editors?: OpenEditors }) {
   const files = props.project.files.filter((file) => file.kind === props.kind);
   return (
     <section aria-label={props.title}>
@@ -70,6 +105,7 @@ function FileList(props: { project: Project; kind: FileKind; title: string; page
         {files.map((file) => (
           <li key={file.name}>
             <a href={href({ page: props.page, name: file.name })}>{file.name}</a>
+            {props.editors?.isUnsaved(file.name) && <span class="quiet">not saved</span>}
           </li>
         ))}
       </ul>
@@ -77,12 +113,18 @@ function FileList(props: { project: Project; kind: FileKind; title: string; page
   );
 }
 
-function NewProject(props: Pick<PageProps, "api" | "refresh" | "project"> & { onClose: () => void }) {
+function aboutOf(recipe: string): string {
+  return RECIPES.find(({ title }) => title === recipe)?.about ?? "";
+}
+
+function NewProject(props: Pick<PageProps, "api" | "refresh" | "project"> & { recipe: string; onClose: () => void }) {
   const [problem, setProblem] = useState("");
+  const [about, setAbout] = useState(aboutOf(props.recipe));
   const create = async (form: FormData) => {
     const name = String(form.get("name")).trim().replace(/(\.adirf)?$/, ".adirf");
     try {
-      await props.api.save(name, EMPTY_RULES, null);
+      const recipe = RECIPES.find(({ title }) => title === form.get("recipe"));
+      await props.api.save(name, recipe?.text ?? EMPTY_RULES, null);
       await props.refresh();
       toRoute({ page: "rules", name });
     } catch (error) {
@@ -96,6 +138,18 @@ function NewProject(props: Pick<PageProps, "api" | "refresh" | "project"> & { on
         Name
         <input name="name" required autofocus placeholder="warehouse" autocomplete="off" />
       </label>
+      <label>
+        Start from a recipe
+        <select name="recipe" onChange={(event) => setAbout(aboutOf(event.currentTarget.value))}>
+          <option value="">No recipe: begin with an empty file</option>
+          {RECIPES.map(({ title }) => (
+            <option key={title} selected={title === props.recipe}>
+              {title}
+            </option>
+          ))}
+        </select>
+      </label>
+      {about && <p>{about}</p>}
       <p class="quiet">A rule file of this name is made in {props.project.root_name}.</p>
       {problem && <p class="problem" role="alert">{problem}</p>}
     </FormDialog>

@@ -1,22 +1,25 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { effect } from "@preact/signals";
+import { effect, type Signal, useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
+import { isSamePage, type Pages } from "../blocks/pages";
 import { toBlock } from "../blocks/model";
 import { RuleWorkspace } from "../blocks/rule_workspace";
 import { suggestionsOf } from "../blocks/suggestions";
 import { NEW_RATE, NEW_RULE } from "../blocks/toolbox";
 import type { RobotRules } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
+import { PageChoice } from "./page_choice";
 import { watchSize, watchTheme } from "../ui/watch";
 
 /** The left half: the rules as blocks. */
 export function BlocksPane({ editor, robotRules }: { editor: RuleEditor; robotRules: RobotRules }) {
   const host = useRef<HTMLDivElement>(null);
   const workspace = useRef<RuleWorkspace | null>(null);
+  const pages = useSignal<Pages>({ first: 0, count: 0, total: 0 });
   useEffect(() => {
     if (!host.current) return;
-    const opened = openWorkspace(host.current, editor, robotRules);
+    const opened = openWorkspace(host.current, editor, robotRules, pages);
     workspace.current = opened.workspace;
     return opened.close;
   }, []);
@@ -44,6 +47,7 @@ export function BlocksPane({ editor, robotRules }: { editor: RuleEditor; robotRu
         >
           New rule
         </button>
+        <PageChoice pages={pages.value} onGo={(index) => workspace.current?.goTo(index)} />
         {isBehind && (
           <p class="pane-note" role="status">
             The text has {errors === 1 ? "an error" : `${errors} errors`}: the blocks show how it was before.
@@ -65,15 +69,20 @@ function openWorkspace(
   host: HTMLElement,
   editor: RuleEditor,
   robotRules: RobotRules,
+  pages: Signal<Pages>,
 ): { workspace: RuleWorkspace; close: () => void } {
   const show = () => {
     const shown = editor.shown.peek();
     if (shown) workspace.show(shown.document, editor.layout.peek());
   };
   const workspace = new RuleWorkspace(host, {
+    recipes: editor.recipes,
     suggestions: suggestionsOf(() => editor.vocabulary.peek()),
     changed: (next) => editor.edit(next),
     showAgain: show,
+    paged: (shown) => {
+      if (!isSamePage(shown, pages.peek())) pages.value = shown;
+    },
     laidOut: (layout) => editor.moveBlocks(layout),
     selected: (id) => {
       const { offset, end_offset } = editor.statement(id) ?? {};

@@ -1,14 +1,21 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+import { useState } from "preact/hooks";
 import type { Finding, Severity } from "../api/types";
 import { href } from "../route";
+import { statementTitle } from "../sharing/statement_title";
 import type { RuleEditor } from "../state/rule_editor";
 
 const MARKS: Record<Severity, string> = { error: "Error", warning: "Warning", info: "Note" };
 
+/** How many findings are shown at first: a list of hundreds is read from its top. */
+const SHOWN = 50;
+
 /** Everything the checker says, each with the way there and the fix. */
 export function FindingsPanel({ editor }: { editor: RuleEditor }) {
   const findings = editor.findings.value;
+  const [limit, setLimit] = useState(SHOWN);
+  const hidden = findings.length - limit;
   return (
     <>
       <p class="visually-hidden" role="status" aria-live="polite">
@@ -16,25 +23,32 @@ export function FindingsPanel({ editor }: { editor: RuleEditor }) {
       </p>
       {findings.length === 0 && <p class="quiet">No findings: the rules can be used as they are.</p>}
       <ul class="findings" aria-label="Findings">
-        {findings.map((finding) => (
-          <FindingRow key={`${finding.code} ${finding.offset} ${finding.index}`} {...{ editor, finding }} />
+        {findings.slice(0, limit).map((finding) => (
+          <FindingRow key={finding.index} {...{ editor, finding }} />
         ))}
       </ul>
+      {hidden > 0 && (
+        <button type="button" class="small" onClick={() => setLimit(limit + Math.min(hidden, 5 * SHOWN))}>
+          Show {Math.min(hidden, 5 * SHOWN)} more of {hidden}
+        </button>
+      )}
     </>
   );
 }
 
 function FindingRow({ editor, finding }: { editor: RuleEditor; finding: Finding }) {
-  const { offset, end_offset, fix } = finding;
+  const { fix } = finding;
+  const own = editor.statement(finding.statement);
   const related = finding.related.map((id) => editor.statement(id)).filter((each) => each !== undefined);
+  const show = (offset = 0, end_offset = 0) => (editor.spot.value = { offset, end_offset, from: "findings" });
   return (
     <li class={finding.severity}>
       <span class="mark">{MARKS[finding.severity]}</span>
       <button
         type="button"
         class="link"
-        title="Show in the text"
-        onClick={() => (editor.spot.value = { offset, end_offset, from: "findings" })}
+        title="Show in text and blocks"
+        onClick={() => show(finding.offset, finding.end_offset)}
       >
         line {finding.line}
       </button>
@@ -42,22 +56,23 @@ function FindingRow({ editor, finding }: { editor: RuleEditor; finding: Finding 
         {finding.message}
         {finding.hint && <span class="quiet"> {finding.hint}</span>}
       </span>
-      {related.map((statement) => (
-        <button
-          key={statement.id}
-          type="button"
-          class="small"
-          onClick={() =>
-            (editor.spot.value = {
-              offset: statement.offset ?? 0,
-              end_offset: statement.end_offset ?? 0,
-              from: "findings",
-            })
-          }
-        >
-          Show line {statement.line}
-        </button>
-      ))}
+      {related.length > 0 && (
+        <span class="pair" role="group" aria-label="Statements that this is about">
+          {[own, ...related].map(
+            (statement) =>
+              statement && (
+                <button
+                  key={statement.id}
+                  type="button"
+                  class="small"
+                  onClick={() => show(statement.offset, statement.end_offset)}
+                >
+                  Show {statementTitle(statement)}
+                </button>
+              ),
+          )}
+        </span>
+      )}
       {fix && (
         <button type="button" class="small fix" onClick={() => void editor.fix(finding)}>
           {fix.title}
@@ -66,7 +81,9 @@ function FindingRow({ editor, finding }: { editor: RuleEditor; finding: Finding 
       {finding.code === "tier-without-rate" && (
         <a href={href({ page: "topics", name: "profile.toml" })}>Topic parameters</a>
       )}
-      <code class="quiet">{finding.code}</code>
+      <a class="why" target="ruler-documentation" title={finding.code} href={href({ page: "help", name: finding.code })}>
+        Why?
+      </a>
     </li>
   );
 }

@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 import { computed, signal } from "@preact/signals";
 
-const LONGEST = 500;
+const MOST_STEPS = 500;
+const MOST_LETTERS = 50_000_000;
 const TYPING_PAUSE_MS = 800;
 
 /** Undo over everything: a stack of texts. Letters typed in one go are one step. */
@@ -18,7 +19,7 @@ export class History {
   push(before: string, typedMs: number | null = null): void {
     const goesOn = typedMs !== null && typedMs - this.lastTypedMs < TYPING_PAUSE_MS;
     this.lastTypedMs = typedMs ?? Number.NEGATIVE_INFINITY;
-    if (!(goesOn && this.canUndo.value)) this.past.value = [...this.past.value, before].slice(-LONGEST);
+    if (!(goesOn && this.canUndo.value)) this.past.value = newest([...this.past.value, before]);
     this.future.value = [];
   }
 
@@ -45,4 +46,11 @@ export class History {
     this.lastTypedMs = Number.NEGATIVE_INFINITY;
     return text;
   }
+}
+
+/** The last texts, as many as fit into memory. */
+function newest(texts: readonly string[]): readonly string[] {
+  let letters = 0;
+  const kept = texts.findLastIndex((text, index) => (letters += text.length) > MOST_LETTERS || index < texts.length - MOST_STEPS);
+  return texts.slice(Math.min(kept + 1, texts.length - 1));
 }

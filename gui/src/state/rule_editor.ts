@@ -2,11 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 import { batch, computed, signal } from "@preact/signals";
 import { type Api, ApiError, type Rules } from "../api/client";
-import type { Edit, Finding, ProjectFile, Repair, RuleDocument, Statement, Vocabulary } from "../api/types";
+import type { Edit, Finding, Repair, RuleDocument, Statement, Vocabulary } from "../api/types";
+import { recipeRules } from "../recipes/recipe_rules";
 import { type Layout, layoutName, type MapSetting, PLAIN_GRID, readLayout, writeLayout } from "./layout";
 import { History } from "./history";
+import { topicsIn } from "./topics_in";
 
 const CHECK_AFTER_MS = 150;
+const WORDS_KEPT_MS = 5000;
 const EMPTY: RuleDocument = { collections: [], findings: [], parses: true };
 
 /** A stretch of the text that one side points at and the other shows. */
@@ -14,6 +17,13 @@ export interface Spot {
   offset: number;
   end_offset: number;
   from: "text" | "blocks" | "findings" | "map" | "try";
+}
+
+/** What to suggest, and for which topics and profile. */
+interface Words {
+  key: string;
+  askedMs: number;
+  vocabulary: Vocabulary;
 }
 
 /** One open rule file. Its text is the truth; blocks and findings are what the server reads in it. */
@@ -45,14 +55,24 @@ export class RuleEditor {
   /** Takes back a part of something that is not in the text yet; whether there was any. */
   takeBack: (() => boolean) | null = null;
   readonly findings = computed(() => this.document.value.findings);
+  readonly statements = computed(() => this.document.value.collections.flatMap((each) => each.statements));
+  private readonly byId = computed(() => new Map(this.statements.value.map((each) => [each.id ?? "", each])));
   readonly errors = computed(() => this.findings.value.filter((finding) => finding.severity === "error"));
   /** Whether the blocks show the past, because the text of now cannot be read. */
   readonly isBroken = computed(() => !this.document.value.parses && this.shown.value?.document !== this.document.value);
+  /** The rules to offer as blocks. */
+  recipes: readonly Statement[] = [];
+  /** Whether its file was read. */
+  isOpen = false;
   private layoutHash: string | null = null;
   /** The text that `document` was read from. */
   private read: string | null = null;
   private timer: number | undefined;
   private queue: Promise<void> = Promise.resolve();
+  /** What the server was asked about last, until it answered. */
+  private asked: Rules | null = null;
+  private asking: Promise<void> = Promise.resolve();
+  private words: Words | null = null;
 
   constructor(
     private readonly api: Api,
@@ -64,9 +84,11 @@ export class RuleEditor {
     return { text: this.text.value, name: this.name, profile_text: this.profile.value?.text ?? null };
   }
 
-  /** Reads the file, and its layout if it is one of the `files` of the project. */
-  async open(files: readonly ProjectFile[]): Promise<void> {
-    const file = await this.api.read(this.name);
+  /** Reads the file, and its side file if the project has one. */
+  async open(): Promise<void> {
+    const reading = [this.api.read(this.name), this.api.project(), recipeRules(this.api)] as const;
+    const [file, { files }, recipes] = await Promise.all(reading);
+    this.recipes = recipes;
     const hasLayout = files.some((each) => each.name === layoutName(this.name));
     const none = { layout: {}, map: PLAIN_GRID, hash: null };
     const side = hasLayout ? await readLayout(this.api, this.name) : none;
@@ -78,6 +100,7 @@ export class RuleEditor {
       this.text.value = file.text;
       this.history.clear();
     });
+    this.isOpen = true;
     await this.check();
   }
 
@@ -161,16 +184,12 @@ export class RuleEditor {
 
   /** The statement with this id in what the blocks show. */
   statement(id: string | null): Statement | undefined {
-    const collections = this.document.value.collections;
-    return collections.flatMap((collection) => collection.statements).find((each) => each.id === id);
+    return id === null ? undefined : this.byId.value.get(id);
   }
 
   /** The statement that a place of the text belongs to. */
   statementAt(offset: number): Statement | undefined {
-    const collections = this.document.value.collections;
-    return collections
-      .flatMap((collection) => collection.statements)
-      .find((each) => (each.offset ?? 0) <= offset && offset <= (each.end_offset ?? 0));
+    return this.statements.value.find((each) => (each.offset ?? 0) <= offset && offset <= (each.end_offset ?? 0));
   }
 
   /** Remembers where blocks stand. */
@@ -212,23 +231,39 @@ export class RuleEditor {
     this.timer = window.setTimeout(() => void this.check(), CHECK_AFTER_MS);
   }
 
-  /** Asks the server what the text says; an answer about a text of the past is dropped. */
+  /** Asks the server what the text says now, once at a time: a text of the past is not asked about. */
   async check(): Promise<void> {
     window.clearTimeout(this.timer);
-    const rules = this.rules;
+    const { rules } = this;
+    if (this.asked?.text === rules.text && this.asked.profile_text === rules.profile_text) return this.asking;
+    this.asked = rules;
+    this.asking = this.asking.then(() => (this.asked === rules ? this.ask(rules) : undefined));
+    await this.asking;
+  }
+
+  private async ask(rules: Rules): Promise<void> {
     try {
-      const [document, vocabulary] = await Promise.all([
-        this.api.document(rules),
-        this.api.vocabulary(rules.text, rules.profile_text),
-      ]);
+      const document = await this.api.document(rules);
+      const words = await this.wordsFor(rules, document);
       if (rules.text !== this.text.value) return;
       batch(() => {
-        this.vocabulary.value = vocabulary;
+        this.words = words;
+        this.vocabulary.value = words.vocabulary;
         this.accept(document, rules.text);
       });
     } catch (error) {
       this.tell(error);
+    } finally {
+      if (this.asked === rules) this.asked = null;
     }
+  }
+
+  /** What to suggest; asked for when the rules name other topics than before, or a robot may have others by now. */
+  private async wordsFor(rules: Rules, document: RuleDocument): Promise<Words> {
+    const key = JSON.stringify([rules.profile_text, [...topicsIn(document)].sort()]);
+    const askedMs = performance.now();
+    if (key === this.words?.key && askedMs - this.words.askedMs < WORDS_KEPT_MS) return this.words;
+    return { key, askedMs, vocabulary: await this.api.vocabulary(rules.text, rules.profile_text) };
   }
 
   /** Whether the text has no errors, once it was read and says all that the blocks say. */

@@ -55,7 +55,8 @@ export class ZoneEditor {
 
   /** Moves all zones of a rule, or the draft. */
   async move(id: string, [dx, dy]: Point): Promise<void> {
-    const topic = this.rules.value.find((rule) => rule.id === id)?.zones[0]?.topic;
+    const zones = this.rules.value.find((rule) => rule.id === id)?.zones;
+    const topic = (zones?.[this.index.value] ?? zones?.[0])?.topic;
     if (id === DRAFT) this.moveDraft(dx, dy);
     else if (topic !== undefined) await this.change({ kind: "zone_move", id, topic, dx, dy });
   }
@@ -103,16 +104,16 @@ export class ZoneEditor {
   /** Does one edit as one step of undo; whether it was done. What is refused is told, and drawn as it was. */
   private async change(edit: ZoneEdit): Promise<boolean> {
     const known = this.answer.peek()?.text;
-    const before = this.editor.text.peek();
     let isAsked = false;
     await this.editor.edit(() => {
       // The edit names a rule of the text that the map shows.
-      if (isAsked || known !== before) return null;
+      if (isAsked || known !== this.editor.text.peek()) return null;
       isAsked = true;
       return edit;
     });
+    const isDone = isAsked && this.editor.text.peek() !== known;
     await this.ask();
-    return this.editor.text.peek() !== before;
+    return isDone;
   }
 
   private async ask(): Promise<void> {

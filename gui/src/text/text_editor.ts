@@ -15,6 +15,7 @@ import {
   lineNumbers,
 } from "@codemirror/view";
 import type { Finding, Vocabulary } from "../api/types";
+import { difference } from "./difference";
 import { adirf, adirfColours, suggest } from "./language";
 
 /** What the text tells and asks. */
@@ -83,10 +84,7 @@ export class TextEditor {
   setText(text: string): void {
     const now = this.view.state.doc.toString();
     if (text === now) return;
-    let from = 0;
-    while (from < now.length && now[from] === text[from]) from++;
-    let tail = 0;
-    while (tail < Math.min(now.length, text.length) - from && now.at(-1 - tail) === text.at(-1 - tail)) tail++;
+    const { from, tail } = difference(now, text);
     this.quietly(() =>
       this.view.dispatch({ changes: { from, to: now.length - tail, insert: text.slice(from, text.length - tail) } }),
     );

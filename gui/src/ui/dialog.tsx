@@ -7,6 +7,8 @@ import { useEffect, useRef } from "preact/hooks";
 export function FormDialog(props: {
   title: string;
   submit: string;
+  isWide?: boolean;
+  canSubmit?: boolean;
   /** Whether there is nothing to cancel. */
   isNotice?: boolean;
   onSubmit: (form: FormData) => unknown;
@@ -21,7 +23,7 @@ export function FormDialog(props: {
     return () => shown?.close();
   }, []);
   return (
-    <dialog ref={dialog} aria-label={props.title} onClose={props.onClose}>
+    <dialog ref={dialog} class={props.isWide ? "wide" : ""} aria-label={props.title} onClose={props.onClose}>
       <form
         onSubmit={(event) => {
           event.preventDefault();
@@ -36,7 +38,7 @@ export function FormDialog(props: {
               Cancel
             </button>
           )}
-          <button type="submit" class="primary">
+          <button type="submit" class="primary" disabled={props.canSubmit === false}>
             {props.submit}
           </button>
         </div>

@@ -14,7 +14,8 @@ export function useUndoKeys(editor: Undoable): void {
   useEffect(() => {
     const act = (event: KeyboardEvent) => {
       const isTyping = event.target instanceof HTMLInputElement && event.target.type !== "range";
-      if (!(event.ctrlKey || event.metaKey) || isTyping) return;
+      const isInDialog = event.target instanceof Element && event.target.closest("dialog") !== null;
+      if (!(event.ctrlKey || event.metaKey) || isTyping || isInDialog) return;
       const key = event.key.toLowerCase();
       if (key === "s") void editor.save();
       else if (key === "y" || (key === "z" && event.shiftKey)) editor.redo();

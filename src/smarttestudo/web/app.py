@@ -23,6 +23,7 @@ from smarttestudo.domain.errors import TestudoError
 from smarttestudo.web import optimize_api, rules_api, zone_schemas, zones_json
 from smarttestudo.web import robot_schemas as robot_schema
 from smarttestudo.web import schemas as schema
+from smarttestudo.web import sharing_schemas as sharing
 from smarttestudo.web.background_api import BackgroundApi
 from smarttestudo.web.bodies import read_body
 from smarttestudo.web.curve_schemas import LevelsRequest
@@ -89,8 +90,9 @@ def _rule_routes(api: rules_api.RulesApi) -> Iterable[BaseRoute]:
     yield _route("/api/fix", schema.FixRequest, api.fix)
     yield _route("/api/download", schema.DocumentRequest, rules_api.download)
     yield _route("/api/diff", schema.DifferenceRequest, rules_api.difference)
-    yield _route("/api/export", schema.ExportRequest, rules_api.export)
-    yield _route("/api/import", schema.ImportRequest, api.import_rules)
+    yield _route("/api/export", sharing.ExportRequest, rules_api.export)
+    yield _route("/api/import", sharing.ImportRequest, api.import_rules)
+    yield _route("/api/import/preview", sharing.ImportPreviewRequest, rules_api.import_preview)
     yield _route("/api/zones", schema.DocumentRequest, api.zones)
     yield _route("/api/zones/cover", zone_schemas.CoverRequest, zones_json.cover)
     yield _route("/api/optimize", schema.OptimizeRequest, optimize_api.optimize)

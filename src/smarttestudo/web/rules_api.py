@@ -10,11 +10,13 @@ from functools import lru_cache
 from smarttestudo.adirf.document import Document, deleted, inserted, moved, read_document, replaced
 from smarttestudo.adirf.formatter import format_rules
 from smarttestudo.adirf.parser import parse
-from smarttestudo.composition.ruler.checked_text import CheckedText, Draft, check_text, fixed
+from smarttestudo.composition.ruler.checked_text import CheckedText, Draft, check_sound, check_text, fixed
 from smarttestudo.composition.ruler.difference import differences
-from smarttestudo.composition.ruler.sharing import download_text, exported, imported
+from smarttestudo.composition.ruler.importing import encounters, imported
+from smarttestudo.composition.ruler.sharing import download_text, exported
 from smarttestudo.composition.ruler.zones import part_for_zone
 from smarttestudo.web import schemas as schema
+from smarttestudo.web import sharing_schemas as sharing
 from smarttestudo.web.document_json import document_model
 from smarttestudo.web.statement_json import new_statement
 from smarttestudo.web.statement_schemas import DocumentModel
@@ -49,15 +51,16 @@ class RulesApi:
         text = fixed(self._check(_draft(request)), request.index)
         return self._answer(request, text, None)
 
-    def import_rules(self, request: schema.ImportRequest) -> schema.EditAnswer:
+    def import_rules(self, request: sharing.ImportRequest) -> schema.EditAnswer:
         """A text with statements of another one."""
-        before = read_document(request.text, request.name)
-        text = imported(before, read_document(request.other_text, "the imported file"), request.ids)
+        before = self._check(_draft(request)).document
+        other = read_document(request.other_text, "the imported file")
+        text = imported(before, other, request.ids, request.replace_ids)
         return self._answer(request, text, None)
 
     def _answer(
         self,
-        request: schema.EditRequest | schema.FixRequest | schema.ImportRequest,
+        request: schema.EditRequest | schema.FixRequest | sharing.ImportRequest,
         text: str,
         number: int | None,
     ) -> schema.EditAnswer:
@@ -80,9 +83,21 @@ def download(request: schema.DocumentRequest) -> schema.TextAnswer:
     return schema.TextAnswer(text=download_text(_draft(request)))
 
 
-def export(request: schema.ExportRequest) -> schema.TextAnswer:
+def export(request: sharing.ExportRequest) -> schema.TextAnswer:
     """A rule file of some statements."""
     return schema.TextAnswer(text=exported(read_document(request.text, request.name), request.ids))
+
+
+def import_preview(request: sharing.ImportPreviewRequest) -> sharing.ImportPreview:
+    """What another text could bring into a text."""
+    other = check_sound(request.other_text, request.other_name)
+    met = encounters(read_document(request.text, request.name), other.document)
+    return sharing.ImportPreview(
+        document=document_model(other),
+        encounters=tuple(
+            sharing.EncounterModel(id=one.id, is_same=one.is_same, message=one.message) for one in met
+        ),
+    )
 
 
 def difference(request: schema.DifferenceRequest) -> schema.DifferenceAnswer:
@@ -92,7 +107,7 @@ def difference(request: schema.DifferenceRequest) -> schema.DifferenceAnswer:
 
 
 def _draft(
-    request: schema.DocumentRequest | schema.FixRequest | schema.EditRequest | schema.ImportRequest,
+    request: schema.DocumentRequest | schema.FixRequest | schema.EditRequest | sharing.ImportRequest,
     text: str | None = None,
 ) -> Draft:
     """What the request is about, with another ``text`` where one is given."""

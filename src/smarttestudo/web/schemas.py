@@ -317,28 +317,6 @@ class OptimizeAnswer(Struct, frozen=True, kw_only=True):
     result: dict[str, object]
 
 
-class ExportRequest(Struct, frozen=True, kw_only=True):
-    """``POST /api/export`` → ``TextAnswer``: a rule file of the statements ``ids`` only."""
-
-    text: str
-    ids: tuple[str, ...]
-    name: str = "rules.adirf"
-
-
-class ImportRequest(Struct, frozen=True, kw_only=True):
-    """``POST /api/import`` → ``EditAnswer``: statements of ``other_text`` at the end of the last collection.
-
-    ``ids`` are statements of ``other_text``; null means all of them.
-    """
-
-    text: str
-    other_text: str
-    ids: tuple[str, ...] | None = None
-    name: str = "rules.adirf"
-    profile_text: str | None = None
-    profile_name: str = "profile.toml"
-
-
 class DifferenceRequest(Struct, frozen=True, kw_only=True):
     """``POST /api/diff`` → ``DifferenceAnswer``: what differs for a robot between two texts."""
 

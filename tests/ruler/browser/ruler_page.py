@@ -20,6 +20,8 @@ from smarttestudo.web.page import is_page_built
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 TIMEOUT_MS = 40_000
+GRIP_PX = 9
+"""From the corner of a block to where it is taken: beside its fields."""
 CHROMIUM_NAMES = ("chromium", "chromium-browser", "google-chrome")
 
 
@@ -131,6 +133,17 @@ class RulerPage:
     def expect_lines(self, *lines: str) -> None:
         """The text holds these lines in this order, whatever stands between them."""
         expect(self.text).to_contain_text(re.compile(r"[\s\S]*".join(re.escape(line) for line in lines)))
+
+    def drag(self, block: Locator, target: Locator, right_px: float, below_px: float) -> None:
+        """Drag ``block`` by its edge to beside the left end of the lower edge of ``target``."""
+        block.scroll_into_view_if_needed()
+        block.hover(position={"x": GRIP_PX, "y": GRIP_PX})
+        box = target.bounding_box()
+        assert box is not None
+        self.page.mouse.down()
+        x, y = box["x"] + GRIP_PX + right_px, box["y"] + box["height"] + GRIP_PX + below_px
+        self.page.mouse.move(x, y, steps=12)
+        self.page.mouse.up()
 
     def save(self) -> None:
         self.button("Save").click()

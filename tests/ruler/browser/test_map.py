@@ -229,9 +229,13 @@ def test_an_image_has_the_scale_that_somebody_gives_it(ruler: RulerPage, project
     ruler.page.get_by_label("Turned by (°)").fill("90")
     ruler.page.get_by_label("Turned by (°)").press("Tab")
     ruler.save()
-    open_map(ruler, "bay.adirf")
+    ruler.page.get_by_role("link", name="Home").click()
+    ruler.open("bay.adirf")
+    MapPage(ruler)
     expect(ruler.page.get_by_label("Metres per pixel")).to_have_value("0.5")
     expect(ruler.page.get_by_label("Turned by (°)")).to_have_value("90")
+    ruler.page.get_by_label("Background").select_option("Plain grid")
+    ruler.save()
     assert rules.read_text() == RULES
 
 

@@ -9,21 +9,7 @@ from pathlib import Path
 from playwright.sync_api import expect
 
 from ruler.browser.ruler_page import RulerPage
-
-FIGURE_6_6 = """\
-begin
-    If (
-        CheckValue /odom pose_x > 11
-        AND CheckValue /odom pose_x < 15
-        AND CheckValue /odom pose_y > 7
-        AND CheckValue /odom pose_y < 11
-    )
-    Then
-        SetFrequency /imu Competitive
-        SetFrequency /camera/image_raw Excessive
-    EndIf
-end
-"""
+from ruler.browser.thesis import FIGURE_6_6
 
 
 def test_the_rule_is_built_with_the_mouse(ruler: RulerPage, project: Path) -> None:

@@ -12,19 +12,8 @@ from pathlib import Path
 from playwright.sync_api import expect
 
 from ruler.browser.ruler_page import RulerPage
+from ruler.browser.thesis import DEFAULT_RATES, enter_table
 
-LEVELS = ("Unacceptable", "Marginal", "Acceptable", "Desirable", "Competitive", "Excessive")
-FIGURE_A_2 = {
-    "/cmd_vel": (0.052, (5, 10, 15, 18, 20, 25)),
-    "/odom": (0.72, (10, 15, 20, 25, 30, 35)),
-    "/camera/camera_info": (0.38, (10, 15, 20, 25, 30, 35)),
-    "/camera/image_raw/compressed": (420, (5, 10, 15, 20, 30, 35)),
-    "/camera/image_raw": (6220, (2, 5, 10, 15, 20, 25)),
-    "/imu": (0.32, (50, 75, 100, 150, 200, 250)),
-    "/joint_state": (0.12, (2, 4, 6, 8, 10, 15)),
-    "/scan": (2.94, (2, 4, 6, 8, 10, 15)),
-    "/tf": (0.17, (2, 10, 20, 30, 40, 45)),
-}
 RULES = """\
 begin
     Rule "Shelf"
@@ -41,11 +30,10 @@ begin
 end
 """
 BLOCK_RATES = ("SetFrequency /imu 200", "SetFrequency /camera/image_raw 35")
-DEFAULT_RATES = {topic: tiers[0] for topic, (_, tiers) in FIGURE_A_2.items()}
 
 
 def test_the_table_of_the_thesis_gives_its_rates(ruler: RulerPage, project: Path, tmp_path: Path) -> None:
-    _enter_table(ruler, "275000", project)
+    enter_table(ruler, "275000", project)
     (project / "shelf.adirf").write_text(RULES.format(level="Excessive"))
     ruler.home()
     ruler.open("shelf.adirf")
@@ -66,7 +54,7 @@ def test_the_table_of_the_thesis_gives_its_rates(ruler: RulerPage, project: Path
 
 
 def test_what_does_not_fit_is_explained_and_mended_with_one_click(ruler: RulerPage, project: Path) -> None:
-    _enter_table(ruler, "15000", project)
+    enter_table(ruler, "15000", project)
     (project / "shelf.adirf").write_text(RULES.format(level="Excessive"))
     ruler.home()
     ruler.open("shelf.adirf")
@@ -76,20 +64,3 @@ def test_what_does_not_fit_is_explained_and_mended_with_one_click(ruler: RulerPa
     ruler.page.get_by_role("alert").get_by_role("button").first.click()
     expect(ruler.page.get_by_text("Everything fits into")).to_be_visible()
     expect(ruler.button("Download rates")).to_be_enabled()
-
-
-def _enter_table(ruler: RulerPage, budget: str, project: Path) -> None:
-    for old in project.glob("quality/*.toml"):
-        old.unlink()
-    ruler.home()
-    ruler.button("Configure Topic Parameters").click()
-    ruler.page.get_by_label("Total bandwidth (KB/s)").fill(budget)
-    for number, (topic, (message_kb, tiers)) in enumerate(FIGURE_A_2.items(), start=1):
-        if number > 1:
-            ruler.button("Add topic").click()
-        ruler.page.get_by_label(f"Topic of row {number}", exact=True).fill(topic)
-        ruler.page.get_by_label(f"Message size (KB) of {topic}", exact=True).fill(str(message_kb))
-        for level, tier_hz in zip(LEVELS, tiers, strict=True):
-            ruler.page.get_by_label(f"{level} (Hz) of {topic}", exact=True).fill(str(tier_hz))
-    ruler.button("Save").click()
-    expect(ruler.page.get_by_text("Saved profile.toml")).to_be_visible()

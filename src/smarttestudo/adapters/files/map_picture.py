@@ -36,8 +36,8 @@ def map_png(header: MapHeader) -> bytes:
     opacity = np.zeros(darkness.shape, np.uint8)
     opacity[darkness >= header.free_share] = _UNKNOWN
     opacity[darkness > header.occupied_share] = _OPAQUE
-    stencil = Image.fromarray(np.stack([np.zeros_like(opacity), opacity], axis=-1), "LA")
-    return _png(stencil)
+    height, width = opacity.shape
+    return _png(Image.merge("LA", (Image.new("L", (width, height)), Image.fromarray(opacity))))
 
 
 def image_png(path: Path) -> bytes:

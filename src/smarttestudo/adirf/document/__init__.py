@@ -8,8 +8,10 @@ from smarttestudo.adirf.document.edits import (
     NewStatement,
     deleted,
     inserted,
+    inserted_all,
     moved,
     replaced,
+    replaced_all,
 )
 from smarttestudo.adirf.document.meaning import meaning
 from smarttestudo.adirf.document.places import Places
@@ -27,8 +29,10 @@ __all__ = [
     "comment_texts",
     "deleted",
     "inserted",
+    "inserted_all",
     "meaning",
     "moved",
     "read_document",
     "replaced",
+    "replaced_all",
 ]

@@ -7,7 +7,7 @@ The one thing that an edit may add elsewhere is an ``EndIf``, where a block woul
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from smarttestudo.adirf.document.document import Document, Entry, Part
@@ -39,6 +39,16 @@ class NewStatement:
 
 def replaced(document: Document, name: str, new: NewStatement) -> str:
     """The text with ``new`` in the place of statement ``name``; what is the same in both keeps its bytes."""
+    return replaced_all(document, {name: new})
+
+
+def replaced_all(document: Document, news: Mapping[str, NewStatement]) -> str:
+    """``replaced`` for several statements, by name; each is as closed or open as what it replaces."""
+    splices = [splice for name, new in news.items() for splice in _replacement(document, name, new)]
+    return apply(document.text, splices)
+
+
+def _replacement(document: Document, name: str, new: NewStatement) -> list[Splice]:
     entry = _entry(document, name)
     _require_sayable(new)
     part = document.part_of(entry)
@@ -49,21 +59,31 @@ def replaced(document: Document, name: str, new: NewStatement) -> str:
         splices.append(_comments_above(entry.stretch, new.comments, line_end))
     if at > 0 and _takes_in(part.entries[at - 1], new.content):
         splices.append(_end_if(part.entries[at - 1], line_end))
-    return apply(document.text, splices)
+    return splices
 
 
 def inserted(document: Document, part_name: str, index: int, new: NewStatement) -> str:
     """The text with ``new`` before the statement that is number ``index`` of the collection."""
-    _require_sayable(new)
+    return inserted_all(document, part_name, index, [new])
+
+
+def inserted_all(document: Document, part_name: str, index: int, news: Sequence[NewStatement]) -> str:
+    """``inserted`` for one statement or several, one below the other."""
+    for new in news:
+        _require_sayable(new)
     part = _part(document, part_name)
     if not 0 <= index <= len(part.entries):
         raise EditError(f"the collection has no place {index}", remedy="read the document again")
     line_end = first_line_end(document.text)
     indent = _indent(part, index)
-    lines = [*comment_lines(new.comments or ()), *_printed(_closed(new.content)).split("\n")]
+    lines: list[str] = []
+    for number, new in enumerate(news):
+        if number and (_is_tall(new.content) or _is_tall(news[number - 1].content)):
+            lines.append("")
+        lines += [*comment_lines(new.comments or ()), *_printed(_closed(new.content)).split("\n")]
     body = line_end.join(f"{indent}{line}" if line else "" for line in lines)
     place = _Place(part=part, index=index, others=part.entries)
-    return apply(document.text, _put(place, new.content, body, line_end))
+    return apply(document.text, _put(place, [new.content for new in news], body, line_end))
 
 
 def deleted(document: Document, name: str) -> str:
@@ -89,7 +109,7 @@ def moved(document: Document, name: str, part_name: str, index: int) -> str:
         body += f"{line_end}{indent}{_END_IF}"
     splices = _taken_out(document, entry)
     place = _Place(part=part, index=index, others=others)
-    splices += _put(place, entry.statement or "", body, line_end)
+    splices += _put(place, [entry.statement or ""], body, line_end)
     return apply(document.text, splices)
 
 
@@ -148,17 +168,17 @@ class _Place:
     others: Sequence[Entry]
 
 
-def _put(place: _Place, content: Statement | str, body: str, line_end: str) -> list[Splice]:
-    """Puts ``body``, which holds ``content``, at ``place``."""
+def _put(place: _Place, contents: Sequence[Statement | str], body: str, line_end: str) -> list[Splice]:
+    """Puts ``body``, which holds ``contents``, at ``place``."""
     index, others = place.index, place.others
     before, following = others[:index][-1:], others[index : index + 1]
     point = before[0].stretch if before else place.part.begin
     if point is None:
         raise EditError("there is no collection to write in", remedy=_NO_COLLECTION)
-    splices = [_end_if(one, line_end) for one in before if _takes_in(one, content)]
-    if any(_is_apart(one, content) for one in before):
+    splices = [_end_if(one, line_end) for one in before if _takes_in(one, contents[0])]
+    if any(_is_apart(one, contents[0]) for one in before):
         body = line_end + body
-    if any(_is_apart(one, content) for one in following) and not _is_blank_behind(point):
+    if any(_is_apart(one, contents[-1]) for one in following) and not _is_blank_behind(point):
         body += line_end
     return [*splices, addition(point, body, line_end)]
 
@@ -166,6 +186,10 @@ def _put(place: _Place, content: Statement | str, body: str, line_end: str) -> l
 def _is_apart(neighbour: Entry, content: Statement | str) -> bool:
     """Whether an empty line goes between them, as the formatter has it."""
     return isinstance(content, Block) or isinstance(neighbour.statement, Block)
+
+
+def _is_tall(content: Statement | str) -> bool:
+    return isinstance(content, Block | str)
 
 
 def _is_blank_behind(point: Stretch) -> bool:

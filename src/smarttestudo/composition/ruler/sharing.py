@@ -1,22 +1,15 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Rules that leave an editor or come into it."""
+"""Rules that leave an editor; what has errors does not."""
 
 from __future__ import annotations
 
 from collections.abc import Collection
 
-from smarttestudo.adirf.document import (
-    Document,
-    EditError,
-    Entry,
-    NewStatement,
-    inserted,
-    read_document,
-)
+from smarttestudo.adirf.document import Document, EditError, Entry
 from smarttestudo.adirf.formatter import first_line_end
 from smarttestudo.composition.optimize_tiers import has_tiers
-from smarttestudo.composition.ruler.checked_text import Draft, require_usable
+from smarttestudo.composition.ruler.checked_text import Draft, require_sound, require_usable
 from smarttestudo.composition.ruler.optimizing import optimize_draft
 from smarttestudo.domain.errors import RuleFileError
 from smarttestudo.optimizer.model import Model
@@ -40,36 +33,28 @@ def download_text(draft: Draft) -> str:
 
 
 def exported(document: Document, ids: Collection[str]) -> str:
-    """A rule file of the statements ``ids``, as they are written, in their order."""
-    chosen = _chosen(document, ids)
+    """A rule file of the statements ``ids``, as they are written, in their order.
+
+    Raises ``RefusedTextError`` where these have errors; errors of the others do not matter.
+    """
+    entries = chosen(document, ids)
     line_end = first_line_end(document.text)
-    body = (line_end + line_end).join(_text_of(entry) for entry in chosen)
-    return line_end.join(["begin", body, "end", ""])
-
-
-def imported(document: Document, other: Document, ids: Collection[str] | None) -> str:
-    """The text of ``document`` with statements of ``other`` at its end; ``ids`` ``None`` means all."""
-    chosen = list(other.entries) if ids is None else _chosen(other, ids)
-    text = document.text
-    path = document.result.file.path
-    for entry in chosen:
-        target = read_document(text, path)
-        part = next((one for one in reversed(target.parts) if one.begin is not None), None)
-        if part is None:
-            raise EditError("the text has no 'begin … end' to import into", remedy="write one first")
-        new = NewStatement(content=entry.statement or _text_of(entry).lstrip())
-        text = inserted(target, part.id, len(part.entries), new)
+    body = (line_end + line_end).join(text_of(entry) for entry in entries)
+    text = line_end.join(["begin", body, "end", ""])
+    require_sound(text, document.result.file.path)
     return text
 
 
-def _chosen(document: Document, ids: Collection[str]) -> list[Entry]:
-    chosen = [entry for entry in document.entries if entry.id in set(ids)]
-    if not chosen or len(chosen) < len(set(ids)):
+def chosen(document: Document, ids: Collection[str]) -> list[Entry]:
+    """The statements ``ids`` in their order; ``EditError`` where there are none or fewer."""
+    wanted = set(ids)
+    found = [entry for entry in document.entries if entry.id in wanted]
+    if not found or len(found) < len(wanted):
         raise EditError("the text has no such statements", remedy="read the document again")
-    return chosen
+    return found
 
 
-def _text_of(entry: Entry) -> str:
+def text_of(entry: Entry) -> str:
     """The lines of a statement with its comments."""
     words = entry.stretch
     return (words.indent or "    ") + words.text[words.own_start : words.own_end]

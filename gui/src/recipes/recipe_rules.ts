@@ -1,0 +1,12 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import type { Api } from "../api/client";
+import type { Statement } from "../api/types";
+import { RECIPES } from "./recipes";
+
+/** The rules of all recipes, as the server reads them. */
+export async function recipeRules(api: Api): Promise<Statement[]> {
+  const text = RECIPES.map((recipe) => recipe.text).join("\n");
+  const { collections } = await api.document({ text, name: "recipes", profile_text: null });
+  return collections.flatMap(({ statements }) => statements).filter(({ kind }) => kind === "rule");
+}

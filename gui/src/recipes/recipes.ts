@@ -1,0 +1,21 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import corridor from "./corridor.adirf?raw";
+import emergency from "./emergency.adirf?raw";
+import battery from "./low_battery.adirf?raw";
+import sensor from "./sensor_fault.adirf?raw";
+import link from "./weak_link.adirf?raw";
+
+/** A rule file to start from. */
+export interface Recipe {
+  title: string;
+  /** When and what for, in a sentence or two. */
+  about: string;
+  text: string;
+}
+
+/** Each recipe says in its first line what it is for. */
+export const RECIPES: readonly Recipe[] = [battery, emergency, corridor, link, sensor].map((text) => {
+  const [, title = "", about = ""] = /^\/\/ ([^:]+): (.*)/.exec(text) ?? [];
+  return { title, about, text };
+});
