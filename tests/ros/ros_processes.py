@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 FOLDER = Path(__file__).parent
-LINE_TIMEOUT_S = 40.0
+LINE_TIMEOUT_S = 120.0
 TESTUDO = "import sys; from smarttestudo.cli.main import main; sys.exit(main())"
 # A parent of another environment leaves these, and then the ROS of this one does not load.
 NOT_INHERITED = ("_ROS_WHEELS_BOOTSTRAP_COMPLETE", "LD_LIBRARY_PATH")

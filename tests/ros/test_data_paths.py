@@ -22,7 +22,7 @@ pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"
 
 only_librcl = pytest.mark.parametrize("robot", [DataPathKind.RCL], ids=["rcl"], indirect=True)
 
-TIMEOUT_S = 40.0
+TIMEOUT_S = 120.0
 TEXT = "std_msgs/msg/String"
 EMPTY = "std_msgs/msg/Empty"
 IMAGE = "sensor_msgs/msg/Image"

@@ -19,7 +19,7 @@ from smarttestudo.web.guard import Access
 from smarttestudo.web.server import listening, server_of
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
-TIMEOUT_S = 40
+TIMEOUT_S = 120
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -19,7 +19,7 @@ from playwright.sync_api import Browser, Locator, Page, expect, sync_playwright
 from smarttestudo.web.page import is_page_built
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
-TIMEOUT_MS = 40_000
+TIMEOUT_MS = 120_000
 GRIP_PX = 9
 """From the corner of a block to where it is taken: beside its fields."""
 CHROMIUM_NAMES = ("chromium", "chromium-browser", "google-chrome")
