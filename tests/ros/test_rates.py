@@ -27,7 +27,7 @@ SOURCES = {
 TARGETS_HZ = {"odom": 20, "scan": 20, "cmd_vel": 4, "imu": 50, "joint_states": 100}
 SPAN_S = 10.0
 RUN_S = 13.0
-ATTEMPTS = 5
+ATTEMPTS = 15
 
 
 def rules(rates_hz: dict[str, float]) -> str:
