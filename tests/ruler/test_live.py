@@ -76,6 +76,10 @@ def test_every_check_says_whether_it_holds_and_every_topic_what_it_gets(
         socket.next("live", lambda live: states(live) == [("/odom", "pose_x", "unknown", None), battery])
 
 
+def mean_hz(stamps_s: list[float]) -> float:
+    return (len(stamps_s) - 1) / (stamps_s[-1] - stamps_s[0])
+
+
 def test_two_pages_have_a_rate_each_and_the_robot_is_left_as_it_was(robot: SmallRobot, page: Page) -> None:
     robot.runtime(RULES)
     remote = robot.remote()
@@ -87,8 +91,7 @@ def test_two_pages_have_a_rate_each_and_the_robot_is_left_as_it_was(robot: Small
             slow_s = [slow.next("live")["stamp_s"] for _ in range(5)]
             assert remote.ask("get", "status_hz") == 20
         # Slower on a busy machine, but never faster than asked for.
-        assert (len(fast_s) - 1) / (fast_s[-1] - fast_s[0]) == pytest.approx(20, abs=8)
-        assert (len(slow_s) - 1) / (slow_s[-1] - slow_s[0]) < 4
+        assert mean_hz(slow_s) < 4 < mean_hz(fast_s) < 22
         assert fast_s == sorted(fast_s)
         fast.watch(None)
         fast.next("robots", lambda _: remote.ask("get", "status_hz") == 1)
