@@ -13,11 +13,8 @@ from __future__ import annotations
 import argparse
 import shutil
 import statistics
-import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 from playwright.sync_api import CDPSession, Page, sync_playwright
@@ -25,6 +22,7 @@ from playwright.sync_api import CDPSession, Page, sync_playwright
 from live.cases import IMU_BYTES, IMU_TYPE, Topic
 from live.contenders import role
 from live.processes import environment, processes
+from live.ruler_server import served
 
 DOMAIN = 75
 TOPIC_COUNT = 50
@@ -36,19 +34,6 @@ TOPICS = [
 ]
 RULE = 'Rule "Fast" If (CheckValue /imu0 rate > 10) Then SetFrequency /imu1 7 EndIf'
 Reading = tuple[float, float, int]
-
-
-@contextmanager
-def ruler(folder: Path, settings: dict[str, str]) -> Iterator[str]:
-    """``testudo ruler``; yields its address."""
-    command = [sys.executable, "-m", "smarttestudo", "ruler", str(folder), "--port", "0", "--no-browser"]
-    settings = {**settings, "PYTHONUNBUFFERED": "1"}
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=settings) as process:
-        assert process.stdout is not None
-        try:
-            yield process.stdout.readline().split(": ", 1)[1].split()[0]
-        finally:
-            process.terminate()
 
 
 def show_robot(page: Page, url: str) -> None:
@@ -87,7 +72,7 @@ def measure(seconds: float, domain: int) -> list[Reading]:
         rules.write_text("\n".join(["begin", *rates, RULE, "end"]), encoding="utf-8")
         run = [sys.executable, "-m", "smarttestudo", "run", "--rules", str(rules)]
         commands = [run, role("source", TOPICS), role("operator", TOPICS)]
-        with processes(commands, settings), ruler(rules.parent, settings) as url:
+        with processes(commands, settings), served(rules.parent, settings) as url:
             browser = playwright.chromium.launch(
                 executable_path=shutil.which("chromium"), args=["--no-sandbox"]
             )

@@ -15,14 +15,13 @@ import os
 import random
 import shutil
 import statistics
-import subprocess
-import sys
 import tempfile
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
 
 from playwright.sync_api import Page, sync_playwright
+
+from live.ruler_server import served
 
 TOPICS = ("/odom", "/scan", "/imu", "/camera/image_raw", "/cmd_vel", "/tf", "/joint_states", "/battery_state")
 ZONE_M = 3
@@ -76,19 +75,6 @@ def rule_file(rules: int) -> str:
             "    EndIf",
         ]
     return "\n".join([*lines, "end", ""])
-
-
-@contextmanager
-def served(folder: Path) -> Iterator[str]:
-    """``testudo ruler`` on a free port; yields its address."""
-    command = [sys.executable, "-m", "smarttestudo", "ruler", str(folder), "--port", "0", "--no-browser"]
-    environment = {**os.environ, "PYTHONUNBUFFERED": "1"}
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as server:
-        assert server.stdout is not None
-        try:
-            yield server.stdout.readline().split(": ", 1)[1].split()[0]
-        finally:
-            server.terminate()
 
 
 def typed(page: Page, letters: str) -> None:
@@ -178,7 +164,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
         (Path(folder) / "many.adirf").write_text(rule_file(options.rules))
         browser = playwright.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
-        with served(Path(folder)) as url:
+        with served(Path(folder), os.environ) as url:
             page = browser.new_page(viewport={"width": 1440, "height": 900})
             page.goto(f"{url}#/rules/many.adirf")
             page.get_by_role("button", name="Edit rate").first.wait_for(timeout=300_000)

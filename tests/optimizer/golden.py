@@ -9,7 +9,7 @@ from smarttestudo.domain.profile import Profile, TopicProfile
 AMPLE_KB_PER_S = 275_000.0
 SCARCE_KB_PER_S = 15_000.0
 
-_TOPICS: dict[str, tuple[float, tuple[float, ...]]] = {
+TOPICS: dict[str, tuple[float, tuple[float, ...]]] = {
     "/cmd_vel": (0.052, (5, 10, 15, 18, 20, 25)),
     "/odom": (0.72, (10, 15, 20, 25, 30, 35)),
     "/camera/camera_info": (0.38, (10, 15, 20, 25, 30, 35)),
@@ -37,6 +37,6 @@ DEFAULTS_HZ: dict[str, float] = {
 def profile(budget_kb_per_s: float = AMPLE_KB_PER_S) -> Profile:
     topics = {
         name: TopicProfile(message_kb=size, tiers_hz=tuple(map(float, tiers)))
-        for name, (size, tiers) in _TOPICS.items()
+        for name, (size, tiers) in TOPICS.items()
     }
     return Profile(budget_kb_per_s=budget_kb_per_s, topics=topics, path="profile.toml")
