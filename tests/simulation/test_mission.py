@@ -34,7 +34,7 @@ def test_every_topic_comes_at_its_rate(topic: Topic, patrol_readings: list[Timed
     assert mean_hz == pytest.approx(RATES_HZ[topic], rel=1e-3)
 
 
-@pytest.mark.parametrize("topic", set(Topic) - {Topic.COMPRESSED_IMAGE})
+@pytest.mark.parametrize("topic", [topic for topic in Topic if topic is not Topic.COMPRESSED_IMAGE])
 def test_arrivals_jitter_by_a_few_percent_of_the_period(
     topic: Topic, patrol_readings: list[TimedReading]
 ) -> None:

@@ -5,13 +5,13 @@
 from __future__ import annotations
 
 import re
-import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, Locator, Page, expect, sync_playwright
+from playwright.sync_api import Browser, Locator, Page, expect
 
+from real_browser import chromium
 from smarttestudo.visualizer.report import RunReport, render_report
 from visualizer.demo_like_report import demo_like_report
 from visualizer.test_report import hostile_report
@@ -19,17 +19,12 @@ from visualizer.test_report import hostile_report
 SHARES_OF_WIDTH = """lines => lines.map(
     (line) => new DOMMatrix(getComputedStyle(line).transform).e / line.parentNode.clientWidth,
 )"""
-CHROMIUM = shutil.which("chromium")
-pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="needs Debian's chromium")
 
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
-    expect.set_options(timeout=120_000)
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+    with chromium() as browser:
         yield browser
-        browser.close()
 
 
 class Opened:

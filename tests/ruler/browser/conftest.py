@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from ruler.browser.ruler_page import EXAMPLES, RulerPage, chromium, copied, served
+from real_browser import chromium
+from ruler.browser.ruler_page import EXAMPLES, RulerPage, copied, served
+from smarttestudo.web.page import is_page_built
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
@@ -17,6 +19,8 @@ if TYPE_CHECKING:
 # Playwright runs once at a time in a thread, and other tests have a browser of their own.
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
+    if not is_page_built():
+        pytest.skip("the Ruler's page is not built ('make gui'): it is not tested")
     with chromium() as browser:
         yield browser
 

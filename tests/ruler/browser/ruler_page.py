@@ -13,30 +13,13 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-import pytest
-from playwright.sync_api import Browser, Locator, Page, expect, sync_playwright
+from playwright.sync_api import Locator, Page, expect
 
-from smarttestudo.web.page import is_page_built
+from real_browser import TIMEOUT_MS
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
-TIMEOUT_MS = 120_000
 GRIP_PX = 9
 """From the corner of a block to where it is taken: beside its fields."""
-CHROMIUM_NAMES = ("chromium", "chromium-browser", "google-chrome")
-
-
-@contextmanager
-def chromium() -> Iterator[Browser]:
-    """Debian's Chromium; without it, or without the built page, the test is skipped (and fails on CI)."""
-    found = next((path for name in CHROMIUM_NAMES if (path := shutil.which(name))), None)
-    if found is None:
-        pytest.skip("Chromium is not installed: the Ruler's page is not tested")
-    if not is_page_built():
-        pytest.skip("the Ruler's page is not built ('make gui'): it is not tested")
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=found, args=["--no-sandbox"])
-        yield browser
-        browser.close()
 
 
 @contextmanager
@@ -63,7 +46,6 @@ class RulerPage:
         self.complaints: list[str] = []
         self.requests: list[str] = []
         page.set_default_timeout(TIMEOUT_MS)
-        expect.set_options(timeout=TIMEOUT_MS)
         page.on("console", lambda message: self._hear(message.type, message.text))
         page.on("pageerror", lambda error: self.complaints.append(str(error)))
         page.on("request", lambda request: self.requests.append(request.url))

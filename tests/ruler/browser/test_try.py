@@ -15,7 +15,8 @@ import pytest
 from playwright.sync_api import Locator, expect
 
 from bags.bag_factory import small_mission, write_bag
-from ruler.browser.ruler_page import TIMEOUT_MS, RulerPage
+from real_browser import TIMEOUT_MS
+from ruler.browser.ruler_page import RulerPage
 
 RULES = """\
 begin
