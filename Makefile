@@ -26,8 +26,10 @@ help:
 demo: $(VENV)/studio.stamp
 	@$(BIN)/testudo demo $(DEMO_ARGS)
 
+# Live tests go alone: they judge at which rates real messages come.
 test: lint $(PAGE)
-	$(BIN)/pytest
+	$(BIN)/pytest --numprocesses auto --dist loadfile --ignore tests/ros
+	$(BIN)/pytest tests/ros
 
 gui: $(PAGE)
 

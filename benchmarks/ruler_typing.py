@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""How long a key stroke takes on the Ruler's page while a large rule file is open.
+"""How long a key stroke takes on the Ruler's page while a large rule file is open, beside a small one.
 
 Run it with ``python benchmarks/ruler_typing.py [--rules 1000] [--keys 120]``; it needs Chromium, Playwright
-and the built page. A real Chromium types into the text and into a field of a block. Measured inside the page:
-from the time stamp of the key's event to behind the frame that shows it, and how long any task held the page
-up meanwhile.
+and the built page. A real Chromium types into the text and into a field of a block, the same keys first with
+ten rules: that is what drawing a page costs on this machine. Measured inside the page: from the time stamp of
+the key's event to behind the frame that shows it, and how long any task held the page up meanwhile.
 """
 
 from __future__ import annotations
@@ -16,16 +16,18 @@ import random
 import shutil
 import statistics
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
-from playwright.sync_api import Page, sync_playwright
+from playwright.sync_api import Browser, Page, sync_playwright
 
 from live.ruler_server import served
 
 TOPICS = ("/odom", "/scan", "/imu", "/camera/image_raw", "/cmd_vel", "/tf", "/joint_states", "/battery_state")
 ZONE_M = 3
 FLOOR_M = 300
+SMALL_FILE_RULES = 10
 KEY_PAUSES_MS = (60, 90, 120, 350)
 """A quick typist, who looks up after every fourth letter: then the server's answer comes between two keys."""
 
@@ -102,16 +104,38 @@ class Watch:
         return float(next(one["value"] for one in metrics if one["name"] == "TaskDuration"))
 
 
-def report(title: str, page: Page, watch: Watch) -> None:
-    """Print what was measured since the last time."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Strokes:
+    """What keys in one place took, the longest tasks meanwhile, and the main thread's CPU for each key."""
+
+    place: str
+    keys_ms: Sequence[float]
+    tasks_ms: Sequence[float]
+    cpu_ms: float
+
+    def __str__(self) -> str:
+        return (
+            f"{self.place}: {len(self.keys_ms)} keys, median {statistics.median(self.keys_ms):.0f} ms, "
+            f"p95 {quantile(self.keys_ms, 0.95):.0f} ms, max {max(self.keys_ms):.0f} ms; "
+            f"longest task {max(self.tasks_ms, default=0):.0f} ms, "
+            f"{sum(task_ms > 100 for task_ms in self.tasks_ms)} over 100 ms; {self.cpu_ms:.0f} ms of the "
+            f"main thread's CPU for a key with all that follows"
+        )
+
+    def ratios(self, small: Strokes) -> str:
+        """Median and p95 as multiples of those of the same keys in a small file."""
+        median = statistics.median(self.keys_ms) / statistics.median(small.keys_ms)
+        p95 = quantile(self.keys_ms, 0.95) / quantile(small.keys_ms, 0.95)
+        return f"{self.place}: {median:.2f} times the median and {p95:.2f} times the p95 of the small file"
+
+
+def strokes(place: str, page: Page, watch: Watch) -> Strokes:
+    """What was measured since the last time."""
     # The last answer of the server may be under way.
     page.wait_for_timeout(3000)
-    keys, tasks = page.evaluate(COLLECT)
-    print(
-        f"{title}: {len(keys)} keys, median {statistics.median(keys):.0f} ms, "
-        f"p95 {quantile(keys, 0.95):.0f} ms, max {max(keys):.0f} ms; "
-        f"longest task {max(tasks, default=0):.0f} ms, {sum(task > 100 for task in tasks)} over 100 ms; "
-        f"{watch.lap_ms() / len(keys):.0f} ms of the main thread's CPU for a key with all that follows"
+    keys_ms, tasks_ms = page.evaluate(COLLECT)
+    return Strokes(
+        place=place, keys_ms=keys_ms, tasks_ms=tasks_ms, cpu_ms=watch.lap_ms() / max(len(keys_ms), 1)
     )
 
 
@@ -120,7 +144,7 @@ def quantile(values: Sequence[float], share: float) -> float:
     return sorted(values)[min(int(share * len(values)), len(values) - 1)]
 
 
-def in_text(page: Page, watch: Watch, keys: int) -> None:
+def in_text(page: Page, watch: Watch, keys: int) -> Iterator[Strokes]:
     """Change a number at the top of the file, so that all below moves, then write a statement."""
     page.get_by_role("textbox", name="Rules as text").click()
     page.keyboard.press("Control+Home")
@@ -129,16 +153,16 @@ def in_text(page: Page, watch: Watch, keys: int) -> None:
     page.evaluate(COLLECT)
     watch.lap_ms()
     typed(page, ("1234" * keys)[: keys // 2])
-    report("number in the text", page, watch)
+    yield strokes("number in the text", page, watch)
     page.keyboard.press("Enter")
     page.wait_for_timeout(3000)
     page.evaluate(COLLECT)
     watch.lap_ms()
     typed(page, (STATEMENT * keys)[:keys])
-    report("statement in the text", page, watch)
+    yield strokes("statement in the text", page, watch)
 
 
-def in_block(page: Page, watch: Watch, keys: int) -> None:
+def in_block(page: Page, watch: Watch, keys: int) -> Iterator[Strokes]:
     """Change fields of a block again and again."""
     blocks = page.get_by_role("region", name="Blocks", exact=True)
     blocks.get_by_role("button", name="Edit rate").first.click()
@@ -149,11 +173,26 @@ def in_block(page: Page, watch: Watch, keys: int) -> None:
         page.keyboard.press("Enter")
         page.wait_for_timeout(400)
         page.keyboard.press("Enter")
-    report("field of a block", page, watch)
+    yield strokes("field of a block", page, watch)
+
+
+def typing(browser: Browser, rules: int, keys: int) -> Iterator[Strokes]:
+    """Open a file of so many rules and type."""
+    with tempfile.TemporaryDirectory() as folder:
+        (Path(folder) / "many.adirf").write_text(rule_file(rules))
+        with served(Path(folder), os.environ) as url:
+            page = browser.new_page(viewport={"width": 1440, "height": 900})
+            page.goto(f"{url}#/rules/many.adirf")
+            page.get_by_role("button", name="Edit rate").first.wait_for(timeout=300_000)
+            page.evaluate(OBSERVE)
+            watch = Watch(page)
+            yield from in_text(page, watch, keys)
+            yield from in_block(page, watch, keys)
+            page.close()
 
 
 def main() -> None:
-    """Open a large file and type."""
+    """Type in a small file and in a large one."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--rules", type=int, default=1000)
     parser.add_argument("--keys", type=int, default=120)
@@ -161,18 +200,18 @@ def main() -> None:
     chromium = shutil.which("chromium") or shutil.which("google-chrome")
     if chromium is None:
         raise SystemExit("this benchmark needs Chromium")
-    with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
-        (Path(folder) / "many.adirf").write_text(rule_file(options.rules))
+    measured: list[list[Strokes]] = []
+    with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
-        with served(Path(folder), os.environ) as url:
-            page = browser.new_page(viewport={"width": 1440, "height": 900})
-            page.goto(f"{url}#/rules/many.adirf")
-            page.get_by_role("button", name="Edit rate").first.wait_for(timeout=300_000)
-            page.evaluate(OBSERVE)
-            watch = Watch(page)
-            in_text(page, watch, options.keys)
-            in_block(page, watch, options.keys)
+        for rules in (SMALL_FILE_RULES, options.rules):
+            print(f"{rules} rules", flush=True)
+            measured.append([])
+            for one in typing(browser, rules, options.keys):
+                print(f"  {one}", flush=True)
+                measured[-1].append(one)
         browser.close()
+    for small, large in zip(*measured, strict=True):
+        print(large.ratios(small))
 
 
 if __name__ == "__main__":

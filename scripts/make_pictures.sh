@@ -1,5 +1,5 @@
 #!/bin/sh
-# Redraws the report and the first picture of the Ruler in docs/images, with Debian's Chromium and no network.
+# Redraws the report and the pictures of the Ruler in docs/images, with Debian's Chromium and no network.
 set -eu
 testudo=${TESTUDO:-.venv/bin/testudo}
 folder=$(mktemp -d)
@@ -10,4 +10,4 @@ mkdir -p docs/images
 chromium --headless --no-sandbox --disable-gpu --no-first-run --disable-background-networking \
     --user-data-dir="$folder/chromium" --hide-scrollbars --window-size=1280,1640 \
     --screenshot=docs/images/demo-report.png "file://$folder/demo-out/report.html" >/dev/null 2>&1
-"${PYTHON:-.venv/bin/python}" scripts/make_ruler_picture.py
+"${PYTHON:-.venv/bin/python}" scripts/make_ruler_pictures.py
