@@ -29,14 +29,14 @@ ROS = {
     "PYTHONUNBUFFERED": "1",
 }
 RECORDING = "demo-out/baseline"
-CORRIDOR_S = 42
+SETTLED = re.compile(r"4\.\d.*Warehouse Corridor\s*relayed", re.DOTALL)
 LISTEN = """
-import sys, rclpy
-from rosidl_runtime_py.utilities import get_message
+import importlib, sys, rclpy
 rclpy.init()
 node = rclpy.create_node("operator")
 for topic, kind in zip(sys.argv[1::2], sys.argv[2::2]):
-    node.create_subscription(get_message(kind), topic, lambda _: None, 10)
+    package, name = kind.split("/msg/")
+    node.create_subscription(getattr(importlib.import_module(package + ".msg"), name), topic, lambda _: None, 10)
 rclpy.spin(node)
 """
 HEARD = {
@@ -59,7 +59,7 @@ def open_page(browser: Browser, url: str, *, height: int, width: int = 1280, dar
 
 def open_rules(page: Page, name: str) -> Locator:
     """Open a rule file and wait for its blocks, which are returned."""
-    page.get_by_role("link", name=name).first.click()
+    page.get_by_role("link", name=name, exact=True).click()
     page.get_by_role("button", name="Edit rate").first.wait_for()
     return page.get_by_role("region", name="Blocks", exact=True)
 
@@ -97,12 +97,14 @@ def trial(browser: Browser, url: str) -> None:
 def levels(browser: Browser, url: str) -> None:
     """The six levels of /odom on the error at each rate."""
     page = open_page(browser, url, height=1100)
-    page.get_by_role("link", name="quality/radio.toml").click()
+    page.get_by_role("link", name="quality/radio.toml", exact=True).click()
     page.get_by_role("combobox", name="Topic", exact=True).select_option("/odom")
     page.get_by_role("combobox", name="Recording").select_option(RECORDING)
     button(page, "Show what each rate loses").click()
     button(page, "Use the proposed levels").click(timeout=300_000)
-    page.get_by_role("region", name="Quality levels of a topic").screenshot(path=IMAGES / "ruler-levels.png")
+    page.get_by_role("region", name="Quality levels on the curve").screenshot(
+        path=IMAGES / "ruler-levels.png"
+    )
 
 
 def zones(browser: Browser, url: str) -> None:
@@ -110,7 +112,7 @@ def zones(browser: Browser, url: str) -> None:
     page = open_page(browser, url, width=1440, height=900)
     blocks = open_rules(page, "warehouse.adirf")
     page.get_by_role("tab", name="Map", exact=True).click()
-    page.get_by_label("Background").select_option("warehouse_map.yaml")
+    page.get_by_label("Background").select_option("Map: warehouse_map.yaml")
     page.get_by_label("Path of").select_option(RECORDING)
     button(page, "Type a zone").click()
     for label, metres in (("x from", 3), ("x to", 12), ("y from", 2), ("y to", 10)):
@@ -130,8 +132,10 @@ def robot(browser: Browser, url: str) -> None:
     blocks = open_rules(page, "warehouse.adirf")
     page.get_by_role("tab", name="Robot", exact=True).click()
     blocks.get_by_text("✓ holds").first.wait_for(timeout=120_000)
-    page.wait_for_timeout(1000 * CORRIDOR_S / 4)
-    blocks.get_by_role("button", name="Edit value: -13").first.click()
+    for topic in ("/odom", "/scan"):
+        page.get_by_role("row", name=topic, exact=True).filter(has_text=SETTLED).wait_for(timeout=120_000)
+    # The last block in sight brings the rule above it along.
+    blocks.get_by_role("button", name="Edit value: 25.5").click()
     page.keyboard.press("Escape")
     page.screenshot(path=IMAGES / "ruler-robot.png")
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { useState } from "preact/hooks";
+import { useRef, useState } from "preact/hooks";
 import type { Point, Rectangle } from "../map/shapes";
 import { type Draft, type ZoneEditor, USUAL_RECTANGLES } from "../state/zone_editor";
 
@@ -41,7 +41,7 @@ export function ChosenZoneForm({ zones }: { zones: ZoneEditor }) {
         rectangle={zone.rectangle}
         submit="Set the sides"
         disabled={zones.editor.isBroken.value}
-        done={(sides) => void zones.resize(rule.id, index, sides)}
+        done={(sides) => sides && void zones.resize(rule.id, index, sides)}
       />
       {isMany && <MoveForm move={(by) => void zones.move(rule.id, by)} />}
       {zone.is_shared && <p class="quiet">Checks of this rectangle bound others of the rule as well: they change with it.</p>}
@@ -53,6 +53,8 @@ export function ChosenZoneForm({ zones }: { zones: ZoneEditor }) {
 export function DraftForm({ zones }: { zones: ZoneEditor }) {
   const draft = zones.draft.value;
   const [shape, setShape] = useState<"rectangle" | "polygon">(draft?.polygon ? "polygon" : "rectangle");
+  // What is added is what the fields say, never what they said before.
+  const [isShown, setShown] = useState(true);
   if (!draft) return null;
   const isPolygon = draft.polygon !== null || shape === "polygon";
   return (
@@ -63,40 +65,60 @@ export function DraftForm({ zones }: { zones: ZoneEditor }) {
           aria-label="Shape"
           value={isPolygon ? "polygon" : "rectangle"}
           disabled={draft.polygon !== null}
-          onChange={(event) => setShape(event.currentTarget.value as typeof shape)}
+          onChange={(event) => {
+            setShape(event.currentTarget.value as typeof shape);
+            setShown(true);
+          }}
         >
           <option value="rectangle">Rectangle</option>
           <option value="polygon">Polygon</option>
         </select>
       </div>
       {isPolygon ? (
-        <PolygonForm zones={zones} draft={draft} />
+        <PolygonForm zones={zones} draft={draft} changed={setShown} />
       ) : (
         <SidesForm
           rectangle={draft.rectangles[0] ?? { min_x: null, max_x: null, min_y: null, max_y: null }}
-          submit="Show"
           disabled={false}
-          done={(sides) => (zones.draft.value = { rectangles: [sides], polygon: null })}
+          done={(sides) => {
+            setShown(sides !== null);
+            if (sides) zones.draft.value = { rectangles: [sides], polygon: null };
+          }}
         />
       )}
-      <GoesTo zones={zones} canAdd={!isPolygon || draft.polygon !== null} />
+      <GoesTo zones={zones} canAdd={isShown && (!isPolygon || draft.polygon !== null)} />
     </div>
   );
 }
 
-function SidesForm(props: { rectangle: Rectangle; submit: string; disabled: boolean; done: (sides: Rectangle) => void }) {
+interface SidesProps {
+  rectangle: Rectangle;
+  /** What the button says; without one each letter counts. */
+  submit?: string;
+  disabled: boolean;
+  /** Null while a field holds no number. */
+  done: (sides: Rectangle | null) => void;
+}
+
+function SidesForm({ rectangle, submit, disabled, done }: SidesProps) {
   const [problem, setProblem] = useState("");
-  const read = (form: HTMLFormElement) => {
-    const data = new FormData(form);
+  const given = JSON.stringify(rectangle);
+  const form = useRef({ key: given, said: given });
+  // New fields for what comes from elsewhere; what was typed here stays as it was typed.
+  if (given !== form.current.said) form.current = { key: given, said: given };
+  const read = (fields: HTMLFormElement) => {
+    const data = new FormData(fields);
     const sides = Object.fromEntries(SIDES.map(({ side }) => [side, numberIn(data, side)])) as unknown as Rectangle;
-    const wrong = SIDES.find(({ side }) => Number.isNaN(sides[side]));
-    setProblem(wrong ? `"${wrong.label}" is not a number.` : "");
-    if (!wrong) props.done(sides);
+    const wrong = problemOf(sides);
+    setProblem(wrong);
+    if (wrong === "" && submit === undefined) form.current.said = JSON.stringify(sides);
+    done(wrong === "" ? sides : null);
   };
   return (
     <form
       class="row"
-      key={JSON.stringify(props.rectangle)}
+      key={form.current.key}
+      onInput={(event) => submit === undefined && read(event.currentTarget)}
       onSubmit={(event) => {
         event.preventDefault();
         read(event.currentTarget);
@@ -105,15 +127,26 @@ function SidesForm(props: { rectangle: Rectangle; submit: string; disabled: bool
       {SIDES.map(({ side, label }) => (
         <label key={side}>
           {label}
-          <input name={side} inputMode="decimal" defaultValue={String(props.rectangle[side] ?? "")} placeholder="open" />
+          <input name={side} inputMode="decimal" defaultValue={String(rectangle[side] ?? "")} placeholder="open" />
         </label>
       ))}
-      <button type="submit" class="small" disabled={props.disabled}>
-        {props.submit}
-      </button>
+      {submit !== undefined && (
+        <button type="submit" class="small" disabled={disabled}>
+          {submit}
+        </button>
+      )}
       {problem && <p class="problem" role="alert">{problem}</p>}
     </form>
   );
+}
+
+/** Why these are not the sides of a rectangle; empty where they are. */
+function problemOf(sides: Rectangle): string {
+  const unread = SIDES.find(({ side }) => Number.isNaN(sides[side]));
+  if (unread) return `"${unread.label}" is not a number.`;
+  const isBelow = (from: number | null, to: number | null) => from === null || to === null || from < to;
+  if (!isBelow(sides.min_x, sides.max_x)) return '"x to (m)" must be more than "x from (m)".';
+  return isBelow(sides.min_y, sides.max_y) ? "" : '"y to (m)" must be more than "y from (m)".';
 }
 
 function MoveForm({ move }: { move: (by: Point) => void }) {
@@ -143,7 +176,7 @@ function MoveForm({ move }: { move: (by: Point) => void }) {
 }
 
 /** The corners of a polygon, and what covering it with rectangles adds. */
-function PolygonForm({ zones, draft }: { zones: ZoneEditor; draft: Draft }) {
+function PolygonForm({ zones, draft, changed }: { zones: ZoneEditor; draft: Draft; changed: (isShown: boolean) => void }) {
   const { polygon } = draft;
   const corners = polygon?.corners.map(([x, y]) => `${x} ${y}`).join(", ") ?? "";
   const [problem, setProblem] = useState("");
@@ -151,12 +184,15 @@ function PolygonForm({ zones, draft }: { zones: ZoneEditor; draft: Draft }) {
     <form
       class="row"
       key={`${corners} ${polygon?.most}`}
+      onInput={() => changed(false)}
       onSubmit={(event) => {
         event.preventDefault();
         const data = new FormData(event.currentTarget);
         const read = cornersIn(String(data.get("corners")));
         setProblem(read ? "" : "Give each corner as two numbers, with commas between corners: 0 0, 4 0, 2 3.");
-        if (read) void zones.cover(read, numberIn(data, "most") ?? USUAL_RECTANGLES);
+        if (!read) return;
+        changed(true);
+        void zones.cover(read, numberIn(data, "most") ?? USUAL_RECTANGLES);
       }}
     >
       <label class="wide">

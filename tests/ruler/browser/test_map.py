@@ -85,6 +85,29 @@ def test_a_moved_zone_changes_four_numbers_and_nothing_else(ruler: RulerPage, ru
     assert saved(ruler, rules) == RULES
 
 
+def test_an_added_zone_is_what_its_fields_say(ruler: RulerPage, rules: Path) -> None:
+    map_page = open_map(ruler, "bay.adirf")
+    ruler.button("Type a zone").click()
+    map_page.form.get_by_label("x to (m)").fill("wide")
+    expect(ruler.page.get_by_text('"x to (m)" is not a number.')).to_be_visible()
+    expect(ruler.button("Add the zone")).to_be_disabled()
+    map_page.form.get_by_label("x to (m)").fill("-1")
+    expect(ruler.page.get_by_text('"x to (m)" must be more than "x from (m)".')).to_be_visible()
+    map_page.type_sides("11", "15", "7", "11.25")
+    ruler.button("Add the zone").click()
+    ruler.page.get_by_role("group", name="Zone of Zone 1").wait_for()
+    assert map_page.sides() == ["11", "15", "7", "11.25"]
+
+    ruler.button("Type a zone").click()
+    map_page.form.get_by_label("Shape").select_option("Polygon")
+    corners = map_page.form.get_by_label("Corners")
+    corners.fill("0 0, 4 0, 4 2, 0 2")
+    map_page.form.get_by_role("button", name="Show").click()
+    expect(ruler.button("Add the zone")).to_be_enabled()
+    corners.fill("0 0, 4 0, 4 9, 0 9")
+    expect(ruler.button("Add the zone")).to_be_disabled()
+
+
 def test_a_zone_and_its_block_are_chosen_together(ruler: RulerPage, rules: Path) -> None:
     open_map(ruler, rules.name)
     ruler.field("Edit name of the rule: Hall").click()
