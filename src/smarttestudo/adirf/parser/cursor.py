@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import replace
 
 from smarttestudo.adirf.comments import Comment, Trivia
 from smarttestudo.adirf.parser.finding_log import FindingLog
@@ -130,7 +129,7 @@ class Cursor:
             return False
         fix = Fix(span=token.span, replacement=kind.value, title=f"write '{kind.value}'")
         self.report_found(code, expected, hint=did_you_mean(kind.value), fix=fix)
-        self._mended = replace(token, kind=kind)
+        self._mended = token._replace(kind=kind)
         return True
 
     def skip_to(self, kinds: Collection[TokenKind]) -> None:
