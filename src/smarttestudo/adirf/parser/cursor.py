@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 
-from smarttestudo.adirf.comments import Comment, Trivia
+from smarttestudo.adirf.comments import NO_TRIVIA, Comment, Trivia
 from smarttestudo.adirf.parser.finding_log import FindingLog
 from smarttestudo.adirf.parser.suggestions import closest, described, did_you_mean, hint_on
 from smarttestudo.adirf.parser.tokens import KEYWORDS, Token, TokenKind
@@ -27,6 +27,7 @@ SAFE_PLACES = frozenset(
 )
 """Where parsing can go on after an error."""
 
+_MENDABLE = frozenset({TokenKind.WORD, TokenKind.FOREIGN})
 _SAFE_WORDS = tuple(word for word, kind in KEYWORDS.items() if kind in SAFE_PLACES)
 
 
@@ -42,9 +43,10 @@ class Cursor:
     """
 
     def __init__(self, tokens: Sequence[Token], log: FindingLog) -> None:
-        self._tokens = tokens
-        self._at = 0
-        self._mended: Token | None = None
+        self._following = iter(tokens)
+        self._end_of_file = tokens[-1]
+        self._next = next(self._following)
+        self._is_mended = False
         self._loose: list[Comment] = []
         self._log = log
         self.steps = 0
@@ -56,22 +58,24 @@ class Cursor:
     def token(self) -> Token:
         """The token to read next, a misspelt keyword already mended."""
         self.steps += 1
-        return self._mended or self._tokens[self._at]
+        return self._next
 
     @property
     def kind(self) -> TokenKind:
         """The kind of the token to read next."""
-        return self.token.kind
+        self.steps += 1
+        return self._next.kind
 
     def advance(self) -> Token:
         """Read the next token; the end of the file stays where it is."""
-        token = self.token
-        self._loose.extend(token.above)
+        self.steps += 1
+        self.previous = token = self._next
+        if token.above:
+            self._loose.extend(token.above)
         if token.beside is not None:
             self._loose.append(token.beside)
-        self._mended = None
-        self.previous = token
-        self._at = min(self._at + 1, len(self._tokens) - 1)
+        self._is_mended = False
+        self._next = next(self._following, self._end_of_file)
         return token
 
     def take(self, kind: TokenKind) -> Token | None:
@@ -80,7 +84,7 @@ class Cursor:
 
     def begin_statement(self) -> None:
         """From here on a finding is about another statement; one a statement is reported."""
-        if self._mended is None:
+        if not self._is_mended:
             self._log.begin_statement()
         self._loose.clear()
 
@@ -122,14 +126,15 @@ class Cursor:
     def mend(self, code: str, expected: str, kinds: Collection[TokenKind]) -> bool:
         """Report a misspelt keyword of ``kinds`` and let it count as what it should be."""
         token = self.token
-        if token.kind not in (TokenKind.WORD, TokenKind.FOREIGN):
+        if token.kind not in _MENDABLE:
             return False
         kind = KEYWORDS.get(closest(token.text, KEYWORDS) or "")
         if kind is None or kind not in kinds:
             return False
         fix = Fix(span=token.span, replacement=kind.value, title=f"write '{kind.value}'")
         self.report_found(code, expected, hint=did_you_mean(kind.value), fix=fix)
-        self._mended = token._replace(kind=kind)
+        self._next = token._replace(kind=kind)
+        self._is_mended = True
         return True
 
     def skip_to(self, kinds: Collection[TokenKind]) -> None:
@@ -154,6 +159,8 @@ class Cursor:
 
     def take_above(self) -> tuple[Comment, ...]:
         """The comments up to the token read last, without the one beside it, which goes to what follows."""
+        if not self._loose and self.previous.beside is None:
+            return ()
         beside = [self.previous.beside] if self.previous.beside is not None else []
         above = self._loose[: len(self._loose) - len(beside)]
         self._loose = [*beside]
@@ -163,8 +170,12 @@ class Cursor:
         """The comments of what goes from ``first`` to the token read last; those inside it go above."""
         above = self.take_above()
         self._loose.clear()
-        return Trivia(above=above, beside=self.previous.beside, blank_above=first.blank_above)
+        beside, blank_above = self.previous.beside, first.blank_above
+        if not above and beside is None and not blank_above:
+            return NO_TRIVIA
+        return Trivia(above=above, beside=beside, blank_above=blank_above)
 
     def span_from(self, first: Token) -> Span:
         """From ``first`` to the token read last."""
-        return first.span.to(self.previous.end)
+        last = self.previous
+        return Span(first.line, first.column, last.line, last.column + len(last.text))

@@ -67,9 +67,7 @@ def tokenize(text: str) -> list[Token]:
         column = match.end() - len(word) - line_start
         if group == "comment":
             span = Span(line, column, line, column + len(word.rstrip()))
-            comment = Comment(
-                text=word.rstrip(), span=span, own_line=newlines != 0, blank_above=newlines > 1
-            )
+            comment = Comment(text=word.rstrip(), span=span, own_line=newlines != 0, blank_above=newlines > 1)
             if comment.own_line:
                 comments.append(comment)
             else:

@@ -41,6 +41,8 @@ class TokenKind(Enum):
     FOREIGN = "foreign"
     END_OF_FILE = "end of file"
 
+    __hash__ = object.__hash__  # Sets of kinds are asked once a word; the hash of an enum is a slow call.
+
 
 _NO_KEYWORDS = frozenset(
     {
