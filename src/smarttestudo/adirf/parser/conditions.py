@@ -39,7 +39,8 @@ def parse_condition(cursor: Cursor, depth: int = 0) -> Condition:
     if depth > MAX_NESTING:
         cursor.report("nested-too-deep", f"conditions nest at most {MAX_NESTING} deep", hint="split the rule")
         raise BrokenStatementError
-    cursor.mend("expected-condition", _EXPECTED, _CONDITION_WORDS)
+    if cursor.kind is not _CHECK_VALUE:
+        cursor.mend("expected-condition", _EXPECTED, _CONDITION_WORDS)
     kind = cursor.kind
     if kind is _CHECK_VALUE:
         return _check(cursor)

@@ -80,7 +80,8 @@ class Cursor:
 
     def take(self, kind: TokenKind) -> Token | None:
         """Read the next token if it is of ``kind``."""
-        return self.advance() if self.kind is kind else None
+        self.steps += 1
+        return self.advance() if self._next.kind is kind else None
 
     def begin_statement(self) -> None:
         """From here on a finding is about another statement; one a statement is reported."""
@@ -159,8 +160,6 @@ class Cursor:
 
     def take_above(self) -> tuple[Comment, ...]:
         """The comments up to the token read last, without the one beside it, which goes to what follows."""
-        if not self._loose and self.previous.beside is None:
-            return ()
         beside = [self.previous.beside] if self.previous.beside is not None else []
         above = self._loose[: len(self._loose) - len(beside)]
         self._loose = [*beside]
@@ -168,7 +167,7 @@ class Cursor:
 
     def take_trivia(self, first: Token) -> Trivia:
         """The comments of what goes from ``first`` to the token read last; those inside it go above."""
-        above = self.take_above()
+        above = self.take_above() if self._loose else ()
         self._loose.clear()
         beside, blank_above = self.previous.beside, first.blank_above
         if not above and beside is None and not blank_above:

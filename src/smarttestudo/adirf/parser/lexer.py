@@ -72,10 +72,15 @@ def tokenize(text: str) -> list[Token]:
                 comments.append(comment)
             else:
                 _put_beside(tokens, comment)
-        else:
+        elif newlines:
             kind = KEYWORDS.get(word) or _KINDS[group]
-            tokens.append(Token(kind, word, line, column, newlines != 0, newlines > 1, tuple(comments)))
+            above = tuple(comments)
+            tokens.append(
+                Token(kind, word, line, column, starts_line=True, blank_above=newlines > 1, above=above)
+            )
             comments.clear()
+        else:
+            tokens.append(Token(KEYWORDS.get(word) or _KINDS[group], word, line, column))
         newlines = 0
     column = len(text) - line_start
     tokens.append(

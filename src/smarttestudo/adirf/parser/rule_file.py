@@ -39,7 +39,8 @@ def parse(text: str, path: str) -> ParseResult:
     tokens = tokenize(text)
     cursor = Cursor(tokens, log)
     collections = _collections(cursor)
-    _report_foreign_comments(tokens, log)
+    if "#" in text or "/*" in text:
+        _report_foreign_comments(tokens, log)
     return ParseResult(
         file=RuleFile(path=path, collections=tuple(collections), footer=cursor.token.above),
         findings=log.findings(),
