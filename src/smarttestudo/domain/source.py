@@ -4,12 +4,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Span:
-    """A stretch of text; lines and columns count from 1, the end column is one past the last character."""
+class Span(NamedTuple):
+    """A stretch of text; lines and columns count from 1, the end column is one past the last character.
+
+    A tuple, because reading a file makes one for each of its words.
+    """
 
     line: int
     column: int
@@ -18,4 +20,4 @@ class Span:
 
     def to(self, last: Span) -> Span:
         """The stretch from the start of this span to the end of ``last``."""
-        return Span(line=self.line, column=self.column, end_line=last.end_line, end_column=last.end_column)
+        return Span(self.line, self.column, last.end_line, last.end_column)

@@ -18,4 +18,4 @@ class Utf16:
 
     def offset(self, characters: int) -> int:
         """The code units before the character number ``characters``."""
-        return characters + bisect_left(self._pairs, characters)
+        return characters + bisect_left(self._pairs, characters) if self._pairs else characters

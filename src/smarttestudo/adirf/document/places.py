@@ -5,9 +5,11 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from itertools import accumulate
 
 from smarttestudo.adirf.parser.lexer import BYTE_ORDER_MARK
+from smarttestudo.adirf.parser.tokens import Token
 from smarttestudo.domain.source import Span
 
 _LINE = re.compile(r"[^\r\n]*(?:\r\n|\r|\n|\Z)")
@@ -27,6 +29,11 @@ class Places:
         """The offset of a place that counts from 1; one beyond the text is its end."""
         start = self._starts[min(line, len(self._starts)) - 1]
         return min(start + column - 1, len(self._text))
+
+    def offsets(self, tokens: Iterable[Token]) -> list[int]:
+        """The offset of each of ``tokens`` of the text."""
+        starts = self._starts
+        return [starts[token.line - 1] + token.column - 1 for token in tokens]
 
     def range(self, span: Span) -> tuple[int, int]:
         """The offsets at which ``span`` starts and ends."""

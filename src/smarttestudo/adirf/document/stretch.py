@@ -24,8 +24,7 @@ class Stretch:
     @staticmethod
     def of(tokens: Sequence[Token], text: str, places: Places) -> Stretch:
         """The words ``tokens`` of ``text``."""
-        offsets = [places.offset(token.line, token.column) for token in tokens]
-        return Stretch(tokens=tokens, offsets=offsets, text=text, places=places)
+        return Stretch(tokens=tokens, offsets=places.offsets(tokens), text=text, places=places)
 
     def __len__(self) -> int:
         return len(self.tokens)

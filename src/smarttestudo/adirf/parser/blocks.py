@@ -15,7 +15,16 @@ from smarttestudo.adirf.parser.values import parse_rate, parse_topic
 from smarttestudo.adirf.syntax import And, Block, Condition, Not, Or, SetFrequency
 from smarttestudo.domain.finding import Fix
 
-_SETS_END = SAFE_PLACES - {TokenKind.SET_FREQUENCY, TokenKind.THEN}
+# Below Python 3.12, looking a member up in its enum costs as much as a call.
+_SET_FREQUENCY, _RULE, _IF, _THEN, _ELSE, _END_IF = (
+    TokenKind.SET_FREQUENCY,
+    TokenKind.RULE,
+    TokenKind.IF,
+    TokenKind.THEN,
+    TokenKind.ELSE,
+    TokenKind.END_IF,
+)
+_SETS_END = SAFE_PLACES - {_SET_FREQUENCY, _THEN}
 _EXPECTED_AFTER_SET = "'SetFrequency', 'Else', 'EndIf' or the next rule"
 _AFTER_SET = frozenset(
     {
@@ -63,12 +72,12 @@ def parse_block(cursor: Cursor) -> Block | None:
     then = parse_sets(cursor, after_error=head is None)
     otherwise: tuple[SetFrequency, ...] = ()
     else_trivia = end_if_trivia = NO_TRIVIA
-    if started := cursor.take(TokenKind.ELSE):
+    if started := cursor.take(_ELSE):
         else_trivia = cursor.take_trivia(started)
         cursor.begin_statement()
         otherwise = parse_sets(cursor, after_error=head is None)
         _refuse_more_else(cursor)
-    if ended := cursor.take(TokenKind.END_IF):
+    if ended := cursor.take(_END_IF):
         cursor.is_block_open = False
         end_if_trivia = cursor.take_trivia(ended)
     if head is None or not then:
@@ -91,7 +100,7 @@ def parse_block(cursor: Cursor) -> Block | None:
 
 
 def _refuse_more_else(cursor: Cursor) -> None:
-    while cursor.kind is TokenKind.ELSE:
+    while cursor.kind is _ELSE:
         cursor.begin_statement()
         cursor.report("stray-keyword", "the block has an 'Else' already")
         cursor.advance()
@@ -104,7 +113,7 @@ def parse_sets(cursor: Cursor, *, after_error: bool) -> tuple[SetFrequency, ...]
     is_broken = after_error
     while cursor.kind not in _SETS_END:
         cursor.begin_statement()
-        if cursor.kind is TokenKind.SET_FREQUENCY:
+        if cursor.kind is _SET_FREQUENCY:
             cursor.is_block_open = True
             try:
                 statements.append(parse_set(cursor))
@@ -153,11 +162,11 @@ def _head_or_recover(cursor: Cursor) -> _Head | None:
 def _head(cursor: Cursor) -> _Head:
     first = cursor.token
     rule, trivia = RuleLine(), NO_TRIVIA
-    if first.kind is TokenKind.RULE:
+    if first.kind is _RULE:
         rule = parse_rule_line(cursor)
         trivia = cursor.take_trivia(first)
     if_token = cursor.token
-    if if_token.kind is not TokenKind.IF:
+    if if_token.kind is not _IF:
         fix = Fix(span=if_token.start, replacement="If ", title="put 'If' here")
         raise cursor.failure("expected-if", "'If'", fix=fix if if_token.kind in _CONDITION_STARTS else None)
     cursor.advance()
@@ -186,8 +195,8 @@ def _then(cursor: Cursor) -> Token:
         fix = Fix(span=token.span, replacement="", title="delete it")
         cursor.report("stray-parenthesis", "no '(' is open for this ')'", fix=fix)
         raise BrokenStatementError
-    cursor.mend("expected-then", "'Then'", (TokenKind.THEN,))
-    if cursor.kind is not TokenKind.THEN:
+    cursor.mend("expected-then", "'Then'", (_THEN,))
+    if cursor.kind is not _THEN:
         fix = Fix(span=token.start, replacement="Then ", title="put 'Then' here")
         raise cursor.failure(
             "expected-then", "'Then'", fix=fix if token.kind is TokenKind.SET_FREQUENCY else None

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from typing import NoReturn
+
 from smarttestudo.adirf.comments import Trivia
 from smarttestudo.adirf.parser.cursor import BrokenStatementError, Cursor
 from smarttestudo.adirf.parser.suggestions import closest, did_you_mean
@@ -14,7 +16,20 @@ from smarttestudo.adirf.syntax import And, Check, Condition, Group, Not, Operato
 from smarttestudo.domain.finding import Fix
 
 MAX_NESTING = 100
+# Below Python 3.12, looking a member up in its enum costs as much as a call.
+_CHECK_VALUE, _OPEN, _CLOSE, _NOT, _AND, _OR, _WORD, _OPERATOR = (
+    TokenKind.CHECK_VALUE,
+    TokenKind.OPEN,
+    TokenKind.CLOSE,
+    TokenKind.NOT,
+    TokenKind.AND,
+    TokenKind.OR,
+    TokenKind.WORD,
+    TokenKind.OPERATOR,
+)
+_CONDITION_WORDS = frozenset({_CHECK_VALUE, _NOT})
 _OPERATORS = {operator.value: operator for operator in Operator}
+_EXPECTED = "a condition ('CheckValue', 'Not' or '(')"
 _EXPECTED_IN_GROUP = "'AND', 'OR' or ')'"
 _EXPECTED_OPERATOR = "a comparison (>, <, >=, <=, = or !=)"
 
@@ -24,18 +39,17 @@ def parse_condition(cursor: Cursor, depth: int = 0) -> Condition:
     if depth > MAX_NESTING:
         cursor.report("nested-too-deep", f"conditions nest at most {MAX_NESTING} deep", hint="split the rule")
         raise BrokenStatementError
-    expected = "a condition ('CheckValue', 'Not' or '(')"
-    cursor.mend("expected-condition", expected, (TokenKind.CHECK_VALUE, TokenKind.NOT))
-    match cursor.kind:
-        case TokenKind.CHECK_VALUE:
-            return _check(cursor)
-        case TokenKind.OPEN:
-            return _group(cursor, depth)
-        case TokenKind.NOT:
-            return _not(cursor, depth)
-        case _:
-            hint = "put 'CheckValue' before it" if cursor.kind is TokenKind.WORD else ""
-            raise cursor.failure("expected-condition", expected, hint=hint)
+    if cursor.kind is not _CHECK_VALUE:
+        cursor.mend("expected-condition", _EXPECTED, _CONDITION_WORDS)
+    kind = cursor.kind
+    if kind is _CHECK_VALUE:
+        return _check(cursor)
+    if kind is _OPEN:
+        return _group(cursor, depth)
+    if kind is _NOT:
+        return _not(cursor, depth)
+    hint = "put 'CheckValue' before it" if kind is _WORD else ""
+    raise cursor.failure("expected-condition", _EXPECTED, hint=hint)
 
 
 def _not(cursor: Cursor, depth: int) -> Not:
@@ -49,7 +63,7 @@ def _group(cursor: Cursor, depth: int) -> Group:
     first = cursor.advance()
     above = cursor.take_above()
     operand = _expression(cursor, depth + 1)
-    if cursor.kind is not TokenKind.CLOSE:
+    if cursor.kind is not _CLOSE:
         _refuse_end_of_group(cursor, first)
     cursor.advance()
     end = cursor.take_trivia(first)
@@ -71,7 +85,7 @@ def _refuse_end_of_group(cursor: Cursor, opened: Token) -> None:
 
 def _expression(cursor: Cursor, depth: int) -> Condition:
     terms = [_term(cursor, depth)]
-    while cursor.take(TokenKind.OR):
+    while cursor.take(_OR):
         terms.append(_term(cursor, depth))
     return terms[0] if len(terms) == 1 else Or(operands=tuple(terms), span=terms[0].span.to(terms[-1].span))
 
@@ -79,7 +93,7 @@ def _expression(cursor: Cursor, depth: int) -> Condition:
 def _term(cursor: Cursor, depth: int) -> Condition:
     factors = [parse_condition(cursor, depth)]
     _mend_connective(cursor)
-    while cursor.take(TokenKind.AND):
+    while cursor.take(_AND):
         factors.append(parse_condition(cursor, depth))
         _mend_connective(cursor)
     return (
@@ -113,6 +127,12 @@ def _check(cursor: Cursor) -> Check:
 
 def _property(cursor: Cursor, topic: str) -> Token:
     token = cursor.token
+    if token.kind is not _WORD or not is_field_path(token.text):
+        _refuse_property(cursor, token, topic)
+    return cursor.advance()
+
+
+def _refuse_property(cursor: Cursor, token: Token, topic: str) -> NoReturn:
     expected = f"a property of '{topic}'"
     if token.kind in (TokenKind.OPERATOR, TokenKind.NUMBER):
         hint = f"for instance {topic} age"
@@ -122,17 +142,15 @@ def _property(cursor: Cursor, topic: str) -> Token:
         cursor.report_found("expected-property", expected, hint=hint)
         cursor.advance()
         raise BrokenStatementError
-    if token.kind is not TokenKind.WORD:
+    if token.kind is not _WORD:
         raise cursor.failure("expected-property", expected)
-    if not is_field_path(token.text):
-        hint = "a property is a name such as speed or a field such as pose.pose.position.x or ranges[0]"
-        raise cursor.failure("invalid-property", expected, hint=hint)
-    return cursor.advance()
+    hint = "a property is a name such as speed or a field such as pose.pose.position.x or ranges[0]"
+    raise cursor.failure("invalid-property", expected, hint=hint)
 
 
 def _operator(cursor: Cursor) -> Operator:
     token = cursor.token
-    if token.kind is TokenKind.OPERATOR:
+    if token.kind is _OPERATOR:
         cursor.advance()
         return _OPERATORS[token.text]
     right = closest(token.text, _OPERATORS) if token.kind is TokenKind.FOREIGN else None

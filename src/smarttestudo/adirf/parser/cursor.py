@@ -5,9 +5,8 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import replace
 
-from smarttestudo.adirf.comments import Comment, Trivia
+from smarttestudo.adirf.comments import NO_TRIVIA, Comment, Trivia
 from smarttestudo.adirf.parser.finding_log import FindingLog
 from smarttestudo.adirf.parser.suggestions import closest, described, did_you_mean, hint_on
 from smarttestudo.adirf.parser.tokens import KEYWORDS, Token, TokenKind
@@ -28,6 +27,7 @@ SAFE_PLACES = frozenset(
 )
 """Where parsing can go on after an error."""
 
+_MENDABLE = frozenset({TokenKind.WORD, TokenKind.FOREIGN})
 _SAFE_WORDS = tuple(word for word, kind in KEYWORDS.items() if kind in SAFE_PLACES)
 
 
@@ -43,9 +43,10 @@ class Cursor:
     """
 
     def __init__(self, tokens: Sequence[Token], log: FindingLog) -> None:
-        self._tokens = tokens
-        self._at = 0
-        self._mended: Token | None = None
+        self._following = iter(tokens)
+        self._end_of_file = tokens[-1]
+        self._next = next(self._following)
+        self._is_mended = False
         self._loose: list[Comment] = []
         self._log = log
         self.steps = 0
@@ -57,31 +58,34 @@ class Cursor:
     def token(self) -> Token:
         """The token to read next, a misspelt keyword already mended."""
         self.steps += 1
-        return self._mended or self._tokens[self._at]
+        return self._next
 
     @property
     def kind(self) -> TokenKind:
         """The kind of the token to read next."""
-        return self.token.kind
+        self.steps += 1
+        return self._next.kind
 
     def advance(self) -> Token:
         """Read the next token; the end of the file stays where it is."""
-        token = self.token
-        self._loose.extend(token.above)
+        self.steps += 1
+        self.previous = token = self._next
+        if token.above:
+            self._loose.extend(token.above)
         if token.beside is not None:
             self._loose.append(token.beside)
-        self._mended = None
-        self.previous = token
-        self._at = min(self._at + 1, len(self._tokens) - 1)
+        self._is_mended = False
+        self._next = next(self._following, self._end_of_file)
         return token
 
     def take(self, kind: TokenKind) -> Token | None:
         """Read the next token if it is of ``kind``."""
-        return self.advance() if self.kind is kind else None
+        self.steps += 1
+        return self.advance() if self._next.kind is kind else None
 
     def begin_statement(self) -> None:
         """From here on a finding is about another statement; one a statement is reported."""
-        if self._mended is None:
+        if not self._is_mended:
             self._log.begin_statement()
         self._loose.clear()
 
@@ -123,14 +127,15 @@ class Cursor:
     def mend(self, code: str, expected: str, kinds: Collection[TokenKind]) -> bool:
         """Report a misspelt keyword of ``kinds`` and let it count as what it should be."""
         token = self.token
-        if token.kind not in (TokenKind.WORD, TokenKind.FOREIGN):
+        if token.kind not in _MENDABLE:
             return False
         kind = KEYWORDS.get(closest(token.text, KEYWORDS) or "")
         if kind is None or kind not in kinds:
             return False
         fix = Fix(span=token.span, replacement=kind.value, title=f"write '{kind.value}'")
         self.report_found(code, expected, hint=did_you_mean(kind.value), fix=fix)
-        self._mended = replace(token, kind=kind)
+        self._next = token._replace(kind=kind)
+        self._is_mended = True
         return True
 
     def skip_to(self, kinds: Collection[TokenKind]) -> None:
@@ -162,10 +167,14 @@ class Cursor:
 
     def take_trivia(self, first: Token) -> Trivia:
         """The comments of what goes from ``first`` to the token read last; those inside it go above."""
-        above = self.take_above()
+        above = self.take_above() if self._loose else ()
         self._loose.clear()
-        return Trivia(above=above, beside=self.previous.beside, blank_above=first.blank_above)
+        beside, blank_above = self.previous.beside, first.blank_above
+        if not above and beside is None and not blank_above:
+            return NO_TRIVIA
+        return Trivia(above=above, beside=beside, blank_above=blank_above)
 
     def span_from(self, first: Token) -> Span:
         """From ``first`` to the token read last."""
-        return first.span.to(self.previous.end)
+        last = self.previous
+        return Span(first.line, first.column, last.line, last.column + len(last.text))

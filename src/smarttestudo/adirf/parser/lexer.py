@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import re
-from dataclasses import replace
 
 from smarttestudo.adirf.comments import Comment
 from smarttestudo.adirf.parser.tokens import CONNECTIVES, KEYWORDS, Token, TokenKind
@@ -14,25 +13,28 @@ from smarttestudo.domain.source import Span
 BYTE_ORDER_MARK = "\ufeff"
 
 _PATTERN = re.compile(
-    r"""
-      (?P<newline> \r\n | \r | \n )
-    | (?P<blank>   [^\S\r\n]+ )
-    | (?P<comment> // [^\r\n]* | \# [^\r\n]* | /\* [^\r\n]* )   # the parser tells # and /* apart from //
-    | (?P<string>  " (?: [^"\\\r\n] | \\[^\r\n] )* " )
+    r"""[^\S\r\n]* (?:
+      (?P<word>    (?: (?!\d) [\w~] | / (?![/*]) ) [\w~.\[\]-]* (?: / (?![/*]) [\w~.\[\]-]* )* )
+    | (?P<newline> \r\n | \r | \n )
     | (?P<number>  [+-]? (?: [0-9]+ (?: \.[0-9]* )? | \.[0-9]+ ) (?: [eE][+-]?[0-9]+ )?
                    (?= (?: [kM]? [hH][zZ] )? (?! [\w.] | ,[0-9] ) ) )
-    | (?P<word>    (?: [^\W\d] | ~ | / (?![/*]) ) (?: [\w~.\[\]-] | / (?![/*]) )* )
     | (?P<operator> >= | <= (?!>) | != | > | < (?!>) | = (?![=><]) )
     | (?P<open>    \( )
     | (?P<close>   \) )
+    | (?P<string>  " [^"\\\r\n]* (?: \\[^\r\n] [^"\\\r\n]* )* " )
+    | (?P<comment> // [^\r\n]* | \# [^\r\n]* | /\* [^\r\n]* )   # the parser tells # and /* apart from //
     | (?P<foreign> == | => | =< | <> | && | \|\|
                  | " [^\r\n]* | ' [^'\r\n]* ' | “ [^“”\r\n]* ”
                  | [+\-−–]? \.? [0-9] [\w.]* (?: ,[0-9]+ )?
                  | [^\s\w()"'“/~.+\-−–<>=!&|#]+ | . )
+    | \Z )
     """,
     re.VERBOSE,
 )
+"""One word with the blanks before it; it matches anywhere, without a group at the end of the text only."""
+
 _KINDS = {
+    "word": TokenKind.WORD,
     "string": TokenKind.STRING,
     "number": TokenKind.NUMBER,
     "operator": TokenKind.OPERATOR,
@@ -47,81 +49,49 @@ def tokenize(text: str) -> list[Token]:
 
     A byte order mark at the start is skipped. Lines end at LF, CRLF or CR; a tab is one column.
     """
-    lexer = _Lexer()
-    for match in _PATTERN.finditer(text.removeprefix(BYTE_ORDER_MARK)):
-        lexer.take(match)
-    return lexer.finish()
-
-
-class _Lexer:
-    def __init__(self) -> None:
-        self._tokens: list[Token] = []
-        self._comments: list[Comment] = []
-        self._line = 1
-        self._line_start = 0
-        self._end = 0
-        self._newlines = 0
-        self._is_first = True
-
-    def take(self, match: re.Match[str]) -> None:
-        self._end = match.end()
-        match match.lastgroup:
-            case "newline":
-                self._line += 1
-                self._line_start = self._end
-                self._newlines += 1
-            case "comment":
-                self._add_comment(match.group().rstrip(), match.start())
-            case "word":
-                word = match.group()
-                self._add_token(KEYWORDS.get(word, TokenKind.WORD), word, match.start())
-            case str() as group if group in _KINDS:
-                self._add_token(_KINDS[group], match.group(), match.start())
-
-    def finish(self) -> list[Token]:
-        self._add_token(TokenKind.END_OF_FILE, "", self._end)
-        return self._tokens
-
-    def _add_token(self, kind: TokenKind, text: str, offset: int) -> None:
-        token = Token(
-            kind=kind,
-            text=text,
-            line=self._line,
-            column=offset - self._line_start + 1,
-            starts_line=self._starts_line,
-            blank_above=self._has_blank_above,
-            above=tuple(self._comments),
-        )
-        self._tokens.append(token)
-        self._comments.clear()
-        self._after_item()
-
-    def _add_comment(self, text: str, offset: int) -> None:
-        column = offset - self._line_start + 1
-        span = Span(line=self._line, column=column, end_line=self._line, end_column=column + len(text))
-        own_line = self._starts_line
-        comment = Comment(text=text, span=span, own_line=own_line, blank_above=self._has_blank_above)
-        if own_line:
-            self._comments.append(comment)
+    text = text.removeprefix(BYTE_ORDER_MARK)
+    tokens: list[Token] = []
+    comments: list[Comment] = []
+    line, line_start = 1, -1
+    newlines = -len(text) - 1  # The first word starts its line, and no line above it counts as empty.
+    for match in _PATTERN.finditer(text):
+        group = match.lastgroup
+        if group is None:
+            break
+        if group == "newline":
+            line += 1
+            line_start = match.end() - 1
+            newlines += 1
+            continue
+        word = match[group]
+        column = match.end() - len(word) - line_start
+        if group == "comment":
+            span = Span(line, column, line, column + len(word.rstrip()))
+            comment = Comment(text=word.rstrip(), span=span, own_line=newlines != 0, blank_above=newlines > 1)
+            if comment.own_line:
+                comments.append(comment)
+            else:
+                _put_beside(tokens, comment)
+        elif newlines:
+            kind = KEYWORDS.get(word) or _KINDS[group]
+            above = tuple(comments)
+            tokens.append(
+                Token(kind, word, line, column, starts_line=True, blank_above=newlines > 1, above=above)
+            )
+            comments.clear()
         else:
-            self._put_beside(comment)
-        self._after_item()
+            tokens.append(Token(KEYWORDS.get(word) or _KINDS[group], word, line, column))
+        newlines = 0
+    column = len(text) - line_start
+    tokens.append(
+        Token(TokenKind.END_OF_FILE, "", line, column, newlines != 0, newlines > 1, tuple(comments))
+    )
+    return tokens
 
-    def _put_beside(self, comment: Comment) -> None:
-        """A comment after ``AND`` at a line's end speaks about the check before it."""
-        at = len(self._tokens) - 1
-        if at > 0 and self._tokens[at].kind in CONNECTIVES and self._tokens[at - 1].line == self._line:
-            at -= 1
-        self._tokens[at] = replace(self._tokens[at], beside=comment)
 
-    @property
-    def _starts_line(self) -> bool:
-        return self._is_first or self._newlines > 0
-
-    @property
-    def _has_blank_above(self) -> bool:
-        return self._newlines > 1 and not self._is_first
-
-    def _after_item(self) -> None:
-        self._newlines = 0
-        self._is_first = False
+def _put_beside(tokens: list[Token], comment: Comment) -> None:
+    """A comment after ``AND`` at a line's end speaks about the check before it."""
+    at = len(tokens) - 1
+    if at > 0 and tokens[at].kind in CONNECTIVES and tokens[at - 1].line == comment.span.line:
+        at -= 1
+    tokens[at] = tokens[at]._replace(beside=comment)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from smarttestudo.adirf.comments import COMMENT_START, NO_TRIVIA
+from smarttestudo.adirf.comments import COMMENT_START, NO_TRIVIA, Comment
 from smarttestudo.adirf.parser.cursor import STATEMENT_STARTS, Cursor
 from smarttestudo.adirf.parser.finding_log import FindingLog
 from smarttestudo.adirf.parser.lexer import tokenize
@@ -39,7 +39,8 @@ def parse(text: str, path: str) -> ParseResult:
     tokens = tokenize(text)
     cursor = Cursor(tokens, log)
     collections = _collections(cursor)
-    _report_foreign_comments(tokens, log)
+    if "#" in text or "/*" in text:
+        _report_foreign_comments(tokens, log)
     return ParseResult(
         file=RuleFile(path=path, collections=tuple(collections), footer=cursor.token.above),
         findings=log.findings(),
@@ -96,9 +97,15 @@ def _collection(cursor: Cursor) -> Collection:
 
 def _report_foreign_comments(tokens: Sequence[Token], log: FindingLog) -> None:
     for token in tokens:
-        for comment in (*token.above, *((token.beside,) if token.beside else ())):
-            if not comment.text.startswith(COMMENT_START):
-                log.begin_statement()
-                words = comment.text.removeprefix("/*").removesuffix("*/").strip("# ")
-                fix = Fix(span=comment.span, replacement=f"// {words}", title="write '//'")
-                log.report("foreign-comment", "a comment starts with '//'", span=comment.span, fix=fix)
+        for comment in token.above:
+            _refuse_foreign(comment, log)
+        if token.beside is not None:
+            _refuse_foreign(token.beside, log)
+
+
+def _refuse_foreign(comment: Comment, log: FindingLog) -> None:
+    if not comment.text.startswith(COMMENT_START):
+        log.begin_statement()
+        words = comment.text.removeprefix("/*").removesuffix("*/").strip("# ")
+        fix = Fix(span=comment.span, replacement=f"// {words}", title="write '//'")
+        log.report("foreign-comment", "a comment starts with '//'", span=comment.span, fix=fix)

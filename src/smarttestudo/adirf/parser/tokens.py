@@ -4,8 +4,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import Enum
+from typing import NamedTuple
 
 from smarttestudo.adirf.comments import Comment
 from smarttestudo.domain.source import Span
@@ -41,6 +41,8 @@ class TokenKind(Enum):
     FOREIGN = "foreign"
     END_OF_FILE = "end of file"
 
+    __hash__ = object.__hash__  # Sets of kinds are asked once a word; the hash of an enum is a slow call.
+
 
 _NO_KEYWORDS = frozenset(
     {
@@ -58,8 +60,7 @@ KEYWORDS = {kind.value: kind for kind in TokenKind if kind not in _NO_KEYWORDS}
 CONNECTIVES = frozenset({TokenKind.AND, TokenKind.OR})
 
 
-@dataclass(frozen=True, slots=True)
-class Token:
+class Token(NamedTuple):
     """A word of the file and where it starts; no token goes over the end of its line.
 
     ``starts_line`` is whether it is the first of its line, ``blank_above`` whether an empty line is directly
@@ -79,20 +80,15 @@ class Token:
     @property
     def span(self) -> Span:
         """What the token covers."""
-        return Span(
-            line=self.line,
-            column=self.column,
-            end_line=self.line,
-            end_column=self.column + len(self.text),
-        )
+        return Span(self.line, self.column, self.line, self.column + len(self.text))
 
     @property
     def start(self) -> Span:
         """The empty stretch just before the token."""
-        return Span(line=self.line, column=self.column, end_line=self.line, end_column=self.column)
+        return Span(self.line, self.column, self.line, self.column)
 
     @property
     def end(self) -> Span:
         """The empty stretch just after the token."""
         column = self.column + len(self.text)
-        return Span(line=self.line, column=column, end_line=self.line, end_column=column)
+        return Span(self.line, column, self.line, column)

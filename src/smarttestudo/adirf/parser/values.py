@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 import re
+from typing import NoReturn
 
 from smarttestudo.adirf.parser.cursor import Cursor
 from smarttestudo.adirf.parser.suggestions import closest, did_you_mean, hint_on
@@ -17,32 +18,37 @@ from smarttestudo.domain.rate import MAX_RATE_HZ
 from smarttestudo.domain.tier import Tier
 
 UNIT = "Hz"
+# Below Python 3.12, looking a member up in its enum costs as much as a call.
+_WORD, _NUMBER = TokenKind.WORD, TokenKind.NUMBER
 _OTHER_UNITS = frozenset({"hz", "khz", "mhz", "hertz"})
 _RATE_NAMES: dict[str, Tier | RateWord] = {
     **{tier.value: tier for tier in Tier},
     **{word.value: word for word in RateWord},
 }
-_NUMBER = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
+_EXPECTED_RATE = "a rate (a number of Hz, a tier, 'Full' or 'Off')"
+_LEADING_NUMBER = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 
 
 def parse_topic(cursor: Cursor, *, split_property: bool = False) -> TopicName:
     """A topic; with ``split_property`` a dot in it is taken for the start of a property."""
     token = cursor.token
-    if token.kind is TokenKind.STRING:
-        bare = token.text[1:-1]
-        fix = (
-            Fix(span=token.span, replacement=bare, title="remove the quotes") if is_topic_name(bare) else None
-        )
-        raise cursor.failure("expected-topic", "a topic", hint="topics are written without quotes", fix=fix)
-    if token.kind is not TokenKind.WORD:
-        raise cursor.failure("expected-topic", "a topic", hint=hint_on(token) or "for instance /odom")
+    if token.kind is not _WORD:
+        _refuse_other_than_topic(cursor, token)
     if not is_topic_name(token.text):
         _refuse_topic(cursor, token, split_property=split_property)
     cursor.advance()
     return TopicName(text=token.text, span=token.span)
 
 
-def _refuse_topic(cursor: Cursor, token: Token, *, split_property: bool) -> None:
+def _refuse_other_than_topic(cursor: Cursor, token: Token) -> NoReturn:
+    if token.kind is not TokenKind.STRING:
+        raise cursor.failure("expected-topic", "a topic", hint=hint_on(token) or "for instance /odom")
+    bare = token.text[1:-1]
+    fix = Fix(span=token.span, replacement=bare, title="remove the quotes") if is_topic_name(bare) else None
+    raise cursor.failure("expected-topic", "a topic", hint="topics are written without quotes", fix=fix)
+
+
+def _refuse_topic(cursor: Cursor, token: Token, *, split_property: bool) -> NoReturn:
     name = token.text
     head, dot, tail = name.partition(".")
     hint, right = "a name holds letters, digits, '_' and '/', and no part of it starts with a digit", ""
@@ -63,7 +69,7 @@ def _refuse_topic(cursor: Cursor, token: Token, *, split_property: bool) -> None
 def parse_number(cursor: Cursor, code: str, expected: str) -> tuple[float, str]:
     """A finite number and its spelling."""
     token = cursor.token
-    if token.kind is not TokenKind.NUMBER:
+    if token.kind is not _NUMBER:
         _refuse_number(cursor, token, code, expected)
     value = float(token.text)
     if not math.isfinite(value):
@@ -72,28 +78,27 @@ def parse_number(cursor: Cursor, code: str, expected: str) -> tuple[float, str]:
     return value, token.text
 
 
-def _refuse_number(cursor: Cursor, token: Token, code: str, expected: str) -> None:
+def _refuse_number(cursor: Cursor, token: Token, code: str, expected: str) -> NoReturn:
     right = token.text.replace(",", ".").replace("−", "-").replace("–", "-")
-    if token.kind is TokenKind.FOREIGN and _NUMBER.fullmatch(right):
+    if token.kind is TokenKind.FOREIGN and _LEADING_NUMBER.fullmatch(right):
         fix = Fix(span=token.span, replacement=right, title=f"write {right}")
         raise cursor.failure(code, expected, hint=did_you_mean(right), fix=fix)
-    number = _NUMBER.match(token.text)
+    number = _LEADING_NUMBER.match(token.text)
     hint = "numbers are written as 10, -2.5 or 1e3, without a unit" if number else ""
     raise cursor.failure(code, expected, hint=hint)
 
 
 def parse_rate(cursor: Cursor) -> RateExpression:
     """A number of Hz, a tier, ``Full`` or ``Off``."""
-    expected = "a rate (a number of Hz, a tier, 'Full' or 'Off')"
     token = cursor.token
-    if token.kind is not TokenKind.WORD:
-        return parse_hertz(cursor, "expected-rate", expected)
+    if token.kind is not _WORD:
+        return parse_hertz(cursor, "expected-rate", _EXPECTED_RATE)
     value = _RATE_NAMES.get(token.text)
     if value is None:
         right = closest(token.text, _RATE_NAMES)
         fix = Fix(span=token.span, replacement=right, title=f"write {right}") if right else None
         hint = did_you_mean(right) if right else f"the tiers are {', '.join(tier.value for tier in Tier)}"
-        raise cursor.failure("expected-rate", expected, hint=hint, fix=fix)
+        raise cursor.failure("expected-rate", _EXPECTED_RATE, hint=hint, fix=fix)
     cursor.advance()
     return RateExpression(value=value, text="", span=token.span)
 
@@ -111,7 +116,7 @@ def parse_hertz(cursor: Cursor, code: str, expected: str) -> RateExpression:
 
 def _take_unit(cursor: Cursor) -> bool:
     token = cursor.token
-    if token.kind is not TokenKind.WORD or token.text.casefold() not in _OTHER_UNITS:
+    if token.kind is not _WORD or token.text.casefold() not in _OTHER_UNITS:
         return False
     if token.text.casefold() in ("khz", "mhz"):
         raise cursor.failure("unknown-unit", "the unit 'Hz' or none", hint="write the rate in Hz")
