@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from functools import reduce
 
 from smarttestudo.adirf.syntax import Operator
 
@@ -43,16 +44,7 @@ class Region:
     @staticmethod
     def where(operator: Operator, value: float) -> Region:
         """The numbers x for which ``x operator value`` holds."""
-        below, above = (value, -1), (value, 1)
-        pieces: dict[Operator, tuple[Piece, ...]] = {
-            Operator.GREATER: ((above, _HIGHEST),),
-            Operator.GREATER_EQUAL: ((below, _HIGHEST),),
-            Operator.LESS: ((_LOWEST, below),),
-            Operator.LESS_EQUAL: ((_LOWEST, above),),
-            Operator.EQUAL: ((below, above),),
-            Operator.NOT_EQUAL: ((_LOWEST, below), (above, _HIGHEST)),
-        }
-        return _joined(pieces[operator])
+        return Region(tuple(piece for piece in _compared(operator, value) if _holds_a_number(*piece)))
 
     @staticmethod
     def between(minimum: float | None, maximum: float | None, *, includes_minimum: bool = True) -> Region:
@@ -68,7 +60,7 @@ class Region:
     @staticmethod
     def intersection_of(regions: Iterable[Region]) -> Region:
         """What is in all of ``regions``; everything if there are none."""
-        return Region.union_of(region.complement() for region in regions).complement()
+        return reduce(Region.intersection, regions, Region.everything())
 
     @property
     def is_empty(self) -> bool:
@@ -87,11 +79,21 @@ class Region:
 
     def is_within(self, other: Region) -> bool:
         """Whether ``other`` holds all of it."""
-        return self.intersection(other.complement()).is_empty
+        return not any(_sticks_out(piece, other.pieces) for piece in self.pieces)
 
     def intersection(self, other: Region) -> Region:
         """What is in both, in one walk over the pieces."""
-        return Region(tuple(_common_pieces(self.pieces, other.pieces)))
+        if len(self.pieces) != 1 or len(other.pieces) != 1:
+            return Region(tuple(_common_pieces(self.pieces, other.pieces)))
+        ((my_low, my_high),) = self.pieces
+        ((their_low, their_high),) = other.pieces
+        low = max(their_low, my_low)
+        high = min(their_high, my_high)
+        if low is my_low and high is my_high:
+            return self
+        if low is their_low and high is their_high:
+            return other
+        return Region(((low, high),) if _holds_a_number(low, high) else ())
 
     def complement(self) -> Region:
         """What is not in it."""
@@ -125,6 +127,34 @@ def _holds_a_number(low: Bound, high: Bound) -> bool:
     if low >= high:
         return False
     return low[1] < 0 or high[1] > 0 or math.nextafter(low[0], math.inf) < high[0]
+
+
+def _compared(operator: Operator, value: float) -> tuple[Piece, ...]:
+    """Where ``x operator value`` holds, as pieces in rising order that may be empty."""
+    below, above = (value, -1), (value, 1)
+    match operator:
+        case Operator.GREATER:
+            return ((above, _HIGHEST),)
+        case Operator.LESS:
+            return ((_LOWEST, below),)
+        case Operator.GREATER_EQUAL:
+            return ((below, _HIGHEST),)
+        case Operator.LESS_EQUAL:
+            return ((_LOWEST, above),)
+        case Operator.EQUAL:
+            return ((below, above),)
+        case Operator.NOT_EQUAL:
+            return (_LOWEST, below), (above, _HIGHEST)
+
+
+def _sticks_out(piece: Piece, pieces: Iterable[Piece]) -> bool:
+    """Whether a number of ``piece`` is in none of ``pieces``, which rise."""
+    start, end = piece
+    for low, high in pieces:
+        if _holds_a_number(start, min(low, end)):
+            return True
+        start = max(start, high)
+    return _holds_a_number(start, end)
 
 
 def _joined(pieces: Iterable[Piece]) -> Region:
