@@ -190,13 +190,13 @@ def _finite(piece: Piece) -> Piece:
 def _roundest(piece: Piece) -> float:
     """The number in ``piece`` with the fewest digits among those near its middle, or near its finite end."""
     target = _target(piece)
-    region = Region((piece,))
+    low, high = piece
     for digits in range(1, _SIGNIFICANT_DIGITS + 1):
         rounded = float(f"{target:.{digits}g}")
-        if region.contains(rounded):
+        if low < (rounded, 0) < high:
             return rounded + 0.0
-    (low, low_side), (high, _) = piece
-    return low if low_side < 0 else min(math.nextafter(low, math.inf), high)
+    lowest, side = low
+    return lowest if side < 0 else min(math.nextafter(lowest, math.inf), high[0])
 
 
 def _target(piece: Piece) -> float:

@@ -30,22 +30,31 @@ MAX_BOXES = 64
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Territory:
-    """The boxes where a branch applies; around them only, where ``is_exact`` is false."""
+    """The boxes where a condition holds; around them only, where ``is_exact`` is false.
+
+    ``sure_box`` is the first box in all of which it holds, ``None`` where none was found.
+    """
 
     boxes: tuple[Box, ...]
     is_exact: bool
+    sure_box: Box | None
 
 
 def territory_of(form: Form, domain: Domain, effort: Effort) -> Territory:
     """Where ``form`` holds, as at most ``MAX_BOXES`` boxes; one around them all where they are more."""
+    boxes: list[Box] = []
+    is_exact = False
     try:
-        boxes = tuple(itertools.islice(boxes_where([form], domain, effort), MAX_BOXES + 1))
+        for box in itertools.islice(boxes_where([form], domain, effort), MAX_BOXES + 1):
+            boxes.append(box)  # noqa: PERF402 - what was found counts when the effort is spent
+        is_exact = len(boxes) <= MAX_BOXES
     except TooComplexError:
-        boxes = ()
-    else:
-        if len(boxes) <= MAX_BOXES:
-            return Territory(boxes=boxes, is_exact=True)
-    return Territory(boxes=(_box_around(form, domain),), is_exact=False)
+        pass
+    return Territory(
+        boxes=tuple(boxes) if is_exact else (_box_around(form, domain),),
+        is_exact=is_exact,
+        sure_box=boxes[0] if boxes else None,
+    )
 
 
 def _box_around(form: Form, domain: Domain) -> Box:
