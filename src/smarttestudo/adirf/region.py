@@ -44,7 +44,10 @@ class Region:
     @staticmethod
     def where(operator: Operator, value: float) -> Region:
         """The numbers x for which ``x operator value`` holds."""
-        return Region(tuple(piece for piece in _compared(operator, value) if _holds_a_number(*piece)))
+        pieces = _compared(operator, value)
+        if math.isfinite(value):
+            return Region(pieces)
+        return Region(tuple(piece for piece in pieces if _holds_a_number(*piece)))
 
     @staticmethod
     def between(minimum: float | None, maximum: float | None, *, includes_minimum: bool = True) -> Region:
@@ -79,7 +82,10 @@ class Region:
 
     def is_within(self, other: Region) -> bool:
         """Whether ``other`` holds all of it."""
-        return not any(_sticks_out(piece, other.pieces) for piece in self.pieces)
+        for piece in self.pieces:
+            if _sticks_out(piece, other.pieces):
+                return False
+        return True
 
     def intersection(self, other: Region) -> Region:
         """What is in both, in one walk over the pieces."""
@@ -87,12 +93,12 @@ class Region:
             return Region(tuple(_common_pieces(self.pieces, other.pieces)))
         ((my_low, my_high),) = self.pieces
         ((their_low, their_high),) = other.pieces
-        low = max(their_low, my_low)
-        high = min(their_high, my_high)
-        if low is my_low and high is my_high:
-            return self
+        low = their_low if their_low >= my_low else my_low
+        high = their_high if their_high <= my_high else my_high
         if low is their_low and high is their_high:
             return other
+        if low is my_low and high is my_high:
+            return self
         return Region(((low, high),) if _holds_a_number(low, high) else ())
 
     def complement(self) -> Region:
@@ -130,7 +136,7 @@ def _holds_a_number(low: Bound, high: Bound) -> bool:
 
 
 def _compared(operator: Operator, value: float) -> tuple[Piece, ...]:
-    """Where ``x operator value`` holds, as pieces in rising order that may be empty."""
+    """Where ``x operator value`` holds, as pieces in rising order that may be empty for infinite values."""
     below, above = (value, -1), (value, 1)
     match operator:
         case Operator.GREATER:

@@ -50,9 +50,10 @@ class BoxIndex:
 
     def __init__(self, entries: Sequence[Entry]) -> None:
         self._kinds: dict[Hashable, int] = {}
+        leaves: list[_Leaf] = []
         for entry in entries:
-            self._kinds.setdefault(entry.kind, len(self._kinds))
-        leaves = [_Node(hull=entry.hull, kind=self._kinds[entry.kind], entry=entry) for entry in entries]
+            kind = self._kinds.setdefault(entry.kind, len(self._kinds))
+            leaves.append(_leaf(entry, kind))
         self._root = _node(leaves) if leaves else None
 
     def near(
@@ -101,14 +102,28 @@ class _Node:
     entry: Entry | None = None
 
 
-def _node(leaves: list[_Node]) -> _Node:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Leaf:
+    """An entry's node, with the centre and the width of its hull along each signal."""
+
+    node: _Node
+    extents: Mapping[Signal, tuple[float, float]]
+
+
+_BEHIND_ALL = (math.inf, 0.0)
+
+
+def _leaf(entry: Entry, kind: int) -> _Leaf:
+    extents = {signal: (_centre(ends), ends[1] - ends[0]) for signal, ends in entry.hull.items()}
+    return _Leaf(node=_Node(hull=entry.hull, kind=kind, entry=entry), extents=extents)
+
+
+def _node(leaves: list[_Leaf]) -> _Node:
     if len(leaves) <= _LEAF_SIZE:
-        return _parent(leaves, looks=1 + len(leaves))
-    signal = _most_selective_signal([leaf.hull for leaf in leaves])
+        return _parent([leaf.node for leaf in leaves], looks=1 + len(leaves))
+    signal = _most_selective_signal(leaves)
     if signal is not None:
-        leaves = sorted(
-            leaves, key=lambda leaf: _centre(leaf.hull[signal]) if signal in leaf.hull else math.inf
-        )
+        leaves = sorted(leaves, key=lambda leaf: leaf.extents.get(signal, _BEHIND_ALL)[0])
     middle = len(leaves) // 2
     return _parent([_node(leaves[:middle]), _node(leaves[middle:])], looks=1)
 
@@ -125,23 +140,24 @@ def _around(hulls: Sequence[Hull]) -> Hull:
     for signal in hulls[0]:
         intervals = [hull[signal] for hull in hulls if signal in hull]
         if len(intervals) == len(hulls):
-            around[signal] = min(low for low, _ in intervals), max(high for _, high in intervals)
+            lows, highs = zip(*intervals, strict=True)
+            around[signal] = min(lows), max(highs)
     return around
 
 
-def _most_selective_signal(hulls: Sequence[Hull]) -> Signal | None:
-    """The signal along which the hulls are spread widest for their width."""
-    counts = Counter(itertools.chain.from_iterable(hulls))
+def _most_selective_signal(leaves: Sequence[_Leaf]) -> Signal | None:
+    """The signal along which the leaves are spread widest for their width."""
+    counts = Counter(itertools.chain.from_iterable(leaf.extents for leaf in leaves))
     tried = [signal for signal, _ in counts.most_common(_SIGNALS_TRIED)]
-    return max(tried, key=lambda signal: _spread(signal, hulls), default=None)
+    return max(tried, key=lambda signal: _spread(signal, leaves), default=None)
 
 
-def _spread(signal: Signal, hulls: Sequence[Hull]) -> float:
-    intervals = [hull[signal] for hull in hulls if signal in hull]
-    centres = [_centre(interval) for interval in intervals]
-    width = median_low(high - low for low, high in intervals)
+def _spread(signal: Signal, leaves: Sequence[_Leaf]) -> float:
+    extents = [leaf.extents[signal] for leaf in leaves if signal in leaf.extents]
+    centres = [centre for centre, _ in extents]
+    width = median_low([width for _, width in extents])
     spread = (max(centres) - min(centres)) / width if width > 0 else math.inf
-    return spread * len(intervals)
+    return spread * len(extents)
 
 
 def _centre(interval: Interval) -> float:
