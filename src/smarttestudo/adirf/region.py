@@ -5,9 +5,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import reduce
+from types import MappingProxyType
 
 from smarttestudo.adirf.syntax import Operator
 
@@ -18,7 +19,19 @@ Piece = tuple[Bound, Bound]
 
 _LOWEST: Bound = (-math.inf, -1)
 _HIGHEST: Bound = (math.inf, 1)
+_EVERYTHING: tuple[Piece, ...] = ((_LOWEST, _HIGHEST),)
 _SIGNIFICANT_DIGITS = 17
+_NOT_EQUAL = Operator.NOT_EQUAL
+_SIDES: Mapping[Operator, tuple[int, int]] = MappingProxyType(
+    {
+        Operator.GREATER: (1, 0),
+        Operator.GREATER_EQUAL: (-1, 0),
+        Operator.LESS: (0, -1),
+        Operator.LESS_EQUAL: (0, 1),
+        Operator.EQUAL: (-1, 1),
+    }
+)
+"""Beside which side of the value the numbers of a comparison begin and end; 0 for not at the value."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +47,7 @@ class Region:
     @staticmethod
     def everything() -> Region:
         """All numbers."""
-        return Region(((_LOWEST, _HIGHEST),))
+        return Region(_EVERYTHING)
 
     @staticmethod
     def nothing() -> Region:
@@ -71,6 +84,11 @@ class Region:
         return not self.pieces
 
     @property
+    def is_everything(self) -> bool:
+        """Whether all numbers are in it."""
+        return self.pieces == _EVERYTHING
+
+    @property
     def cuts(self) -> tuple[Bound, ...]:
         """The finite cuts at which membership changes, rising."""
         ends = (cut for piece in self.pieces for cut in piece)
@@ -82,10 +100,7 @@ class Region:
 
     def is_within(self, other: Region) -> bool:
         """Whether ``other`` holds all of it."""
-        for piece in self.pieces:
-            if _sticks_out(piece, other.pieces):
-                return False
-        return True
+        return not any(_sticks_out(piece, other.pieces) for piece in self.pieces)
 
     def intersection(self, other: Region) -> Region:
         """What is in both, in one walk over the pieces."""
@@ -93,8 +108,8 @@ class Region:
             return Region(tuple(_common_pieces(self.pieces, other.pieces)))
         ((my_low, my_high),) = self.pieces
         ((their_low, their_high),) = other.pieces
-        low = their_low if their_low >= my_low else my_low
-        high = their_high if their_high <= my_high else my_high
+        low = max(their_low, my_low)
+        high = min(their_high, my_high)
         if low is their_low and high is their_high:
             return other
         if low is my_low and high is my_high:
@@ -121,11 +136,10 @@ class Region:
         """A number in it, a finite and round one where it can be; ``ValueError`` when it is empty."""
         if self.is_empty:
             raise ValueError("an empty region holds no number")
-        finite = (piece for piece in self.pieces if _holds_a_number(*_finite(piece)))
-        piece = next(finite, None)
-        if piece is None:
-            return next(end for end in (-math.inf, math.inf) if self.contains(end))
-        return _roundest(_finite(piece))
+        for piece in map(_finite, self.pieces):
+            if _holds_a_number(*piece):
+                return _roundest(piece)
+        return next(end for end in (-math.inf, math.inf) if self.contains(end))
 
 
 def _holds_a_number(low: Bound, high: Bound) -> bool:
@@ -137,20 +151,11 @@ def _holds_a_number(low: Bound, high: Bound) -> bool:
 
 def _compared(operator: Operator, value: float) -> tuple[Piece, ...]:
     """Where ``x operator value`` holds, as pieces in rising order that may be empty for infinite values."""
-    below, above = (value, -1), (value, 1)
-    match operator:
-        case Operator.GREATER:
-            return ((above, _HIGHEST),)
-        case Operator.LESS:
-            return ((_LOWEST, below),)
-        case Operator.GREATER_EQUAL:
-            return ((below, _HIGHEST),)
-        case Operator.LESS_EQUAL:
-            return ((_LOWEST, above),)
-        case Operator.EQUAL:
-            return ((below, above),)
-        case Operator.NOT_EQUAL:
-            return (_LOWEST, below), (above, _HIGHEST)
+    if operator is _NOT_EQUAL:
+        return (_LOWEST, (value, -1)), ((value, 1), _HIGHEST)
+    low_side, high_side = _SIDES[operator]
+    low = (value, low_side) if low_side else _LOWEST
+    return ((low, (value, high_side) if high_side else _HIGHEST),)
 
 
 def _sticks_out(piece: Piece, pieces: Iterable[Piece]) -> bool:

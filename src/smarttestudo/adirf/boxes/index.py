@@ -21,6 +21,7 @@ Interval = tuple[float, float]
 Hull = Mapping[Signal, Interval]
 """The closed intervals around a box; signals that the box does not bound are left out."""
 
+_UNBOUNDED: Interval = (-math.inf, math.inf)
 _LEAF_SIZE = 8
 _SIGNALS_TRIED = 4
 
@@ -37,8 +38,12 @@ class Entry:
 
 def hull_of(box: Box) -> Hull:
     """The closed intervals around ``box``."""
-    hull = {signal: (region.pieces[0][0][0], region.pieces[-1][1][0]) for signal, region in box.items()}
-    return {signal: ends for signal, ends in hull.items() if ends != (-math.inf, math.inf)}
+    hull: dict[Signal, Interval] = {}
+    for signal, region in box.items():
+        ends = region.pieces[0][0][0], region.pieces[-1][1][0]
+        if ends != _UNBOUNDED:
+            hull[signal] = ends
+    return hull
 
 
 class BoxIndex:
@@ -102,28 +107,26 @@ class _Node:
     entry: Entry | None = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Leaf:
-    """An entry's node, with the centre and the width of its hull along each signal."""
+_Extents = Mapping[Signal, tuple[float, float]]
+"""The centre and the width of a hull along each of its signals."""
 
-    node: _Node
-    extents: Mapping[Signal, tuple[float, float]]
-
+_Leaf = tuple["_Node", _Extents]
+"""The node of an entry with its extents."""
 
 _BEHIND_ALL = (math.inf, 0.0)
 
 
 def _leaf(entry: Entry, kind: int) -> _Leaf:
     extents = {signal: (_centre(ends), ends[1] - ends[0]) for signal, ends in entry.hull.items()}
-    return _Leaf(node=_Node(hull=entry.hull, kind=kind, entry=entry), extents=extents)
+    return _Node(hull=entry.hull, kind=kind, entry=entry), extents
 
 
 def _node(leaves: list[_Leaf]) -> _Node:
     if len(leaves) <= _LEAF_SIZE:
-        return _parent([leaf.node for leaf in leaves], looks=1 + len(leaves))
-    signal = _most_selective_signal(leaves)
+        return _parent([node for node, _ in leaves], looks=1 + len(leaves))
+    signal = _most_selective_signal([extents for _, extents in leaves])
     if signal is not None:
-        leaves = sorted(leaves, key=lambda leaf: leaf.extents.get(signal, _BEHIND_ALL)[0])
+        leaves = sorted(leaves, key=lambda leaf: leaf[1].get(signal, _BEHIND_ALL)[0])
     middle = len(leaves) // 2
     return _parent([_node(leaves[:middle]), _node(leaves[middle:])], looks=1)
 
@@ -145,17 +148,17 @@ def _around(hulls: Sequence[Hull]) -> Hull:
     return around
 
 
-def _most_selective_signal(leaves: Sequence[_Leaf]) -> Signal | None:
-    """The signal along which the leaves are spread widest for their width."""
-    counts = Counter(itertools.chain.from_iterable(leaf.extents for leaf in leaves))
+def _most_selective_signal(hulls: Sequence[_Extents]) -> Signal | None:
+    """The signal along which the hulls are spread widest for their width."""
+    counts = Counter(itertools.chain.from_iterable(hulls))
     tried = [signal for signal, _ in counts.most_common(_SIGNALS_TRIED)]
-    return max(tried, key=lambda signal: _spread(signal, leaves), default=None)
+    return max(tried, key=lambda signal: _spread(signal, hulls), default=None)
 
 
-def _spread(signal: Signal, leaves: Sequence[_Leaf]) -> float:
-    extents = [leaf.extents[signal] for leaf in leaves if signal in leaf.extents]
-    centres = [centre for centre, _ in extents]
-    width = median_low([width for _, width in extents])
+def _spread(signal: Signal, hulls: Sequence[_Extents]) -> float:
+    extents = [hull[signal] for hull in hulls if signal in hull]
+    centres, widths = zip(*extents, strict=True)
+    width = median_low(widths)
     spread = (max(centres) - min(centres)) / width if width > 0 else math.inf
     return spread * len(extents)
 

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -152,6 +153,8 @@ class _Reader:
 
 
 def _truth(check: Check, values: Region) -> Truth:
+    if values.is_everything and math.isfinite(check.value):
+        return Truth.UNKNOWN
     region = Region.where(check.operator, check.value)
     if region.intersection(values).is_empty:
         return Truth.FALSE

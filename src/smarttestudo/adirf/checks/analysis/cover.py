@@ -43,8 +43,9 @@ class Covers:
     def of(
         self, covered: Branch | None, topic: str, is_counted: Callable[[Branch], bool], effort: Effort
     ) -> Coverage:
-        """Whether wherever ``covered`` applies (``None``: anywhere) some counted branch does that sets ``topic``.
+        """Whether wherever ``covered`` applies some counted branch applies that sets ``topic``.
 
+        Without ``covered`` the question is about all states.
         Raises ``TooComplexError`` when ``effort`` is spent.
         """
         excluded: list[Branch] = []
@@ -57,7 +58,7 @@ class Covers:
             counted = (branch for branch in nearby if is_counted(branch))
             applying = next((branch for branch in counted if holds(branch.form, state)), None)
             if applying is None:
-                return Coverage(gap=dict(sorted(state.items())), branches=())
+                return Coverage(gap=state, branches=())
             excluded.append(applying)
         raise TooComplexError
 

@@ -78,11 +78,11 @@ class _Analyst:
         if where_true.is_exact and not where_true.boxes:
             return Truth.FALSE
         try:
-            if where_true.sure_box is None:
-                raise TooComplexError
-            return Truth.TRUE if self._is_everywhere(where_true, block) else Truth.UNKNOWN
+            if where_true.sure_box is not None:
+                return Truth.TRUE if self._is_everywhere(where_true, block) else Truth.UNKNOWN
         except TooComplexError:
-            self._unfinished.add(block.order)
+            pass
+        self._unfinished.add(block.order)
         return Truth.UNKNOWN
 
     def territory(self, form: Form) -> Territory:
@@ -103,11 +103,13 @@ class _Analyst:
             cover = covers.of(None, topic, lambda _: True, self._question())
         except TooComplexError:
             return Gap(topic=topic, state=None)
-        return None if cover.gap is None else Gap(topic=topic, state=cover.gap)
+        return None if cover.gap is None else Gap(topic=topic, state=dict(sorted(cover.gap.items())))
 
     def _is_everywhere(self, where_true: Territory, block: WrittenBlock) -> bool:
         if where_true.is_exact and len(where_true.boxes) == 1:
-            return all(self.domain(signal).is_within(region) for signal, region in where_true.boxes[0].items())
+            return all(
+                self.domain(signal).is_within(region) for signal, region in where_true.boxes[0].items()
+            )
         return find_box([negation(block.form)], self.domain, self._question()) is None
 
     def _shadows(self, branch: Branch, covers: Covers) -> Iterator[Shadow]:
