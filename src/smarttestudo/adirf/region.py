@@ -5,8 +5,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import reduce
+from types import MappingProxyType
 
 from smarttestudo.adirf.syntax import Operator
 
@@ -17,7 +19,19 @@ Piece = tuple[Bound, Bound]
 
 _LOWEST: Bound = (-math.inf, -1)
 _HIGHEST: Bound = (math.inf, 1)
+_EVERYTHING: tuple[Piece, ...] = ((_LOWEST, _HIGHEST),)
 _SIGNIFICANT_DIGITS = 17
+_NOT_EQUAL = Operator.NOT_EQUAL
+_SIDES: Mapping[Operator, tuple[int, int]] = MappingProxyType(
+    {
+        Operator.GREATER: (1, 0),
+        Operator.GREATER_EQUAL: (-1, 0),
+        Operator.LESS: (0, -1),
+        Operator.LESS_EQUAL: (0, 1),
+        Operator.EQUAL: (-1, 1),
+    }
+)
+"""Beside which side of the value the numbers of a comparison begin and end; 0 for not at the value."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +47,7 @@ class Region:
     @staticmethod
     def everything() -> Region:
         """All numbers."""
-        return Region(((_LOWEST, _HIGHEST),))
+        return Region(_EVERYTHING)
 
     @staticmethod
     def nothing() -> Region:
@@ -43,16 +57,10 @@ class Region:
     @staticmethod
     def where(operator: Operator, value: float) -> Region:
         """The numbers x for which ``x operator value`` holds."""
-        below, above = (value, -1), (value, 1)
-        pieces: dict[Operator, tuple[Piece, ...]] = {
-            Operator.GREATER: ((above, _HIGHEST),),
-            Operator.GREATER_EQUAL: ((below, _HIGHEST),),
-            Operator.LESS: ((_LOWEST, below),),
-            Operator.LESS_EQUAL: ((_LOWEST, above),),
-            Operator.EQUAL: ((below, above),),
-            Operator.NOT_EQUAL: ((_LOWEST, below), (above, _HIGHEST)),
-        }
-        return _joined(pieces[operator])
+        pieces = _compared(operator, value)
+        if math.isfinite(value):
+            return Region(pieces)
+        return Region(tuple(piece for piece in pieces if _holds_a_number(*piece)))
 
     @staticmethod
     def between(minimum: float | None, maximum: float | None, *, includes_minimum: bool = True) -> Region:
@@ -68,12 +76,17 @@ class Region:
     @staticmethod
     def intersection_of(regions: Iterable[Region]) -> Region:
         """What is in all of ``regions``; everything if there are none."""
-        return Region.union_of(region.complement() for region in regions).complement()
+        return reduce(Region.intersection, regions, Region.everything())
 
     @property
     def is_empty(self) -> bool:
         """Whether no number is in it."""
         return not self.pieces
+
+    @property
+    def is_everything(self) -> bool:
+        """Whether all numbers are in it."""
+        return self.pieces == _EVERYTHING
 
     @property
     def cuts(self) -> tuple[Bound, ...]:
@@ -87,11 +100,21 @@ class Region:
 
     def is_within(self, other: Region) -> bool:
         """Whether ``other`` holds all of it."""
-        return self.intersection(other.complement()).is_empty
+        return not any(_sticks_out(piece, other.pieces) for piece in self.pieces)
 
     def intersection(self, other: Region) -> Region:
         """What is in both, in one walk over the pieces."""
-        return Region(tuple(_common_pieces(self.pieces, other.pieces)))
+        if len(self.pieces) != 1 or len(other.pieces) != 1:
+            return Region(tuple(_common_pieces(self.pieces, other.pieces)))
+        ((my_low, my_high),) = self.pieces
+        ((their_low, their_high),) = other.pieces
+        low = max(their_low, my_low)
+        high = min(their_high, my_high)
+        if low is their_low and high is their_high:
+            return other
+        if low is my_low and high is my_high:
+            return self
+        return Region(((low, high),) if _holds_a_number(low, high) else ())
 
     def complement(self) -> Region:
         """What is not in it."""
@@ -113,11 +136,10 @@ class Region:
         """A number in it, a finite and round one where it can be; ``ValueError`` when it is empty."""
         if self.is_empty:
             raise ValueError("an empty region holds no number")
-        finite = (piece for piece in self.pieces if _holds_a_number(*_finite(piece)))
-        piece = next(finite, None)
-        if piece is None:
-            return next(end for end in (-math.inf, math.inf) if self.contains(end))
-        return _roundest(_finite(piece))
+        for piece in map(_finite, self.pieces):
+            if _holds_a_number(*piece):
+                return _roundest(piece)
+        return next(end for end in (-math.inf, math.inf) if self.contains(end))
 
 
 def _holds_a_number(low: Bound, high: Bound) -> bool:
@@ -125,6 +147,25 @@ def _holds_a_number(low: Bound, high: Bound) -> bool:
     if low >= high:
         return False
     return low[1] < 0 or high[1] > 0 or math.nextafter(low[0], math.inf) < high[0]
+
+
+def _compared(operator: Operator, value: float) -> tuple[Piece, ...]:
+    """Where ``x operator value`` holds, as pieces in rising order that may be empty for infinite values."""
+    if operator is _NOT_EQUAL:
+        return (_LOWEST, (value, -1)), ((value, 1), _HIGHEST)
+    low_side, high_side = _SIDES[operator]
+    low = (value, low_side) if low_side else _LOWEST
+    return ((low, (value, high_side) if high_side else _HIGHEST),)
+
+
+def _sticks_out(piece: Piece, pieces: Iterable[Piece]) -> bool:
+    """Whether a number of ``piece`` is in none of ``pieces``, which rise."""
+    start, end = piece
+    for low, high in pieces:
+        if _holds_a_number(start, min(low, end)):
+            return True
+        start = max(start, high)
+    return _holds_a_number(start, end)
 
 
 def _joined(pieces: Iterable[Piece]) -> Region:
@@ -160,13 +201,13 @@ def _finite(piece: Piece) -> Piece:
 def _roundest(piece: Piece) -> float:
     """The number in ``piece`` with the fewest digits among those near its middle, or near its finite end."""
     target = _target(piece)
-    region = Region((piece,))
+    low, high = piece
     for digits in range(1, _SIGNIFICANT_DIGITS + 1):
         rounded = float(f"{target:.{digits}g}")
-        if region.contains(rounded):
+        if low < (rounded, 0) < high:
             return rounded + 0.0
-    (low, low_side), (high, _) = piece
-    return low if low_side < 0 else min(math.nextafter(low, math.inf), high)
+    lowest, side = low
+    return lowest if side < 0 else min(math.nextafter(lowest, math.inf), high[0])
 
 
 def _target(piece: Piece) -> float:

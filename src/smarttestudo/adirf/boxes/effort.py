@@ -23,8 +23,9 @@ class Effort:
 
     def spend(self, looks: int) -> None:
         """Count ``looks``; raises ``TooComplexError`` when there were not as many left."""
-        self._left -= looks
-        if self._left < 0:
-            raise TooComplexError
-        if self._parent is not None:
-            self._parent.spend(looks)
+        effort: Effort | None = self
+        while effort is not None:
+            effort._left -= looks  # noqa: SLF001 - of the same class
+            if effort._left < 0:  # noqa: SLF001
+                raise TooComplexError
+            effort = effort._parent  # noqa: SLF001

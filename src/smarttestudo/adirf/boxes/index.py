@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections import Counter
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
@@ -20,6 +21,7 @@ Interval = tuple[float, float]
 Hull = Mapping[Signal, Interval]
 """The closed intervals around a box; signals that the box does not bound are left out."""
 
+_UNBOUNDED: Interval = (-math.inf, math.inf)
 _LEAF_SIZE = 8
 _SIGNALS_TRIED = 4
 
@@ -36,8 +38,12 @@ class Entry:
 
 def hull_of(box: Box) -> Hull:
     """The closed intervals around ``box``."""
-    hull = {signal: (region.pieces[0][0][0], region.pieces[-1][1][0]) for signal, region in box.items()}
-    return {signal: ends for signal, ends in hull.items() if ends != (-math.inf, math.inf)}
+    hull: dict[Signal, Interval] = {}
+    for signal, region in box.items():
+        ends = region.pieces[0][0][0], region.pieces[-1][1][0]
+        if ends != _UNBOUNDED:
+            hull[signal] = ends
+    return hull
 
 
 class BoxIndex:
@@ -48,7 +54,12 @@ class BoxIndex:
     """
 
     def __init__(self, entries: Sequence[Entry]) -> None:
-        self._root = _node(list(entries)) if entries else None
+        self._kinds: dict[Hashable, int] = {}
+        leaves: list[_Leaf] = []
+        for entry in entries:
+            kind = self._kinds.setdefault(entry.kind, len(self._kinds))
+            leaves.append(_leaf(entry, kind))
+        self._root = _node(leaves) if leaves else None
 
     def near(
         self, interval_of: Callable[[Signal], Interval | None], effort: Effort, *, other_than: Hashable = None
@@ -57,71 +68,99 @@ class BoxIndex:
 
         Entries of the kind ``other_than`` are left out.
         """
+        left_out = self._kinds.get(other_than)
+        looks = 0
         nodes = [] if self._root is None else [self._root]
         while nodes:
             node = nodes.pop()
-            effort.spend(1 + len(node.entries))
-            if node.kinds == {other_than} or not _meet(node.hull, interval_of):
+            looks += node.looks
+            if node.kind == left_out:
                 continue
-            nodes.extend(reversed(node.children))
-            for entry in node.entries:
-                if entry.kind != other_than and _meet(entry.hull, interval_of):
-                    yield entry
+            for signal, (low, high) in node.hull.items():
+                interval = interval_of(signal)
+                if interval is not None and (interval[1] < low or high < interval[0]):
+                    break
+            else:
+                if node.entry is None:
+                    nodes.extend(node.parts)
+                    continue
+                effort.spend(looks)
+                looks = 0
+                yield node.entry
+        effort.spend(looks)
+
+
+_SEVERAL_KINDS = -1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Node:
-    """``kinds`` holds the kind of all entries below, or is empty where they have several."""
+    """An ``entry``, or what is around ``parts``, which has the last one first.
+
+    ``kind`` is the number of the kind of all entries below, ``looks`` what a visit costs with its entries.
+    """
 
     hull: Hull
-    kinds: frozenset[Hashable]
-    children: tuple[_Node, ...] = ()
-    entries: tuple[Entry, ...] = ()
+    kind: int
+    looks: int = 0
+    parts: tuple[_Node, ...] = ()
+    entry: Entry | None = None
 
 
-def _node(entries: list[Entry]) -> _Node:
-    if len(entries) <= _LEAF_SIZE:
-        return _Node(
-            hull=_around([entry.hull for entry in entries]),
-            kinds=_one_kind({entry.kind for entry in entries}),
-            entries=tuple(entries),
-        )
-    signal = _most_selective_signal(entries)
+_Extents = Mapping[Signal, tuple[float, float]]
+"""The centre and the width of a hull along each of its signals."""
+
+_Leaf = tuple["_Node", _Extents]
+"""The node of an entry with its extents."""
+
+_BEHIND_ALL = (math.inf, 0.0)
+
+
+def _leaf(entry: Entry, kind: int) -> _Leaf:
+    extents = {signal: (_centre(ends), ends[1] - ends[0]) for signal, ends in entry.hull.items()}
+    return _Node(hull=entry.hull, kind=kind, entry=entry), extents
+
+
+def _node(leaves: list[_Leaf]) -> _Node:
+    if len(leaves) <= _LEAF_SIZE:
+        return _parent([node for node, _ in leaves], looks=1 + len(leaves))
+    signal = _most_selective_signal([extents for _, extents in leaves])
     if signal is not None:
-        entries = sorted(
-            entries, key=lambda entry: _centre(entry.hull[signal]) if signal in entry.hull else math.inf
-        )
-    middle = len(entries) // 2
-    children = (_node(entries[:middle]), _node(entries[middle:]))
-    kinds = {kind for child in children for kind in child.kinds} if all(c.kinds for c in children) else set()
-    return _Node(hull=_around([child.hull for child in children]), kinds=_one_kind(kinds), children=children)
+        leaves = sorted(leaves, key=lambda leaf: leaf[1].get(signal, _BEHIND_ALL)[0])
+    middle = len(leaves) // 2
+    return _parent([_node(leaves[:middle]), _node(leaves[middle:])], looks=1)
 
 
-def _one_kind(kinds: set[Hashable]) -> frozenset[Hashable]:
-    return frozenset(kinds) if len(kinds) == 1 else frozenset()
+def _parent(nodes: Sequence[_Node], *, looks: int) -> _Node:
+    kind = nodes[0].kind if all(node.kind == nodes[0].kind for node in nodes) else _SEVERAL_KINDS
+    return _Node(
+        hull=_around([node.hull for node in nodes]), kind=kind, looks=looks, parts=tuple(reversed(nodes))
+    )
 
 
 def _around(hulls: Sequence[Hull]) -> Hull:
-    signals = [signal for signal in hulls[0] if all(signal in hull for hull in hulls)]
-    return {
-        signal: (min(hull[signal][0] for hull in hulls), max(hull[signal][1] for hull in hulls))
-        for signal in signals
-    }
+    around: dict[Signal, Interval] = {}
+    for signal in hulls[0]:
+        intervals = [hull[signal] for hull in hulls if signal in hull]
+        if len(intervals) == len(hulls):
+            lows, highs = zip(*intervals, strict=True)
+            around[signal] = min(lows), max(highs)
+    return around
 
 
-def _most_selective_signal(entries: Sequence[Entry]) -> Signal | None:
-    """The signal along which the entries are spread widest for their width."""
-    counts = Counter(signal for entry in entries for signal in entry.hull)
+def _most_selective_signal(hulls: Sequence[_Extents]) -> Signal | None:
+    """The signal along which the hulls are spread widest for their width."""
+    counts = Counter(itertools.chain.from_iterable(hulls))
     tried = [signal for signal, _ in counts.most_common(_SIGNALS_TRIED)]
-    return max(tried, key=lambda signal: _spread(signal, entries), default=None)
+    return max(tried, key=lambda signal: _spread(signal, hulls), default=None)
 
 
-def _spread(signal: Signal, entries: Sequence[Entry]) -> float:
-    intervals = [entry.hull[signal] for entry in entries if signal in entry.hull]
-    centres = [_centre(interval) for interval in intervals]
-    width = median_low(high - low for low, high in intervals)
+def _spread(signal: Signal, hulls: Sequence[_Extents]) -> float:
+    extents = [hull[signal] for hull in hulls if signal in hull]
+    centres, widths = zip(*extents, strict=True)
+    width = median_low(widths)
     spread = (max(centres) - min(centres)) / width if width > 0 else math.inf
-    return spread * len(intervals)
+    return spread * len(extents)
 
 
 def _centre(interval: Interval) -> float:
@@ -129,11 +168,3 @@ def _centre(interval: Interval) -> float:
     if math.isinf(low):
         return high
     return low if math.isinf(high) else low / 2 + high / 2
-
-
-def _meet(hull: Hull, interval_of: Callable[[Signal], Interval | None]) -> bool:
-    for signal, (low, high) in hull.items():
-        interval = interval_of(signal)
-        if interval is not None and (interval[1] < low or high < interval[0]):
-            return False
-    return True

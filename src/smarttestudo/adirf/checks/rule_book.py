@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -20,8 +21,9 @@ from smarttestudo.adirf.checks.written import (
     rate_of,
 )
 from smarttestudo.adirf.normal_form import merged, negation, normal_form
+from smarttestudo.adirf.region import Region
 from smarttestudo.adirf.syntax import Block, Check, KeepAtLeast, RuleFile, SetFrequency, Statement, TopicName
-from smarttestudo.domain.signal import Signal
+from smarttestudo.domain.signal import Signal, Truth
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -58,7 +60,9 @@ def read_rule_book(files: Sequence[RuleFile], context: CheckContext) -> RuleBook
 class _Reader:
     def __init__(self, context: CheckContext) -> None:
         self._context = context
+        self._full_name = cache(context.resolve)
         self._spec_of = cache(context.spec_of)
+        self._values_of = cache(context.domain)
         self._settings: list[WrittenRate] = []
         self._defaults: list[WrittenRate] = []
         self._floors: dict[str, WrittenRate] = {}
@@ -97,16 +101,24 @@ class _Reader:
         )
 
     def _add_block(self, path: str, block: Block) -> None:
-        form = merged(normal_form(block.condition, self._context.resolve))
+        form = merged(normal_form(block.condition, self._full_name))
         written = WrittenBlock(order=len(self._blocks), path=path, block=block, form=form)
         self._blocks.append(written)
         for part in conditions_in(block.condition):
             if isinstance(part, Check):
-                signal = Signal(self._resolve(path, part.topic), part.property)
-                spec = self._spec_of(signal)
-                self._checks.append(WrittenCheck(path=path, signal=signal, spec=spec, check=part))
+                self._checks.append(self._check(path, part))
         self._add_branch(written, block.then, is_else=False)
         self._add_branch(written, block.otherwise, is_else=True)
+
+    def _check(self, path: str, check: Check) -> WrittenCheck:
+        signal = Signal(self._resolve(path, check.topic), check.property)
+        return WrittenCheck(
+            path=path,
+            signal=signal,
+            spec=self._spec_of(signal),
+            truth=_truth(check, self._values_of(signal)),
+            check=check,
+        )
 
     def _add_branch(self, block: WrittenBlock, statements: Iterable[SetFrequency], *, is_else: bool) -> None:
         written = tuple(self._setting(block.path, statement) for statement in statements)
@@ -134,6 +146,16 @@ class _Reader:
         return written
 
     def _resolve(self, path: str, name: TopicName) -> str:
-        topic = self._context.resolve(name.text)
-        self._mentions.setdefault(topic, Mention(path=path, name=name))
+        topic = self._full_name(name.text)
+        if topic not in self._mentions:
+            self._mentions[topic] = Mention(path=path, name=name)
         return topic
+
+
+def _truth(check: Check, values: Region) -> Truth:
+    if values.is_everything and math.isfinite(check.value):
+        return Truth.UNKNOWN
+    region = Region.where(check.operator, check.value)
+    if region.intersection(values).is_empty:
+        return Truth.FALSE
+    return Truth.TRUE if values.is_within(region) else Truth.UNKNOWN

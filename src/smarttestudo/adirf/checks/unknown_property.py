@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cache
 
 from smarttestudo.adirf.checks import wording
 from smarttestudo.adirf.checks.message_fields import has_field
@@ -17,9 +18,11 @@ from smarttestudo.domain.finding import Fix, Severity
 
 
 def _find(book: RuleBook) -> Iterator[Found]:
+    type_of = cache(book.context.type_of)
+    known = known_types()
     for one in book.checks:
-        type_name = book.context.type_of(one.signal.topic)
-        if type_name in known_types() and not _exists(one.signal.property, type_name):
+        type_name = type_of(one.signal.topic)
+        if type_name in known and not _exists(one.signal.property, type_name):
             yield _found(one, type_name)
 
 

@@ -7,32 +7,23 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from smarttestudo.adirf.checks import wording
-from smarttestudo.adirf.checks.context import values_of
 from smarttestudo.adirf.checks.rule_book import RuleBook
 from smarttestudo.adirf.checks.rule_check import Found
 from smarttestudo.adirf.checks.written import WrittenCheck
 from smarttestudo.adirf.properties import PropertySpec
-from smarttestudo.adirf.region import Region
 from smarttestudo.domain.signal import ArrivalProperty, Truth
 
 
 def checks_that_are(truth: Truth, word: str, book: RuleBook) -> Iterator[Found]:
     """The checks that are ``truth`` for every value of what they read; ``word`` says never or always."""
     for one in book.checks:
-        if one.spec is not None and _truth(one, values_of(one.spec)) is truth:
+        if one.truth is truth and one.spec is not None:
             yield Found(
                 path=one.path,
                 span=one.check.span,
                 message=f"{wording.check_text(one.check)} {word} holds: {_range_text(one.spec)}",
                 hint=_hint(one, book),
             )
-
-
-def _truth(one: WrittenCheck, domain: Region) -> Truth:
-    region = Region.where(one.check.operator, one.check.value)
-    if region.intersection(domain).is_empty:
-        return Truth.FALSE
-    return Truth.TRUE if domain.is_within(region) else Truth.UNKNOWN
 
 
 def _range_text(spec: PropertySpec) -> str:

@@ -24,7 +24,7 @@ from smarttestudo.adirf.syntax import (
     TopicName,
 )
 from smarttestudo.domain.rate import Rate
-from smarttestudo.domain.signal import Signal
+from smarttestudo.domain.signal import Signal, Truth
 from smarttestudo.domain.source import Span
 from smarttestudo.domain.tier import Tier
 
@@ -54,11 +54,15 @@ class Mention:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WrittenCheck:
-    """A CheckValue; ``spec`` is what is known about its property."""
+    """A CheckValue; ``spec`` is what is known about its property.
+
+    ``truth`` says whether it holds for none (FALSE), all (TRUE) or some of the values of its property.
+    """
 
     path: str
     signal: Signal
     spec: PropertySpec | None
+    truth: Truth
     check: Check
 
 

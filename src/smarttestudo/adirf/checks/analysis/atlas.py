@@ -14,6 +14,7 @@ from smarttestudo.adirf.boxes import (
     Domain,
     Effort,
     Entry,
+    Hull,
     TooComplexError,
     boxes_where,
     hull_of,
@@ -30,22 +31,35 @@ MAX_BOXES = 64
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Territory:
-    """The boxes where a branch applies; around them only, where ``is_exact`` is false."""
+    """The boxes where a condition holds; around them only, where ``is_exact`` is false.
+
+    ``sure_box`` is the first box in all of which it holds, ``None`` where none was found; ``hulls`` are those
+    of ``boxes``.
+    """
 
     boxes: tuple[Box, ...]
+    hulls: tuple[Hull, ...]
     is_exact: bool
+    sure_box: Box | None
 
 
 def territory_of(form: Form, domain: Domain, effort: Effort) -> Territory:
     """Where ``form`` holds, as at most ``MAX_BOXES`` boxes; one around them all where they are more."""
+    boxes: list[Box] = []
+    is_exact = False
     try:
-        boxes = tuple(itertools.islice(boxes_where([form], domain, effort), MAX_BOXES + 1))
+        for box in itertools.islice(boxes_where([form], domain, effort), MAX_BOXES + 1):
+            boxes.append(box)  # noqa: PERF402 - what was found counts when the effort is spent
+        is_exact = len(boxes) <= MAX_BOXES
     except TooComplexError:
-        boxes = ()
-    else:
-        if len(boxes) <= MAX_BOXES:
-            return Territory(boxes=boxes, is_exact=True)
-    return Territory(boxes=(_box_around(form, domain),), is_exact=False)
+        pass
+    around = tuple(boxes) if is_exact else (_box_around(form, domain),)
+    return Territory(
+        boxes=around,
+        hulls=tuple(map(hull_of, around)),
+        is_exact=is_exact,
+        sure_box=boxes[0] if boxes else None,
+    )
 
 
 def _box_around(form: Form, domain: Domain) -> Box:
@@ -60,12 +74,12 @@ def _box_around(form: Form, domain: Domain) -> Box:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Neighbourhood:
-    """The branches that set all of ``topics``, by place.
+    """The branches that set all of some topics, by place.
 
-    The kind of an entry is the rates that its branch sets, in the order of ``topics``.
+    ``kinds`` has equal numbers for branches, by order, that set equal rates; they are the kinds of entries.
     """
 
-    topics: tuple[str, ...]
+    kinds: Mapping[int, int]
     index: BoxIndex
 
 
@@ -97,11 +111,10 @@ class Atlas:
         return tuple(found.values())
 
     def around(
-        self, branch: Branch, box: Box, neighbourhood: Neighbourhood, effort: Effort
+        self, branch: Branch, hull: Hull, neighbourhood: Neighbourhood, effort: Effort
     ) -> Iterator[tuple[Branch, Box]]:
-        """The branches near ``box`` that set other rates than ``branch``, each with one of its boxes."""
-        hull = hull_of(box)
-        kind = rates_set(branch, neighbourhood.topics)
+        """The branches near ``hull`` that set other rates than ``branch``, each with one of its boxes."""
+        kind = neighbourhood.kinds[branch.order]
         for entry in neighbourhood.index.near(hull.get, effort, other_than=kind):
             yield self._branches[entry.owner], entry.box
 
@@ -113,17 +126,17 @@ class Atlas:
             yield self._branches[entry.owner]
 
     def _neighbourhood(self, orders: Sequence[int], topics: tuple[str, ...]) -> Neighbourhood:
-        entries = [
-            Entry(
-                owner=order,
-                kind=rates_set(self._branches[order], topics),
-                box=box,
-                hull=hull_of(box),
+        numbers: dict[tuple[Rate | None, ...], int] = {}
+        kinds: dict[int, int] = {}
+        entries: list[Entry] = []
+        for order in orders:
+            kind = kinds[order] = numbers.setdefault(rates_set(self._branches[order], topics), len(numbers))
+            territory = self._territories[order]
+            entries.extend(
+                Entry(owner=order, kind=kind, box=box, hull=hull)
+                for box, hull in zip(territory.boxes, territory.hulls, strict=True)
             )
-            for order in orders
-            for box in self._territories[order].boxes
-        ]
-        return Neighbourhood(topics=topics, index=BoxIndex(entries))
+        return Neighbourhood(kinds=kinds, index=BoxIndex(entries))
 
 
 def rates_set(branch: Branch, topics: Sequence[str]) -> tuple[Rate | None, ...]:

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
 
@@ -13,7 +13,7 @@ from smarttestudo.adirf.boxes.index import Interval
 from smarttestudo.adirf.checks.analysis.atlas import Atlas
 from smarttestudo.adirf.checks.analysis.results import State
 from smarttestudo.adirf.checks.written import Branch
-from smarttestudo.adirf.normal_form import Form, holds, negation
+from smarttestudo.adirf.normal_form import holds, negation
 from smarttestudo.domain.signal import Signal
 
 MAX_BRANCHES_EXCLUDED = 100
@@ -41,40 +41,48 @@ class Covers:
         self._usual_value = cache(lambda signal: domain(signal).sample())
 
     def of(
-        self, forms: Sequence[Form], topic: str, is_counted: Callable[[Branch], bool], effort: Effort
+        self, covered: Branch | None, topic: str, is_counted: Callable[[Branch], bool], effort: Effort
     ) -> Coverage:
-        """Whether wherever ``forms`` hold some counted branch applies that sets ``topic``.
+        """Whether wherever ``covered`` applies some counted branch applies that sets ``topic``.
 
+        Without ``covered`` the question is about all states.
         Raises ``TooComplexError`` when ``effort`` is spent.
         """
         excluded: list[Branch] = []
         while len(excluded) < MAX_BRANCHES_EXCLUDED:
-            box = self._box_outside(excluded, forms, effort)
+            box = self._box_outside(excluded, covered, effort)
             if box is None:
-                return Coverage(gap=None, branches=self._needed(excluded, forms, effort))
+                return Coverage(gap=None, branches=self._needed(excluded, covered, effort))
             state = _FullState(box, self._usual_value)
-            nearby = self._atlas.setters_near(topic, state.interval_of, effort)
+            nearby = self._atlas.setters_near(topic, _Points(state).__getitem__, effort)
             counted = (branch for branch in nearby if is_counted(branch))
             applying = next((branch for branch in counted if holds(branch.form, state)), None)
             if applying is None:
-                return Coverage(gap=dict(sorted(state.items())), branches=())
+                return Coverage(gap=state, branches=())
             excluded.append(applying)
         raise TooComplexError
 
     def _needed(
-        self, covering: Sequence[Branch], forms: Sequence[Form], effort: Effort
+        self, covering: Sequence[Branch], covered: Branch | None, effort: Effort
     ) -> tuple[Branch, ...]:
         """Those of few ``covering`` branches that cover by themselves."""
         needed = list(covering)
         if len(covering) <= MAX_BRANCHES_THINNED_OUT:
             for branch in covering:
                 rest = [other for other in needed if other is not branch]
-                if self._box_outside(rest, forms, effort) is None:
+                if self._box_outside(rest, covered, effort) is None:
                     needed = rest
         return tuple(needed)
 
-    def _box_outside(self, branches: Iterable[Branch], forms: Sequence[Form], effort: Effort) -> Box | None:
-        return find_box([*forms, *(negation(branch.form) for branch in branches)], self._domain, effort)
+    def _box_outside(self, branches: Sequence[Branch], covered: Branch | None, effort: Effort) -> Box | None:
+        """A box of ``covered`` in which none of ``branches`` applies."""
+        forms = [negation(branch.form) for branch in branches]
+        if covered is not None:
+            sure_box = self._atlas.territory(covered).sure_box
+            if sure_box is not None and not branches:
+                return sure_box
+            forms.insert(0, covered.form)
+        return find_box(forms, self._domain, effort)
 
 
 class _FullState(dict[Signal, float]):
@@ -88,6 +96,15 @@ class _FullState(dict[Signal, float]):
         value = self[signal] = self._usual_value(signal)
         return value
 
-    def interval_of(self, signal: Signal) -> Interval:
-        """The one value of ``signal``."""
-        return self[signal], self[signal]
+
+class _Points(dict[Signal, Interval]):
+    """The values of a state as intervals, each made when it is first asked for."""
+
+    def __init__(self, state: _FullState) -> None:
+        super().__init__()
+        self._state = state
+
+    def __missing__(self, signal: Signal) -> Interval:
+        value = self._state[signal]
+        point = self[signal] = (value, value)
+        return point

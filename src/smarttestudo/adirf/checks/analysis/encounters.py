@@ -49,9 +49,10 @@ class Encounters:
 
     def _pairs(self, branch: Branch) -> Iterator[tuple[Branch, Box, Box]]:
         """Each branch before this one that sets other rates, with a box of its own near one of this one's."""
+        territory = self._atlas.territory(branch)
         for neighbourhood in self._atlas.neighbourhoods(branch):
-            for box in self._atlas.territory(branch).boxes:
-                for other, other_box in self._atlas.around(branch, box, neighbourhood, self._effort):
+            for box, hull in zip(territory.boxes, territory.hulls, strict=True):
+                for other, other_box in self._atlas.around(branch, hull, neighbourhood, self._effort):
                     if other.order < branch.order and other.block is not branch.block:
                         self._effort.spend(len(box) + len(other_box))
                         yield other, other_box, box

@@ -15,7 +15,7 @@ from smarttestudo.adirf.checks.analysis.encounters import Encounters
 from smarttestudo.adirf.checks.analysis.results import Analysis, Clash, Gap, Meeting, Shadow
 from smarttestudo.adirf.checks.context import CheckContext
 from smarttestudo.adirf.checks.written import Branch, WrittenBlock
-from smarttestudo.adirf.normal_form import negation
+from smarttestudo.adirf.normal_form import Form, negation
 from smarttestudo.domain.signal import Signal, Truth
 
 _T = TypeVar("_T")
@@ -36,8 +36,12 @@ def analyse(
     Of each branch the first clashes with branches before it are found, or else the first meeting.
     """
     analyst = _Analyst(blocks, domain=cache(context.domain), wavers=cache(context.wavers))
-    truths = {block.order: analyst.truth(block) for block in blocks}
-    territories = {branch.order: analyst.territory(branch) for branch in branches}
+    where_true = {block.order: analyst.territory(block.form) for block in blocks}
+    truths = {block.order: analyst.truth(block, where_true[block.order]) for block in blocks}
+    territories = {
+        branch.order: analyst.territory(branch.form) if branch.is_else else where_true[branch.block.order]
+        for branch in branches
+    }
     possible = [branch for branch in branches if territories[branch.order].boxes]
     atlas = Atlas(branches, territories)
     covers = Covers(atlas, analyst.domain)
@@ -70,18 +74,19 @@ class _Analyst:
     def unfinished(self) -> tuple[WrittenBlock, ...]:
         return tuple(self._blocks[order] for order in sorted(self._unfinished))
 
-    def truth(self, block: WrittenBlock) -> Truth:
+    def truth(self, block: WrittenBlock, where_true: Territory) -> Truth:
+        if where_true.is_exact and not where_true.boxes:
+            return Truth.FALSE
         try:
-            if find_box([block.form], self.domain, self._question()) is None:
-                return Truth.FALSE
-            if find_box([negation(block.form)], self.domain, self._question()) is None:
-                return Truth.TRUE
+            if where_true.sure_box is not None:
+                return Truth.TRUE if self._is_everywhere(where_true, block) else Truth.UNKNOWN
         except TooComplexError:
-            self._unfinished.add(block.order)
+            pass
+        self._unfinished.add(block.order)
         return Truth.UNKNOWN
 
-    def territory(self, branch: Branch) -> Territory:
-        return territory_of(branch.form, self.domain, self._question())
+    def territory(self, form: Form) -> Territory:
+        return territory_of(form, self.domain, self._question())
 
     def encounters(self, branch: Branch, atlas: Atlas) -> Iterator[Clash | Meeting]:
         encounters = Encounters(atlas, domain=self.domain, wavers=self._wavers, effort=self._question())
@@ -95,16 +100,23 @@ class _Analyst:
 
     def gap(self, topic: str, covers: Covers) -> Gap | None:
         try:
-            cover = covers.of((), topic, lambda _: True, self._question())
+            cover = covers.of(None, topic, lambda _: True, self._question())
         except TooComplexError:
             return Gap(topic=topic, state=None)
-        return None if cover.gap is None else Gap(topic=topic, state=cover.gap)
+        return None if cover.gap is None else Gap(topic=topic, state=dict(sorted(cover.gap.items())))
+
+    def _is_everywhere(self, where_true: Territory, block: WrittenBlock) -> bool:
+        if where_true.is_exact and len(where_true.boxes) == 1:
+            return all(
+                self.domain(signal).is_within(region) for signal, region in where_true.boxes[0].items()
+            )
+        return find_box([negation(block.form)], self.domain, self._question()) is None
 
     def _shadows(self, branch: Branch, covers: Covers) -> Iterator[Shadow]:
         rivals: dict[int, Branch] = {}
         for topic in branch.settings:
             is_rival = partial(wins_over, loser=branch, topic=topic)
-            cover = covers.of((branch.form,), topic, is_rival, self._question())
+            cover = covers.of(branch, topic, is_rival, self._question())
             if cover.gap is not None:
                 return
             rivals.update((rival.order, rival) for rival in cover.branches)
