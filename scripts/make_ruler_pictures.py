@@ -36,7 +36,8 @@ rclpy.init()
 node = rclpy.create_node("operator")
 for topic, kind in zip(sys.argv[1::2], sys.argv[2::2]):
     package, name = kind.split("/msg/")
-    node.create_subscription(getattr(importlib.import_module(package + ".msg"), name), topic, lambda _: None, 10)
+    message = getattr(importlib.import_module(package + ".msg"), name)
+    node.create_subscription(message, topic, lambda _: None, 10)
 rclpy.spin(node)
 """
 HEARD = {

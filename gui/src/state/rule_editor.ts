@@ -9,6 +9,7 @@ import { History } from "./history";
 import { topicsIn } from "./topics_in";
 
 const CHECK_AFTER_MS = 150;
+const CHECK_WITHIN_MS = 1000;
 const WORDS_KEPT_MS = 5000;
 const EMPTY: RuleDocument = { collections: [], findings: [], parses: true };
 
@@ -72,6 +73,8 @@ export class RuleEditor {
   /** What the server was asked about last, until it answered. */
   private asked: Rules | null = null;
   private asking: Promise<void> = Promise.resolve();
+  /** How long the server took to answer. */
+  private answerMs = 0;
   private words: Words | null = null;
 
   constructor(
@@ -228,7 +231,9 @@ export class RuleEditor {
 
   private checkSoon(): void {
     window.clearTimeout(this.timer);
-    this.timer = window.setTimeout(() => void this.check(), CHECK_AFTER_MS);
+    // A long file is not read again between two words.
+    const afterMs = Math.min(Math.max(CHECK_AFTER_MS, this.answerMs), CHECK_WITHIN_MS);
+    this.timer = window.setTimeout(() => void this.check(), afterMs);
   }
 
   /** Asks the server what the text says now, once at a time: a text of the past is not asked about. */
@@ -243,7 +248,9 @@ export class RuleEditor {
 
   private async ask(rules: Rules): Promise<void> {
     try {
+      const askedMs = performance.now();
       const document = await this.api.document(rules);
+      this.answerMs = performance.now() - askedMs;
       const words = await this.wordsFor(rules, document);
       if (rules.text !== this.text.value) return;
       batch(() => {
