@@ -28,6 +28,8 @@ TOPICS = ("/odom", "/scan", "/imu", "/camera/image_raw", "/cmd_vel", "/tf", "/jo
 ZONE_M = 3
 FLOOR_M = 300
 SMALL_FILE_RULES = 10
+GRIP_PX = 40
+"""A field this far from the lower end of the blocks can be clicked."""
 KEY_PAUSES_MS = (60, 90, 120, 350)
 """A quick typist, who looks up after every fourth letter: then the server's answer comes between two keys."""
 
@@ -165,7 +167,10 @@ def in_text(page: Page, watch: Watch, keys: int) -> Iterator[Strokes]:
 def in_block(page: Page, watch: Watch, keys: int) -> Iterator[Strokes]:
     """Change fields of a block again and again."""
     blocks = page.get_by_role("region", name="Blocks", exact=True)
-    blocks.get_by_role("button", name="Edit rate").first.click()
+    pane = blocks.bounding_box() or {"y": 0.0, "height": 0.0}
+    end_px = pane["y"] + pane["height"] - GRIP_PX
+    rates = blocks.get_by_role("button", name="Edit rate").all()
+    next(rate for rate in rates if pane["y"] < (rate.bounding_box() or pane)["y"] < end_px).click()
     page.evaluate(COLLECT)
     watch.lap_ms()
     for _ in range(keys // 4):

@@ -76,7 +76,11 @@ class Region:
     @staticmethod
     def intersection_of(regions: Iterable[Region]) -> Region:
         """What is in all of ``regions``; everything if there are none."""
-        return reduce(Region.intersection, regions, Region.everything())
+        given = [*regions]
+        if all(len(region.pieces) == 1 for region in given):
+            return reduce(Region.intersection, given, Region.everything())
+        # One after the other, many regions with gaps would take quadratic time.
+        return Region.union_of(region.complement() for region in given).complement()
 
     @property
     def is_empty(self) -> bool:
@@ -100,7 +104,13 @@ class Region:
 
     def is_within(self, other: Region) -> bool:
         """Whether ``other`` holds all of it."""
-        return not any(_sticks_out(piece, other.pieces) for piece in self.pieces)
+        if len(other.pieces) != 1:
+            return self.intersection(other.complement()).is_empty
+        ((low, high),) = other.pieces
+        return not any(
+            _holds_a_number(start, min(low, end)) or _holds_a_number(max(start, high), end)
+            for start, end in self.pieces
+        )
 
     def intersection(self, other: Region) -> Region:
         """What is in both, in one walk over the pieces."""
@@ -156,16 +166,6 @@ def _compared(operator: Operator, value: float) -> tuple[Piece, ...]:
     low_side, high_side = _SIDES[operator]
     low = (value, low_side) if low_side else _LOWEST
     return ((low, (value, high_side) if high_side else _HIGHEST),)
-
-
-def _sticks_out(piece: Piece, pieces: Iterable[Piece]) -> bool:
-    """Whether a number of ``piece`` is in none of ``pieces``, which rise."""
-    start, end = piece
-    for low, high in pieces:
-        if _holds_a_number(start, min(low, end)):
-            return True
-        start = max(start, high)
-    return _holds_a_number(start, end)
 
 
 def _joined(pieces: Iterable[Piece]) -> Region:
