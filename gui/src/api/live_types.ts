@@ -59,6 +59,7 @@ export interface Live {
   memory_mb: number | null;
   budget_kb_per_s: number | null;
   out_kb_per_s: number;
+  status_kb_per_s: number;
   topics: LiveTopic[];
   blocks: LiveBlock[];
   checks: LiveCheck[];

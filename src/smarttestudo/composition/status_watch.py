@@ -21,10 +21,11 @@ _QOS = replace(STATUS_QOS, depth=100)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HeardStatus:
-    """The last status of one SmartTestudo, and when it came."""
+    """The last status of one SmartTestudo, when it came, and the size of the message that it came in."""
 
     status: RuntimeStatus
     heard_s: float
+    size_bytes: int
 
 
 class StatusWatch:
@@ -53,4 +54,6 @@ class StatusWatch:
         except (RosError, ValueError):
             self.unreadable += 1
             return
-        self.heard[status.node] = HeardStatus(status=status, heard_s=self._steady_s())
+        self.heard[status.node] = HeardStatus(
+            status=status, heard_s=self._steady_s(), size_bytes=len(payload)
+        )

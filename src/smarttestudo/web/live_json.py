@@ -12,7 +12,7 @@ from smarttestudo.composition.ruler.rule_words import RuleWords
 from smarttestudo.domain.block_status import BlockStatus
 from smarttestudo.domain.signal import Truth
 from smarttestudo.domain.status import TopicStatus
-from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
 from smarttestudo.web import robot_schemas as schema
 
 _DIGITS = 3
@@ -41,6 +41,7 @@ def live_model(seen: SeenRobot) -> schema.Live:
         memory_mb=status.memory_mb,
         budget_kb_per_s=status.budget_kb_per_s,
         out_kb_per_s=round(status.out_kb_per_s, _DIGITS),
+        status_kb_per_s=round(seen.size_bytes * status.status_hz / BYTES_PER_KB, _DIGITS),
         topics=tuple(_topic(name, topic) for name, topic in status.topics.items()),
         blocks=tuple(_block(block, words) for block in status.blocks),
         checks=tuple(check for block in status.blocks for check in _checks(block, words)),

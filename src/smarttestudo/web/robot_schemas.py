@@ -194,7 +194,8 @@ class LiveCheck(Struct, frozen=True, kw_only=True):
 class Live(Struct, frozen=True, kw_only=True, tag_field="kind", tag="live"):
     """What a robot does now; ``stamp_s`` is its own clock, in seconds since 1970.
 
-    ``full_names`` are those of topics that its rules call otherwise.
+    ``status_kb_per_s`` is what its statuses themselves take of the link at most, ``full_names`` are those of
+    topics that its rules call otherwise.
     """
 
     node: str
@@ -206,6 +207,7 @@ class Live(Struct, frozen=True, kw_only=True, tag_field="kind", tag="live"):
     memory_mb: float | None
     budget_kb_per_s: float | None
     out_kb_per_s: float
+    status_kb_per_s: float
     topics: tuple[LiveTopic, ...]
     blocks: tuple[LiveBlock, ...]
     checks: tuple[LiveCheck, ...]

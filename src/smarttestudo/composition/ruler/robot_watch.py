@@ -26,10 +26,11 @@ _ASK_AGAIN_S = 5.0
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SeenRobot:
-    """The last status of a robot, when it came, and the words of its rules as far as they are known."""
+    """The last status of a robot, when it came, its size, and the words of its rules as far as known."""
 
     status: RuntimeStatus
     heard_s: float
+    size_bytes: int
     words: RuleWords
 
     def is_heard(self, now_s: float) -> bool:
@@ -90,7 +91,7 @@ class RobotWatch:
         words = self._words.get(node, RuleWords())
         if words.sha256 != heard.status.rules.sha256:
             words = RuleWords()
-        seen = SeenRobot(status=heard.status, heard_s=heard.heard_s, words=words)
+        seen = SeenRobot(status=heard.status, heard_s=heard.heard_s, size_bytes=heard.size_bytes, words=words)
         self._seen[node] = seen
         return seen
 
