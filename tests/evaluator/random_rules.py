@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 from hypothesis import strategies as st
 
@@ -79,7 +78,7 @@ def block(
         then=tuple(then),
         otherwise=tuple(otherwise),
         has_end_if=True,
-        span=replace(SPAN, line=line, end_line=line),
+        span=SPAN._replace(line=line, end_line=line),
     )
 
 
