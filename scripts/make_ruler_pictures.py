@@ -29,16 +29,17 @@ ROS = {
     "PYTHONUNBUFFERED": "1",
 }
 RECORDING = "demo-out/baseline"
-SETTLED = re.compile(r"4\.\d.*Warehouse Corridor\s*relayed", re.DOTALL)
+IN_CORRIDOR = r"^{topic}.*4\.\d.*Warehouse Corridor\s*relayed"
 LISTEN = """
-import importlib, sys, rclpy
+import contextlib, importlib, sys, rclpy, rclpy.executors
 rclpy.init()
 node = rclpy.create_node("operator")
 for topic, kind in zip(sys.argv[1::2], sys.argv[2::2]):
     package, name = kind.split("/msg/")
     message = getattr(importlib.import_module(package + ".msg"), name)
     node.create_subscription(message, topic, lambda _: None, 10)
-rclpy.spin(node)
+with contextlib.suppress(rclpy.executors.ExternalShutdownException):
+    rclpy.spin(node)
 """
 HEARD = {
     "/testudo/odom": "nav_msgs/msg/Odometry",
@@ -133,11 +134,11 @@ def robot(browser: Browser, url: str) -> None:
     blocks = open_rules(page, "warehouse.adirf")
     page.get_by_role("tab", name="Robot", exact=True).click()
     blocks.get_by_text("✓ holds").first.wait_for(timeout=120_000)
-    for topic in ("/odom", "/scan"):
-        page.get_by_role("row", name=topic, exact=True).filter(has_text=SETTLED).wait_for(timeout=120_000)
-    # The last block in sight brings the rule above it along.
-    blocks.get_by_role("button", name="Edit value: 25.5").click()
-    page.keyboard.press("Escape")
+    for topic in ("/odom", "/cmd_vel", "/scan"):
+        settled = re.compile(IN_CORRIDOR.format(topic=topic), re.DOTALL)
+        page.get_by_role("row").filter(has_text=settled).wait_for(timeout=120_000)
+    # Looking for the next rule brings both into sight.
+    blocks.get_by_role("button", name="Edit value: 25.5").focus()
     page.screenshot(path=IMAGES / "ruler-robot.png")
 
 
