@@ -53,8 +53,8 @@ export function ChosenZoneForm({ zones }: { zones: ZoneEditor }) {
 export function DraftForm({ zones }: { zones: ZoneEditor }) {
   const draft = zones.draft.value;
   const [shape, setShape] = useState<"rectangle" | "polygon">(draft?.polygon ? "polygon" : "rectangle");
-  // What is added is what the fields say, never what they said before.
-  const [isShown, setShown] = useState(true);
+  // What is added is what the fields say: not a draft beside which they say something else, or nothing that can be read.
+  const [stale, setStale] = useState<Draft | null>(null);
   if (!draft) return null;
   const isPolygon = draft.polygon !== null || shape === "polygon";
   return (
@@ -67,7 +67,7 @@ export function DraftForm({ zones }: { zones: ZoneEditor }) {
           disabled={draft.polygon !== null}
           onChange={(event) => {
             setShape(event.currentTarget.value as typeof shape);
-            setShown(true);
+            setStale(null);
           }}
         >
           <option value="rectangle">Rectangle</option>
@@ -75,18 +75,18 @@ export function DraftForm({ zones }: { zones: ZoneEditor }) {
         </select>
       </div>
       {isPolygon ? (
-        <PolygonForm zones={zones} draft={draft} changed={setShown} />
+        <PolygonForm zones={zones} draft={draft} changed={() => setStale(draft)} />
       ) : (
         <SidesForm
           rectangle={draft.rectangles[0] ?? { min_x: null, max_x: null, min_y: null, max_y: null }}
           disabled={false}
           done={(sides) => {
-            setShown(sides !== null);
             if (sides) zones.draft.value = { rectangles: [sides], polygon: null };
+            else setStale(draft);
           }}
         />
       )}
-      <GoesTo zones={zones} canAdd={isShown && (!isPolygon || draft.polygon !== null)} />
+      <GoesTo zones={zones} canAdd={stale !== draft && (!isPolygon || draft.polygon !== null)} />
     </div>
   );
 }
@@ -101,7 +101,7 @@ interface SidesProps {
 }
 
 function SidesForm({ rectangle, submit, disabled, done }: SidesProps) {
-  const [problem, setProblem] = useState("");
+  const [problem, setProblem] = useState({ key: "", text: "" });
   const given = JSON.stringify(rectangle);
   const form = useRef({ key: given, said: given });
   // New fields for what comes from elsewhere; what was typed here stays as it was typed.
@@ -110,7 +110,7 @@ function SidesForm({ rectangle, submit, disabled, done }: SidesProps) {
     const data = new FormData(fields);
     const sides = Object.fromEntries(SIDES.map(({ side }) => [side, numberIn(data, side)])) as unknown as Rectangle;
     const wrong = problemOf(sides);
-    setProblem(wrong);
+    setProblem({ key: form.current.key, text: wrong });
     if (wrong === "" && submit === undefined) form.current.said = JSON.stringify(sides);
     done(wrong === "" ? sides : null);
   };
@@ -135,7 +135,7 @@ function SidesForm({ rectangle, submit, disabled, done }: SidesProps) {
           {submit}
         </button>
       )}
-      {problem && <p class="problem" role="alert">{problem}</p>}
+      {problem.text && problem.key === form.current.key && <p class="problem" role="alert">{problem.text}</p>}
     </form>
   );
 }
@@ -176,7 +176,7 @@ function MoveForm({ move }: { move: (by: Point) => void }) {
 }
 
 /** The corners of a polygon, and what covering it with rectangles adds. */
-function PolygonForm({ zones, draft, changed }: { zones: ZoneEditor; draft: Draft; changed: (isShown: boolean) => void }) {
+function PolygonForm({ zones, draft, changed }: { zones: ZoneEditor; draft: Draft; changed: () => void }) {
   const { polygon } = draft;
   const corners = polygon?.corners.map(([x, y]) => `${x} ${y}`).join(", ") ?? "";
   const [problem, setProblem] = useState("");
@@ -184,15 +184,13 @@ function PolygonForm({ zones, draft, changed }: { zones: ZoneEditor; draft: Draf
     <form
       class="row"
       key={`${corners} ${polygon?.most}`}
-      onInput={() => changed(false)}
+      onInput={changed}
       onSubmit={(event) => {
         event.preventDefault();
         const data = new FormData(event.currentTarget);
         const read = cornersIn(String(data.get("corners")));
         setProblem(read ? "" : "Give each corner as two numbers, with commas between corners: 0 0, 4 0, 2 3.");
-        if (!read) return;
-        changed(true);
-        void zones.cover(read, numberIn(data, "most") ?? USUAL_RECTANGLES);
+        if (read) void zones.cover(read, numberIn(data, "most") ?? USUAL_RECTANGLES);
       }}
     >
       <label class="wide">

@@ -106,6 +106,10 @@ def test_an_added_zone_is_what_its_fields_say(ruler: RulerPage, rules: Path) -> 
     expect(ruler.button("Add the zone")).to_be_enabled()
     corners.fill("0 0, 4 0, 4 9, 0 9")
     expect(ruler.button("Add the zone")).to_be_disabled()
+    ruler.button("Discard").click()
+    map_page.tool("Draw a rectangle")
+    map_page.drag((6, 3), (9, 5))
+    expect(ruler.button("Add the zone")).to_be_enabled()
 
 
 def test_a_zone_and_its_block_are_chosen_together(ruler: RulerPage, rules: Path) -> None:
