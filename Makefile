@@ -4,20 +4,30 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
 DEMO_ARGS ?=
+FUZZ_FACTOR ?= 20
+FUZZ_TESTS ?= tests
+LIVE_TESTS := tests/ros tests/web/browser/test_robot.py
+GUI_NPM := PYTHON=$(abspath $(BIN)/python) sh scripts/gui_npm.sh
 PAGE := src/smarttestudo/web/static/index.html
-GUI_SOURCES := $(shell find gui -type f -not -path 'gui/node_modules/*') docs/language.md docs/quality-levels.md $(wildcard docs/reference/*.md)
+GUI_SOURCES := $(shell find gui -type f -not -path 'gui/node_modules/*' -not -path 'gui/tests/*') docs/language.md docs/quality-levels.md $(wildcard docs/reference/*.md)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: help demo gui test lint format docs test-jazzy test-lowest wheels-aarch64 benchmarks clean
+.PHONY: help demo gui test test-length fuzz lint format docs test-kilted test-ros test-lowest wheels-aarch64 benchmarks clean test-gui lint-gui docs-site quick coverage
 
 help:
 	@echo "make demo            the warehouse mission, with and without adaptive monitoring (no robot needed)"
+	@echo "make quick           while working: style, types, layers, and tests without processes, in about a minute"
 	@echo "make test            everything that must hold: style, types, layers, tests"
+	@echo "make fuzz            random examples for every law, $(FUZZ_FACTOR) times as many (FUZZ_FACTOR=, FUZZ_TESTS=)"
+	@echo "make coverage        what of the code the tests run, without those on a ROS graph"
 	@echo "make gui             the page of 'testudo ruler', from gui/ (needs Node 20, or gets it from PyPI)"
-	@echo "make lint            style, types and layers only"
+	@echo "make test-gui        the tests of the page's modules only"
+	@echo "make lint            style, types and layers only, those of the page (make lint-gui) included"
 	@echo "make format          format the code"
-	@echo "make docs            regenerate docs/reference and worlds from the code"
-	@echo "make test-jazzy      the live tests on ROS 2 Jazzy"
+	@echo "make docs            regenerate docs/reference, the page's types and worlds from the code"
+	@echo "make docs-site       the documentation as a site in build/site, for any browser, offline"
+	@echo "make test-kilted     the live tests on ROS 2 Kilted"
+	@echo "make test-ros        the live tests on an installed ROS 2 (ROS_SETUP=/opt/ros/humble/setup.bash)"
 	@echo "make test-lowest     the tests with the lowest allowed versions (PYTHON=python3.10)"
 	@echo "make wheels-aarch64  show that an ARM robot and laptop install binary wheels only"
 	@echo "make benchmarks      all benchmarks; their results are in docs/benchmarks.md"
@@ -26,33 +36,68 @@ help:
 demo: $(VENV)/studio.stamp
 	@$(BIN)/testudo demo $(DEMO_ARGS)
 
+# Each law tries a tenth of its examples; what starts processes or takes seconds is left to `make test`.
+quick: lint
+	$(BIN)/pytest --numprocesses 2 --dist worksteal -m "not process and not slow" --examples-factor 0.1 --quiet
+
 # Live tests go alone: they judge at which rates real messages come.
-test: lint $(PAGE)
-	$(BIN)/pytest --numprocesses auto --dist loadfile --ignore tests/ros
-	$(BIN)/pytest tests/ros
+test: test-length lint test-gui $(PAGE)
+	@$(BIN)/pytest --numprocesses auto --dist worksteal $(addprefix --ignore ,$(LIVE_TESTS)) || { \
+		echo "The first half failed, so the second half, the live tests, did not run: $(BIN)/pytest $(LIVE_TESTS)" >&2; \
+		exit 1; }
+	$(BIN)/pytest $(LIVE_TESTS)
+
+test-length:
+	@echo "Style, types and layers, then the tests in two halves: all but the live ones, and the live ones"
+	@echo "on a ROS graph. About 17 minutes on two cores."
+
+test-gui: $(VENV)/dev.stamp
+	$(GUI_NPM) test
+
+# What failed is tried first the next time; `make test` tries the same examples each time.
+fuzz: $(VENV)/dev.stamp
+	$(BIN)/pytest --numprocesses auto --dist worksteal -m hypothesis \
+		--hypothesis-profile fuzz --examples-factor $(FUZZ_FACTOR) $(FUZZ_TESTS)
+
+# Live tests run their code in other processes, which are not measured.
+coverage: $(VENV)/dev.stamp $(PAGE)
+	$(BIN)/pytest --numprocesses auto --dist worksteal --ignore tests/ros --ignore tests/ros_package \
+		--examples-factor 0.1 --cov --cov-report term:skip-covered --cov-report html
 
 gui: $(PAGE)
 
-$(PAGE): $(GUI_SOURCES) scripts/make_gui.sh | $(VENV)/dev.stamp
+$(PAGE): $(GUI_SOURCES) scripts/make_gui.sh scripts/gui_npm.sh | $(VENV)/dev.stamp
 	PYTHON=$(abspath $(BIN)/python) sh scripts/make_gui.sh
 
-lint: $(VENV)/dev.stamp
+lint: $(VENV)/dev.stamp lint-gui
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
+lint-gui: $(VENV)/dev.stamp
+	$(GUI_NPM) run lint
+
 format: $(VENV)/dev.stamp
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
+	$(GUI_NPM) run format
 
 docs: $(VENV)/dev.stamp
 	$(BIN)/python scripts/make_reference.py
+	$(BIN)/python scripts/make_api_types.py
 	$(BIN)/python scripts/make_world.py
 	$(BIN)/python scripts/make_map.py
 
-test-jazzy: $(VENV)/dev.stamp
-	PYTHON=$(BIN)/python UV=$(BIN)/uv sh scripts/test_jazzy.sh
+docs-site: $(VENV)/dev.stamp
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet
+	@echo "build/site/index.html"
+
+test-kilted: $(VENV)/dev.stamp
+	PYTHON=$(BIN)/python UV=$(BIN)/uv sh scripts/test_kilted.sh
+
+test-ros: $(VENV)/dev.stamp
+	UV=$(abspath $(BIN)/uv) ROS_SETUP=$(ROS_SETUP) bash scripts/test_ros.sh
 
 test-lowest:
 	PYTHON=$(PYTHON) sh scripts/test_lowest.sh
@@ -64,7 +109,7 @@ benchmarks: $(VENV)/dev.stamp $(PAGE)
 	for benchmark in benchmarks/*.py; do $(BIN)/python $$benchmark || exit 1; done
 
 clean:
-	rm -rf $(VENV) src/smarttestudo/web/static gui/node_modules build install log dist demo-out .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
+	rm -rf $(VENV) src/smarttestudo/web/static gui/node_modules build install log dist htmlcov .coverage demo-out .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
 
 $(VENV)/bin/python:
 	@PYTHON=$(PYTHON) sh scripts/check_python.sh

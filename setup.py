@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The shared files of the ROS package, and pyproject.toml for those who do not read it themselves.
+"""The shared files of the ROS package, the page in a wheel, and pyproject.toml for those who do not read it.
 
 Setuptools before 61 (ROS 2 Humble's) does not know pyproject.toml, and ``colcon build --symlink-install``
 runs a link to this file in another folder.
@@ -8,18 +8,25 @@ runs a link to this file in another folder.
 
 from __future__ import annotations
 
+import os
 import re
+import shutil
+import subprocess
 import sys
 import warnings
 from pathlib import Path
 from typing import Any
 
 import setuptools
+from setuptools.command.build_py import build_py
 
 ROOT = Path(__file__).resolve().parent
 SHARE = "share/smarttestudo"
 SHARED_FOLDERS = ("launch", "worlds", "profiles", "examples", "examples/quality", "extras")
 FIRST_TO_READ_PYPROJECT = 61
+PAGE = ROOT / "src" / "smarttestudo" / "web" / "static" / "index.html"
+MAKE_PAGE = ROOT / "scripts" / "make_gui.sh"
+PAGE_WITHIN_S = 600
 
 
 def shared_files() -> list[tuple[str, list[str]]]:
@@ -76,17 +83,46 @@ def toml_parser() -> Any:
     return tomllib
 
 
+class BuildWithPage(build_py):
+    """Builds the Ruler's page into a wheel; a robot's colcon build, and a link to a checkout, go without."""
+
+    def run(self) -> None:
+        """Build the page where it is missing and can be built, then what is always built."""
+        if "bdist_wheel" in self.distribution.commands and not PAGE.exists() and MAKE_PAGE.exists():
+            make_page()
+        super().run()
+
+
+def make_page() -> None:
+    """Run scripts/make_gui.sh; what else the wheel holds does not depend on it."""
+    shell = shutil.which("sh")
+    if shell is not None:
+        environment = {**os.environ, "PYTHON": sys.executable}
+        try:
+            # What it prints must not mix with what setuptools tells pip.
+            command = [shell, str(MAKE_PAGE)]
+            subprocess.run(  # noqa: S603  our own script
+                command, cwd=ROOT, env=environment, stdout=sys.stderr, timeout=PAGE_WITHIN_S, check=False
+            )
+        except (OSError, subprocess.TimeoutExpired) as error:
+            sys.stderr.write(f"{error}\n")
+    if not PAGE.exists():
+        sys.stderr.write("warning: no page for 'testudo ruler': run 'make gui' here and install again\n")
+
+
 def install() -> None:
     """Do what pip or colcon asks."""
     if not reads_pyproject():
-        setuptools.setup(data_files=shared_files(), **from_pyproject())
+        setuptools.setup(data_files=shared_files(), cmdclass=COMMANDS, **from_pyproject())
         return
     # Who builds a workspace need not know that setuptools calls this part of pyproject.toml beta.
     warnings.filterwarnings("ignore", message=r"Support for `\[tool\.setuptools\]`")
-    distribution = setuptools.setup(data_files=shared_files())
+    distribution = setuptools.setup(data_files=shared_files(), cmdclass=COMMANDS)
     # colcon reads a distribution back as literals, and setuptools makes an object of requires-python.
     for owner in (distribution, distribution.metadata):
         owner.python_requires = str(owner.python_requires)
 
+
+COMMANDS = {"build_py": BuildWithPage}
 
 install()

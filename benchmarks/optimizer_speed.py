@@ -14,8 +14,8 @@ import warnings
 from collections.abc import Callable
 
 from smarttestudo.domain.profile import Profile, TopicProfile
+from smarttestudo.domain.rate import Tier
 from smarttestudo.domain.source import Span
-from smarttestudo.domain.tier import Tier
 from smarttestudo.optimizer.greedy import GreedySolver
 from smarttestudo.optimizer.model import Ask, Model, needs_of
 from smarttestudo.optimizer.rule_asks import Part, RuleAsks
@@ -116,7 +116,7 @@ def main() -> None:
     loads = [
         TopicLoad(
             topic=f"/topic_{index}",
-            wish_hz=generator.uniform(1, 50),
+            requested_hz=generator.uniform(1, 50),
             floor_hz=generator.choice((0.0, 1.0)),
             priority=generator.choice((1.0, 2.0, 5.0)),
             size_kb=generator.uniform(0.05, 100),

@@ -23,9 +23,9 @@ from pathlib import Path
 from rosbags.rosbag2 import Reader, Writer
 
 from smarttestudo.adapters.rosbag import open_recording
-from smarttestudo.composition.demo_mission import record_mission
-from smarttestudo.composition.replay import ReplayRequest, replay
-from smarttestudo.composition.rule_sets import load_rules
+from smarttestudo.use_cases.demo.mission import record_mission
+from smarttestudo.use_cases.replay.replay import ReplayRequest, replay
+from smarttestudo.use_cases.rules.rule_sets import load_rules
 
 TURNS = 15
 WARM_UPS = 1

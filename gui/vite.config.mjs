@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { readdirSync, readFileSync } from "node:fs";
 import { defineConfig } from "vite";
+import { documentation } from "./documentation/plugin.mjs";
 
 const BLOCKLY_MEDIA = new URL("./node_modules/blockly/media/", import.meta.url);
 
@@ -24,7 +25,7 @@ function blocklyMedia() {
 
 export default defineConfig({
   base: "./",
-  plugins: [blocklyMedia()],
+  plugins: [blocklyMedia(), documentation()],
   build: {
     outDir: "../src/smarttestudo/web/static",
     emptyOutDir: true,
@@ -33,5 +34,8 @@ export default defineConfig({
     chunkSizeWarningLimit: 1500,
   },
   // The documentation is read from beside this folder.
-  server: { fs: { allow: [".."] }, proxy: { "/api": "http://127.0.0.1:8750", "/ws": { target: "ws://127.0.0.1:8750", ws: true } } },
+  server: {
+    fs: { allow: [".."] },
+    proxy: { "/api": "http://127.0.0.1:8750", "/ws": { target: "ws://127.0.0.1:8750", ws: true } },
+  },
 });

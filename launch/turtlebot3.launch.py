@@ -42,7 +42,7 @@ def arguments() -> list[DeclareLaunchArgument]:
         "sim": ("false", "start Gazebo with the warehouse and a TurtleBot3 (ROS 2 Jazzy or later)"),
         "bringup": ("false", "start the robot's own nodes too (turtlebot3_bringup)"),
         "rules": (shared("smarttestudo", "examples", "warehouse.adirf"), "rule file, or folder of them"),
-        "profile": (shared("smarttestudo", "profiles", "turtlebot3.toml"), "what is known about the topics"),
+        "profile": ("", "what is known about the topics, if not that of a TurtleBot3, real or simulated"),
         "budget": ("", "KB/s that all relayed topics together may take"),
         "namespace": ("", "of the node, and of relative topics in the rules"),
         "prefix": ("", "what to put before every topic of the rules, as in /tb3_0"),
@@ -58,6 +58,7 @@ def runtime(context: LaunchContext) -> list[Node]:
     """SmartTestudo, with the arguments that are not empty."""
     given = context.launch_configurations
     in_gazebo = IfCondition(LaunchConfiguration("sim")).evaluate(context)
+    given = {**given, "profile": given["profile"] or usual_profile(in_gazebo=in_gazebo)}
     options = [word for name, option in OPTIONS.items() if given[name] for word in (option, given[name])]
     return [
         Node(
@@ -69,6 +70,13 @@ def runtime(context: LaunchContext) -> list[Node]:
             output="screen",
         )
     ]
+
+
+def usual_profile(*, in_gazebo: bool) -> PathJoinSubstitution:
+    """What the package knows about the topics of a TurtleBot3."""
+    if in_gazebo:
+        return shared("smarttestudo", "profiles", "turtlebot3_gazebo.toml")
+    return shared("smarttestudo", "profiles", "turtlebot3.toml")
 
 
 def robot() -> GroupAction:

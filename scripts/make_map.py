@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from smarttestudo.simulation.floor_plan import FloorPlan
-from smarttestudo.simulation.warehouse import warehouse
+from smarttestudo.domain.floor_plan import FloorPlan
+from smarttestudo.simulation.warehouse import warehouse, warehouse_bounds
 
 MAP = Path(__file__).resolve().parent.parent / "examples" / "warehouse_map.yaml"
 CELL_M = 0.05
@@ -18,9 +18,9 @@ MARGIN_M = 0.5
 FREE, UNKNOWN, OCCUPIED = 254, 205, 0
 
 
-def header(plan: FloorPlan) -> str:
-    """The YAML file of the map of ``plan``."""
-    bounds = plan.bounds
+def header() -> str:
+    """The YAML file of the map."""
+    bounds = warehouse_bounds()
     return (
         "# Written by scripts/make_map.py; change src/smarttestudo/simulation/warehouse.py instead.\n"
         f"image: {MAP.with_suffix('.png').name}\n"
@@ -32,7 +32,7 @@ def header(plan: FloorPlan) -> str:
 
 def picture(plan: FloorPlan) -> Image.Image:
     """The cells of the map of ``plan``: obstacles are occupied, what lies outside the walls is unknown."""
-    bounds = plan.bounds
+    bounds = warehouse_bounds()
     left_m, low_m = bounds.min_x_m - MARGIN_M, bounds.min_y_m - MARGIN_M
     width = round((bounds.max_x_m + MARGIN_M - left_m) / CELL_M)
     height = round((bounds.max_y_m + MARGIN_M - low_m) / CELL_M)
@@ -47,5 +47,5 @@ def picture(plan: FloorPlan) -> Image.Image:
 
 
 if __name__ == "__main__":
-    MAP.write_text(header(warehouse()), encoding="utf-8")
+    MAP.write_text(header(), encoding="utf-8")
     picture(warehouse()).save(MAP.with_suffix(".png"), optimize=True)

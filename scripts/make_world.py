@@ -8,8 +8,8 @@ from collections.abc import Iterable
 from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
-from smarttestudo.simulation.floor_plan import FloorPlan, Obstacle, ObstacleKind, Rectangle, Zone
-from smarttestudo.simulation.warehouse import warehouse
+from smarttestudo.domain.floor_plan import FloorPlan, FloorZone, Obstacle, ObstacleKind, Rectangle
+from smarttestudo.simulation.warehouse import warehouse, warehouse_bounds
 
 WORLD = Path(__file__).resolve().parent.parent / "worlds" / "warehouse.sdf"
 NOTE = "<!-- Written by scripts/make_world.py; change src/smarttestudo/simulation/warehouse.py instead. -->"
@@ -26,7 +26,7 @@ OBSTACLE_COLOURS = {
     ObstacleKind.UPRIGHT: "0.90 0.65 0.10 1",
 }
 FLOOR_COLOUR = "0.55 0.55 0.55 1"
-ZONE_COLOURS = {2: "0.45 0.60 0.45 1", 3: "0.65 0.45 0.40 1"}
+ZONE_COLOURS = {"Warehouse Corridor": "0.45 0.60 0.45 1", "Scaffolding": "0.65 0.45 0.40 1"}
 # Thin enough to drive over, thick enough not to flicker in the floor.
 ZONE_HEIGHT_M = 0.002
 
@@ -40,7 +40,7 @@ def world(plan: FloorPlan) -> str:
         if name.endswith("Sensors"):
             SubElement(system, "render_engine").text = "ogre2"
     add_light(root)
-    add_floor(root, plan.bounds)
+    add_floor(root, warehouse_bounds())
     add_zones(root, plan.zones)
     for kind in ObstacleKind:
         add_obstacles(root, kind, [one for one in plan.obstacles if one.kind is kind])
@@ -70,13 +70,13 @@ def add_floor(root: Element, bounds: Rectangle) -> None:
     add_colour(visual, FLOOR_COLOUR)
 
 
-def add_zones(root: Element, zones: Iterable[Zone]) -> None:
+def add_zones(root: Element, zones: Iterable[FloorZone]) -> None:
     """The security zones: to be seen, not to be felt."""
     link = add_static_link(root, "zones")
     for zone in zones:
         visual = SubElement(link, "visual", name=zone.name)
         add_box(visual, zone.area, ZONE_HEIGHT_M)
-        add_colour(visual, ZONE_COLOURS[zone.number])
+        add_colour(visual, ZONE_COLOURS[zone.name])
 
 
 def add_obstacles(root: Element, kind: ObstacleKind, obstacles: Iterable[Obstacle]) -> None:

@@ -2,26 +2,63 @@
 # SPDX-License-Identifier: Apache-2.0
 """What holds for all tests.
 
-In continuous integration nothing is skipped, and Hypothesis tries the same examples each time, so that a
-commit has one verdict; on a developer's machine it tries new ones. It is never timed.
+Hypothesis tries the same examples each time, so that a commit has one verdict; with the profile ``fuzz`` it
+tries new ones. It is never timed. In continuous integration nothing is skipped.
 """
 
 from __future__ import annotations
 
 import os
+import subprocess
 from collections.abc import Generator
+from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, settings
 
-settings.register_profile(
-    "default",
-    deadline=None,
-    suppress_health_check=[HealthCheck.too_slow],
-    print_blob=True,
-    derandomize=os.environ.get("CI") == "true",
-)
+from real_browser import chromium
+
+_UNTIMED = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow], print_blob=True)
+settings.register_profile("default", _UNTIMED, derandomize=True)
+settings.register_profile("fuzz", _UNTIMED, derandomize=False)
 settings.load_profile("default")
+# Where Hypothesis itself reads them at each run; its decorator may be applied to a test but once.
+_SETTINGS_OF_LAW = "_hypothesis_internal_use_settings"
+_TESTS = Path(__file__).parent
+_FOLDERS_OF_PROCESSES = ("ros", "ros_package", "web")
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Let whoever looks for rare failures try more examples than a law itself asks for."""
+    parser.addoption(
+        "--examples-factor",
+        metavar="N",
+        type=float,
+        default=1,
+        help="try N times as many Hypothesis examples as each law asks for; 0.1 is a tenth",
+    )
+
+
+def starts_processes(item: pytest.Item) -> bool:
+    """Whether it is in a folder of servers, browsers or ROS nodes, or in a file that starts processes."""
+    if any(_TESTS / folder in item.path.parents for folder in _FOLDERS_OF_PROCESSES):
+        return True
+    names = vars(item.module).values() if isinstance(item, pytest.Function) else ()
+    return any(one is subprocess or one is chromium for one in names)
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Multiply the examples of every law, also of those that say how many they want."""
+    factor: float = config.getoption("--examples-factor")
+    for item in items:
+        if starts_processes(item):
+            item.add_marker(pytest.mark.process)
+    for law in {item.obj for item in items if isinstance(item, pytest.Function)}:
+        own = getattr(law, _SETTINGS_OF_LAW, None)
+        if own is not None:
+            setattr(
+                law, _SETTINGS_OF_LAW, settings(own, max_examples=max(1, round(factor * own.max_examples)))
+            )
 
 
 @pytest.hookimpl(wrapper=True)

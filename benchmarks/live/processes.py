@@ -22,6 +22,9 @@ LARGE_MESSAGES = Path(__file__).parents[2] / "profiles" / "fastdds_large_message
 def environment(domain: int, *, large_messages: bool) -> dict[str, str]:
     """The environment of a process on that ROS domain, of this machine only."""
     settings = {name: value for name, value in os.environ.items() if name not in NOT_INHERITED}
+    # A setup file that was sourced means its LD_LIBRARY_PATH; ROS 2 from PyPI is none that could be.
+    if "AMENT_PREFIX_PATH" in os.environ and "LD_LIBRARY_PATH" in os.environ:
+        settings["LD_LIBRARY_PATH"] = os.environ["LD_LIBRARY_PATH"]
     settings |= {"ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
     if large_messages:
         # The second is the name before Kilted.

@@ -5,21 +5,10 @@ import { useEffect, useMemo, useState } from "preact/hooks";
 import { type Api, ApiError } from "./api/client";
 import type { Project } from "./api/types";
 import { HomePage } from "./pages/home";
+import type { PageProps } from "./pages/page_props";
 import { type Route, readRoute, toRoute } from "./route";
 import { OpenEditors } from "./state/open_editors";
 import { Notice } from "./ui/notice";
-
-/** What every page gets. */
-export interface PageProps {
-  api: Api;
-  project: Project;
-  /** The file of the page, if it is about one. */
-  name: string;
-  /** Rule files with what was changed in them. */
-  editors: OpenEditors;
-  /** Reads the list of files again. */
-  refresh: () => Promise<void>;
-}
 
 // The heavy parts (Blockly, CodeMirror, plots) load with the page that needs them.
 const LAZY: Record<Exclude<Route["page"], "home">, () => Promise<ComponentType<PageProps>>> = {

@@ -17,6 +17,7 @@ from random import Random
 
 from hypothesis import strategies as st
 
+from smarttestudo.adirf.parser.tokens import KEYWORDS
 from smarttestudo.adirf.syntax import (
     And,
     Block,
@@ -35,8 +36,8 @@ from smarttestudo.adirf.syntax import (
     Statement,
     TopicName,
 )
+from smarttestudo.domain.rate import Tier
 from smarttestudo.domain.source import Span
-from smarttestudo.domain.tier import Tier
 
 NOWHERE = Span(line=1, column=1, end_line=1, end_column=1)
 TOPICS = ("/odom", "/cmd_vel", "/scan", "/camera/image_raw", "imu", "~/status", "/robot_1/joint_states")
@@ -50,6 +51,9 @@ PROPERTIES = (
     "ranges[0]",
     "msg.rate",
     "a.b[12].c",
+    "If",
+    "end",
+    "_größe",
 )
 RATE_TEXTS = ("0", "10", "5.0", "007", "2.5", ".5", "7.", "+3", "1e3", "1E-2", "1e6")
 NUMBER_TEXTS = (*RATE_TEXTS, "-13", "-0.5", "+.25e+1", "-1e300")
@@ -310,6 +314,8 @@ def lay_out(words: Sequence[Word], random: Random) -> tuple[str, dict[str, int]]
 
 
 def _may_touch(first: str, second: str) -> bool:
+    if first in KEYWORDS and (second in KEYWORDS or second.startswith("/")):
+        return True
     return not (_is_of_word(first[-1:]) and _is_of_word(second[:1])) or second == "Hz"
 
 

@@ -84,13 +84,16 @@ def test_a_tree_that_a_program_built_prints_to_what_it_means(file: RuleFile) -> 
 
 def loose_conditions() -> st.SearchStrategy[Condition]:
     """``AND``, ``OR`` and ``Not`` in each other without any group, as only a program builds them."""
-    several = {"min_size": 2, "max_size": 3}
+
+    def several(inner: st.SearchStrategy[Condition]) -> st.SearchStrategy[list[Condition]]:
+        return st.lists(inner, min_size=2, max_size=3)
+
     return st.recursive(
         checks(),
         lambda inner: st.one_of(
             inner.map(lambda one: Not(operand=one, span=NOWHERE)),
-            st.lists(inner, **several).map(lambda parts: And(operands=tuple(parts), span=NOWHERE)),
-            st.lists(inner, **several).map(lambda parts: Or(operands=tuple(parts), span=NOWHERE)),
+            several(inner).map(lambda parts: And(operands=tuple(parts), span=NOWHERE)),
+            several(inner).map(lambda parts: Or(operands=tuple(parts), span=NOWHERE)),
         ),
         max_leaves=8,
     )

@@ -32,6 +32,14 @@ def words(text: str) -> list[str]:
         ("1,5 10abc 1_000", ["FOREIGN 1,5", "FOREIGN 10abc", "FOREIGN 1_000"]),
         ("a==b => =<", ["WORD a", "FOREIGN ==", "WORD b", "FOREIGN =>", "FOREIGN =<"]),
         ("begin BEGIN Full", ["BEGIN begin", "WORD BEGIN", "WORD Full"]),
+        ("ThenSetFrequency/odom", ["THEN Then", "SET_FREQUENCY SetFrequency", "WORD /odom"]),
+        ("SetFrequency endbegin", ["SET_FREQUENCY SetFrequency", "WORD endbegin"]),
+        (
+            "CheckValue/a IfNot>1",
+            ["CHECK_VALUE CheckValue", "WORD /a", "WORD IfNot", "OPERATOR >", "NUMBER 1"],
+        ),
+        ("CheckValue a end=1", ["CHECK_VALUE CheckValue", "WORD a", "WORD end", "OPERATOR =", "NUMBER 1"]),
+        ("Thenx x/endbegin", ["WORD Thenx", "WORD x/endbegin"]),
         ("SetFrequency\u00a0/odom\u20031", ["SET_FREQUENCY SetFrequency", "WORD /odom", "NUMBER 1"]),
     ],
 )

@@ -21,8 +21,8 @@ from smarttestudo.adirf.syntax import (
     RateWord,
     SetFrequency,
 )
+from smarttestudo.domain.rate import Tier
 from smarttestudo.domain.source import Span
-from smarttestudo.domain.tier import Tier
 
 ROOT = Path(__file__).parents[2]
 THESIS_FORMS = sorted((ROOT / "tests" / "golden" / "thesis_forms").glob("*.adirf"))
@@ -174,6 +174,7 @@ def test_an_empty_collection_is_no_error() -> None:
     assert valid("begin end begin end") == ()
 
 
+@pytest.mark.slow
 def test_a_full_file_of_1_mb_reads() -> None:
     rule = (
         "If(CheckValue /odom pose_y > 1 AND CheckValue /odom pose_y < 5.4)Then\nSetFrequency /odom 4\n// c\n"

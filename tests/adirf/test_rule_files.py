@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from smarttestudo.adapters.files.rule_files import find_rule_files, read_rule_text, write_rule_text
+from smarttestudo.adapters.files.whole_file import OutputFileError
 from smarttestudo.domain.errors import RuleFileError
 
 
@@ -97,6 +98,6 @@ def test_replacing_a_file_keeps_its_permissions_and_links(tmp_path: Path) -> Non
 
 
 def test_a_file_that_cannot_be_replaced_stays(tmp_path: Path) -> None:
-    with pytest.raises(RuleFileError, match="the rule file cannot be written: No such file or directory"):
+    with pytest.raises(OutputFileError, match="the rule file cannot be written: No such file or directory"):
         write_rule_text(tmp_path / "missing" / "rules.adirf", "new")
     assert list(tmp_path.iterdir()) == []

@@ -63,6 +63,18 @@ def run(command: Command, folder: Path) -> str:
     return done.stdout + done.stderr
 
 
+def wrong_examples(document: Path, folder: Path) -> str:
+    """Where the Python examples of ``document``, run in ``folder``, print something else."""
+    examples = folder / "examples.txt"
+    examples.write_text("\n".join(blocks(document, "pycon")), encoding="utf-8")
+    done = subprocess.run(
+        [sys.executable, "-m", "doctest", "-o", "ELLIPSIS", examples.name],
+        cwd=folder, env={**os.environ, "PYTHONIOENCODING": "utf-8"}, capture_output=True, encoding="utf-8",
+        check=False,
+    )  # fmt: skip
+    return done.stdout + done.stderr
+
+
 def agrees(shown: str, printed: str) -> bool:
     """Whether ``printed`` is as ``shown``, where … stands for any text."""
     pattern = re.sub(r"\[", "[[]", shown.strip()).replace("*", "[*]").replace("?", "[?]").replace("…", "*")
@@ -75,6 +87,7 @@ def test_commands_print_what_the_document_shows(document: Path, tmp_path: Path) 
     for command in commands(document):
         printed = run(command, tmp_path)
         assert agrees(command.output, printed), f"$ {command.line}\n{printed}"
+    assert wrong_examples(document, tmp_path) == ""
 
 
 @pytest.mark.parametrize("document", documents_with("adirf"), ids=lambda path: path.name)
@@ -91,14 +104,25 @@ def test_links_lead_to_files_that_exist(document: Path) -> None:
     assert missing == []
 
 
-def test_the_architecture_names_folders_that_exist() -> None:
+def test_the_architecture_names_every_layer_and_nothing_else() -> None:
     text = (ROOT / "ARCHITECTURE.md").read_text(encoding="utf-8")
     table = re.findall(r"^\| \d \| (.+?) \|", text, flags=re.MULTILINE)
-    named = {name for row in table for name in re.findall(r"`([\w/]+)`", row)}
+    named = {name for row in table for name in re.findall(r"`(\w+)`", row)}
     package = ROOT / "src" / "smarttestudo"
     folders = {path.name for path in package.iterdir() if (path / "__init__.py").exists()}
-    assert all((package / name).is_dir() for name in named)
-    assert {name.partition("/")[0] for name in named} == folders - {"__pycache__"}
+    modules = {path.stem for path in package.glob("*.py") if not path.stem.startswith("__")}
+    assert named == folders | modules
+
+
+def test_the_architecture_names_every_adapter_and_use_case() -> None:
+    text = (ROOT / "ARCHITECTURE.md").read_text(encoding="utf-8")
+    package = ROOT / "src" / "smarttestudo"
+    rooms = {
+        init.parent.name
+        for room in ("adapters", "use_cases")
+        for init in package.glob(f"{room}/*/__init__.py")
+    }
+    assert {name for name in rooms if f"`{name}`" not in text} == set()
 
 
 def test_the_makefile_has_every_target_that_documents_name() -> None:
@@ -114,7 +138,7 @@ def test_the_makefile_has_every_target_that_documents_name() -> None:
     } == set()
 
 
-def test_the_readme_shows_what_the_throttle_benchmark_prints() -> None:
+def test_the_pacing_page_shows_what_the_throttle_benchmark_prints() -> None:
     benchmark = ROOT / "benchmarks" / "throttle_accuracy.py"
     done = subprocess.run([sys.executable, benchmark], capture_output=True, encoding="utf-8", check=True)
-    assert done.stdout.strip() in (ROOT / "README.md").read_text(encoding="utf-8")
+    assert done.stdout.strip() in (ROOT / "docs" / "pacing.md").read_text(encoding="utf-8")

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from hypothesis import strategies as st
 
 from smarttestudo.domain.profile import TopicProfile
-from smarttestudo.domain.tier import Tier
+from smarttestudo.domain.rate import Tier
 from smarttestudo.optimizer.model import Ask, Model, TopicNeeds
 from smarttestudo.optimizer.problem import Demand, Piece, used_kb_per_s
 
@@ -93,10 +93,14 @@ def entries(draw: st.DrawFn) -> TopicProfile:
 
 
 @st.composite
-def instances(draw: st.DrawFn, model: Model) -> Instance:
-    """A few asks, and a budget around what they can take."""
-    wanted = st.sampled_from(list(Tier)) | st.sampled_from([0.0, 0.3, 10.0])
-    asks = [ask(f"/t{index}", draw(entries()), draw(wanted)) for index in range(draw(st.integers(1, 6)))]
+def instances(draw: st.DrawFn, model: Model, *, has_solution: bool = False) -> Instance:
+    """A few asks, at least one for a level, and a budget around what they can take.
+
+    With ``has_solution``, the budget takes all of them at their lowest rates.
+    """
+    tiers = st.sampled_from(list(Tier))
+    wanted = [draw(tiers), *draw(st.lists(tiers | st.sampled_from([0.0, 0.3, 10.0]), max_size=5))]
+    asks = [ask(f"/t{index}", draw(entries()), one) for index, one in enumerate(wanted)]
     least, most = least_and_most(asks, model)
-    share = draw(st.sampled_from([0.0, 0.5, 1.0]) | st.floats(-0.2, 1.2))
+    share = draw(st.sampled_from([0.0, 0.5, 1.0]) | st.floats(0.0 if has_solution else -0.2, 1.2))
     return asks, max(0.0, least + share * (most - least))

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from optimizer.instances import ask
 from smarttestudo.adapters.solver.highs_change_finder import HighsChangeFinder
 from smarttestudo.domain.profile import TopicProfile
+from smarttestudo.domain.rate import Tier
 from smarttestudo.domain.source import Span
-from smarttestudo.domain.tier import Tier
 from smarttestudo.optimizer.changes import Change, Reduction, smallest_changes
 from smarttestudo.optimizer.greedy import GreedySolver
 from smarttestudo.optimizer.model import Model

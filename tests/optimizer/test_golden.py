@@ -7,8 +7,8 @@ from __future__ import annotations
 import pytest
 
 from optimizer import golden
+from smarttestudo.domain.rate import Tier
 from smarttestudo.domain.source import Span
-from smarttestudo.domain.tier import Tier
 from smarttestudo.optimizer.greedy import GreedySolver
 from smarttestudo.optimizer.model import Ask, Model, needs_of
 from smarttestudo.optimizer.rule_asks import Part, RuleAsks

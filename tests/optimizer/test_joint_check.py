@@ -20,9 +20,8 @@ from smarttestudo.adirf.rule_set import RuleSet, compile_rules
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.signal import Signal
-from smarttestudo.optimizer.joint.check import JointCheck, check_together
-from smarttestudo.optimizer.joint.loads import Loads
-from smarttestudo.optimizer.joint.mending import lowered_rates
+from smarttestudo.optimizer.joint.check import JointCheck, Loads, check_together
+from smarttestudo.optimizer.joint.repair import lowered_rates
 from smarttestudo.optimizer.problem import fits
 
 TOPICS = ("/a", "/b", "/c")
@@ -76,8 +75,8 @@ def naive_load(rule_set: RuleSet, holding: frozenset[int]) -> float:
     total = 0.0
     for topic in rule_set.relayed:
         setting = [block for block in rule_set.blocks if block.order in holding and topic in block.rates]
-        wish = max(((one.priority, one.rates[topic]) for one in setting), default=None)
-        rate = rule_set.defaults.get(topic, Rate.full()) if wish is None else wish[1]
+        request = max(((one.priority, one.rates[topic]) for one in setting), default=None)
+        rate = rule_set.defaults.get(topic, Rate.full()) if request is None else request[1]
         rate = rate.at_least(rule_set.floors_hz.get(topic, 0.0))
         total += LOADS.size_kb[topic] * (LOADS.source_hz[topic] if rate.is_full else rate.hz)
     return total

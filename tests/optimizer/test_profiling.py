@@ -15,8 +15,7 @@ from smarttestudo.adapters.files.profile import load_profile
 from smarttestudo.adapters.rosbag import create_recording
 from smarttestudo.cli.main import main
 from smarttestudo.domain.recording import Channel, Storage
-from smarttestudo.optimizer.profiling.measure import TopicMeasure
-from smarttestudo.optimizer.profiling.text import proposed_tiers_hz
+from smarttestudo.optimizer.profiling import TopicMeasure, proposed_tiers_hz
 
 S = 1_000_000_000
 SCAN = Channel(topic="/scan", type_name="sensor_msgs/msg/LaserScan")
@@ -52,6 +51,20 @@ def test_what_is_measured_reads_back_as_a_profile(bag: Path, tmp_path: Path) -> 
     assert profile.topic("/map").source_hz is None
     assert profile.topic("/image").message_kb == 6000
     assert profile.topic("/empty").message_kb is None
+
+
+def test_of_a_topic_too_slow_for_tiers_and_of_empty_messages_the_profile_reads_back(tmp_path: Path) -> None:
+    path = tmp_path / "slow"
+    with create_recording(path, storage=Storage.MCAP) as writer:
+        for number in range(3):
+            writer.write(MAP, S + number * 100 * S, bytes(1000))
+            writer.write(SCAN, S + number * S, b"")
+    output = tmp_path / "profile.toml"
+    assert main(["profile", "--bag", str(path), "-o", str(output)]) == 0
+    profile = load_profile(output)
+    assert profile.topic("/map").source_hz == 0.01
+    assert profile.topic("/map").tiers_hz is None
+    assert profile.topic("/scan").message_kb is None
 
 
 def test_every_number_says_where_it_comes_from(bag: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -10,10 +10,10 @@ import pytest
 
 from smarttestudo.adapters.files.profile import load_profile
 from smarttestudo.cli.main import main
-from smarttestudo.composition.profile_robot import RobotProfile, profile_of_robot
 from smarttestudo.domain.errors import TestudoError
 from smarttestudo.domain.profile import Profile
-from status.virtual_robot import Source, VirtualRobot
+from smarttestudo.use_cases.live.profile import RobotProfile, profile_of_robot
+from use_cases.status.virtual_robot import Source, VirtualRobot
 
 TESTUDO = ("/smarttestudo2",)
 

@@ -98,4 +98,4 @@ def test_a_budget_that_is_no_number_of_kb_is_wrong_usage(
     with pytest.raises(SystemExit) as stopped:
         replayed(bag, capsys, f"--budget={budget}")
     assert stopped.value.code == 2
-    assert f"a budget is a number of KB/s from 0 on, not '{budget}'" in capsys.readouterr().err
+    assert f"a budget is a number of KB/s from 0 to 1e+09, not '{budget}'" in capsys.readouterr().err

@@ -11,28 +11,28 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from smarttestudo.optimizer.problem import fits, used_kb_per_s
-from smarttestudo.optimizer.run_time import BudgetKeeper, TopicLoad, plan_within
+from smarttestudo.optimizer.run_time import BudgetKeeper, TopicRequest, plan_within
 
 S = 1_000_000_000
 
 
 def load(
     topic: str,
-    wish_hz: float,
+    requested_hz: float,
     *,
     size_kb: float = 1.0,
     floor_hz: float = 0.0,
     priority: float = 1.0,
     source_hz: float = 1000.0,
-) -> TopicLoad:
-    return TopicLoad(topic, wish_hz, floor_hz, priority, size_kb, source_hz)
+) -> TopicRequest:
+    return TopicRequest(topic, requested_hz, floor_hz, priority, size_kb, source_hz)
 
 
 loads = st.lists(
     st.builds(
-        TopicLoad,
+        TopicRequest,
         topic=st.uuids().map(str),
-        wish_hz=st.sampled_from([0.0, math.inf]) | st.floats(0, 200),
+        requested_hz=st.sampled_from([0.0, math.inf]) | st.floats(0, 200),
         floor_hz=st.sampled_from([0.0, 1.0]) | st.floats(0, 20),
         priority=st.sampled_from([0.5, 1.0, 2.0]),
         size_kb=st.floats(0.01, 1000),
@@ -44,7 +44,7 @@ loads = st.lists(
 
 @given(topics=loads, share=st.floats(0, 1.2))
 @settings(max_examples=300)
-def test_the_budget_holds_unless_the_floors_alone_break_it(topics: list[TopicLoad], share: float) -> None:
+def test_the_budget_holds_unless_the_floors_alone_break_it(topics: list[TopicRequest], share: float) -> None:
     budget = share * used_kb_per_s((one.size_kb, one.wanted_hz) for one in topics)
     plan = plan_within(topics, budget)
     rates = {one.topic: plan.cut_hz.get(one.topic, one.wanted_hz) for one in topics}
@@ -89,28 +89,30 @@ def test_a_written_off_stays_off_whatever_its_floor() -> None:
 
 def test_a_change_of_wishes_is_planned_at_once() -> None:
     keeper = BudgetKeeper(10.0)
-    assert keeper.update([load("/a", 20)], 0, wishes_changed=True).cut_hz == {"/a": 10}
-    assert keeper.update([load("/a", 5)], 1, wishes_changed=True).cut_hz == {}
+    assert keeper.update([load("/a", 20)], 0, requests_changed=True).cut_hz == {"/a": 10}
+    assert keeper.update([load("/a", 5)], 1, requests_changed=True).cut_hz == {}
 
 
 def test_a_grown_message_is_noticed_within_a_second_and_not_earlier() -> None:
     keeper = BudgetKeeper(10.0)
-    keeper.update([load("/a", 20)], 0, wishes_changed=True)
+    keeper.update([load("/a", 20)], 0, requests_changed=True)
     grown = [load("/a", 20, size_kb=2)]
-    assert keeper.update(grown, S - 1, wishes_changed=False).cut_hz == {"/a": 10}
+    assert keeper.update(grown, S - 1, requests_changed=False).cut_hz == {"/a": 10}
     assert keeper.next_check_ns == S
-    assert keeper.update(grown, S, wishes_changed=False).cut_hz == {"/a": 5}
+    assert keeper.update(grown, S, requests_changed=False).cut_hz == {"/a": 5}
 
 
 @pytest.mark.parametrize(("size_kb", "rate_hz"), [(0.95, 10), (0.9, 10), (0.89, 11.235)])
 def test_between_90_and_100_percent_the_plan_stays(size_kb: float, rate_hz: float) -> None:
     keeper = BudgetKeeper(10.0)
-    keeper.update([load("/a", 20)], 0, wishes_changed=True)
-    assert keeper.update([load("/a", 20, size_kb=size_kb)], S, wishes_changed=False).cut_hz == {"/a": rate_hz}
+    keeper.update([load("/a", 20)], 0, requests_changed=True)
+    assert keeper.update([load("/a", 20, size_kb=size_kb)], S, requests_changed=False).cut_hz == {
+        "/a": rate_hz
+    }
 
 
 def test_the_budget_may_change_while_running() -> None:
     keeper = BudgetKeeper(10.0)
-    keeper.update([load("/a", 20)], 0, wishes_changed=True)
+    keeper.update([load("/a", 20)], 0, requests_changed=True)
     keeper.budget_kb_per_s = 4.0
-    assert keeper.update([load("/a", 20)], 1, wishes_changed=False).cut_hz == {"/a": 4}
+    assert keeper.update([load("/a", 20)], 1, requests_changed=False).cut_hz == {"/a": 4}

@@ -11,7 +11,7 @@ import pytest
 from scipy.optimize import linprog
 
 from optimizer.instances import Instance, random_instances
-from smarttestudo.domain.tier import Tier
+from smarttestudo.domain.rate import Tier
 from smarttestudo.optimizer.allocation import best_rates
 from smarttestudo.optimizer.greedy import GreedySolver
 from smarttestudo.optimizer.model import Model
@@ -61,6 +61,7 @@ def our_objective(model: Model, instance: Instance) -> float | None:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("model", THESIS_MODELS, ids=lambda model: model.value)
 def test_the_objective_equals_scipy_s_on_1000_instances(model: Model) -> None:
     answered = 0

@@ -39,9 +39,11 @@ class Pair:
         self.followed: list[Relayed] = []
 
     def run(self, events: Sequence[Event], changes: Sequence[tuple[int, float]] = ()) -> None:
-        steps = [(at_ns, 0, rate_hz) for at_ns, rate_hz in changes]
-        arrivals = [(at_ns, 1, (half, bytes_)) for at_ns, half, bytes_ in events]
-        for at_ns, _, what in sorted([*steps, *arrivals], key=lambda step: step[:2]):
+        steps: list[tuple[int, int, float | tuple[Half, bytes]]] = [
+            *((at_ns, 0, rate_hz) for at_ns, rate_hz in changes),
+            *((at_ns, 1, (half, bytes_)) for at_ns, half, bytes_ in events),
+        ]
+        for at_ns, _, what in sorted(steps, key=lambda step: step[:2]):
             self.wake(at_ns)
             if isinstance(what, tuple):
                 self.offer(at_ns, *what)
@@ -74,5 +76,7 @@ def relayed(at_ns: int, passes: Sequence[Pass]) -> list[Relayed]:
     return [Relayed(at_ns, passed.sample, passed.repeated) for passed in passes]
 
 
-def stamps(of: Sequence[Relayed]) -> list[bytes | None]:
-    return [r.sample.stamp for r in of]
+def stamps(of: Sequence[Relayed]) -> list[bytes]:
+    found = [r.sample.stamp for r in of]
+    assert None not in found
+    return [one for one in found if one is not None]

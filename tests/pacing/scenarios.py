@@ -10,8 +10,7 @@ from dataclasses import dataclass
 
 from hypothesis import strategies as st
 
-from smarttestudo.pacing.pacer import Pacer
-from smarttestudo.pacing.sample import Pass, Sample
+from smarttestudo.pacing.sample import Pacer, Pass, Sample
 
 S = 1_000_000_000
 EPOCH_NS = 1_795_230_365 * S

@@ -5,13 +5,14 @@
 from __future__ import annotations
 
 import struct
+from typing import Any
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from rosbags.typesys import Stores, get_typestore
 
-from smarttestudo.pacing.cdr import MAX_TRANSFORMS, child_frames, header_stamp
+from smarttestudo.cdr import MAX_TRANSFORMS, child_frames, header_stamp
 
 STORE = get_typestore(Stores.ROS2_HUMBLE)
 names = st.text(st.characters(exclude_characters="\x00", exclude_categories=["Cs"]), max_size=20)
@@ -19,7 +20,7 @@ stamps = st.tuples(st.integers(-(2**31), 2**31 - 1), st.integers(0, 999_999_999)
 endings = st.booleans()
 
 
-def header(stamp: tuple[int, int], frame: str) -> object:
+def header(stamp: tuple[int, int], frame: str) -> Any:
     time = STORE.types["builtin_interfaces/msg/Time"](sec=stamp[0], nanosec=stamp[1])
     return STORE.types["std_msgs/msg/Header"](stamp=time, frame_id=frame)
 

@@ -135,3 +135,23 @@ def test_latched_topics_and_tf_are_never_repeated() -> None:
         pacer.set_rate(100, EPOCH_NS)
         relay(pacer, samples_at([EPOCH_NS + i * S for i in range(5)]), drain=False)
         assert pacer.wake_ns is None
+
+
+def test_a_pause_is_no_period_so_that_repeating_ends_soon_after_it_too() -> None:
+    """Ten messages, years of nothing, five messages: as when a clock is set that began in 1970."""
+    jump_ns = 56 * 365 * 86_400 * S
+    times_ns = [start_ns + i * S // 5 for start_ns, count in ((0, 10), (jump_ns, 5)) for i in range(count)]
+    for first in range(10):
+        pacer = repeating(10)
+        relayed = relay(pacer, samples_at(times_ns[first:]), drain=False)
+        relayed += woken(pacer, None)
+        assert len(relayed) < 200
+        assert relayed[-1].at_ns == times_ns[-1] + 2 * S
+
+
+def test_a_slow_source_is_repeated_throughout_once_its_period_is_known() -> None:
+    times_ns = [EPOCH_NS + i * 3 * S for i in range(10)]
+    relayed = relay(repeating(1), samples_at(times_ns), drain=False)
+    assert [r.at_ns for r in relayed if r.at_ns >= times_ns[3]] == list(
+        range(times_ns[3], times_ns[-1] + 1, S)
+    )

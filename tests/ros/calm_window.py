@@ -9,7 +9,7 @@ So its edges must lie in calm, and no stall between them may be longer than a pa
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 LATE_S = 0.05
@@ -44,7 +44,7 @@ class Stall(NamedTuple):
     late_s: float
 
 
-def calm_window(received: dict[str, Sequence[Arrival]], span_s: float) -> dict[str, list[Arrival]] | None:
+def calm_window(received: Mapping[str, Sequence[Arrival]], span_s: float) -> dict[str, list[Arrival]] | None:
     """Of each topic the messages of ``span_s`` or more, from a prompt one to a prompt one."""
     run = Stretch(
         max(arrivals[0].at_s for arrivals in received.values()),

@@ -8,7 +8,7 @@ Prints ``heard N`` when every topic has been heard for N times SPAN_S, first to 
 prints it whenever of each topic the last ``messages`` (default 1) have come, and were due ``within_s``
 (default: any time), and all its ``values`` came. The line ``graph`` on stdin prints the topics there are, any
 other the result so far, and ``stop`` ends it: arrivals as [seconds, value, seconds at which it was due], the
-value being the x of an Odometry or the text of a String.
+value being the x of an Odometry or the text of a String or what a Bool says.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ import queue
 import sys
 import threading
 import time
+from collections import deque
 from typing import Any
 
 import rclpy
@@ -75,14 +76,15 @@ class Station:
 def value_of(message: Any) -> Any:
     if hasattr(message, "pose"):
         return message.pose.pose.position.x
-    return getattr(message, "data", None)
+    data = getattr(message, "data", None)
+    return data if isinstance(data, str | bool) else None
 
 
 def due_s_of(message: Any) -> float:
     """As ``source.py`` wrote it."""
     if hasattr(message, "header"):
-        return message.header.stamp.sec + message.header.stamp.nanosec / 1e9
-    return message.linear.y if hasattr(message, "linear") else 0.0
+        return float(message.header.stamp.sec + message.header.stamp.nanosec / 1e9)
+    return float(message.linear.y) if hasattr(message, "linear") else 0.0
 
 
 def main() -> None:
@@ -91,7 +93,7 @@ def main() -> None:
     station = Station(node, json.loads(sys.argv[2]), float(sys.argv[1]))
     sys.stdout.write("ready\n")
     lines: queue.Queue[str] = queue.Queue()
-    threading.Thread(target=lambda: [lines.put(line) for line in sys.stdin], daemon=True).start()
+    threading.Thread(target=lambda: deque(map(lines.put, sys.stdin), maxlen=0), daemon=True).start()
     line = ""
     while line != "stop":
         rclpy.spin_once(node, timeout_sec=0.1)

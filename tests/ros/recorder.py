@@ -14,15 +14,16 @@ import queue
 import sys
 import threading
 import time
+from collections import deque
 from collections.abc import Hashable
 from functools import partial
 from pathlib import Path
 
 from smarttestudo.adapters.ros import open_robot
-from smarttestudo.composition.live_recorder import recorded
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.recording import Channel
 from smarttestudo.domain.robot import Qos, Robot
+from smarttestudo.use_cases.demo.live import recorded
 
 SPAN_S = 1.0
 
@@ -53,7 +54,7 @@ def main() -> None:
     topics = json.loads(sys.argv[2])
     channels = [Channel(topic=f"/{name}", type_name=topic["type"]) for name, topic in topics.items()]
     lines: queue.Queue[str] = queue.Queue()
-    threading.Thread(target=lambda: [lines.put(line) for line in sys.stdin], daemon=True).start()
+    threading.Thread(target=lambda: deque(map(lines.put, sys.stdin), maxlen=0), daemon=True).start()
     with open_robot(name="recorder") as robot, recorded(robot, Path(sys.argv[1]), channels, {}):
         listener = Listener(robot, channels)
         sys.stdout.write("ready\n")

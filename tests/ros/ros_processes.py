@@ -10,6 +10,7 @@ import queue
 import subprocess
 import sys
 import threading
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,17 @@ LINE_TIMEOUT_S = 120.0
 TESTUDO = "import sys; from smarttestudo.cli.main import main; sys.exit(main())"
 # A parent of another environment leaves these, and then the ROS of this one does not load.
 NOT_INHERITED = ("_ROS_WHEELS_BOOTSTRAP_COMPLETE", "LD_LIBRARY_PATH")
+
+
+def inherited(environment: Mapping[str, str]) -> dict[str, str]:
+    """What a process of the ROS that this one uses may have of its environment."""
+    # A setup file that was sourced means its LD_LIBRARY_PATH; ROS 2 from PyPI is none that could be.
+    is_sourced = "AMENT_PREFIX_PATH" in environment
+    return {
+        name: value
+        for name, value in environment.items()
+        if name not in NOT_INHERITED or (is_sourced and name == "LD_LIBRARY_PATH")
+    }
 
 
 class Process:
@@ -107,10 +119,9 @@ class SmallRobot:
     """Starts processes on one ROS domain and ends them."""
 
     def __init__(self, domain: int, folder: Path) -> None:
-        inherited = {name: value for name, value in os.environ.items() if name not in NOT_INHERITED}
         self.folder = folder
         self._environment = {
-            **inherited,
+            **inherited(os.environ),
             "ROS_DOMAIN_ID": str(domain),
             "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
             "ROS_LOG_DIR": str(folder / "log"),
@@ -146,9 +157,12 @@ class SmallRobot:
 
     def runtime(self, rules: str, *arguments: str) -> Process:
         """``testudo run`` by the rules given as text."""
-        path = self.folder / f"rules{len(self._processes)}.adirf"
-        path.write_text(rules, encoding="utf-8")
-        return self.testudo("run", "--rules", str(path), *arguments)
+        return self.testudo("run", "--rules", self._rule_file(rules), *arguments)
+
+    def runtime_lacking(self, lack: str, rules: str, *arguments: str) -> Process:
+        """``testudo run`` on an rclpy that lacks something; see ``other_rclpy.py``."""
+        path = self._rule_file(rules)
+        return self._start([str(FOLDER / "other_rclpy.py"), lack, "run", "--rules", path, *arguments])
 
     def recorder(self, folder: Path, **topics: dict[str, Any]) -> Process:
         """A process that records the topics into ``folder``; see ``recorder.py``."""
@@ -173,6 +187,11 @@ class SmallRobot:
     def end(self) -> None:
         for process in self._processes:
             process.end()
+
+    def _rule_file(self, rules: str) -> str:
+        path = self.folder / f"rules{len(self._processes)}.adirf"
+        path.write_text(rules, encoding="utf-8")
+        return str(path)
 
     def _start(self, arguments: list[str], **environment: str) -> Process:
         return self.command(sys.executable, *arguments, **environment)

@@ -7,16 +7,26 @@ from __future__ import annotations
 from collections import Counter, deque
 from collections.abc import Callable, Mapping, Sequence
 
-from smarttestudo.domain.diagnostic import Diagnostic
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.payload import Payload
-from smarttestudo.domain.robot import DataPath, Endpoint, Inlet, Outlet, Qos, Receive, RobotLog
+from smarttestudo.domain.robot import (
+    DataPath,
+    Endpoint,
+    LookAtGraph,
+    Publisher,
+    Qos,
+    Receive,
+    RobotLog,
+    Subscription,
+)
+from smarttestudo.domain.status import Diagnostic
+from unasked_robot import UnaskedRobot
 
 NODE = "/smarttestudo"
 TEXT = "std_msgs/msg/String"
 
 
-class MemoryInlet:
+class MemorySubscription:
     sent = None
     dropped = 0
 
@@ -26,20 +36,20 @@ class MemoryInlet:
         self.type_name = type_name
         self.receive = receive
 
-    def rest(self) -> None: ...
+    def pause(self) -> None: ...
 
-    def work(self) -> None: ...
+    def resume(self) -> None: ...
 
-    def rouse(self) -> None: ...
+    def arm(self) -> None: ...
 
-    def take_kept(self) -> bool:
+    def take_pending(self) -> bool:
         return False
 
     def close(self) -> None:
-        self._graph.inlets.remove(self)
+        self._graph.subscriptions.remove(self)
 
 
-class MemoryOutlet:
+class MemoryPublisher:
     def __init__(self, graph: SmallGraph, topic: str, type_name: str, qos: Qos) -> None:
         self._graph = graph
         self.topic = topic
@@ -52,13 +62,14 @@ class MemoryOutlet:
         self._graph.published.append((self.topic, payload[:]))
 
     def close(self) -> None:
-        self._graph.outlets.remove(self)
+        self._graph.advertised.remove(self)
 
 
-class SmallGraph:
+class SmallGraph(UnaskedRobot):
     """A ``Robot`` and its ``DataPath``; the test says who publishes and subscribes."""
 
-    can_rest = False
+    description = "in memory"
+    can_pause = False
     has_output_domain = False
 
     def __init__(self, *, tells_publishers: bool = True) -> None:
@@ -67,8 +78,8 @@ class SmallGraph:
         self.operators: dict[str, list[Endpoint]] = {}
         self.latched: dict[tuple[str, bytes], bytes] = {}
         self.installed = {TEXT}
-        self.inlets: list[MemoryInlet] = []
-        self.outlets: list[MemoryOutlet] = []
+        self.subscriptions: list[MemorySubscription] = []
+        self.advertised: list[MemoryPublisher] = []
         self.published: list[tuple[str, bytes]] = []
         self.lines: list[str] = []
         self.asked: Counter[str] = Counter()
@@ -116,16 +127,18 @@ class SmallGraph:
         (publisher,) = (one for one in self.sources[topic] if one.gid == gid)
         if publisher.transient_local:
             self.latched[topic, gid] = payload
-        for inlet in list(self.inlets):
-            if inlet.topic == topic:
-                inlet.receive(payload, gid if self.tells_publishers else None)
+        for subscription in list(self.subscriptions):
+            if subscription.topic == topic:
+                subscription.receive(payload, gid if self.tells_publishers else None)
 
     def subscribed(self) -> set[str]:
-        return {inlet.topic for inlet in self.inlets}
+        return {subscription.topic for subscription in self.subscriptions}
 
     def for_late_subscribers(self, topic: str) -> list[bytes]:
         """What an operator gets who subscribes to a latched topic now."""
-        return [payload for outlet in self.outlets if outlet.topic == topic for payload in outlet.kept]
+        return [
+            payload for publisher in self.advertised if publisher.topic == topic for payload in publisher.kept
+        ]
 
     # What the runtime asks.
 
@@ -146,6 +159,9 @@ class SmallGraph:
     @property
     def data_path(self) -> DataPath:
         return self
+
+    def steady_ns(self) -> int:
+        return 1
 
     def now_ns(self) -> int:
         return 1
@@ -178,7 +194,9 @@ class SmallGraph:
     def text_publisher(self, topic: str, qos: Qos) -> Callable[[str], None]:
         return lambda text: None
 
-    def every(self, period_s: float, act: Callable[[], None]) -> None: ...
+    def every(self, period_s: float, act: Callable[[], float | None]) -> None: ...
+
+    def look_at_graph(self, look: LookAtGraph) -> None: ...
 
     def wait(self, wake_ns: int | None, longest_s: float) -> None: ...
 
@@ -187,21 +205,21 @@ class SmallGraph:
 
     def subscribe(
         self, topic: str, type_name: str, qos: Qos, receive: Receive, *, priority: float = 1.0
-    ) -> Inlet:
+    ) -> Subscription:
         self._require(topic, type_name)
-        inlet = MemoryInlet(self, topic, type_name, receive)
-        self.inlets.append(inlet)
+        subscription = MemorySubscription(self, topic, type_name, receive)
+        self.subscriptions.append(subscription)
         if qos.transient_local:
             for (latched_topic, gid), payload in self.latched.items():
                 if latched_topic == topic:
                     receive(payload, gid if self.tells_publishers else None)
-        return inlet
+        return subscription
 
-    def advertise(self, topic: str, type_name: str, qos: Qos) -> Outlet:
+    def advertise(self, topic: str, type_name: str, qos: Qos) -> Publisher:
         self._require(topic, type_name)
-        outlet = MemoryOutlet(self, topic, type_name, qos)
-        self.outlets.append(outlet)
-        return outlet
+        publisher = MemoryPublisher(self, topic, type_name, qos)
+        self.advertised.append(publisher)
+        return publisher
 
     def decode(self, topic: str, type_name: str, payload: Payload) -> object:
         raise RosError("nothing can be decoded here", place=topic)

@@ -50,7 +50,7 @@ class Stream:
 
     @property
     def due_s(self) -> float:
-        return self.start_s + self.sent * self.period_s
+        return float(self.start_s + self.sent * self.period_s)
 
     def send(self) -> None:
         write_due(self.message, self.due_s)

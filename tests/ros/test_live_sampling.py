@@ -12,18 +12,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from runtime.loop_driver import SECOND, LoopDriver
-from smarttestudo.composition.live_sampling import LiveSampling
-from smarttestudo.domain.observation import LinkBudget
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.domain.robot import Receive
 from smarttestudo.pacing.sample import WhenSlow
+from smarttestudo.use_cases.live.sampling import LiveSampling
 
 LOOK_NS = SECOND // 5
 
 
-class RestingInlet:
-    """An inlet in virtual time, of a path that numbers messages; ``wake_ups`` are what it costs."""
+class PausedSubscription:
+    """An subscription in virtual time, of a path that numbers messages; ``wake_ups`` are what it costs."""
 
     def __init__(self, receive: Receive) -> None:
         self.sent = 0
@@ -31,58 +30,58 @@ class RestingInlet:
         self.wake_ups = 0
         self._receive = receive
         self._came = 0
-        self._rests = self._is_roused = False
+        self._rests = self._is_armed = False
         self._newest: Payload | None = None
         self._kept: Payload | None = None
 
     def arrive(self, payload: bytes) -> None:
         self._came += 1
-        if self._rests and not self._is_roused:
+        if self._rests and not self._is_armed:
             self._newest = payload
             return
-        self._is_roused = False
+        self._is_armed = False
         self._kept = None
         self.wake_ups += 1
         self.sent = self._came
         self._receive(payload, None)
 
-    def rest(self) -> None:
+    def pause(self) -> None:
         self._rests = True
 
-    def rouse(self) -> None:
+    def arm(self) -> None:
         self._kept, self._newest = self._newest or self._kept, None
-        self._is_roused = True
+        self._is_armed = True
         self.sent = self._came
 
-    def take_kept(self) -> bool:
+    def take_pending(self) -> bool:
         kept, self._kept = self._kept, None
         if kept is not None:
             self._receive(kept, None)
         return kept is not None
 
-    def work(self) -> None:
-        self.take_kept()
+    def resume(self) -> None:
+        self.take_pending()
         self._rests = False
 
     def close(self) -> None:
-        self.rest()
+        self.pause()
 
 
 class Robot:
     """One source and the runtime beside it, in virtual time."""
 
-    def __init__(self, rate: str, *, samples: bool = True) -> None:
+    def __init__(self, rate: str, *, samples: bool = True, may_rest: bool = True) -> None:
         self.driver = LoopDriver(f"begin SetFrequency /imu {rate} end", types={"/imu": "sensor_msgs/msg/Imu"})
         self.loop = self.driver.loop
-        self.sampling = LiveSampling(self.loop)
-        self.inlet = RestingInlet(self._receive)
-        self._inlets = {"/imu": self.inlet} if samples else {}
+        self.sampling = LiveSampling(self.loop, may_rest=may_rest)
+        self.subscription = PausedSubscription(self._receive)
+        self._subscriptions = {"/imu": self.subscription} if samples else {}
         self._look_ns = LOOK_NS
 
     def run(self, arrivals_ns: Sequence[int], until_ns: int) -> None:
         for number, at_ns in enumerate(arrivals_ns):
             self.wait_until(at_ns)
-            self.inlet.arrive(b"%d" % number)
+            self.subscription.arrive(b"%d" % number)
         self.wait_until(until_ns)
 
     def wait_until(self, at_ns: int) -> None:
@@ -92,7 +91,7 @@ class Robot:
             self.sampling.on_wake(driver.now_ns)
             if driver.now_ns >= self._look_ns:
                 self._look_ns += LOOK_NS
-                self.sampling.look(self._inlets, driver.now_ns)
+                self.sampling.look(self._subscriptions, driver.now_ns)
         driver.wait_until(at_ns)
 
     def _receive(self, payload: Payload, _: object) -> None:
@@ -121,7 +120,7 @@ def test_the_same_messages_are_relayed_as_if_every_one_had_been_looked_at(
     for robot in robots:
         robot.run(times_ns, 5 * SECOND)
     assert robots[0].relayed == robots[1].relayed
-    assert robots[0].inlet.wake_ups < len(times_ns) / 2
+    assert robots[0].subscription.wake_ups < len(times_ns) / 2
 
 
 def test_the_last_word_before_a_silence_arrives() -> None:
@@ -134,15 +133,21 @@ def test_the_last_word_before_a_silence_arrives() -> None:
 def test_what_was_skipped_counts_as_sent_by_the_source() -> None:
     robot = Robot("10")
     robot.run(arrivals(1000, 10), 10 * SECOND)
-    assert robot.loop.topics["/imu"].arrived.mean_hz == pytest.approx(1000, rel=0.02)
+    assert robot.loop.relays.statistics["/imu"].arrived.mean_hz == pytest.approx(1000, rel=0.02)
 
 
 def test_a_topic_that_is_off_costs_next_to_nothing_and_its_source_is_still_known() -> None:
     robot = Robot("Off")
     robot.run(arrivals(1000, 10), 10 * SECOND)
     assert robot.relayed == []
-    assert robot.inlet.wake_ups < 1500
-    assert robot.loop.topics["/imu"].arrived.mean_hz == pytest.approx(1000, rel=0.02)
+    assert robot.subscription.wake_ups < 1500
+    assert robot.loop.relays.statistics["/imu"].arrived.mean_hz == pytest.approx(1000, rel=0.02)
+
+
+def test_while_all_that_comes_is_recorded_every_message_is_looked_at() -> None:
+    robot = Robot("10", may_rest=False)
+    robot.run(arrivals(1000, 5), 5 * SECOND)
+    assert robot.subscription.wake_ups == 5000
 
 
 @pytest.mark.parametrize(
@@ -170,6 +175,6 @@ def test_whoever_else_needs_every_message_gets_it() -> None:
     paced = LoopDriver(rules, Profile(topics={"/info": TopicProfile(paced_with="/imu")})).loop
     assert not paced.may_skip("/imu")
     assert not paced.may_skip("/info")
-    budgeted = LoopDriver(rules).loop
-    budgeted.on_budget(LinkBudget(link_kb_per_s=100), 0)
-    assert not budgeted.may_skip("/imu")
+    budgeted = LoopDriver(rules)
+    budgeted.budget(100)
+    assert not budgeted.loop.may_skip("/imu")

@@ -4,8 +4,8 @@
 
 from __future__ import annotations
 
-from smarttestudo.composition.live_source import LiveSource, live_source, suits
 from smarttestudo.domain.robot import Endpoint, Qos
+from smarttestudo.use_cases.live.topic import LiveSource, live_source, suits
 
 IMU = "sensor_msgs/msg/Imu"
 
@@ -44,9 +44,9 @@ def test_a_latched_output_holds_two_messages_of_each_publisher_and_at_least_ten(
 
 def test_a_subscription_has_room_for_all_that_several_publishers_latched() -> None:
     latched = endpoint(transient_local=True)
-    assert source_of(latched, latched).inlet_qos == Qos(reliable=True, transient_local=True, depth=100)
-    assert source_of(*[latched] * 70).inlet_qos.depth == 140
-    assert source_of(endpoint()).inlet_qos == source_of(endpoint()).qos
+    assert source_of(latched, latched).subscription_qos == Qos(reliable=True, transient_local=True, depth=100)
+    assert source_of(*[latched] * 70).subscription_qos.depth == 140
+    assert source_of(endpoint()).subscription_qos == source_of(endpoint()).qos
 
 
 def test_a_source_without_publishers_stays_what_it_was() -> None:

@@ -4,14 +4,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 
 import pytest
 
 from ros.small_graph import TEXT, SmallGraph
-from smarttestudo.composition.live_topics import LiveTopics
 from smarttestudo.domain.payload import Payload
-from smarttestudo.runtime.execute.relay import Relayed
+from smarttestudo.runtime.relay import Relayed
+from smarttestudo.use_cases.live.topics import LiveTopics
 
 DRIVER, SECOND, OTHER = b"driver", b"second", b"other"
 
@@ -50,7 +50,7 @@ def test_a_topic_is_subscribed_to_while_an_operator_listens_to_it() -> None:
     graph.joins("/imu", DRIVER)
     live.looks()
     assert graph.subscribed() == set()
-    assert [outlet.topic for outlet in graph.outlets] == ["/testudo/imu"]
+    assert [publisher.topic for publisher in graph.advertised] == ["/testudo/imu"]
 
     graph.listens("/testudo/imu")
     live.looks(1)
@@ -66,6 +66,24 @@ def test_a_topic_is_subscribed_to_while_an_operator_listens_to_it() -> None:
     ]
 
 
+def test_it_is_said_once_when_somebody_begins_or_ceases_to_listen() -> None:
+    graph = SmallGraph()
+    live = Live(graph, "/imu", "/scan", watched=("/odom",))
+    graph.listens("/testudo/scan")
+    said = []
+    changes: list[Callable[[], object]] = [
+        lambda: None,
+        lambda: graph.listens("/testudo/imu"),
+        graph.operators.clear,
+    ]
+    for change in changes:
+        change()
+        live.looks(1)
+        said.append({(one.topic, one.are_there) for one in live.topics.listeners()})
+        assert live.topics.listeners() == []
+    assert said == [{("/imu", False)}, {("/imu", True)}, {("/imu", False), ("/scan", False)}]
+
+
 def test_a_topic_that_checks_read_is_subscribed_to_in_any_case() -> None:
     graph = SmallGraph()
     live = Live(graph, "/odom", watched=("/odom", "/battery"))
@@ -73,7 +91,7 @@ def test_a_topic_that_checks_read_is_subscribed_to_in_any_case() -> None:
         graph.joins(topic, DRIVER)
     live.looks()
     assert graph.subscribed() == {"/odom", "/battery"}
-    assert [outlet.topic for outlet in graph.outlets] == ["/testudo/odom"]
+    assert [publisher.topic for publisher in graph.advertised] == ["/testudo/odom"]
 
 
 def test_where_inputs_are_recorded_everything_is_subscribed_to() -> None:
@@ -192,7 +210,8 @@ def test_a_topic_that_comes_back_with_another_type_is_opened_anew() -> None:
     live.looks()
     graph.joins("/imu", DRIVER, type_name="a_msgs/msg/A")
     live.looks()
-    assert [one.type_name for one in (*graph.inlets, *graph.outlets)] == ["a_msgs/msg/A"] * 2
+    assert [one.type_name for one in graph.subscriptions] == ["a_msgs/msg/A"]
+    assert [one.type_name for one in graph.advertised] == ["a_msgs/msg/A"]
 
 
 def test_a_type_that_is_not_installed_costs_that_topic_only() -> None:
@@ -218,7 +237,7 @@ def test_a_publisher_replaced_by_one_with_another_qos_is_noticed_within_a_second
         graph.leaves(f"/t{number}", DRIVER)
         graph.joins(f"/t{number}", SECOND, reliable=False)
     live.looks(5)
-    assert not any(outlet.qos.reliable for outlet in graph.outlets)
+    assert not any(publisher.qos.reliable for publisher in graph.advertised)
 
 
 @pytest.mark.parametrize("topics", [1, 200])
@@ -231,3 +250,18 @@ def test_a_quiet_graph_is_asked_for_each_topic_once_a_second(topics: int) -> Non
     graph.asked.clear()
     live.looks(5)
     assert {graph.asked[f"/t{number}"] for number in range(topics)} == {1}
+
+
+def test_on_a_graph_that_has_changed_a_publisher_that_replaced_another_is_found_at_once() -> None:
+    graph = SmallGraph()
+    topics = [f"/t{number}" for number in range(5)]
+    live = Live(graph, *topics)
+    for topic in topics:
+        graph.joins(topic, DRIVER)
+    live.looks(6)
+    for topic in topics:
+        graph.leaves(topic, DRIVER)
+        graph.joins(topic, DRIVER, reliable=False)
+    live.topics.look(has_changed=True)
+    sources = {publisher.topic: publisher.qos.reliable for publisher in graph.advertised}
+    assert sources == {f"/testudo{topic}": False for topic in topics}

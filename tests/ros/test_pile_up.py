@@ -9,10 +9,10 @@ from collections.abc import Iterator
 
 import pytest
 
-from smarttestudo.adapters.ros.message_numbers import MAX_PUBLISHERS, MessageNumbers
-from smarttestudo.adapters.ros.rcl_wake_ups import MOST_AT_ONCE, RclWakeUps
+from smarttestudo.adapters.ros.rcl.subscription import MAX_PUBLISHERS, MessageNumbers
+from smarttestudo.adapters.ros.rcl.wake_ups import MOST_AT_ONCE, RclWakeUps
 from smarttestudo.adapters.ros.real_timers import RealTimers
-from smarttestudo.composition.live_losses import PAUSE_NS, LiveLosses
+from smarttestudo.use_cases.live.losses import PAUSE_NS, LiveLosses
 
 SECOND = 1_000_000_000
 
@@ -99,10 +99,10 @@ def test_what_comes_twice_or_late_is_not_new() -> None:
 def test_what_is_skipped_while_resting_is_not_lost_until_the_first_message_after() -> None:
     numbers = MessageNumbers()
     numbers.is_new(b"a", 1)
-    numbers.rest()
+    numbers.pause()
     numbers.is_new(b"a", 100)
     numbers.is_new(b"a", 200)
-    numbers.work()
+    numbers.resume()
     numbers.is_new(b"a", 250)
     assert (numbers.sent, numbers.lost) == (250, 0)
     numbers.is_new(b"a", 252)
@@ -116,18 +116,18 @@ def test_publishers_without_end_do_not_grow_the_memory() -> None:
     assert (numbers.sent, numbers.lost) == (3 * MAX_PUBLISHERS, 0)
 
 
-class Inlet:
+class Subscription:
     sent = None
     dropped = 0
 
-    def rest(self) -> None: ...
+    def pause(self) -> None: ...
 
-    def rouse(self) -> None: ...
+    def arm(self) -> None: ...
 
-    def take_kept(self) -> bool:
+    def take_pending(self) -> bool:
         return False
 
-    def work(self) -> None: ...
+    def resume(self) -> None: ...
 
     def close(self) -> None: ...
 
@@ -143,11 +143,11 @@ class Log:
 
 
 def test_losses_are_said_at_once_and_then_no_more_than_every_ten_seconds() -> None:
-    log, inlet = Log(), Inlet()
+    log, subscription = Log(), Subscription()
     losses = LiveLosses(log)
     for second in range(25):
-        inlet.dropped += 2 if second else 0
-        losses.look({"/scan": inlet}, second * SECOND)
+        subscription.dropped += 2 if second else 0
+        losses.look({"/scan": subscription}, second * SECOND)
     assert [line[: line.index(" messages")] for line in log.lines] == [
         "/scan: lost 2",
         "/scan: lost 20",

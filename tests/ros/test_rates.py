@@ -5,6 +5,8 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
+from typing import Any
 
 import pytest
 
@@ -17,7 +19,7 @@ SCAN = "sensor_msgs/msg/LaserScan"
 JOINTS = "sensor_msgs/msg/JointState"
 TWIST = "geometry_msgs/msg/Twist"
 
-SOURCES = {
+SOURCES: dict[str, Any] = {
     "odom": {"type": ODOMETRY, "hz": 25.5},
     "scan": {"type": SCAN, "hz": 30},
     "cmd_vel": {"type": TWIST, "hz": 30},
@@ -30,7 +32,7 @@ RUN_S = 13.0
 ATTEMPTS = 15
 
 
-def rules(rates_hz: dict[str, float]) -> str:
+def rules(rates_hz: Mapping[str, float]) -> str:
     return (
         "begin\n" + "\n".join(f"SetFrequency /{name} {rate}" for name, rate in rates_hz.items()) + "\nend\n"
     )

@@ -12,7 +12,7 @@ import pytest
 from ros.ros_processes import SmallRobot
 from smarttestudo.adapters.ros import open_robot
 from smarttestudo.domain.errors import RosError
-from smarttestudo.domain.remote_parameters import SilentNodeError
+from smarttestudo.domain.parameter import SilentNodeError, Values
 from smarttestudo.domain.robot import DataPathKind, Robot
 from smarttestudo.domain.rule_texts import RuleTexts
 
@@ -58,7 +58,7 @@ def test_values_refusals_and_silence_come_as_answers(node: Robot, robot: SmallRo
     assert [text for _, text in texts.files] == [RULES]
     assert texts.full_names == {"imu": "/tb3_0/imu"}
 
-    wanted = {"status_hz": 5.0, "rules_hash": "0", "rules_text": "begin"}
+    wanted: Values = {"status_hz": 5.0, "rules_hash": "0", "rules_text": "begin"}
     refused = answer(node, lambda told: ours.set(NODE, wanted, told))
     assert isinstance(refused, dict)
     assert refused.keys() == {"rules_hash", "rules_text"}

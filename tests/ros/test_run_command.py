@@ -102,5 +102,5 @@ def test_without_rclpy_one_line_says_how_to_get_it(tmp_path: Path) -> None:
     assert done.returncode == 1
     assert done.stderr.splitlines() == [
         "error: this needs ROS 2 (rclpy); source your ROS setup, or, without a ROS 2 installation, "
-        "pip install 'smarttestudo[ros]'"
+        "pip install '.[ros]' in the checkout of SmartTestudo"
     ]

@@ -34,7 +34,7 @@ LINES = 60
 def diagnostics_when(listener: Process, holds: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
     """The first diagnostics for which ``holds``: what is discovered late comes later."""
     for _ in range(LINES):
-        statuses = json.loads(listener.line_with("diagnostics ").removeprefix("diagnostics "))
+        statuses: dict[str, Any] = json.loads(listener.line_with("diagnostics ").removeprefix("diagnostics "))
         if holds(statuses):
             return statuses
     raise AssertionError(f"not within {LINES} diagnostics; the last: {statuses}")
@@ -42,8 +42,8 @@ def diagnostics_when(listener: Process, holds: Callable[[dict[str, Any]], bool])
 
 def has_settled(statuses: dict[str, Any]) -> bool:
     imu = statuses["/testudo/imu"]
-    is_measured = imu["level"] == OK and imu["values"]["frame_rate_node"] != "N/A"
-    return is_measured and statuses["smarttestudo"]["level"] == ERROR
+    is_measured: bool = imu["level"] == OK and imu["values"]["frame_rate_node"] != "N/A"
+    return is_measured and bool(statuses["smarttestudo"]["level"] == ERROR)
 
 
 def test_diagnostics_and_top_tell_what_is_relayed_and_what_is_not(robot: SmallRobot) -> None:

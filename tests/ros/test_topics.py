@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from ros.ros_processes import SmallRobot
 
 IMU = "sensor_msgs/msg/Imu"
@@ -12,7 +14,7 @@ TEXT = "std_msgs/msg/String"
 
 
 def test_a_late_subscriber_gets_the_latched_message_of_each_publisher(robot: SmallRobot) -> None:
-    latched = {"map_name": {"type": TEXT, "transient_local": True, "messages": 2}}
+    latched: dict[str, Any] = {"map_name": {"type": TEXT, "transient_local": True, "messages": 2}}
     robot.runtime("begin SetFrequency /map_name Full end")
     robot.source(map_name={"type": TEXT, "texts": ["ground floor", "first floor"]})
     robot.operator(**latched).line_with("heard")
@@ -55,7 +57,7 @@ def test_a_topic_is_heard_only_while_an_operator_listens(robot: SmallRobot) -> N
     robot.source(imu={"type": IMU, "hz": 50}, map_name={"type": TEXT, "texts": ["ground floor"]})
     runtime.line_with("not subscribed, as no operator listens")
     runtime.line_with("not subscribed, as no operator listens")
-    topics = {"imu": {"type": IMU}, "map_name": {"type": TEXT, "transient_local": True}}
+    topics: dict[str, Any] = {"imu": {"type": IMU}, "map_name": {"type": TEXT, "transient_local": True}}
     operator = robot.operator(**topics)
     operator.line_with("heard")
     operator.result()

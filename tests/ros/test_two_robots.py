@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from ros.ros_processes import Process, SmallRobot
 
 ODOMETRY = "nav_msgs/msg/Odometry"
@@ -26,7 +28,8 @@ def source_of(robot: SmallRobot, name: str) -> Process:
 
 
 def test_each_runtime_relays_its_own_robot_only(robot: SmallRobot) -> None:
-    operator = robot.operator(**{f"{name}/imu": {"type": IMU} for name in ROBOTS})
+    topics: dict[str, Any] = {f"{name}/imu": {"type": IMU} for name in ROBOTS}
+    operator = robot.operator(**topics)
     runtimes = [runtime_of(robot, name) for name in ROBOTS]
     first, second = (source_of(robot, name) for name in ROBOTS)
     operator.line_with("heard")

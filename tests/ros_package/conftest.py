@@ -6,18 +6,23 @@ from pathlib import Path
 
 import pytest
 
+from made_once import made_once
 from ros.conftest import domain, robot
-from ros_package.workspace import build
+from ros_package.workspace import INSTALLED, build
 
 __all__ = ["domain", "robot"]
 
 
 @pytest.fixture(scope="session")
 def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return build(tmp_path_factory.mktemp("workspace"))
+    return made_once(tmp_path_factory, "workspace", build) / INSTALLED
 
 
 @pytest.fixture(scope="session")
 def linked(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Built with ``--symlink-install``, where edits of the source need no new build."""
-    return build(tmp_path_factory.mktemp("workspace"), "--symlink-install")
+
+    def build_linked(workspace: Path) -> None:
+        build(workspace, "--symlink-install")
+
+    return made_once(tmp_path_factory, "linked-workspace", build_linked) / INSTALLED

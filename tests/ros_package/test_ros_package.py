@@ -4,9 +4,12 @@
 
 from __future__ import annotations
 
+import ast
 import os
+import re
 import signal
 import subprocess
+import sys
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -63,6 +66,42 @@ def test_a_build_by_links_holds_the_same_package(installed: Path, linked: Path) 
         done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
         assert (done.returncode, done.stderr) == (0, "")
         assert done.stdout.startswith("usage: testudo")
+
+
+def test_package_xml_depends_on_every_ros_package_that_is_used() -> None:
+    package = ElementTree.parse(ROOT / "package.xml").getroot()
+    trees = [
+        ast.parse(path.read_text(encoding="utf-8"))
+        for path in (ROOT / "src" / "smarttestudo" / "adapters" / "ros").rglob("*.py")
+    ]
+    nodes = [node for tree in trees for node in ast.walk(tree)]
+    imported = {
+        node.module.partition(".")[0] for node in nodes if isinstance(node, ast.ImportFrom) and node.module
+    }
+    texts = [node.value for node in nodes if isinstance(node, ast.Constant) and isinstance(node.value, str)]
+    of_types = {match[1] for text in texts if (match := re.fullmatch(r"(\w+)/msg/\w+", text))}
+    used = {name for name in imported if name not in sys.stdlib_module_names} | of_types
+    # Ours, and the type to fall back on where std_msgs is missing.
+    used -= {"smarttestudo", "sensor_msgs"}
+    assert used >= {"rclpy", "rcl_interfaces", "builtin_interfaces", "std_msgs", "std_srvs"}
+    assert used <= {one.text for one in package.findall("exec_depend")}
+
+
+def test_the_profile_for_one_machine_has_the_shared_memory_of_the_other_and_no_network() -> None:
+    xml = "{http://www.eprosima.com}"
+    large, here = (
+        ElementTree.parse(ROOT / "profiles" / f"{name}.xml").getroot()
+        for name in ("fastdds_large_messages", "fastdds_this_machine")
+    )
+    (transport,) = here.iter(f"{xml}transport_descriptor")
+    fields = {field.tag: field.text for field in transport}
+    assert fields in [
+        {field.tag: field.text for field in one} for one in large.iter(f"{xml}transport_descriptor")
+    ]
+    assert fields[f"{xml}type"] == "SHM"
+    assert here.findtext(f".//{xml}useBuiltinTransports") == "false"
+    used = here.findall(f".//{xml}userTransports/{xml}transport_id")
+    assert [one.text for one in used] == [transport.findtext(f"{xml}transport_id")]
 
 
 def test_package_xml_says_what_pyproject_says() -> None:

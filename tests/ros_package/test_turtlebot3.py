@@ -14,15 +14,14 @@ import pytest
 from ros_package.workspace import ROOT
 from smarttestudo.adapters.files.profile import load_profile
 from smarttestudo.cli.main import main
-from smarttestudo.simulation.floor_plan import ObstacleKind, Rectangle
-from smarttestudo.simulation.geometry import Point
+from smarttestudo.domain.floor_plan import ObstacleKind, Point, Rectangle
 from smarttestudo.simulation.readings import Topic
-from smarttestudo.simulation.robot import RobotModel
+from smarttestudo.simulation.robot import DriveModel
 from smarttestudo.simulation.warehouse import warehouse
 
 LAUNCH_FILES = sorted((ROOT / "launch").glob("*.launch.py"))
 WORLD = ROOT / "worlds" / "warehouse.sdf"
-PROFILE = ROOT / "profiles" / "turtlebot3.toml"
+REAL, SIMULATED = (ROOT / "profiles" / name for name in ("turtlebot3.toml", "turtlebot3_gazebo.toml"))
 RULES = ROOT / "examples" / "warehouse.adirf"
 
 
@@ -36,7 +35,7 @@ def test_a_launch_file_compiles_and_describes_a_launch(path: Path) -> None:
 
 def test_a_launch_file_names_only_files_that_the_package_shares() -> None:
     named = [
-        ROOT.joinpath(*[part.value for part in call.args[1:]])
+        ROOT.joinpath(*[ast.literal_eval(part) for part in call.args[1:]])
         for path in LAUNCH_FILES
         for call in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
         if isinstance(call, ast.Call)
@@ -45,7 +44,7 @@ def test_a_launch_file_names_only_files_that_the_package_shares() -> None:
         and isinstance(call.args[0], ast.Constant)
         and call.args[0].value == "smarttestudo"
     ]
-    assert len(named) == 3
+    assert len(named) == 4
     assert [path for path in named if not path.is_file()] == []
 
 
@@ -65,7 +64,7 @@ def test_every_obstacle_of_the_floor_plan_is_seen_and_felt_in_the_world() -> Non
         ]
         for part in ("collision", "visual"):
             poses = world.findall(f".//model[@name='{kind.value}s']/link/{part}/pose")
-            assert [pose.text.removesuffix(" 0 0 0") for pose in poses] == boxes
+            assert [(pose.text or "").removesuffix(" 0 0 0") for pose in poses] == boxes
 
 
 def middle(footprint: Rectangle) -> tuple[float, float]:
@@ -74,16 +73,27 @@ def middle(footprint: Rectangle) -> tuple[float, float]:
 
 
 def test_a_turtlebot3_fits_where_the_launch_file_puts_it() -> None:
-    assert warehouse().clearance_m(Point(0.0, 0.0)) > 2 * RobotModel().radius_m
+    assert warehouse().clearance_m(Point(0.0, 0.0)) > 2 * DriveModel().radius_m
 
 
-def test_the_profile_knows_the_topics_of_the_simulated_turtlebot3() -> None:
-    assert set(load_profile(PROFILE).topics) == {topic.value for topic in Topic}
+def test_the_profiles_know_the_topics_of_a_turtlebot3() -> None:
+    topics = {topic.value for topic in Topic}
+    assert set(load_profile(SIMULATED).topics) == topics
+    assert set(load_profile(REAL).topics) == topics | {"/battery_state"}
 
 
-def test_the_warehouse_rules_fit_the_profile(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["check", str(RULES), "--profile", str(PROFILE)]) == 0
+def test_the_real_robot_has_its_own_rates_and_sizes() -> None:
+    real, simulated = load_profile(REAL), load_profile(SIMULATED)
+    assert [real.topic(name).source_hz for name in ("/imu", "/joint_states")] == [20, 20]
+    assert [simulated.topic(name).source_hz for name in ("/imu", "/joint_states")] == [195, 5]
+    header_kb = 0.052
+    assert real.topic("/camera/image_raw").message_kb == 640 * 480 * 3 / 1000 + header_kb
+
+
+@pytest.mark.parametrize("profile", [REAL, SIMULATED], ids=lambda path: path.name)
+def test_the_warehouse_rules_fit_the_profile(profile: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["check", str(RULES), "--profile", str(profile)]) == 0
     printed = capsys.readouterr().out
     assert "fits the budget in every situation" in printed
     assert "warning" not in printed
-    assert main(["optimize", str(RULES), "--profile", str(PROFILE)]) == 0
+    assert main(["optimize", str(RULES), "--profile", str(profile)]) == 0

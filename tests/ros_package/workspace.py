@@ -12,10 +12,12 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 OF_A_ROS_PACKAGE = ("setup.py", "setup.cfg", "pyproject.toml", "package.xml", "README.md", "LICENSE")
 OF_A_ROS_PACKAGE_FOLDERS = ("resource", "launch", "worlds", "profiles", "examples", "extras", "src")
+INSTALLED = Path("install/smarttestudo")
+"""Where a workspace has the package, once it is built."""
 
 
-def build(workspace: Path, *options: str) -> Path:
-    """The installed package after ``colcon build`` of a copy of what belongs to it."""
+def build(workspace: Path, *options: str) -> None:
+    """``colcon build`` of a copy of what belongs to the package."""
     source = workspace / "src" / "smarttestudo"
     source.mkdir(parents=True)
     for name in OF_A_ROS_PACKAGE:
@@ -27,4 +29,3 @@ def build(workspace: Path, *options: str) -> Path:
     command = [sys.executable, "-m", "colcon", "build", "--packages-select", "smarttestudo", *options]
     done = subprocess.run(command, cwd=workspace, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
-    return workspace / "install" / "smarttestudo"

@@ -10,10 +10,11 @@ from types import SimpleNamespace
 from smarttestudo.adirf.parser import parse
 from smarttestudo.adirf.rule_set import RuleSet, compile_rules
 from smarttestudo.domain.decision import Decision
-from smarttestudo.domain.observation import SourceChanged
+from smarttestudo.domain.observation import LinkBudget, ListenersChanged, SourceChanged
 from smarttestudo.domain.profile import Profile
 from smarttestudo.pacing.sample import WhenSlow
 from smarttestudo.runtime import Relayed, RelayLoop
+from smarttestudo.runtime.inputs import ChangeInput, MessageInput, RulesInput, WakeInput
 
 MS = 1_000_000
 SECOND = 1_000_000_000
@@ -57,23 +58,35 @@ class LoopDriver:
         change = SourceChanged(
             topic=topic, publishers=publishers, transient_local=transient_local, type_name=type_name
         )
-        self.keep(self.loop.on_source(change, self.now_ns))
+        self.keep(self.loop.take(ChangeInput(stamp_ns=self.now_ns, change=change)))
+
+    def listeners(self, topic: str, *, are_there: bool) -> None:
+        change = ListenersChanged(topic=topic, are_there=are_there)
+        self.keep(self.loop.take(ChangeInput(stamp_ns=self.now_ns, change=change)))
 
     def reload(self, rules: str, profile: Profile | None = None) -> None:
-        self.keep(self.loop.reload(rule_set_of(rules), profile or Profile(), self.now_ns))
+        self.reload_rule_set(rule_set_of(rules), profile)
+
+    def reload_rule_set(self, rule_set: RuleSet, profile: Profile | None = None) -> None:
+        given = RulesInput(stamp_ns=self.now_ns, rule_set=rule_set, profile=profile or Profile())
+        self.keep(self.loop.take(given))
+
+    def budget(self, budget_kb_per_s: float) -> None:
+        change = LinkBudget(link_kb_per_s=budget_kb_per_s)
+        self.keep(self.loop.take(ChangeInput(stamp_ns=self.now_ns, change=change)))
 
     def wait_until(self, at_ns: int) -> None:
         while (wake_ns := self.loop.next_wake_ns) is not None and wake_ns <= at_ns:
             assert wake_ns >= self.now_ns
             self.now_ns = wake_ns
-            self.keep(self.loop.on_wake(wake_ns))
+            self.keep(self.loop.take(WakeInput(stamp_ns=wake_ns)))
         self.now_ns = at_ns
 
     def send(
         self, topic: str, at_ns: int, payload: bytes = b"", size_bytes: int = 100, message: object = None
     ) -> None:
         self.wait_until(at_ns)
-        self.keep(self.loop.on_message(topic, at_ns, payload, size_bytes, message=message))
+        self.keep(self.loop.take(MessageInput(at_ns, topic, payload, size_bytes, message)))
 
     def drive(self, at_ns: int, x: float, y: float) -> None:
         """An odometry message."""
@@ -88,7 +101,7 @@ class LoopDriver:
 
     def rates(self) -> dict[str, float | None]:
         """The rate of each topic now, in Hz; ``None`` is Full."""
-        return {topic: planned.rate.to_json() for topic, planned in self.loop.plan.items()}
+        return {topic: planned.rate.to_json() for topic, planned in self.loop.knowledge.plan.items()}
 
     def log(self) -> list[tuple[float, str, float | None, str, str | None]]:
         """Decisions as (time in s, topic, rate, reason, rule)."""

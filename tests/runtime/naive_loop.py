@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import pairwise
 
-from evaluator.naive_rules import NaiveWish, naive_blocks, naive_signals, naive_wish
+from adirf.evaluator.naive_rules import NaiveRequest, naive_blocks, naive_request, naive_signals
 from smarttestudo.adirf.syntax import RuleFile
 from smarttestudo.domain.observation import Arrival, Observation, SourceChanged, Undecodable
 from smarttestudo.domain.signal import Signal
@@ -22,8 +22,8 @@ SECOND = 1_000_000_000
 class NaiveDecision:
     t_ns: int
     topic: str
-    before: NaiveWish | None
-    after: NaiveWish
+    before: NaiveRequest | None
+    after: NaiveRequest
     values: dict[str, float | None]
 
 
@@ -36,16 +36,16 @@ class NaiveLoop:
     settle_ns: int
     stale_after_ns: dict[str, int]
     events: list[tuple[int, Observation]] = field(default_factory=list)
-    wishes: dict[str, list[tuple[int, NaiveWish]]] = field(default_factory=dict)
-    effective: dict[str, NaiveWish] = field(default_factory=dict)
+    requests: dict[str, list[tuple[int, NaiveRequest]]] = field(default_factory=dict)
+    effective: dict[str, NaiveRequest] = field(default_factory=dict)
 
     def step(self, observations: Sequence[Observation], now: int) -> list[NaiveDecision]:
         self.events += [(now, observation) for observation in observations]
         values = self.values(now)
         decisions = []
         for topic in self.topics:
-            self.wishes.setdefault(topic, []).append((now, naive_wish(self.files, topic, values)))
-            before, after = self.effective.get(topic), self.settled(self.wishes[topic], now)
+            self.requests.setdefault(topic, []).append((now, naive_request(self.files, topic, values)))
+            before, after = self.effective.get(topic), self.settled(self.requests[topic], now)
             self.effective[topic] = after
             if before is None or (before.height, before.place) != (after.height, after.place):
                 decisions.append(
@@ -55,29 +55,31 @@ class NaiveLoop:
                 )
         return decisions
 
-    def peek(self, now: int) -> dict[str, NaiveWish]:
+    def peek(self, now: int) -> dict[str, NaiveRequest]:
         """What a step at ``now`` without observations would make effective."""
         values = self.values(now)
         return {
-            topic: self.settled([*self.wishes[topic], (now, naive_wish(self.files, topic, values))], now)
+            topic: self.settled([*self.requests[topic], (now, naive_request(self.files, topic, values))], now)
             for topic in self.topics
         }
 
-    def settled(self, wishes: Sequence[tuple[int, NaiveWish]], now: int) -> NaiveWish:
-        """The highest wish of the last ``settle_ns``, the latest among equals."""
-        ends = [start for start, _ in wishes[1:]] + [math.inf]
-        counting = [wish for (_, wish), end in zip(wishes, ends, strict=True) if now < end + self.settle_ns]
-        highest = max(wish.height for wish in counting)
-        return next(wish for wish in reversed(counting) if wish.height == highest)
+    def settled(self, requests: Sequence[tuple[int, NaiveRequest]], now: int) -> NaiveRequest:
+        """The highest request of the last ``settle_ns``, the latest among equals."""
+        ends = [start for start, _ in requests[1:]] + [math.inf]
+        counting = [
+            request for (_, request), end in zip(requests, ends, strict=True) if now < end + self.settle_ns
+        ]
+        highest = max(request.height for request in counting)
+        return next(request for request in reversed(counting) if request.height == highest)
 
     def values(self, now: int) -> dict[Signal, float | None]:
         signals = {s for block in naive_blocks(self.files) for s in naive_signals(block.condition)}
         return {signal: self.value(signal, now) for signal in signals}
 
-    def read(self, wish: NaiveWish, values: dict[Signal, float | None]) -> dict[str, float | None]:
-        if wish.place is None:
+    def read(self, request: NaiveRequest, values: dict[Signal, float | None]) -> dict[str, float | None]:
+        if request.place is None:
             return {}
-        condition = naive_blocks(self.files)[wish.place].condition
+        condition = naive_blocks(self.files)[request.place].condition
         return {str(signal): values[signal] for signal in naive_signals(condition)}
 
     def value(self, signal: Signal, now: int) -> float | None:
@@ -102,7 +104,9 @@ class NaiveLoop:
 
     def is_gone(self, topic: str) -> bool:
         """No publisher, or none was heard since the last time there was none."""
-        mine = [one for _, one in self.events if one.topic == topic]
+        mine = [
+            one for _, one in self.events if isinstance(one, Arrival | SourceChanged) and one.topic == topic
+        ]
         changes = [one for one in mine if isinstance(one, SourceChanged)]
         if changes and changes[-1].publishers == 0:
             return True
@@ -122,4 +126,4 @@ class NaiveLoop:
         intervals = [late - early for early, late in pairwise(stamps)][-20:]
         if (changes and changes[-1].transient_local) or len(intervals) < 3:
             return False
-        return age > max(2 * SECOND, 5 * Fraction(sum(intervals), len(intervals)))
+        return age > 2 * SECOND and age > 5 * Fraction(sum(intervals), len(intervals))

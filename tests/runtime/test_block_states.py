@@ -7,17 +7,17 @@ from __future__ import annotations
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from evaluator.naive_rules import naive_truth
-from evaluator.random_rules import rule_files
+from adirf.evaluator.naive_rules import naive_truth
+from adirf.evaluator.random_rules import rule_files
 from runtime.loop_driver import SECOND, LoopDriver, rule_set_of
 from runtime.test_step import BORDERS, SIGNALS, BothLoops, Moment, moments, profiles
 from smarttestudo.adirf.parser import parse
 from smarttestudo.adirf.rule_set import compile_rules
 from smarttestudo.adirf.syntax import Block, RuleFile, checks_in
-from smarttestudo.domain.block_status import BlockStatus
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.signal import Signal, Truth
-from smarttestudo.runtime.analyze.block_states import block_states
+from smarttestudo.domain.status import BlockStatus
+from smarttestudo.runtime.analyze import block_states
 
 TRUTHS = {None: Truth.UNKNOWN, False: Truth.FALSE, True: Truth.TRUE}
 RULES = """
@@ -76,6 +76,14 @@ def test_a_rule_and_its_else_are_one_condition_and_a_check_below_not_says_what_i
     assert states(driver) == [(3, true, [true, false]), (6, false, [false])]
     driver.wait_until(5 * SECOND)
     assert states(driver)[1] == (6, true, [true])
+
+
+def test_a_check_on_which_nothing_depends_still_says_what_it_reads() -> None:
+    never = "If (CheckValue /odom age > 3 AND CheckValue /odom age < 1) Then SetFrequency /scan 1 EndIf"
+    driver = LoopDriver(f"begin SetFrequency /scan 2 {never} end")
+    driver.drive(SECOND, 0.0, 0.0)
+    driver.wait_until(5 * SECOND)
+    assert states(driver) == [(1, Truth.FALSE, [Truth.TRUE, Truth.FALSE])]
 
 
 def test_a_reload_shows_the_new_rules_with_what_is_known() -> None:

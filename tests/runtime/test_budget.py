@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 import pytest
@@ -12,10 +13,10 @@ from hypothesis import strategies as st
 
 from runtime.loop_driver import SECOND, LoopDriver
 from smarttestudo.domain.decision import Reason
-from smarttestudo.domain.observation import Arrival, LinkBudget
+from smarttestudo.domain.observation import Arrival
 from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.runtime.knowledge.knowledge import Knowledge
-from smarttestudo.runtime.monitor.monitor import meter
+from smarttestudo.runtime.monitor import meter
 from smarttestudo.runtime.step import step
 
 RULES = """\
@@ -87,13 +88,119 @@ def test_floors_win_over_the_budget_and_that_is_known() -> None:
     robot.drive(0, 5.0, 0.0)
     stream(robot, {"/image": 10_000, "/scan": 1000}, 0, 3)
     assert robot.rates() == {"/image": 0, "/scan": 8}
-    assert robot.loop.floors_broke_budget
+    assert robot.loop.knowledge.floors_broke_budget
 
 
-def test_the_profile_s_sizes_count_until_there_are_messages() -> None:
+def test_the_profile_s_sizes_count_from_the_first_message_on() -> None:
     known = Profile(topics={"/scan": TopicProfile(message_kb=1.0, source_hz=50.0)}, settle_s=0.0)
     robot = driver(5.0, known=known)
+    assert robot.rates()["/scan"] == 40
+    robot.send("/scan", SECOND, size_bytes=1000)
     assert robot.rates()["/scan"] == 5
+    assert robot.decisions[-1].t_s == 1.0, "not at the next look"
+
+
+def test_a_topic_that_nobody_publishes_takes_nothing_of_the_budget() -> None:
+    known = Profile(topics={"/image": TopicProfile(message_kb=6220, source_hz=29)}, settle_s=0.0)
+    robot = driver(400.0, known=known)
+    robot.drive(0, 5.0, 0.0)
+    stream(robot, {"/scan": 3000}, 0, 5)
+    assert robot.rates() == {"/image": None, "/scan": 10}
+    robot.send("/image", 5 * SECOND, size_bytes=6_220_000)
+    assert robot.rates()["/image"] == pytest.approx(400 / 6250, rel=0.2), "it came, and room was made"
+
+
+def test_a_topic_that_nobody_listens_to_takes_nothing_of_the_budget() -> None:
+    robot = driver(100.0)
+    robot.drive(0, 5.0, 0.0)
+    robot.listeners("/image", are_there=False)
+    stream(robot, {"/image": 20_000, "/scan": 3000}, 0, 5)
+    assert robot.rates() == {"/image": None, "/scan": 10}
+    robot.listeners("/image", are_there=True)
+    stream(robot, {"/image": 20_000, "/scan": 3000}, 5, 8)
+    assert (robot.rates()["/scan"] or 0) < 3
+    robot.listeners("/image", are_there=False)
+    assert robot.rates() == {"/image": None, "/scan": 10}
+
+
+def test_a_source_whose_publisher_left_gives_its_share_back_at_once() -> None:
+    robot = driver(100.0)
+    robot.drive(0, 5.0, 0.0)
+    stream(robot, {"/image": 20_000, "/scan": 3000}, 0, 5)
+    robot.source("/image", publishers=0)
+    assert robot.rates()["/scan"] == 10
+
+
+def test_a_source_that_comes_back_has_the_place_that_it_had_with_its_first_message() -> None:
+    robot = driver(100.0)
+    robot.drive(0, 5.0, 0.0)
+    stream(robot, {"/image": 20_000, "/scan": 3000}, 0, 5)
+    cut = robot.rates()
+    stream(robot, {"/scan": 3000}, 5, 9)
+    assert robot.rates()["/scan"] == 10
+    robot.send("/image", 9 * SECOND, size_bytes=20_000)
+    for topic in cut:
+        assert robot.rates()[topic] == pytest.approx(cut[topic], rel=0.05)
+
+
+def test_while_nobody_sends_anything_nothing_wakes_the_loop() -> None:
+    robot = driver(100.0)
+    stream(robot, {"/image": 20_000, "/scan": 3000}, 0, 5)
+    robot.wait_until(20 * SECOND)
+    assert robot.loop.next_wake_ns is None
+
+
+HZ = {"/a": 5, "/b": 20, "/c": 50}
+REQUESTED_HZ = {"/a": 4.0, "/b": math.inf, "/c": 30.0}
+SIZES_KB = {"/a": 40, "/b": 3, "/c": 1}
+THREE = "begin SetFrequency /a 4 SetFrequency /b Full SetFrequency /c 30 end"
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    budget=st.floats(1, 400),
+    priorities=st.lists(st.sampled_from([0.5, 1.0, 2.0]), min_size=3, max_size=3),
+    is_known=st.booleans(),
+    spells=st.lists(
+        st.tuples(st.sets(st.sampled_from(sorted(HZ))), st.sets(st.sampled_from(sorted(HZ)))), max_size=4
+    ),
+)
+def test_what_is_used_and_what_no_topic_asks_for_is_the_budget(
+    budget: float, priorities: list[float], is_known: bool, spells: list[tuple[set[str], set[str]]]
+) -> None:
+    """Each spell has other topics published and heard; they have their place a second after that is known."""
+    topics = {
+        topic: TopicProfile(
+            priority=priority,
+            message_kb=2.0 * SIZES_KB[topic] if is_known else None,
+            source_hz=30.0 if is_known else None,
+        )
+        for topic, priority in zip(HZ, priorities, strict=True)
+    }
+    robot = LoopDriver(THREE, Profile(topics=topics, settle_s=0.0), budget_kb_per_s=budget)
+    for number, (published, heard) in enumerate(spells):
+        start_ns = number * 6 * SECOND
+        robot.wait_until(start_ns)
+        for topic in HZ:
+            robot.listeners(topic, are_there=topic in heard)
+        for tick in range(6 * 100):
+            for topic in published:
+                if tick % (100 // HZ[topic]) == 0:
+                    robot.send(topic, start_ns + tick * SECOND // 100, size_bytes=1000 * SIZES_KB[topic])
+            robot.wait_until(start_ns + tick * SECOND // 100)
+            # Two seconds of silence say that a source fell silent.
+            if tick >= (100 if number == 0 else 301):
+                assert_is_the_budget(robot, budget, published & heard)
+
+
+def assert_is_the_budget(robot: LoopDriver, budget: float, asking: set[str]) -> None:
+    asked = {topic: min(REQUESTED_HZ[topic], HZ[topic]) for topic in asking}
+    rates = {topic: planned.rate.hz for topic, planned in robot.loop.knowledge.plan.items()}
+    used = sum(SIZES_KB[topic] * min(rates[topic], hz) for topic, hz in asked.items())
+    assert used == pytest.approx(
+        min(budget, sum(SIZES_KB[topic] * hz for topic, hz in asked.items())), rel=1e-3, abs=0.05
+    )
+    assert all(rates[topic] == REQUESTED_HZ[topic] for topic in HZ.keys() - asking)
 
 
 def test_grown_messages_are_noticed_with_at_most_one_decision_of_a_topic_a_second() -> None:
@@ -110,15 +217,15 @@ def test_a_raised_budget_gives_rates_back_and_a_lowered_one_takes_them_at_once()
     robot = driver(20.0)
     robot.drive(0, 1.0, 0.0)
     stream(robot, {"/scan": 1000}, 0, 5)
-    robot.keep(robot.loop.on_budget(LinkBudget(link_kb_per_s=100.0), robot.now_ns))
+    robot.budget(100.0)
     assert robot.log()[-1][1:] == ("/scan", 40, "block", "near")
-    robot.keep(robot.loop.on_budget(LinkBudget(link_kb_per_s=10.0), robot.now_ns))
+    robot.budget(10.0)
     assert robot.rates()["/scan"] == pytest.approx(10, rel=0.03)
 
 
 def test_a_budget_can_be_set_on_a_loop_that_had_none() -> None:
     robot = LoopDriver(RULES.format(floor=""), profile())
-    robot.keep(robot.loop.on_budget(LinkBudget(link_kb_per_s=10.0), 0))
+    robot.budget(10.0)
     stream(robot, {"/scan": 1000}, 0, 3)
     assert robot.rates()["/scan"] == pytest.approx(10, rel=0.05)
 

@@ -10,6 +10,7 @@ from runtime.loop_driver import MS, ODOMETRY, SECOND, LoopDriver, odometry
 from smarttestudo.domain.observation import Undecodable
 from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.domain.signal import Signal
+from smarttestudo.runtime.inputs import MessageInput, WakeInput
 
 WAREHOUSE = """
 begin
@@ -174,8 +175,8 @@ def test_nan_and_undecodable_messages_are_unknown_and_counted() -> None:
     driver.drive(3 * SECOND, 0.0, 0.0)
     driver.send("/odom", 4 * SECOND, message=Undecodable())
     assert driver.log()[-1] == (4.0, "/scan", 8, "unknown", "zone")
-    assert driver.loop.unknown_values == {Signal("/odom", "pose_x"): 1}
-    assert driver.loop.undecodable == {"/odom": 1}
+    assert driver.loop.knowledge.unknown_values == {Signal("/odom", "pose_x"): 1}
+    assert driver.loop.knowledge.undecodable == {"/odom": 1}
 
 
 def test_a_property_name_is_read_once_the_type_is_known() -> None:
@@ -198,7 +199,7 @@ def test_an_age_acts_at_the_nanosecond_and_counts_from_the_start_where_nothing_c
         end
         """
     )
-    assert not driver.loop.reads("/beat")
+    assert not driver.loop.knowledge.reads("/beat")
     driver.decisions.clear()
     driver.wait_until(3 * SECOND)
     assert [(one.stamp_ns, one.topic) for one in driver.decisions] == [
@@ -241,9 +242,9 @@ def test_a_flood_of_messages_that_changes_no_check_asks_for_few_wakes() -> None:
     for step in range(1000):
         at_ns = step * 10 * MS
         while (wake_ns := driver.loop.next_wake_ns) is not None and wake_ns <= at_ns:
-            driver.loop.on_wake(wake_ns)
+            driver.loop.take(WakeInput(stamp_ns=wake_ns))
             wakes += 1
-        driver.loop.on_message("/beat", at_ns, b"", 1)
+        driver.loop.take(MessageInput(at_ns, "/beat", b"", 1))
     assert wakes < 20
 
 

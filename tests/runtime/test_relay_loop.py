@@ -9,6 +9,7 @@ import pytest
 from runtime.loop_driver import MS, SECOND, LoopDriver
 from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.pacing.sample import WhenSlow
+from smarttestudo.runtime.inputs import MessageInput
 
 ONE_TOPIC = "begin SetFrequency /scan {} end"
 ZONE = """
@@ -29,7 +30,7 @@ def test_a_topic_is_relayed_at_the_rate_of_its_plan(rate: str, count: int) -> No
     for step in range(200):
         driver.send("/scan", step * 50 * MS, payload=b"%d" % step, size_bytes=7)
     assert abs(len(driver.relayed) - count) <= (1 if 0 < count < 200 else 0)
-    counted = driver.loop.topics["/scan"]
+    counted = driver.loop.relays.statistics["/scan"]
     assert (counted.arrived.messages, counted.arrived.size_bytes) == (200, 1400)
     assert (counted.relayed.messages, counted.relayed.size_bytes) == (
         len(driver.relayed),
@@ -43,8 +44,8 @@ def test_a_topic_that_is_only_read_is_not_relayed() -> None:
     driver.drive(SECOND, 1.0, 1.0)
     driver.send("/unheard_of", SECOND)
     assert driver.relayed == []
-    assert list(driver.loop.topics) == ["/scan"]
-    assert (driver.loop.reads("/odom"), driver.loop.reads("/scan")) == (True, False)
+    assert list(driver.loop.relays.statistics) == ["/scan"]
+    assert (driver.loop.knowledge.reads("/odom"), driver.loop.knowledge.reads("/scan")) == (True, False)
 
 
 def test_the_message_that_raises_a_rate_and_those_after_it_are_paced_by_the_new_plan() -> None:
@@ -71,7 +72,7 @@ def test_a_wake_that_was_missed_is_made_up_for_by_the_next_message() -> None:
     driver = LoopDriver("begin SetFrequency /scan 1 SetFrequency /imu Full end")
     for step in range(5):
         driver.send("/scan", step * 100 * MS)
-    driver.keep(driver.loop.on_message("/imu", 9 * SECOND, b"", 1))
+    driver.keep(driver.loop.take(MessageInput(9 * SECOND, "/imu", b"", 1)))
     assert [(one.topic, one.stamp_ns) for one in driver.relayed[1:]] == [
         ("/scan", 9 * SECOND),
         ("/imu", 9 * SECOND),
@@ -95,14 +96,14 @@ def test_the_target_is_weighted_by_time_and_full_counts_as_the_source() -> None:
     driver.drive(3 * SECOND, 0.0, 0.0)
     driver.wait_until(4 * SECOND)
     assert list(driver.loop.finish(4 * SECOND)) == []
-    assert driver.loop.topics["/scan"].target.mean_hz(20.0) == (3 * 20 + 1 * 2) / 4
+    assert driver.loop.relays.statistics["/scan"].target.mean_hz(20.0) == (3 * 20 + 1 * 2) / 4
 
 
 def test_repeats_are_sent_where_asked_for_and_counted() -> None:
     driver = LoopDriver(ONE_TOPIC.format("10"), when_slow=WhenSlow.REPEAT)
     for step in range(10):
         driver.send("/scan", step * 200 * MS)
-    counted = driver.loop.topics["/scan"]
+    counted = driver.loop.relays.statistics["/scan"]
     assert counted.repeated == sum(one.repeated for one in driver.relayed) >= 8
     assert counted.relayed.messages == len(driver.relayed) == 19
 
@@ -126,8 +127,8 @@ def test_partners_pass_the_stamps_that_their_leader_passes_and_aim_at_its_rate()
     assert [one.payload for one in driver.relayed if one.topic == "/info"] == images
     assert 24 <= len(images) <= 26
     list(driver.loop.finish(5 * SECOND))
-    assert driver.loop.topics["/info"].target.mean_hz(20.0) == 5
-    assert driver.loop.discarded["/info"] <= 1
+    assert driver.loop.relays.statistics["/info"].target.mean_hz(20.0) == 5
+    assert driver.loop.relays.discarded["/info"] <= 1
 
 
 def test_a_clock_that_jumps_back_leaves_no_relay_waiting_for_the_old_time() -> None:
@@ -136,7 +137,7 @@ def test_a_clock_that_jumps_back_leaves_no_relay_waiting_for_the_old_time() -> N
         driver.send("/scan", 100 * SECOND + step * 100 * MS, payload=b"old")
     driver.relayed.clear()
     driver.now_ns = SECOND
-    driver.keep(driver.loop.on_message("/scan", SECOND, b"new", 1))
+    driver.keep(driver.loop.take(MessageInput(SECOND, "/scan", b"new", 1)))
     driver.wait_until(4 * SECOND)
     assert [(one.payload, one.stamp_ns) for one in driver.relayed] == [(b"new", SECOND)]
-    assert driver.loop.topics["/scan"].arrived.mean_hz == pytest.approx(12.5)
+    assert driver.loop.relays.statistics["/scan"].arrived.mean_hz == pytest.approx(12.5)

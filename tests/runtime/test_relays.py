@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from runtime.loop_driver import MS, SECOND, LoopDriver
+from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.pacing.sample import Pass, Sample, StreamKind, WhenSlow
 from smarttestudo.pacing.topic_pacer import TopicPacer
@@ -24,7 +25,7 @@ class LonePacer:
     """One pacer, woken at exactly the times it asks for."""
 
     pacer: TopicPacer
-    passed: list[tuple[int, bytes, bool]] = field(default_factory=list)
+    passed: list[tuple[int, Payload, bool]] = field(default_factory=list)
 
     def keep(self, now_ns: int, passes: list[Pass]) -> None:
         self.passed += [(now_ns, one.sample.payload, one.repeated) for one in passes]

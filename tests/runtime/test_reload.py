@@ -8,8 +8,10 @@ import pytest
 
 from runtime.loop_driver import MS, ODOMETRY, SECOND, LoopDriver
 from smarttestudo.adirf.rule_set import fallback_rules
+from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.pacing.sample import WhenSlow
+from smarttestudo.runtime.inputs import MessageInput, WakeInput
 
 ZONE = """
 begin
@@ -101,7 +103,7 @@ def test_a_topic_that_is_no_longer_relayed_ends_and_one_that_comes_back_starts()
     driver.reload("begin SetFrequency /imu 5 end")
     (ended,) = driver.decisions
     assert (ended.topic, ended.to_json()["to_hz"], ended.to_json()["end"]) == ("/scan", 0.0, True)
-    assert list(driver.loop.topics) == ["/imu"]
+    assert list(driver.loop.relays.statistics) == ["/imu"]
     driver.send("/scan", SECOND)
     driver.wait_until(9 * SECOND)
     assert driver.stamps_of("/scan") == [0]
@@ -122,7 +124,7 @@ def test_a_full_topic_loses_no_message_and_a_paced_one_keeps_its_grid_through_50
     scans = [one.payload for one in driver.relayed if one.topic == "/scan"]
     assert scans == [b"%d" % step for step in range(1000)]
     assert abs(len(driver.stamps_of("/imu")) - 100) <= 1
-    assert driver.loop.topics["/scan"].arrived.messages == 1000
+    assert driver.loop.relays.statistics["/scan"].arrived.messages == 1000
 
 
 def test_a_latched_topic_is_still_known_to_be_latched() -> None:
@@ -139,7 +141,7 @@ def test_partners_may_be_paired_and_parted() -> None:
     paired = Profile(topics={"/info": TopicProfile(paced_with="/image")})
     driver = LoopDriver(rules)
 
-    def play(start_s: int) -> tuple[list[bytes], list[bytes]]:
+    def play(start_s: int) -> tuple[list[Payload], list[Payload]]:
         driver.relayed.clear()
         for step in range(40):
             payload = stamped(start_s * 1000 + step)
@@ -160,7 +162,7 @@ def test_partners_may_be_paired_and_parted() -> None:
     infos, images = play(20)
     assert 9 <= len(images) <= 13
     assert len(infos) >= 39
-    assert driver.loop.discarded == {}
+    assert driver.loop.relays.discarded == {}
 
 
 def test_another_profile_says_when_repeating_ends() -> None:
@@ -187,10 +189,31 @@ def test_without_rules_every_topic_is_full_and_topics_may_join() -> None:
     driver = LoopDriver("begin SetFrequency /scan 2 end")
     driver.decisions.clear()
     for topics in (["/scan"], ["/scan", "/imu"]):
-        driver.keep(driver.loop.reload(fallback_rules(topics), Profile(), driver.now_ns))
+        driver.reload_rule_set(fallback_rules(topics))
     assert driver.log() == [(0.0, "/scan", None, "fallback", None), (0.0, "/imu", None, "fallback", None)]
     driver.reload("begin SetFrequency /scan 2 end")
     assert [(one.topic, one.planned.reason.value, one.is_end) for one in driver.decisions[2:]] == [
         ("/imu", "reload", True),
         ("/scan", "reload", False),
     ]
+
+
+def test_a_clock_that_steps_back_after_a_reload_shows_the_time_that_it_shows_without_one() -> None:
+    robots = [LoopDriver("begin SetFrequency /scan 10 end") for _ in range(2)]
+    for robot, is_reloaded in zip(robots, (False, True), strict=True):
+        robot.send("/scan", 5)
+        if is_reloaded:
+            robot.reload("begin SetFrequency /scan 10 end")
+        robot.keep(robot.loop.take(MessageInput(3, "/scan", b"", 100)))
+        robot.keep(robot.loop.take(WakeInput(stamp_ns=8)))
+        robot.now_ns = 8
+        robot.reload("begin SetFrequency /scan 20 end")
+    assert robots[0].decisions == robots[1].decisions
+    assert robots[0].decisions[-1].t_s == 10e-9, "5 ns, none for the way back, then 5 ns"
+
+
+def test_the_end_of_a_topic_is_decided_when_it_ends() -> None:
+    robot = LoopDriver("begin SetFrequency /scan 10 end")
+    robot.send("/scan", 4 * SECOND)
+    robot.reload("begin SetFrequency /odom 10 end")
+    assert {one.t_s for one in robot.decisions if one.is_end} == {4.0}

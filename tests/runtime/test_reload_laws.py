@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from evaluator.random_rules import RELAYED, rule_files
+from adirf.evaluator.random_rules import RELAYED, rule_files
 from runtime.test_step import BORDERS, SIGNALS, SOURCES, START, gaps_ns, messages
 from smarttestudo.adirf.rule_set import RuleSet, compile_rules
 from smarttestudo.adirf.syntax import RuleFile
@@ -18,6 +18,7 @@ from smarttestudo.domain.observation import SourceChanged
 from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.pacing.sample import WhenSlow
 from smarttestudo.runtime import Relayed, RelayLoop
+from smarttestudo.runtime.inputs import ChangeInput, MessageInput, RulesInput, WakeInput
 
 TOPICS = (*SOURCES, *RELAYED)
 files = rule_files(SIGNALS, BORDERS, max_blocks=4)
@@ -67,16 +68,17 @@ class Driven:
         self.decisions += self.loop.take_decisions()
 
     def reload(self, rules: Rules, now_ns: int) -> None:
-        self.keep(self.loop.reload(*compiled(rules), now_ns))
+        rule_set, profile = compiled(rules)
+        self.keep(self.loop.take(RulesInput(stamp_ns=now_ns, rule_set=rule_set, profile=profile)))
 
     def take(self, event: object, now_ns: int) -> None:
         match event:
             case None:
-                self.keep(self.loop.on_wake(now_ns))
+                self.keep(self.loop.take(WakeInput(stamp_ns=now_ns)))
             case SourceChanged():
-                self.keep(self.loop.on_source(event, now_ns))
+                self.keep(self.loop.take(ChangeInput(stamp_ns=now_ns, change=event)))
             case (str(topic), message, bytes(payload)):
-                self.keep(self.loop.on_message(topic, now_ns, payload, 500, message=message))
+                self.keep(self.loop.take(MessageInput(now_ns, topic, payload, 500, message)))
 
 
 @settings(max_examples=80)
@@ -93,7 +95,7 @@ def test_reloading_the_same_rules_changes_nothing(
             driven.take(None, now_ns)
         second.reload(same, now_ns)
         assert (first.relayed, first.decisions) == (second.relayed, second.decisions)
-        assert first.loop.plan == second.loop.plan
+        assert first.loop.knowledge.plan == second.loop.knowledge.plan
 
 
 @settings(max_examples=80)
@@ -103,7 +105,7 @@ def test_rules_reloaded_at_the_start_are_as_if_they_had_always_been_there(
 ) -> None:
     reloaded, fresh = Driven(before, way), Driven(after, way)
     reloaded.reload(after, START)
-    assert reloaded.loop.plan == fresh.loop.plan
+    assert reloaded.loop.knowledge.plan == fresh.loop.knowledge.plan
     for driven in (reloaded, fresh):
         driven.decisions.clear()
     now_ns = START
@@ -112,5 +114,5 @@ def test_rules_reloaded_at_the_start_are_as_if_they_had_always_been_there(
         for driven in (reloaded, fresh):
             driven.take(event, now_ns)
         assert (reloaded.relayed, reloaded.decisions) == (fresh.relayed, fresh.decisions)
-        assert reloaded.loop.plan == fresh.loop.plan
-        assert reloaded.loop.topics.keys() == fresh.loop.topics.keys()
+        assert reloaded.loop.knowledge.plan == fresh.loop.knowledge.plan
+        assert reloaded.loop.relays.statistics.keys() == fresh.loop.relays.statistics.keys()

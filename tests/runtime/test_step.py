@@ -12,8 +12,8 @@ from types import SimpleNamespace
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from evaluator.naive_rules import NaiveWish
-from evaluator.random_rules import rule_files
+from adirf.evaluator.naive_rules import NaiveRequest
+from adirf.evaluator.random_rules import rule_files
 from runtime.naive_loop import SECOND, NaiveDecision, NaiveLoop
 from smarttestudo.adirf.rule_set import compile_rules
 from smarttestudo.adirf.syntax import RuleFile
@@ -77,8 +77,8 @@ moments = st.lists(
 )
 
 
-def naive(planned: PlannedRate, place: int | None) -> NaiveWish:
-    return NaiveWish(
+def naive(planned: PlannedRate, place: int | None) -> NaiveRequest:
+    return NaiveRequest(
         hz=planned.rate.hz,
         off=planned.rate == Rate.off(),
         reason=planned.reason.value,
@@ -105,7 +105,7 @@ class BothLoops:
         )
         self.clock_ns = START
         self.elapsed_ns = 0
-        self.effective: dict[str, NaiveWish] = {}
+        self.effective: dict[str, NaiveRequest] = {}
         self.decisions: list[Decision] = []
 
     def step(self, seen: list[Observation], gap_ns: int) -> None:
@@ -113,7 +113,7 @@ class BothLoops:
         self.elapsed_ns += max(gap_ns, 0)
         result = step(self.knowledge, seen, self.clock_ns)
         expected = self.second.step(seen, self.elapsed_ns)
-        places = {topic: wish.block for topic, wish in self.knowledge.effective.items()}
+        places = {topic: request.block for topic, request in self.knowledge.effective.items()}
         assert [self.as_naive(one, places) for one in result.decisions] == expected
         self.decisions += result.decisions
         assert all(one.stamp_ns == self.clock_ns for one in result.decisions)

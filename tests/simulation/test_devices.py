@@ -9,10 +9,8 @@ import pytest
 
 from simulation.missions import of_topic, readings
 from smarttestudo.simulation.body_sensors import GRAVITY_M_PER_S2
-from smarttestudo.simulation.drive import DifferentialDrive
 from smarttestudo.simulation.geometry import Pose, Quaternion
-from smarttestudo.simulation.lidar import Lidar
-from smarttestudo.simulation.ray_casting import RayCaster
+from smarttestudo.simulation.lidar import Lidar, RayCaster
 from smarttestudo.simulation.readings import (
     CameraInfo,
     Image,
@@ -23,7 +21,7 @@ from smarttestudo.simulation.readings import (
     Topic,
     Transforms,
 )
-from smarttestudo.simulation.robot import OPTICAL_FRAME, RobotModel, fixed_frames
+from smarttestudo.simulation.robot import OPTICAL_FRAME, DifferentialDrive, DriveModel, fixed_frames
 from smarttestudo.simulation.warehouse import warehouse
 
 
@@ -49,7 +47,7 @@ def test_a_scan_measures_the_walls_from_where_the_odometry_says_the_lidar_is(
     errors = []
     for scan in scans[::25]:
         pose = min(odometry, key=lambda reading: abs(reading.stamp_ns - scan.stamp_ns)).pose
-        origin = pose.ahead(RobotModel().scan_x_m)
+        origin = pose.ahead(DriveModel().scan_x_m)
         true_m = caster.cast(origin, bearings_rad + pose.yaw_rad, range_m=10).distances_m
         measured = np.isfinite(scan.ranges_m)
         errors.append(scan.ranges_m[measured] - true_m[measured])
@@ -59,7 +57,7 @@ def test_a_scan_measures_the_walls_from_where_the_odometry_says_the_lidar_is(
 
 
 def test_an_obstacle_too_near_reads_minus_infinite() -> None:
-    parked = DifferentialDrive(RobotModel(scan_x_m=0.0), pose=Pose(13.95, 11.0, 0.0), now_ns=0)
+    parked = DifferentialDrive(DriveModel(scan_x_m=0.0), pose=Pose(13.95, 11.0, 0.0), now_ns=0)
 
     ((_, scan),) = Lidar(RayCaster(warehouse()), np.random.default_rng(0)).sample(parked)
 
@@ -103,7 +101,7 @@ def test_the_frames_form_one_tree_from_odom_to_the_sensors(patrol_readings: list
 
 
 def test_the_optical_frame_looks_along_the_robots_heading() -> None:
-    rotation = next(frame.rotation for frame in fixed_frames(RobotModel()) if frame.child == OPTICAL_FRAME)
+    rotation = next(frame.rotation for frame in fixed_frames(DriveModel()) if frame.child == OPTICAL_FRAME)
     back = Quaternion(-rotation.x, -rotation.y, -rotation.z, rotation.w)
 
     ahead = rotation.then(Quaternion(0.0, 0.0, 1.0, 0.0)).then(back)
@@ -114,7 +112,7 @@ def test_the_optical_frame_looks_along_the_robots_heading() -> None:
 
 
 def test_the_camera_looks_from_where_its_frame_is() -> None:
-    model = RobotModel()
+    model = DriveModel()
     frames = {frame.child: frame for frame in fixed_frames(model)}
     chain = [frames[child].translation for child in ("base_link", "camera_link", "camera_rgb_frame")]
 

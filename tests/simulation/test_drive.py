@@ -11,10 +11,9 @@ from hypothesis import strategies as st
 
 from simulation.missions import of_topic
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.simulation.drive import DifferentialDrive
 from smarttestudo.simulation.geometry import BodyVelocity, Pose
 from smarttestudo.simulation.readings import Command, JointStates, Odometry, TimedReading, Topic
-from smarttestudo.simulation.robot import RobotModel
+from smarttestudo.simulation.robot import DifferentialDrive, DriveModel
 from smarttestudo.simulation.warehouse import patrol
 
 COMMANDS = st.builds(BodyVelocity, st.floats(-0.26, 0.26), st.floats(-1.82, 1.82))
@@ -22,12 +21,12 @@ PLANS = st.lists(st.tuples(COMMANDS, st.integers(1, NS_PER_S)), min_size=1, max_
 
 
 def _drive() -> DifferentialDrive:
-    return DifferentialDrive(RobotModel(), pose=Pose(0.0, 0.0, 0.0), now_ns=0)
+    return DifferentialDrive(DriveModel(), pose=Pose(0.0, 0.0, 0.0), now_ns=0)
 
 
 def _euler(plan: list[tuple[BodyVelocity, int]], dt_s: float) -> Pose:
     """The naive second opinion: body speeds from wheel speeds, summed in tiny steps."""
-    model = RobotModel()
+    model = DriveModel()
     x = y = yaw = left = right = 0.0
     for command, duration_ns in plan:
         half = command.angular_rad_per_s * model.wheel_separation_m / 2
@@ -115,7 +114,7 @@ def test_the_commands_of_a_patrol_add_up_to_its_odometry(patrol_readings: list[T
 def test_the_wheels_turn_as_far_as_the_robot_drives(patrol_readings: list[TimedReading]) -> None:
     wheels = [r for r in of_topic(patrol_readings, Topic.JOINT_STATES) if isinstance(r, JointStates)]
     poses = {r.stamp_ns: r.pose for r in of_topic(patrol_readings, Topic.ODOM) if isinstance(r, Odometry)}
-    model = RobotModel()
+    model = DriveModel()
     last_ns = min(poses, key=lambda stamp_ns: abs(stamp_ns - wheels[-1].stamp_ns))
 
     turned_rad = wheels[-1].positions_rad[1] - wheels[-1].positions_rad[0]

@@ -9,9 +9,8 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from smarttestudo.simulation.floor_plan import FloorPlan, Obstacle, ObstacleKind, Rectangle
-from smarttestudo.simulation.geometry import Point
-from smarttestudo.simulation.ray_casting import RayCaster
+from smarttestudo.domain.floor_plan import FloorPlan, Obstacle, ObstacleKind, Point, Rectangle
+from smarttestudo.simulation.lidar import RayCaster
 from smarttestudo.simulation.warehouse import warehouse
 
 FREE_PLACES = st.builds(Point, st.floats(-12.9, 13.9), st.floats(-7.9, 25.4)).filter(
@@ -64,9 +63,7 @@ def test_a_ray_names_the_obstacle_it_meets_and_none_beyond_its_range() -> None:
         Rectangle(min_x_m=-5, max_x_m=-4, min_y_m=-1, max_y_m=1),
     ]
     obstacles = tuple(Obstacle(kind=ObstacleKind.RACK, footprint=box, height_m=1.0) for box in boxes)
-    plan = FloorPlan(
-        bounds=Rectangle(min_x_m=-9, max_x_m=9, min_y_m=-9, max_y_m=9), obstacles=obstacles, zones=()
-    )
+    plan = FloorPlan(obstacles=obstacles)
 
     hits = RayCaster(plan).cast(Point(0.0, 0.0), np.array([0.0, math.pi / 2, math.pi]), range_m=3.5)
 

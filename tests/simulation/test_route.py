@@ -9,12 +9,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from smarttestudo.domain.floor_plan import Point
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.simulation.drive import DifferentialDrive
-from smarttestudo.simulation.geometry import Point, Pose
-from smarttestudo.simulation.pursuit import PurePursuit
-from smarttestudo.simulation.robot import RobotModel
-from smarttestudo.simulation.route import Route
+from smarttestudo.simulation.geometry import Pose
+from smarttestudo.simulation.robot import DifferentialDrive, DriveModel
+from smarttestudo.simulation.route import PurePursuit, Route
 
 SQUARE = [Point(0.0, 0.0), Point(4.0, 0.0), Point(4.0, 4.0), Point(0.0, 4.0)]
 
@@ -56,7 +55,7 @@ def test_a_route_turns_right_and_left_and_ends_where_it_starts() -> None:
 @pytest.mark.parametrize("aside_m", [-0.3, 0.3])
 def test_a_robot_beside_its_route_comes_back_to_it(aside_m: float) -> None:
     route = Route.through(SQUARE, corner_radius_m=0.5)
-    model = RobotModel()
+    model = DriveModel()
     drive = DifferentialDrive(model, pose=Pose(2.0, aside_m, 0.0), now_ns=0)
     pursuit = PurePursuit(route, model)
 

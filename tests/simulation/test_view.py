@@ -5,19 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from smarttestudo.simulation.camera import raspberry_pi_lens
-from smarttestudo.simulation.floor_plan import FloorPlan, Obstacle, ObstacleKind, Rectangle
-from smarttestudo.simulation.geometry import Point
-from smarttestudo.simulation.ray_casting import RayCaster
-from smarttestudo.simulation.view import Viewpoint, render
+from smarttestudo.domain.floor_plan import FloorPlan, Obstacle, ObstacleKind, Point, Rectangle
+from smarttestudo.simulation.camera import Viewpoint, raspberry_pi_lens, render
+from smarttestudo.simulation.lidar import RayCaster
 
 
 def _view(distance_m: float) -> np.ndarray:
     rack = Rectangle(min_x_m=distance_m, max_x_m=distance_m + 1, min_y_m=-9, max_y_m=0.0)
     plan = FloorPlan(
-        bounds=Rectangle(min_x_m=-9, max_x_m=9, min_y_m=-9, max_y_m=9),
         obstacles=(Obstacle(kind=ObstacleKind.RACK, footprint=rack, height_m=0.5),),
-        zones=(),
     )
     viewpoint = Viewpoint(place=Point(0.0, 0.0), yaw_rad=0.0, height_m=0.1)
     return render(
@@ -26,7 +22,8 @@ def _view(distance_m: float) -> np.ndarray:
 
 
 def _is_blue(pixels: np.ndarray) -> np.ndarray:
-    return pixels[..., 2].astype(int) - pixels[..., 0] > 40
+    blue: np.ndarray = pixels[..., 2].astype(int) - pixels[..., 0] > 40
+    return blue
 
 
 def test_what_stands_to_the_right_is_on_the_right_of_the_image() -> None:

@@ -9,12 +9,21 @@ import random
 from itertools import pairwise
 
 from smarttestudo.domain.decision import Decision, PlannedRate, Reason
+from smarttestudo.domain.floor_plan import FloorPlan, FloorZone, Obstacle, ObstacleKind, Rectangle
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.units import NS_PER_S, ns_from_s
 from smarttestudo.visualizer.comparison import compare
-from smarttestudo.visualizer.floor import FloorPlan, Obstacle, ObstacleKind, PathPoint, Rectangle, Zone
-from smarttestudo.visualizer.loss.errors import ErrorSize, FieldError
-from smarttestudo.visualizer.loss.report import Age, Carried, FieldLoss, LossReport, TopicArm, TopicLoss
+from smarttestudo.visualizer.floor import PathPoint
+from smarttestudo.visualizer.loss.report import (
+    Age,
+    Carried,
+    ErrorSize,
+    FieldError,
+    FieldLoss,
+    LossReport,
+    TopicArm,
+    TopicLoss,
+)
 from smarttestudo.visualizer.report import Fact, RuleText, RunReport, TopicHistory, TopicSeries
 from smarttestudo.visualizer.rule_timeline import by_topic
 from smarttestudo.visualizer.series import bandwidth_series, rate_series
@@ -249,13 +258,17 @@ def _relayed(topic: str, decisions: list[Decision]) -> TraceAccumulator:
 
 
 def _floor_plan() -> FloorPlan:
-    walls = (Obstacle(kind=ObstacleKind.WALL, footprint=_rectangle(*sides)) for sides in _WALLS_M)
-    racks = (Obstacle(kind=ObstacleKind.RACK, footprint=_rectangle(*sides)) for sides in _RACKS_M)
+    walls = (
+        Obstacle(kind=ObstacleKind.WALL, footprint=_rectangle(*sides), height_m=4.0) for sides in _WALLS_M
+    )
+    racks = (
+        Obstacle(kind=ObstacleKind.RACK, footprint=_rectangle(*sides), height_m=2.5) for sides in _RACKS_M
+    )
     return FloorPlan(
         obstacles=(*walls, *racks),
         zones=(
-            Zone(name=CORRIDOR, area=_rectangle(-13.0, 6.0, 1.0, 5.4)),
-            Zone(name=SCAFFOLDING, area=_rectangle(-13.0, 6.0, 6.0, 25.5)),
+            FloorZone(name=CORRIDOR, area=_rectangle(-13.0, 6.0, 1.0, 5.4)),
+            FloorZone(name=SCAFFOLDING, area=_rectangle(-13.0, 6.0, 6.0, 25.5)),
         ),
     )
 

@@ -18,7 +18,7 @@ from typing import Any
 import pytest
 from rosbags.rosbag2 import CompressionMode, StoragePlugin
 
-from bags.bag_factory import (
+from adapters.rosbag.bag_factory import (
     GRIPPER,
     ODOM,
     SCAN,
@@ -32,7 +32,7 @@ from bags.bag_factory import (
     write_humble_file,
     write_split_bag,
 )
-from bags.bag_reading import read_with_rosbags
+from adapters.rosbag.bag_reading import read_with_rosbags
 from smarttestudo.cli.main import main
 
 MISSION = small_mission()

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from bags.bag_factory import START_NS, BagContent, small_mission, write_bag
+from adapters.rosbag.bag_factory import START_NS, BagContent, small_mission, write_bag
 from smarttestudo.cli.main import main
 from smarttestudo.domain.units import NS_PER_S
 
@@ -84,6 +84,7 @@ def shifted(content: BagContent, seconds: int) -> BagContent:
     return replace(content, messages=tuple(later))
 
 
+@pytest.mark.slow
 def test_a_report_of_a_replay_has_summary_rules_decisions_path_and_loss(desk: Desk) -> None:
     ran = desk.report(
         "sent", "received", "--rules", "rules.adirf", "--decisions", "log.jsonl", "--figures", "figures"
@@ -139,6 +140,7 @@ def test_what_cannot_be_reported_is_refused_in_one_line(desk: Desk) -> None:
     )
 
 
+@pytest.mark.slow
 def test_the_actions_draw_what_they_tell(desk: Desk) -> None:
     assert desk.run("bag", "rates", "sent", "--figures", "r").code == 0
     assert desk.run("bag", "bandwidth", "sent", "received", "--budget", "20", "--figures", "b").code == 0
@@ -154,12 +156,13 @@ def test_the_actions_draw_what_they_tell(desk: Desk) -> None:
 def test_without_matplotlib_one_line_says_how_to_get_it(desk: Desk, monkeypatch: pytest.MonkeyPatch) -> None:
     for name in [name for name in sys.modules if name.startswith("smarttestudo.adapters.figures")]:
         monkeypatch.delitem(sys.modules, name)
-    monkeypatch.delitem(sys.modules, "smarttestudo.composition.bag_figures", raising=False)
+    monkeypatch.delitem(sys.modules, "smarttestudo.use_cases.bags.report", raising=False)
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     ran = desk.run("bag", "rates", "sent", "--figures", "figures")
     assert ran.code == 1
     assert ran.err == (
-        "error: this command needs the package matplotlib; pip install 'smarttestudo[studio]'\n"
+        "error: this command needs the package matplotlib; "
+        "pip install '.[studio]' in the checkout of SmartTestudo\n"
     )
 
 

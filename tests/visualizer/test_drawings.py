@@ -12,11 +12,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from smarttestudo.domain.floor_plan import FloorPlan, FloorZone, Rectangle
 from smarttestudo.domain.rate import Rate
-from smarttestudo.visualizer.floor import FloorPlan, PathPoint, Rectangle, Zone
+from smarttestudo.visualizer.floor import PathPoint
 from smarttestudo.visualizer.report import TopicHistory, TopicSeries
-from smarttestudo.visualizer.report.floor_map import floor_map
-from smarttestudo.visualizer.report.path_line import path_pieces, thinned
+from smarttestudo.visualizer.report.floor_map import floor_map, path_pieces, thinned
 from smarttestudo.visualizer.report.rate_chart import rate_chart
 from smarttestudo.visualizer.report.rule_styles import RuleStyles
 from smarttestudo.visualizer.report.scale import Scale, multiples, round_step
@@ -51,7 +51,7 @@ def labels(drawing: ET.Element) -> dict[str, float]:
     return {text.text or "": float(text.get("y", "0")) for text in texts}
 
 
-def map_of(path: list[tuple[float, float]], *zones: Zone) -> ET.Element:
+def map_of(path: list[tuple[float, float]], *zones: FloorZone) -> ET.Element:
     points = [PathPoint(t_s=float(at), x_m=x_m, y_m=y_m) for at, (x_m, y_m) in enumerate(path)]
     drawing = floor_map(FloorPlan(zones=zones), points, SPANS, RuleStyles(SPANS))
     assert drawing is not None
@@ -129,7 +129,7 @@ def test_start_and_end_are_named_where_they_are() -> None:
 
 
 def test_a_zones_name_keeps_out_of_the_paths_way() -> None:
-    zone = Zone(name="Hall", area=Rectangle(min_x_m=0, max_x_m=10, min_y_m=0, max_y_m=10))
+    zone = FloorZone(name="Hall", area=Rectangle(min_x_m=0, max_x_m=10, min_y_m=0, max_y_m=10))
     free = map_of([(5.0, 5.0), (6.0, 5.0)], zone)
     crossed = map_of([(step / 20, 9.8) for step in range(100)], zone)
     (free_at,), (crossed_at,) = (

@@ -11,16 +11,17 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from PIL import Image
 
 from smarttestudo.adapters.figures import FigureKind, draw_figures
-from smarttestudo.adapters.figures.looks import AREAS, rule_look
+from smarttestudo.adapters.figures.styles import AREAS, rule_look
 from smarttestudo.adapters.files.whole_file import OutputFileError
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.visualizer.comparison import Comparison
-from smarttestudo.visualizer.interval_histogram import IntervalHistogram
 from smarttestudo.visualizer.report import RunReport, TopicHistory, TopicSeries
 from smarttestudo.visualizer.report.rule_styles import DEFAULTS, OTHERS, STYLED_BLOCKS, RuleStyle
 from smarttestudo.visualizer.series import SeriesPoint
+from smarttestudo.visualizer.statistics import IntervalHistogram
 from visualizer.demo_like_report import demo_like_report
 
 EMPTY = RunReport(title="", duration_s=0.0, comparison=Comparison(topics=()), series=(), decisions=())
@@ -38,9 +39,10 @@ def small_report() -> RunReport:
     return replace(report, series=series, budget_kb_per_s=30.0)
 
 
+@pytest.mark.slow
 def test_each_figure_is_a_png_and_an_svg_of_the_same_bytes_each_time(tmp_path: Path) -> None:
     report = small_report()
-    once, again = (draw_figures(report, FigureKind, tmp_path / name) for name in ("once", "again"))
+    once, again = (draw_figures(report, list(FigureKind), tmp_path / name) for name in ("once", "again"))
     assert {path.name for path in once} == {
         f"{kind.value}.{form}" for kind in FigureKind for form in ("png", "svg")
     }
@@ -50,7 +52,7 @@ def test_each_figure_is_a_png_and_an_svg_of_the_same_bytes_each_time(tmp_path: P
 
 
 def test_only_what_was_asked_for_and_can_be_drawn_is_written(tmp_path: Path) -> None:
-    assert draw_figures(EMPTY, FigureKind, tmp_path / "none") == []
+    assert draw_figures(EMPTY, list(FigureKind), tmp_path / "none") == []
     written = draw_figures(small_report(), {FigureKind.PATH}, tmp_path)
     assert [path.name for path in written] == ["path.png", "path.svg"]
 
@@ -63,6 +65,18 @@ def test_names_from_strangers_are_drawn_as_they_are(tmp_path: Path) -> None:
     )
     draw_figures(report, {FigureKind.RATES}, tmp_path)
     assert "<script>" not in (tmp_path / "rates.svg").read_text()
+
+
+@pytest.mark.parametrize("kind", [FigureKind.RATES, FigureKind.TOTAL, FigureKind.INTERVALS])
+def test_a_figure_is_no_wider_for_a_name_without_end(tmp_path: Path, kind: FigureKind) -> None:
+    report = small_report()
+    widths = []
+    for name in (f"/{'w' * 59}", f"/{'w' * 999}"):
+        first, *others = report.series
+        draw_figures(replace(report, series=(replace(first, topic=name), *others)), {kind}, tmp_path)
+        with Image.open(tmp_path / f"{kind.value}.png") as image:
+            widths.append(image.width)
+    assert widths[1] == pytest.approx(widths[0], rel=0.1)
 
 
 def test_a_folder_that_cannot_be_made_is_told_in_one_line(tmp_path: Path) -> None:

@@ -16,14 +16,14 @@ from PIL import Image
 from smarttestudo.adapters.files.nav2_map import MapError, read_nav2_map
 from smarttestudo.adirf.parser import parse
 from smarttestudo.adirf.rule_set import compile_rules
-from smarttestudo.composition.robot_places import OdometryPlaces, TransformPlaces, places_in
+from smarttestudo.domain.floor_plan import FloorPlan, FloorZone, OccupancyMap, Rectangle
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.recording import Channel
 from smarttestudo.domain.units import ns_from_s
-from smarttestudo.visualizer.floor import FloorPlan, OccupancyMap, PathPoint, Rectangle, Zone
+from smarttestudo.use_cases.bags.robot_path import OdometryPlaces, TransformPlaces, places_in
+from smarttestudo.visualizer.floor import PathPoint, rule_zones
+from smarttestudo.visualizer.report.floor_map import MOST_STRIPS, occupied_cells
 from smarttestudo.visualizer.report.map_frame import map_frame
-from smarttestudo.visualizer.report.occupancy import MOST_STRIPS, occupied_cells
-from smarttestudo.visualizer.rule_zones import rule_zones
 
 INF = math.inf
 ODOM = Channel(topic="/odom", type_name="nav_msgs/msg/Odometry")
@@ -39,7 +39,7 @@ def zones_of(*conditions: str) -> list[tuple[str, tuple[float, float, float, flo
     return [(zone.name, sides(zone)) for zone in rule_zones(rule_set)]
 
 
-def sides(zone: Zone) -> tuple[float, float, float, float]:
+def sides(zone: FloorZone) -> tuple[float, float, float, float]:
     area = zone.area
     return area.min_x_m, area.max_x_m, area.min_y_m, area.max_y_m
 
@@ -69,7 +69,7 @@ def test_a_choice_of_places_has_a_zone_each_and_other_rules_have_none() -> None:
 
 def test_a_zone_without_end_does_not_widen_the_map() -> None:
     path = [PathPoint(t_s=0, x_m=0, y_m=0), PathPoint(t_s=1, x_m=8, y_m=4)]
-    far = Zone(name="A", area=Rectangle(min_x_m=-INF, max_x_m=1e9, min_y_m=2, max_y_m=INF))
+    far = FloorZone(name="A", area=Rectangle(min_x_m=-INF, max_x_m=1e9, min_y_m=2, max_y_m=INF))
     assert map_frame(FloorPlan(zones=(far,)), path) == map_frame(FloorPlan(), path)
 
 

@@ -21,14 +21,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from smarttestudo.domain.decision import Decision, PlannedRate, Reason
+from smarttestudo.domain.floor_plan import FloorPlan, FloorZone, Rectangle
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.visualizer.comparison import Comparison, compare
-from smarttestudo.visualizer.floor import FloorPlan, PathPoint, Rectangle, Zone
+from smarttestudo.visualizer.floor import PathPoint
 from smarttestudo.visualizer.report import Fact, RuleText, RunReport, TopicHistory, TopicSeries, render_report
+from smarttestudo.visualizer.report.bandwidth_chart import MOST_LAYERS
 from smarttestudo.visualizer.report.markup import tag
 from smarttestudo.visualizer.report.rule_styles import DEFAULTS, OTHERS, STYLED_BLOCKS
-from smarttestudo.visualizer.report.stack import MOST_LAYERS
 from smarttestudo.visualizer.series import SeriesPoint, bandwidth_series, rate_series
 from smarttestudo.visualizer.statistics import RecordingSpan, TopicStatistics
 from smarttestudo.visualizer.table import printable
@@ -95,7 +96,7 @@ def hostile_report() -> RunReport:
         rules=(RuleText(path=HOSTILE, text=f"// {HOSTILE}\n{HOSTILE}"),),
         provenance=(Fact(label=HOSTILE, value=HOSTILE),),
         floor_plan=FloorPlan(
-            zones=(Zone(name=HOSTILE, area=Rectangle(min_x_m=0, max_x_m=1, min_y_m=0, max_y_m=1)),)
+            zones=(FloorZone(name=HOSTILE, area=Rectangle(min_x_m=0, max_x_m=1, min_y_m=0, max_y_m=1)),)
         ),
     )
 
@@ -277,6 +278,7 @@ def test_an_impossible_place_is_left_out_of_the_map(place: float) -> None:
     assert 'class="map"' not in render_report(bare_report(path=path[1:2]))
 
 
+@pytest.mark.slow
 def test_a_long_run_makes_no_larger_page() -> None:
     """A day at 25 Hz with a decision every second."""
     seconds = 86_400

@@ -16,9 +16,18 @@ from hypothesis import strategies as st
 from smarttestudo.cli.tables import print_table
 from smarttestudo.visualizer.comparison import compare
 from smarttestudo.visualizer.comparison_tables import RunNames, bandwidth_table, frequency_table
-from smarttestudo.visualizer.plain_table import plain_table
 from smarttestudo.visualizer.statistics import TopicStatistics
-from smarttestudo.visualizer.table import Align, Column, Number, Row, Table, Text, format_cell, format_number
+from smarttestudo.visualizer.table import (
+    Align,
+    Column,
+    Number,
+    Row,
+    Table,
+    Text,
+    format_cell,
+    format_number,
+    plain_table,
+)
 from smarttestudo.visualizer.targets import Target
 from visualizer.demo_like_report import demo_like_report
 
@@ -32,7 +41,7 @@ class Terminal(io.StringIO):
         self._encoding = encoding
 
     @property
-    def encoding(self) -> str:
+    def encoding(self) -> str:  # type: ignore[override]
         return self._encoding
 
     def isatty(self) -> bool:
@@ -140,6 +149,45 @@ def test_a_terminal_of_80_columns_shows_every_cell_whole(
         for row in table.rows:
             cells = [format_cell(cell) for cell in row.cells]
             assert any(line.split() == " ".join(cells).split() for line in lines), cells
+
+
+def too_wide() -> Table:
+    """As ``bag loss`` has them: words and ten numbers, of which the last five belong together."""
+    return Table(
+        title="Errors of a recording with a name that is longer than its table is wide: rates",
+        columns=(
+            Column(heading="Field", align=Align.LEFT),
+            *(Column(heading=f"Hold{n}", unit="RMSE", heads_group=n == 0) for n in range(5)),
+            *(Column(heading=f"Fixed{n}", unit="hold", heads_group=n == 0) for n in range(5)),
+        ),
+        rows=tuple(
+            Row(cells=(Text(name), *(Number(1000.25 + n) for n in range(10))))
+            for name in ("/cmd_vel yaw_rate", "/joint_states max_velocity")
+        ),
+        footnotes=("A note.",),
+    )
+
+
+@pytest.mark.parametrize("rich_installed", [True, False])
+def test_a_table_too_wide_for_a_terminal_is_shown_as_several_with_whole_words_and_numbers(
+    monkeypatch: pytest.MonkeyPatch, *, rich_installed: bool
+) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    monkeypatch.setenv("TERM", "xterm-256color")
+    if not rich_installed:
+        monkeypatch.setitem(sys.modules, "rich.console", None)
+    lines = [line.rstrip() for line in shown(too_wide(), Terminal())]
+    assert lines[0] == too_wide().title
+    assert max(map(len, lines)) <= 80
+    headings = [line.split() for line in lines if line.startswith("Field")]
+    assert headings == [
+        ["Field", *(f"Hold{n}" for n in range(5))],
+        ["Field", *(f"Fixed{n}" for n in range(5))],
+    ]
+    rows = [line for line in lines if line.startswith("/joint_states max_velocity ")]
+    numbers = [f"1,{n:03}.25" for n in range(10)]
+    assert [row.split()[2:] for row in rows] == [numbers[:5], numbers[5:]]
+    assert lines.count("A note.") == 1
 
 
 def test_rich_markup_in_a_name_is_only_text(monkeypatch: pytest.MonkeyPatch) -> None:

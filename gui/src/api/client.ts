@@ -1,21 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import type { PushPreview, Staged } from "./live_types";
-import type {
-  Edit,
-  EditAnswer,
-  FileText,
-  OptimizeAnswer,
-  Problem,
-  ProfileTable,
-  Project,
-  RuleDocument,
-  Vocabulary,
-} from "./types";
-import type { ImportChoice, ImportPreview, TextFile } from "./sharing_types";
-import type { Curve } from "./curve_types";
-import type { TryAnswer } from "./try_types";
-import type { Background, BackgroundChoice, CoverAnswer, DrivenPath, ZonesAnswer } from "./zone_types";
+import type { Draft, Edit, Problem, ProfileTable, Routes } from "./types";
 
 /** What the server refused, or that it did not answer (status 0). */
 export class ApiError extends Error {
@@ -30,152 +15,165 @@ export class ApiError extends Error {
 const UNREACHABLE: Problem = {
   message: "The Ruler's server does not answer",
   place: "",
-  remedy: "Is 'testudo ruler' still running in its terminal? Your text is kept on this page",
+  remedy:
+    "Is 'testudo ruler' still running in its terminal? What you typed is kept on this page, and blocks stay as they are",
   findings: [],
 };
 
 /** A rule file as every call names it. */
-export interface Rules {
-  text: string;
+export type Rules = Required<Pick<Draft, "text" | "name" | "profile_text">>;
+
+/** A text and what its file is called. */
+export interface TextFile {
   name: string;
-  profile_text: string | null;
+  text: string;
 }
+
+/** Which statements of another text come in, and which of them replace one of the same name. */
+export interface ImportChoice {
+  ids: string[];
+  replace_ids: string[];
+}
+
+type Answer<R extends keyof Routes> = Promise<Routes[R]["answered"]>;
 
 /** The calls of the server; each fails with an ApiError. */
 export class Api {
-  project(): Promise<Project> {
-    return call("GET", "/api/project");
+  project(): Answer<"GET /api/project"> {
+    return call("GET /api/project", null);
   }
 
-  read(name: string): Promise<FileText> {
-    return call("GET", `/api/file?name=${encodeURIComponent(name)}`);
+  read(name: string): Answer<"GET /api/file"> {
+    return call("GET /api/file", null, { query: `?name=${encodeURIComponent(name)}` });
   }
 
-  save(name: string, text: string, baseHash: string | null): Promise<{ hash: string }> {
-    return call("PUT", "/api/file", { name, text, base_hash: baseHash });
+  save(name: string, text: string, baseHash: string | null): Answer<"PUT /api/file"> {
+    return call("PUT /api/file", { name, text, base_hash: baseHash });
   }
 
-  document(rules: Rules): Promise<RuleDocument> {
-    return call("POST", "/api/document", rules);
+  document(rules: Rules): Answer<"POST /api/document"> {
+    return call("POST /api/document", rules);
   }
 
-  edit(rules: Rules, edit: Edit): Promise<EditAnswer> {
-    return call("POST", "/api/edit", { ...rules, edit });
+  /** Does edits in their order, each in the text that those before it made; all of them or none. */
+  edit(rules: Rules, edits: Edit[]): Answer<"POST /api/edit"> {
+    return call("POST /api/edit", { ...rules, edits });
   }
 
-  format(rules: Rules): Promise<{ text: string }> {
-    return call("POST", "/api/format", rules);
+  format(rules: Rules): Answer<"POST /api/format"> {
+    return call("POST /api/format", rules);
   }
 
-  fix(rules: Rules, index: number): Promise<EditAnswer> {
-    return call("POST", "/api/fix", { ...rules, index });
+  vocabulary(text: string, profileText: string | null): Answer<"POST /api/vocabulary"> {
+    return call("POST /api/vocabulary", { text, profile_text: profileText });
   }
 
-  vocabulary(text: string, profileText: string | null): Promise<Vocabulary> {
-    return call("POST", "/api/vocabulary", { text, profile_text: profileText });
+  parseProfile(name: string, text: string): Answer<"POST /api/profile/parse"> {
+    return call("POST /api/profile/parse", { name, text });
   }
 
-  parseProfile(name: string, text: string): Promise<ProfileTable> {
-    return call("POST", "/api/profile/parse", { name, text });
+  /** The profile of the project that the rules are most likely meant for. */
+  profileFor({ name, text }: Rules): Answer<"POST /api/profile/for"> {
+    return call("POST /api/profile/for", { name, text });
   }
 
-  writeProfile(name: string, table: ProfileTable, baseText: string): Promise<{ text: string }> {
-    return call("POST", "/api/profile/write", { ...table, name, base_text: baseText });
+  writeProfile(name: string, table: ProfileTable, baseText: string): Answer<"POST /api/profile/write"> {
+    return call("POST /api/profile/write", { ...table, name, base_text: baseText });
   }
 
   /** Why a table could not be written; empty if it could. */
-  checkProfile(name: string, table: ProfileTable, baseText: string): Promise<{ problem: string }> {
-    return call("POST", "/api/profile/check", { ...table, name, base_text: baseText });
+  checkProfile(name: string, table: ProfileTable, baseText: string): Answer<"POST /api/profile/check"> {
+    return call("POST /api/profile/check", { ...table, name, base_text: baseText });
   }
 
-  measureProfile(bag: string): Promise<{ text: string }> {
-    return call("POST", "/api/profile/measure", { bag });
+  measureProfile(bag: string): Answer<"POST /api/profile/measure"> {
+    return call("POST /api/profile/measure", { bag });
   }
 
-  exportRules(rules: Rules, ids: readonly string[]): Promise<{ text: string }> {
-    return call("POST", "/api/export", { text: rules.text, name: rules.name, ids });
+  exportRules({ text, name }: Rules, ids: string[]): Answer<"POST /api/export"> {
+    return call("POST /api/export", { text, name, ids });
   }
 
-  importPreview(rules: Rules, other: TextFile): Promise<ImportPreview> {
-    return call("POST", "/api/import/preview", {
-      text: rules.text,
-      name: rules.name,
-      other_text: other.text,
-      other_name: other.name,
-    });
+  importPreview({ text, name }: Rules, other: TextFile): Answer<"POST /api/import/preview"> {
+    return call("POST /api/import/preview", { text, name, other_text: other.text, other_name: other.name });
   }
 
-  importRules(rules: Rules, otherText: string, choice: ImportChoice): Promise<EditAnswer> {
-    return call("POST", "/api/import", { ...rules, other_text: otherText, ...choice });
+  importRules(rules: Rules, otherText: string, choice: ImportChoice): Answer<"POST /api/import"> {
+    return call("POST /api/import", { ...rules, other_text: otherText, ...choice });
   }
 
-  zones(rules: Rules): Promise<ZonesAnswer> {
-    return call("POST", "/api/zones", rules);
+  zones(rules: Rules): Answer<"POST /api/zones"> {
+    return call("POST /api/zones", rules);
   }
 
   /** The rectangles that cover a polygon. */
-  cover(corners: readonly (readonly [number, number])[], maxRectangles: number): Promise<CoverAnswer> {
-    return call("POST", "/api/zones/cover", { corners, max_rectangles: maxRectangles });
+  cover(corners: [number, number][], maxRectangles: number): Answer<"POST /api/zones/cover"> {
+    return call("POST /api/zones/cover", { corners, max_rectangles: maxRectangles });
   }
 
-  backgrounds(): Promise<{ choices: BackgroundChoice[] }> {
-    return call("GET", "/api/backgrounds");
+  backgrounds(): Answer<"GET /api/backgrounds"> {
+    return call("GET /api/backgrounds", null);
   }
 
-  background(kind: "map" | "image", name: string): Promise<Background> {
-    return call("POST", "/api/background", { kind, name });
+  background(kind: "map" | "image", name: string): Answer<"POST /api/background"> {
+    return call("POST /api/background", { kind, name });
   }
 
-  drivenPath(bag: string): Promise<DrivenPath> {
-    return call("POST", "/api/background/path", { bag });
+  drivenPath(bag: string): Answer<"POST /api/background/path"> {
+    return call("POST /api/background/path", { bag });
   }
 
   /** Measures what a robot publishes now, for so many seconds. */
-  measureLive(seconds: number): Promise<{ text: string }> {
-    return call("POST", "/api/profile/measure-live", { seconds });
+  measureLive(seconds: number): Answer<"POST /api/profile/measure-live"> {
+    return call("POST /api/profile/measure-live", { seconds });
   }
 
   /** What would change on a robot that gets these rules. */
-  previewPush(rules: Rules, node: string): Promise<PushPreview> {
-    return call("POST", "/api/push/preview", { ...rules, node });
+  previewPush(rules: Rules, node: string): Answer<"POST /api/push/preview"> {
+    return call("POST /api/push/preview", { ...rules, node });
   }
 
   /** Lets a robot try these rules. */
-  push(rules: Rules, node: string): Promise<Staged> {
-    return call("POST", "/api/push", { ...rules, node });
+  push(rules: Rules, node: string): Answer<"POST /api/push"> {
+    return call("POST /api/push", { ...rules, node });
   }
 
   /** Lets a robot keep the rules that it tries. */
-  confirmPush(node: string, hash: string): Promise<unknown> {
-    return call("POST", "/api/push/confirm", { node, hash });
+  confirmPush(node: string, hash: string): Answer<"POST /api/push/confirm"> {
+    return call("POST /api/push/confirm", { node, hash });
   }
 
-  optimize(rules: Rules): Promise<OptimizeAnswer> {
-    return call("POST", "/api/optimize", rules);
+  optimize(rules: Rules): Answer<"POST /api/optimize"> {
+    return call("POST /api/optimize", rules);
   }
 
-  tryOnBag(rules: Rules, bag: string, run: string, signal: AbortSignal): Promise<TryAnswer> {
-    return call("POST", "/api/try", { ...rules, bag, run }, signal);
+  tryOnBag(rules: Rules, bag: string, run: string, signal: AbortSignal): Answer<"POST /api/try"> {
+    return call("POST /api/try", { ...rules, bag, run }, { signal });
   }
 
-  curve(bag: string, topic: string, run: string, signal: AbortSignal): Promise<Curve> {
-    return call("POST", "/api/profile/curve", { bag, topic, run }, signal);
+  curve(bag: string, topic: string, run: string, signal: AbortSignal): Answer<"POST /api/profile/curve"> {
+    return call("POST /api/profile/curve", { bag, topic, run }, { signal });
   }
 
   /** Six levels for a source of which only the rate is known. */
-  levels(sourceHz: number): Promise<{ tiers_hz: number[] }> {
-    return call("POST", "/api/profile/levels", { source_hz: sourceHz });
+  levels(sourceHz: number): Answer<"POST /api/profile/levels"> {
+    return call("POST /api/profile/levels", { source_hz: sourceHz });
   }
 }
 
-async function call<T>(method: string, path: string, body?: unknown, signal?: AbortSignal): Promise<T> {
-  const response = await send(method, path, body, signal);
+async function call<R extends keyof Routes>(
+  route: R,
+  asked: Routes[R]["asked"],
+  { query = "", signal }: { query?: string; signal?: AbortSignal } = {},
+): Answer<R> {
+  const [method, path] = route.split(" ") as [string, string];
+  const response = await send(method, path + query, asked ?? undefined, signal);
   const answer: unknown = await response.json().catch(() => null);
   if (!response.ok) {
     const problem = (answer as { error?: Problem } | null)?.error;
     throw new ApiError(response.status, problem ?? { ...UNREACHABLE, message: `${path}: ${response.statusText}` });
   }
-  return answer as T;
+  return answer as Routes[R]["answered"];
 }
 
 async function send(method: string, path: string, body: unknown, signal?: AbortSignal): Promise<Response> {

@@ -1,19 +1,75 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-// What the server says and understands; src/smarttestudo/web/schemas.py has the meaning of each.
+// Written by scripts/make_api_types.py (make docs); change the structs of the server instead.
 
-import type { ZoneEdit } from "./zone_types";
+/** The protocol of the web socket. */
+export const PROTOCOL_VERSION = 1;
 
-export type Tier = "Unacceptable" | "Marginal" | "Acceptable" | "Desirable" | "Competitive" | "Excessive";
-export type Operator = ">" | "<" | ">=" | "<=" | "=" | "!=";
+/**
+ * Time since the newest message received, in s: mean, 95th percentile and maximum over time.
+ *
+ * It counts from the first message to the end of A. `unseen_s` are the seconds before that, from A's
+ * first message of the topic on, in which the operator had nothing.
+ */
+export interface Age {
+  mean_s: number;
+  p95_s: number;
+  max_s: number;
+  unseen_s: number;
+}
 
-export type Rate =
-  | { kind: "hz"; value: number }
-  | { kind: "tier"; value: Tier }
-  | { kind: "full"; value: null }
-  | { kind: "off"; value: null };
+/** All terms hold; at least one term. */
+export interface AndCondition {
+  kind: "and";
+  terms: Condition[];
+}
 
-export interface Check {
+/**
+ * A map or image; `GET /api/background/picture?kind=…&name=…` is its picture, always PNG.
+ *
+ * `hash` is that of its files, to see whether they changed; `metres_per_pixel` is null for an image.
+ * The lower left corner of the picture lies at (`x`, `y`) in metres, turned about it by `yaw_rad`.
+ */
+export interface Background {
+  kind: BackgroundKind;
+  name: string;
+  hash: string;
+  width_px: number;
+  height_px: number;
+  metres_per_pixel: number | null;
+  x: number;
+  y: number;
+  yaw_rad: number;
+}
+
+/** A map, image or recording of the project. */
+export interface BackgroundChoice {
+  kind: ChoiceKind;
+  name: string;
+}
+
+export type BackgroundKind = "map" | "image";
+
+/** `POST /api/background` → `Background`. */
+export interface BackgroundRequest {
+  kind: BackgroundKind;
+  name: string;
+}
+
+/** `GET /api/backgrounds`: what zones can be drawn on. */
+export interface BackgroundsAnswer {
+  choices: BackgroundChoice[];
+}
+
+/** A rule, or its Else, by the line that it begins at, and what it turned to when; it starts unknown. */
+export interface BlockTurns {
+  rule: string;
+  line: number;
+  turns: [number, TruthName][];
+}
+
+/** `CheckValue topic property op value`; `op` is one of `> < >= <= = !=`. */
+export interface CheckCondition {
   kind: "check";
   topic: string;
   property: string;
@@ -22,137 +78,833 @@ export interface Check {
   offset?: number;
   end_offset?: number;
 }
-export type Condition =
-  | Check
-  | { kind: "and"; terms: Condition[] }
-  | { kind: "or"; terms: Condition[] }
-  | { kind: "not"; term: Condition };
 
-/** Where a statement is; what a request says of it is ignored. */
-export interface Placed {
+export type ChoiceKind = "map" | "image" | "bag";
+
+export type Condition = CheckCondition | AndCondition | OrCondition | NotCondition;
+
+/** The pushed rules hold for good. */
+export interface ConfirmAnswer {
+  state: "confirmed";
+  hash: string;
+}
+
+/** `POST /api/push/confirm` → `ConfirmAnswer`: keep the rules that were pushed. */
+export interface ConfirmRequest {
+  node: string;
+  hash: string;
+}
+
+/** Rectangles that share no area and hold the polygon; `over_m2` is what they cover beside it. */
+export interface CoverAnswer {
+  rectangles: ZoneBounds[];
+  polygon_m2: number;
+  over_m2: number;
+}
+
+/** `POST /api/zones/cover` → `CoverAnswer`: the corners of a polygon, in its order. */
+export interface CoverRequest {
+  corners: [number, number][];
+  max_rectangles?: number;
+}
+
+/**
+ * The curve at rising rates up to the source's, and the six levels where it bends.
+ *
+ * Without points, no field of the topic ever changed; without `tiers_hz`, none can be proposed.
+ */
+export interface Curve {
+  source_hz: number | null;
+  points: LossPoint[];
+  tiers_hz: [number, number, number, number, number, number] | null;
+  notices: string[];
+}
+
+/**
+ * `POST /api/profile/curve` → `Curve`: the loss of `topic` at each rate, from a bag.
+ *
+ * `run` names the work in `Progress` messages of `/ws`.
+ */
+export interface CurveRequest {
+  bag: string;
+  topic: string;
+  run?: string;
+}
+
+/** Delete statement `id` with its own comments. */
+export interface Delete {
+  kind: "delete";
+  id: string;
+}
+
+/**
+ * A rule file as an editor holds it, with the text of its profile; findings call them by the names.
+ *
+ * Texts come and go whole. `POST /api/document` → `RuleDocument`; `/api/zones` → `ZonesAnswer`.
+ */
+export interface Draft {
+  text: string;
+  name?: string;
+  profile_text?: string | null;
+  profile_name?: string;
+}
+
+/**
+ * Where the robot of a recording was: seconds since its start, x and y in metres.
+ *
+ * `notices` say what could not be read.
+ */
+export interface DrivenPath {
+  path: [number, number, number][];
+  notices: string[];
+}
+
+export type Edit = Replace | Insert | Delete | Move | Substitute | NewZone | MoveZone | ResizeZone;
+
+/** The new text and its document. */
+export interface EditAnswer {
+  text: string;
+  document: RuleDocument;
+}
+
+/**
+ * `POST /api/edit` → `EditAnswer`: all edits in their order, or none of them.
+ *
+ * Each speaks of the text that those before it made: its ids, indices and offsets.
+ */
+export interface EditRequest {
+  text: string;
+  name?: string;
+  profile_text?: string | null;
+  profile_name?: string;
+  edits: Edit[];
+}
+
+/** The body of every answer that is an error. */
+export interface ErrorAnswer {
+  error: Problem;
+}
+
+/**
+ * How large an error was over time, in the field's unit.
+ *
+ * `rmse` is the root of the mean square over time, `maximum` the largest magnitude. The relative ones
+ * are shares of the field's range (0.02 is 2 %), `None` where the field never changed.
+ */
+export interface ErrorSize {
+  rmse: number;
+  maximum: number;
+  relative_rmse: number | null;
+  relative_maximum: number | null;
+}
+
+/**
+ * `POST /api/export` → `TextAnswer`: a rule file of the statements `ids` only.
+ *
+ * 409 with findings where these statements have errors.
+ */
+export interface ExportRequest {
+  text: string;
+  ids: string[];
+  name?: string;
+}
+
+/** `GET /api/file?name=`: the text with its SHA-256, which a later PUT names. */
+export interface FileAnswer {
+  name: string;
+  text: string;
+  hash: string;
+}
+
+/** What a file is to the Ruler; the value is its name in JSON. */
+export type FileKind = "rules" | "profile" | "bag" | "map" | "layout" | "image";
+
+/** A file by its name in the project, with `/` between folders. A bag may be a folder. */
+export interface FoundFile {
+  name: string;
+  kind: FileKind;
+  size_bytes: number;
+}
+
+/** Frames of one arm, and the longest time without a new one, in s; it counts to the end of A. */
+export interface Frames {
+  frames: number;
+  longest_blind_s: number;
+}
+
+/** Every message passes. */
+export interface FullRate {
+  kind: "full";
+  value?: null;
+}
+
+/** The first message on `/ws`; a page that knows another protocol asks to be reloaded. */
+export interface Hello {
+  kind: "hello";
+  version: string;
+  protocol: number;
+}
+
+/** A rate in Hz, 0 … 1e6. */
+export interface Hz {
+  kind: "hz";
+  value: number;
+}
+
+/**
+ * A statement `id` that would come, and one that is there: the same, or one of the same name.
+ *
+ * `message` says so in a sentence about the one that is there.
+ */
+export interface ImportConflict {
+  id: string;
+  is_same: boolean;
+  message: string;
+}
+
+/** The statements of the other file with what the checker says of it alone, and whom they meet here. */
+export interface ImportPreview {
+  document: RuleDocument;
+  conflicts: ImportConflict[];
+}
+
+/** `POST /api/import/preview` → `ImportPreview`: what `other_text` could bring. */
+export interface ImportPreviewRequest {
+  text: string;
+  other_text: string;
+  name?: string;
+  other_name?: string;
+}
+
+/**
+ * `POST /api/import` → `EditAnswer`: `text` with statements of `other_text`.
+ *
+ * `ids` are statements of `other_text`; null means all of them. Those of `replace_ids` go into the
+ * place of the one of the same name, the others into the last collection.
+ */
+export interface ImportRequest {
+  text: string;
+  name?: string;
+  profile_text?: string | null;
+  profile_name?: string;
+  other_text: string;
+  ids?: string[] | null;
+  replace_ids?: string[];
+}
+
+/** Put `statement` before number `index` of `collection`; its length puts it at the end. */
+export interface Insert {
+  kind: "insert";
+  collection: string;
+  index: number;
+  statement: Statement;
+}
+
+/** `KeepAtLeast topic hz`. */
+export interface KeepStatement {
+  kind: "keep";
   comments?: string[] | null;
   id?: string;
   key?: string;
   offset?: number;
   end_offset?: number;
   line?: number;
-}
-export interface SetStatement extends Placed {
-  kind: "set";
-  topic: string;
-  rate: Rate;
-}
-export interface KeepStatement extends Placed {
-  kind: "keep";
+  text?: string;
   topic: string;
   hz: number;
 }
-export interface RuleStatement extends Placed {
-  kind: "rule";
-  name: string | null;
-  priority: number;
-  condition: Condition;
-  then: SetStatement[];
-  else: SetStatement[];
+
+/** A topic, its type where anybody knows it, else the one that its name stands for, and who names it. */
+export interface KnownTopic {
+  topic: string;
+  type: string | null;
+  properties: Property[];
+  source: TopicSource;
+}
+
+/** A first guess from the rate alone. */
+export interface LevelsAnswer {
+  tiers_hz: [number, number, number, number, number, number];
+}
+
+/** `POST /api/profile/levels` → `LevelsAnswer`: six levels for a source of `source_hz`. */
+export interface LevelsRequest {
+  source_hz: number;
+}
+
+/**
+ * What a robot does now; `stamp_s` is its own clock, in seconds since 1970.
+ *
+ * `status_kb_per_s` is what its statuses themselves take of the link at most, `full_names` are those of
+ * topics that its rules call otherwise.
+ */
+export interface Live {
+  kind: "live";
+  node: string;
+  stamp_s: number;
+  rules_hash: string;
+  rules: RulesOrigin;
+  waits_s: number | null;
+  cpu_percent: number | null;
+  memory_mb: number | null;
+  budget_kb_per_s: number | null;
+  out_kb_per_s: number;
+  status_kb_per_s: number;
+  topics: LiveTopic[];
+  blocks: LiveBlock[];
+  checks: LiveCheck[];
+  full_names: Record<string, string>;
+}
+
+/**
+ * The condition of a rule, at its place in the robot's file number `file`.
+ *
+ * `label` is what decisions call it; empty until the robot's rules were read.
+ */
+export interface LiveBlock {
+  file: number;
+  line: number;
+  column: number;
+  state: TruthName;
+  label: string;
+}
+
+/**
+ * A check at its place in the robot's file number `file`, and the value that it reads.
+ *
+ * The words of the check, as written there, find it in another text: what it says of a value does not depend
+ * on its place. They are empty until the robot's rules were read.
+ */
+export interface LiveCheck {
+  file: number;
+  line: number;
+  column: number;
+  state: TruthName;
+  value: number | null;
+  topic: string;
+  property: string;
+  op: string;
+  limit: number | null;
+}
+
+/**
+ * A relayed topic now; `topic` is its full name, `reason` and `rule` are those of its rate.
+ *
+ * `silence` says why nobody receives anything, `problem` why it cannot be relayed.
+ */
+export interface LiveTopic {
+  topic: string;
+  output: string;
+  type: string | null;
+  source_hz: number | null;
+  target_hz: number | null;
+  actual_hz: number | null;
+  error_percent: number | null;
+  keeps_rate: boolean;
+  out_kb_per_s: number;
+  in_kb_per_s: number;
+  rule: string | null;
+  line: number | null;
+  reason: Reason;
+  silence: Silence | null;
+  problem: string | null;
+}
+
+/**
+ * The topic at one rate: what it carries, and the RMSE of its worst field in percent of that's range.
+ *
+ * `error_percent` and `worst_field` are null where nothing known passed, `age_mean_s` where nothing.
+ */
+export interface LossPoint {
+  rate_hz: number;
+  kb_per_s: number;
+  error_percent: number | null;
+  worst_field: string | null;
+  age_mean_s: number | null;
+}
+
+/**
+ * `POST /api/profile/measure-live` → `TextAnswer`: a profile of what the robot's nodes publish now.
+ *
+ * `run` names it in the `Progress` messages of `/ws`.
+ */
+export interface MeasureLiveRequest {
+  seconds: number;
+  run?: string;
+}
+
+/**
+ * What OBI maximises; the value is its name on the command line.
+ *
+ * The first three are those of the thesis (Riccardi 2025): the sum of all rates within the intervals of the
+ * levels (quper) or within [min_hz, max_hz] (budget), and that sum weighted by priority. `benefit` sums
+ * quality instead of hertz, `maxmin` raises the lowest quality first, then the next (lexicographic).
+ */
+export type Model = "quper" | "budget" | "priority" | "benefit" | "maxmin";
+
+/** Move statement `id`; `index` counts the other statements of `collection`. */
+export interface Move {
+  kind: "move";
+  id: string;
+  collection: string;
+  index: number;
+}
+
+/** An edit: move all zones of rule `id` on `topic`, in whole centimetres. */
+export interface MoveZone {
+  kind: "zone_move";
+  id: string;
+  topic: string;
+  dx: number;
+  dy: number;
+}
+
+/** An edit: make `rectangles` the condition of rule `into`, or, if that is null, of a new one. */
+export interface NewZone {
+  kind: "zone_new";
+  topic: string;
+  rectangles: ZoneBounds[];
+  into?: string | null;
   label?: string;
 }
-export interface RawStatement extends Placed {
-  kind: "raw";
-  text: string;
-}
-export type Statement = SetStatement | KeepStatement | RuleStatement | RawStatement;
 
-export interface Collection {
+/** The term does not hold. */
+export interface NotCondition {
+  kind: "not";
+  term: Condition;
+}
+
+/** Nothing passes. */
+export interface OffRate {
+  kind: "off";
+  value?: null;
+}
+
+/** A comparison; the value is its spelling. */
+export type Operator = ">" | "<" | ">=" | "<=" | "=" | "!=";
+
+/** The rates, as loads; `download_text` is the rule file with numbers, null where not all fits. */
+export interface OptimizeAnswer {
+  feasible: boolean;
+  budget_kb_per_s: number;
+  situations: SituationLoad[];
+  refusals: Refusal[];
+  download_text: string | null;
+}
+
+/** `POST /api/optimize` → `OptimizeAnswer`; 409 with findings for rules with errors. */
+export interface OptimizeRequest {
+  text: string;
+  name?: string;
+  profile_text?: string | null;
+  profile_name?: string;
+  model?: Model;
+  only_named?: boolean;
+}
+
+/** One of the terms holds; at least one term. */
+export interface OrCondition {
+  kind: "or";
+  terms: Condition[];
+}
+
+/** `POST /api/background/path` → `DrivenPath`. */
+export interface PathRequest {
+  bag: string;
+}
+
+/**
+ * `begin … end` with its statements in order.
+ *
+ * `is_written` is false for statements and other text that stand outside any `begin … end`.
+ */
+export interface PlacedCollection {
   id: string;
   is_written: boolean;
+  offset: number;
+  end_offset: number;
+  line: number;
+  comments: string[];
   statements: Statement[];
 }
-export type Severity = "error" | "warning" | "info";
-export interface Finding {
-  index: number;
+
+/**
+ * One thing the checker says.
+ *
+ * `statement` is the id of the statement it is about, `related` are those of others that it names.
+ */
+export interface PlacedFinding {
   code: string;
   severity: Severity;
   message: string;
   hint: string;
   line: number;
   column: number;
+  end_line: number;
+  end_column: number;
   offset: number;
   end_offset: number;
-  fix: { title: string; offset: number; end_offset: number; replacement: string } | null;
+  fix: PlacedFix | null;
   statement: string | null;
   related: string[];
 }
-export interface RuleDocument {
-  collections: Collection[];
-  findings: Finding[];
-  parses: boolean;
+
+/** What mends a finding. */
+export interface PlacedFix {
+  title: string;
+  edit: Substitute;
 }
 
-export type Edit =
-  | { kind: "replace"; id: string; statement: Statement }
-  | { kind: "insert"; collection: string; index: number; statement: Statement }
-  | { kind: "delete"; id: string }
-  | { kind: "move"; id: string; collection: string; index: number }
-  | ZoneEdit;
-export interface EditAnswer {
+/** A rectangle of a rule. `is_shared` is whether a check of it bounds another rectangle as well. */
+export interface PlacedZone {
+  topic: string;
+  rectangle: ZoneBounds;
+  is_shared: boolean;
+}
+
+/**
+ * Why something was refused; `place` and `remedy` may be empty.
+ *
+ * `findings` say why, where rules with errors were refused.
+ */
+export interface Problem {
+  message: string;
+  place: string;
+  remedy: string;
+  findings: PlacedFinding[];
+}
+
+/** Why a table cannot be written; empty if it can. */
+export interface ProfileCheckAnswer {
+  problem: string;
+}
+
+/** The name of a profile of the project; null where none has to do with the rules. */
+export interface ProfileForAnswer {
+  name: string | null;
+}
+
+/** `POST /api/profile/for` → `ProfileForAnswer`: the profile for the rule file `name`. */
+export interface ProfileForRequest {
   text: string;
-  document: RuleDocument;
-  id: string | null;
+  name: string;
 }
 
-export type FileKind = "rules" | "profile" | "bag" | "map" | "layout";
-export interface ProjectFile {
-  name: string;
-  kind: FileKind;
-  size_bytes: number;
+/** `POST /api/profile/measure` → `TextAnswer`: a profile measured in a bag of the project. */
+export interface ProfileMeasureRequest {
+  bag: string;
 }
-export interface Project {
-  root_name: string;
-  opened: string | null;
-  files: ProjectFile[];
-  version: string;
-  ros: boolean;
-  has_more: boolean;
-}
-export interface FileText {
-  name: string;
+
+/** `POST /api/profile/parse` → `ProfileTable`. */
+export interface ProfileParseRequest {
   text: string;
-  hash: string;
+  name?: string;
 }
 
-export interface Property {
-  name: string;
-  unit: string;
-  meaning: string;
-}
-export interface Vocabulary {
-  topics: { topic: string; type: string | null; properties: Property[]; source: string }[];
-  every_topic: Property[];
-  tiers: Tier[];
-}
-
+/**
+ * One topic by the name that the text has for it; null stands for a key that is not written.
+ *
+ * Sizes are in KB of 1000 B, rates in Hz.
+ */
 export interface ProfileRow {
   topic: string;
-  type: string | null;
-  message_kb: number | null;
-  source_hz: number | null;
-  tiers_hz: number[] | null;
-  priority: number | null;
-  min_hz: number | null;
-  max_hz: number | null;
+  type?: string | null;
+  message_kb?: number | null;
+  source_hz?: number | null;
+  tiers_hz?: [number, number, number, number, number, number] | null;
+  priority?: number | null;
+  min_hz?: number | null;
+  max_hz?: number | null;
 }
+
+/** The topics of a profile in the order of the text, and its budget in KB/s. */
 export interface ProfileTable {
   rows: ProfileRow[];
   budget_kb_per_s: number | null;
 }
 
-export interface TopicLoad {
-  topic: string;
-  rate_hz: number | null;
-  kb_per_s: number;
+/**
+ * `POST /api/profile/write` → `TextAnswer`: `base_text` with the values of the table.
+ *
+ * Comments, order and keys that the table does not show stay. Topics that are not in `rows` are removed.
+ * `POST /api/profile/check` → `ProfileCheckAnswer`: whether that can be done.
+ */
+export interface ProfileWriteRequest {
+  rows: ProfileRow[];
+  budget_kb_per_s?: number | null;
+  base_text?: string;
+  name?: string;
 }
-export interface Situation {
-  kind: "defaults" | "rule" | "worst";
+
+/** How far the work `run` is, 0 … 1. */
+export interface Progress {
+  kind: "progress";
+  run: string;
+  share: number;
+}
+
+/**
+ * `GET /api/project`. `opened` is the file that the command line named, if any.
+ *
+ * A bag is named by its folder, or by its file where it has no metadata. `ros` is whether the server can
+ * reach ROS 2; `version` is that of SmartTestudo.
+ */
+export interface Project {
+  root_name: string;
+  opened: string | null;
+  files: FoundFile[];
+  version: string;
+  ros: boolean;
+  has_more: boolean;
+}
+
+/** A property that a check can read. */
+export interface Property {
+  name: string;
+  unit: string;
+  meaning: string;
+}
+
+export type Push = Hello | Progress | Robots | Live;
+
+/**
+ * `staged`: the rules hold for `confirm_within_s`, and for good once `hash` is confirmed.
+ *
+ * `same`: nothing was sent, since the robot follows these rules already; `hash` is that of what it has.
+ * A refusal by the robot is a 422 with the robot's own words.
+ */
+export interface PushAnswer {
+  state: "staged" | "same";
+  hash: string;
+  confirm_within_s: number;
+  differences: string[];
+}
+
+/**
+ * What a push would change, in sentences; `same` where a robot could not tell the rules apart.
+ *
+ * `text_to_send` has numbers in the place of quality levels, since a robot may have no profile; `hash`
+ * is its SHA-256. `robot_hash` is that of what the robot follows now.
+ */
+export interface PushPreview {
+  differences: string[];
+  same: boolean;
+  hash: string;
+  robot_hash: string;
+  text_to_send: string;
+}
+
+/**
+ * `POST /api/push/preview` → `PushPreview`; `POST /api/push` → `PushAnswer`.
+ *
+ * Both refuse (409 with findings) rules with errors.
+ */
+export interface PushRequest {
+  text: string;
+  name?: string;
+  profile_text?: string | null;
+  profile_name?: string;
+  node: string;
+}
+
+export type Rate = Hz | TierRate | FullRate | OffRate;
+
+/** Text that does not parse, as it stands in the file; in a request `text` is what to write. */
+export interface RawStatement {
+  kind: "raw";
+  comments?: string[] | null;
+  id?: string;
+  key?: string;
+  offset?: number;
+  end_offset?: number;
+  line?: number;
+  text: string;
+}
+
+/** What decided a rate. */
+export type Reason = "default" | "block" | "unknown" | "floor" | "budget" | "fallback" | "reload";
+
+/** Why a part does not fit; `rule` is the statement's id, null for the defaults. */
+export interface Refusal {
+  rule: string | null;
+  message: string;
+  needs_kb_per_s: number;
+  repairs: Repair[];
+}
+
+/**
+ * One way to make a part fit, best first: edits of the rules' text, or a greater budget in KB/s.
+ *
+ * `sentence` says all of it, `title` as much as a button holds.
+ */
+export interface Repair {
+  title: string;
+  sentence: string;
+  edits: Substitute[];
+  budget_kb_per_s: number | null;
+}
+
+/**
+ * Write `statement` in the place of statement `id`; only what differs is touched.
+ *
+ * Comments stay where `statement.comments` is null; a list replaces those directly above.
+ */
+export interface Replace {
+  kind: "replace";
+  id: string;
+  statement: Statement;
+}
+
+/** An edit: give zone number `index` of rule `id` other sides. */
+export interface ResizeZone {
+  kind: "zone_resize";
+  id: string;
+  index: number;
+  rectangle: ZoneBounds;
+}
+
+/**
+ * One robot. `rules` says where its rules come from; `waiting`: pushed, and not confirmed yet.
+ *
+ * `waits_s` is how long those still hold unless they are confirmed. `is_heard` is false once it has
+ * been silent for longer than it should be; `heard_s_ago` is the time since its last status.
+ */
+export interface RobotSummary {
+  node: string;
+  is_heard: boolean;
+  heard_s_ago: number;
+  rules_hash: string;
+  rules_files: string[];
+  rules: RulesOrigin;
+  waits_s: number | null;
+  topics: number;
+}
+
+/**
+ * The robots, when something changes and every two seconds.
+ *
+ * `problem` says why ROS cannot be reached, null where it can.
+ */
+export interface Robots {
+  kind: "robots";
+  problem: string | null;
+  robots: RobotSummary[];
+}
+
+/**
+ * A rule file as statements and findings.
+ *
+ * An `id` names a statement of exactly this text. A `key` comes from the statement's words: it survives
+ * edits elsewhere and moves, so that block positions can be kept by it.
+ */
+export interface RuleDocument {
+  collections: PlacedCollection[];
+  findings: PlacedFinding[];
+  parses: boolean;
+}
+
+/**
+ * `[Rule "name" [Priority n]] If … Then … [Else …]`; in JSON `otherwise` is called `else`.
+ *
+ * `label` (answers only) is what findings and decisions call the rule.
+ */
+export interface RuleStatement {
+  kind: "rule";
+  comments?: string[] | null;
+  id?: string;
+  key?: string;
+  offset?: number;
+  end_offset?: number;
+  line?: number;
+  text?: string;
+  condition: Condition;
+  then: SetStatement[];
+  else: SetStatement[];
+  name?: string | null;
+  priority?: number;
+  label?: string;
+}
+
+/**
+ * The zones of the rule `id`, in any of which it may hold.
+ *
+ * `others` are its checks that bound no zone, as text; `holds_elsewhere` is whether it can hold outside
+ * its zones; `is_too_mixed` says that its condition is too mixed to be drawn.
+ */
+export interface RuleZones {
+  id: string;
+  label: string;
+  zones: PlacedZone[];
+  others: string[];
+  holds_elsewhere: boolean;
+  is_too_mixed: boolean;
+}
+
+/** Where the rules in force come from; the value is its name in JSON. */
+export type RulesOrigin = "files" | "pushed" | "waiting" | "fallback";
+
+/** The SHA-256 of what is on disk now. */
+export interface SaveAnswer {
+  hash: string;
+}
+
+/** `PUT /api/file`: `base_hash` is what the editor read; null where the file must not exist yet. */
+export interface SaveRequest {
+  name: string;
+  text: string;
+  base_hash?: string | null;
+}
+
+/** `SetFrequency topic rate`: a default, or what a rule sets (then `id` and `key` are empty). */
+export interface SetStatement {
+  kind: "set";
+  comments?: string[] | null;
+  id?: string;
+  key?: string;
+  offset?: number;
+  end_offset?: number;
+  line?: number;
+  text?: string;
+  topic: string;
+  rate: Rate;
+}
+
+/** How much a finding matters; only errors stop a file from being used. */
+export type Severity = "error" | "warning" | "info";
+
+/**
+ * How an operator who holds the last value saw the crossings of a threshold.
+ *
+ * `late_mean_s` and `late_max_s` are over those that were late; `None` without one.
+ */
+export interface Sightings {
+  in_time: number;
+  late: number;
+  missed: number;
+  late_mean_s: number | null;
+  late_max_s: number | null;
+}
+
+/** Why nobody receives anything of a relayed topic. The first that holds is said. */
+export type Silence =
+  | "Off"
+  | "no publisher"
+  | "cannot be relayed"
+  | "no subscriber"
+  | "incompatible QoS"
+  | "no message yet"
+  | "source is silent";
+
+/** Which situation loads belong to; the value is its name in JSON. */
+export type SituationKind = "defaults" | "rule" | "worst";
+
+/**
+ * The loads of all relayed topics: by default, in one rule's block, or in the worst case.
+ *
+ * `rules` are the ids of the statements that hold, `state` an example of values (`"/odom pose_x"`).
+ */
+export interface SituationLoad {
+  kind: SituationKind;
   title: string;
   rules: string[];
   state: Record<string, number>;
@@ -160,28 +912,228 @@ export interface Situation {
   kb_per_s: number;
   feasible: boolean;
 }
-export interface Repair {
-  title: string;
-  edits: { offset: number; end_offset: number; replacement: string }[];
-  budget_kb_per_s: number | null;
-}
-export interface Refusal {
-  rule: string | null;
-  message: string;
-  needs_kb_per_s: number;
-  repairs: Repair[];
-}
-export interface OptimizeAnswer {
-  feasible: boolean;
-  budget_kb_per_s: number;
-  situations: Situation[];
-  refusals: Refusal[];
-  download_text: string | null;
+
+export type Statement = SetStatement | KeepStatement | RuleStatement | RawStatement;
+
+/** An edit: write `replacement` in the place of a part of the text. */
+export interface Substitute {
+  kind: "substitute";
+  offset: number;
+  end_offset: number;
+  replacement: string;
 }
 
-export interface Problem {
+/** One text. */
+export interface TextAnswer {
+  text: string;
+}
+
+/** A quality level; the value is its name in a rule file, the order that of rising quality. */
+export const TIERS = ["Unacceptable", "Marginal", "Acceptable", "Desirable", "Competitive", "Excessive"] as const;
+export type Tier = (typeof TIERS)[number];
+
+/** The rate that the optimizer gives a level, named as in a rule file: `"Desirable"`. */
+export interface TierRate {
+  kind: "tier";
+  value: Tier;
+}
+
+/** What one arm carried of a topic: messages, bytes (as declared, where they are) and age. */
+export interface TopicArm {
+  messages: number;
+  size_bytes: number;
+  age: Age | null;
+}
+
+/** What one topic takes of the link in one situation; `rate_hz` is null for Full. */
+export interface TopicLoad {
+  topic: string;
+  rate_hz: number | null;
+  kb_per_s: number;
+}
+
+/** Who names a topic; the value is its name in JSON, the order that of trust. */
+export type TopicSource = "profile" | "robot" | "rules" | "example";
+
+export type TruthName = "true" | "false" | "unknown";
+
+/**
+ * What the rules would have done to a bag; `percent` is how much less of the relayed topics was sent.
+ *
+ * Times are seconds since the bag's start. `…_bins` have one value for each `bin_s` seconds; the first
+ * begins at `first_bin_s`, 0 or less. `decisions` are the first 2000 of `decision_count`; `path` is
+ * `[seconds, x, y]` in metres where the bag has odometry.
+ */
+export interface TryAnswer {
+  duration_s: number;
+  bin_s: number;
+  first_bin_s: number;
+  before_kb: number;
+  after_kb: number;
+  percent: number;
+  decisions: TryDecision[];
+  decision_count: number;
+  topics: TryTopic[];
+  path: [number, number, number][];
+  blocks: BlockTurns[];
+  loss: TryLoss;
+  notices: string[];
+}
+
+/** How the operator saw a value cross the threshold of a check. */
+export interface TryCrossing {
+  check: string;
+  crossings: number;
+  received: Sightings;
+}
+
+/**
+ * Another rate of a topic, or another deciding block, `t` seconds after the bag's start.
+ *
+ * `from_hz` and `to_hz` are null for Full; the first decision of a topic (`start`) has no `from_hz`.
+ * `line` and `rule` are the deciding block's, null where none decided.
+ */
+export interface TryDecision {
+  t: number;
+  topic: string;
+  start: boolean;
+  from_hz: number | null;
+  to_hz: number | null;
+  reason: Reason;
+  rule: string | null;
+  line: number | null;
+}
+
+/**
+ * How far a field's last value received was from the robot's; the bins have the largest error.
+ *
+ * `range` is greatest minus least value sent; `hold` is null where nothing of it was received.
+ */
+export interface TryFieldLoss {
+  topic: string;
+  field: string;
+  unit: string;
+  range: number;
+  hold: ErrorSize | null;
+  error_bins: (number | null)[];
+}
+
+/** A topic of images as sent and as received. */
+export interface TryImages {
+  topic: string;
+  sent: Frames;
+  received: Frames;
+}
+
+/** What the operator would lose: the numbers of `testudo bag loss`, without its third arm. */
+export interface TryLoss {
+  topics: TryTopicLoss[];
+  fields: TryFieldLoss[];
+  crossings: TryCrossing[];
+  images: TryImages[];
+}
+
+/** `POST /api/try` → `TryAnswer`; `run` names the try in `Progress` messages of `/ws`. */
+export interface TryRequest {
+  text: string;
+  name?: string;
+  profile_text?: string | null;
+  profile_name?: string;
+  bag: string;
+  run?: string;
+}
+
+/** One topic of the bag before and after; `*_hz_bins` are messages a second, bin by bin. */
+export interface TryTopic {
+  topic: string;
+  before_kb: number;
+  after_kb: number;
+  before_messages: number;
+  after_messages: number;
+  target_hz: number | null;
+  before_hz_bins: number[];
+  after_hz_bins: number[];
+}
+
+/** How old a topic was; the bins have the greatest age in s. */
+export interface TryTopicLoss {
+  topic: string;
+  sent: TopicArm;
+  received: TopicArm;
+  age_s_bins: (number | null)[];
+}
+
+/** What an editor suggests; `every_topic` are the properties of any topic. */
+export interface Vocabulary {
+  topics: KnownTopic[];
+  every_topic: Property[];
+}
+
+/** `POST /api/vocabulary` → `Vocabulary`. */
+export interface VocabularyRequest {
+  text?: string | null;
+  profile_text?: string | null;
+}
+
+/** The page asks for `Live` of one robot; null ends that. At most 20 a second. */
+export interface Watch {
+  kind: "watch";
+  node: string | null;
+  update_hz?: number;
+}
+
+/** An upright rectangle; null is a side that nothing bounds. */
+export interface ZoneBounds {
+  min_x: number | null;
+  max_x: number | null;
+  min_y: number | null;
+  max_y: number | null;
+}
+
+/** Two rules that clash with a zone in `common`; `message` and `hint` are the checker's. */
+export interface ZoneClash {
+  first: string;
+  second: string;
   message: string;
-  place: string;
-  remedy: string;
-  findings: Finding[];
+  hint: string;
+  common: ZoneBounds[];
+}
+
+/** `POST /api/zones` with a `Draft`. `label` is a name for a new zone that no rule has. */
+export interface ZonesAnswer {
+  rules: RuleZones[];
+  clashes: ZoneClash[];
+  label: string;
+}
+
+/** What each route is asked and answers. */
+export interface Routes {
+  "GET /api/project": { asked: null; answered: Project };
+  "GET /api/file": { asked: null; answered: FileAnswer };
+  "PUT /api/file": { asked: SaveRequest; answered: SaveAnswer };
+  "POST /api/document": { asked: Draft; answered: RuleDocument };
+  "POST /api/edit": { asked: EditRequest; answered: EditAnswer };
+  "POST /api/format": { asked: Draft; answered: TextAnswer };
+  "POST /api/export": { asked: ExportRequest; answered: TextAnswer };
+  "POST /api/import": { asked: ImportRequest; answered: EditAnswer };
+  "POST /api/import/preview": { asked: ImportPreviewRequest; answered: ImportPreview };
+  "POST /api/zones": { asked: Draft; answered: ZonesAnswer };
+  "POST /api/zones/cover": { asked: CoverRequest; answered: CoverAnswer };
+  "POST /api/optimize": { asked: OptimizeRequest; answered: OptimizeAnswer };
+  "POST /api/vocabulary": { asked: VocabularyRequest; answered: Vocabulary };
+  "POST /api/profile/for": { asked: ProfileForRequest; answered: ProfileForAnswer };
+  "POST /api/profile/parse": { asked: ProfileParseRequest; answered: ProfileTable };
+  "POST /api/profile/write": { asked: ProfileWriteRequest; answered: TextAnswer };
+  "POST /api/profile/check": { asked: ProfileWriteRequest; answered: ProfileCheckAnswer };
+  "POST /api/profile/measure": { asked: ProfileMeasureRequest; answered: TextAnswer };
+  "POST /api/profile/levels": { asked: LevelsRequest; answered: LevelsAnswer };
+  "GET /api/backgrounds": { asked: null; answered: BackgroundsAnswer };
+  "POST /api/background": { asked: BackgroundRequest; answered: Background };
+  "POST /api/background/path": { asked: PathRequest; answered: DrivenPath };
+  "POST /api/push/preview": { asked: PushRequest; answered: PushPreview };
+  "POST /api/push": { asked: PushRequest; answered: PushAnswer };
+  "POST /api/push/confirm": { asked: ConfirmRequest; answered: ConfirmAnswer };
+  "POST /api/profile/measure-live": { asked: MeasureLiveRequest; answered: TextAnswer };
+  "POST /api/try": { asked: TryRequest; answered: TryAnswer };
+  "POST /api/profile/curve": { asked: CurveRequest; answered: Curve };
 }

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import * as Blockly from "blockly/core";
-import type { Truth } from "../api/live_types";
+import type { TruthName } from "../api/types";
 import { readable } from "../ui/numbers";
 import type { CheckState, RuleState } from "./live_states";
 
@@ -14,7 +14,7 @@ const PADDING = 9;
 
 /** What a badge says, and in which colour. */
 interface Badge {
-  look: Truth;
+  look: TruthName;
   words: string;
 }
 interface Drawn extends Badge {

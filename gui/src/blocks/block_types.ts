@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import * as Blockly from "blockly/core";
 import type { Operator } from "../api/types";
+import { NumberField } from "./number_field";
 import { parseRate, RATE_WORDS, rateText } from "./rate_text";
 import { oneWord, type Suggestion, SuggestionField } from "./suggestion_field";
 
@@ -60,11 +61,16 @@ export function defineBlocks(suggest: Suggestions, buttons: BlockButtons): void 
 
   init("adirf_set", function () {
     const unit = new Blockly.FieldLabel("Hz");
-    const rate = new SuggestionField("10", () => RATE_WORDS, "rate", (text) => {
-      const parsed = parseRate(text);
-      unit.setValue(parsed?.kind === "hz" ? "Hz" : "");
-      return parsed === null ? null : rateText(parsed);
-    });
+    const rate = new SuggestionField(
+      "10",
+      () => RATE_WORDS,
+      "rate",
+      (text) => {
+        const parsed = parseRate(text);
+        unit.setValue(parsed?.kind === "hz" ? "Hz" : "");
+        return parsed === null ? null : rateText(parsed);
+      },
+    );
     this.appendDummyInput()
       .appendField("set frequency of")
       .appendField(topicField("topic to send"), "TOPIC")
@@ -89,11 +95,10 @@ export function defineBlocks(suggest: Suggestions, buttons: BlockButtons): void 
   });
 
   init("adirf_check", function () {
-    const block = this;
     const unit = new Blockly.FieldLabel("");
     const property = new SuggestionField(
       "pose_x",
-      () => suggest.properties(String(block.getFieldValue("TOPIC"))),
+      () => suggest.properties(String(this.getFieldValue("TOPIC"))),
       "property",
       oneWord as Blockly.FieldTextInputValidator,
     );
@@ -145,7 +150,10 @@ export function defineBlocks(suggest: Suggestions, buttons: BlockButtons): void 
       this.appendStatementInput("THEN").setCheck(ACTION);
       this.appendDummyInput("TAIL")
         .appendField("else")
-        .appendField(button(PLUS, "Add ELSE", (block) => buttons.toggleElse(block)), "ADD_ELSE");
+        .appendField(
+          button(PLUS, "Add ELSE", (block) => buttons.toggleElse(block)),
+          "ADD_ELSE",
+        );
       this.setStyle("rule");
       this.setTooltip("While the condition holds, the rates under THEN are in force.");
     },
@@ -163,7 +171,10 @@ export function defineBlocks(suggest: Suggestions, buttons: BlockButtons): void 
         } else {
           this.appendDummyInput("TAIL")
             .appendField("else")
-            .appendField(button(PLUS, "Add ELSE", (block) => buttons.toggleElse(block)), "ADD_ELSE");
+            .appendField(
+              button(PLUS, "Add ELSE", (block) => buttons.toggleElse(block)),
+              "ADD_ELSE",
+            );
         }
       },
       saveExtraState(this: Blockly.BlockSvg) {
@@ -197,7 +208,7 @@ function chain(block: Blockly.BlockSvg, type: string, style: string): void {
 }
 
 function numberField(value: string, label: string, minimum?: number): Blockly.FieldNumber {
-  const field = new Blockly.FieldNumber(value, minimum);
+  const field = new NumberField(value, minimum);
   field.setAriaTypeName(label);
   return field;
 }

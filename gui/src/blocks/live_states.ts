@@ -1,16 +1,15 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import type { Live, Truth } from "../api/live_types";
-import type { Check, Condition, RuleDocument } from "../api/types";
+import type { CheckCondition, Condition, Live, RuleDocument, TruthName } from "../api/types";
 
 /** What a robot says of one check now. */
 export interface CheckState {
-  state: Truth;
+  state: TruthName;
   value: number | null;
 }
 /** What a robot says of one rule now, and of its checks in the order of the text. */
 export interface RuleState {
-  state: Truth;
+  state: TruthName;
   checks: readonly CheckState[];
 }
 
@@ -53,7 +52,7 @@ function words(check: { topic: string; property: string; op: string; value: numb
 }
 
 /** All checks of a condition in the order of the text. */
-export function checksOf(condition: Condition): Check[] {
+export function checksOf(condition: Condition): CheckCondition[] {
   if (condition.kind === "check") return [condition];
   if (condition.kind === "not") return checksOf(condition.term);
   return condition.terms.flatMap(checksOf);

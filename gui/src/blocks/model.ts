@@ -25,7 +25,7 @@ function statementBlock(statement: Statement): State {
         IF: { block: stack(terms(statement.condition).map(conditionBlock)) },
         THEN: { block: stack(statement.then.map(statementBlock)) },
       };
-      if (statement.else.length > 0) inputs["ELSE"] = { block: stack(statement.else.map(statementBlock)) };
+      if (statement.else.length > 0) inputs.ELSE = { block: stack(statement.else.map(statementBlock)) };
       return {
         type: "adirf_rule",
         fields: { NAME: statement.name ?? "", PRIORITY: statement.priority },

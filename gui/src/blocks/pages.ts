@@ -34,7 +34,9 @@ export function follow(pages: Pages, before: readonly Placed[], after: readonly 
   const first = isAbove ? pages.first + more : pages.first;
   const count = isAbove || isBelow ? pages.count : pages.count + more;
   const isWhole = first >= 0 && first + count <= length;
-  return isWhole && count > 0 && count <= LARGEST ? { first, count, total: length } : pageAt(Math.min(at, length - 1), length);
+  return isWhole && count > 0 && count <= LARGEST
+    ? { first, count, total: length }
+    : pageAt(Math.min(at, length - 1), length);
 }
 
 /** The statements of a page. */

@@ -1,15 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import type { Rate, Tier } from "../api/types";
+import { type Rate, TIERS, type Tier } from "../api/types";
+import { typedNumber } from "../ui/numbers";
 
-export const TIERS: readonly Tier[] = [
-  "Unacceptable",
-  "Marginal",
-  "Acceptable",
-  "Desirable",
-  "Competitive",
-  "Excessive",
-];
 export const RATE_WORDS: readonly string[] = [...TIERS, "Full", "Off"];
 
 /** A rate as a block shows it; `Hz` is said by the block. */
@@ -33,6 +26,6 @@ export function parseRate(text: string): Rate | null {
   if (word === "Full") return { kind: "full", value: null };
   if (word === "Off") return { kind: "off", value: null };
   if (word !== undefined) return { kind: "tier", value: word as Tier };
-  const hz = words === "" ? Number.NaN : Number(words.replace(",", "."));
+  const hz = typedNumber(words);
   return Number.isFinite(hz) && hz >= 0 ? { kind: "hz", value: hz } : null;
 }

@@ -2,17 +2,17 @@
 // SPDX-License-Identifier: Apache-2.0
 import * as Blockly from "blockly/core";
 import * as english from "blockly/msg/en";
-import type { Edit, Finding, RuleDocument, Statement } from "../api/types";
+import type { Edit, PlacedFinding, RuleDocument, Statement } from "../api/types";
 import type { Layout } from "../state/layout";
 import { Badges } from "./badges";
 import { addCheck, addRate, toggleElse } from "./block_buttons";
-import { defineBlocks, showRawText, type Suggestions } from "./block_types";
+import { defineBlocks, type Suggestions, showRawText } from "./block_types";
 import { showJoins } from "./joins";
 import type { RuleState } from "./live_states";
 import { fingerprint, toBlock, toStatement } from "./model";
+import { follow, onPage, type Pages, pageAt } from "./pages";
 import { blocklyTheme } from "./palette";
-import { follow, onPage, pageAt, type Pages } from "./pages";
-import { isTop, newSlot, nextEdit, type Placed, type Slot, statementsOf } from "./slots";
+import { editsOf, isTop, newSlot, type Placed, type Slot, statementsOf } from "./slots";
 import { toolbox } from "./toolbox";
 import { Warnings } from "./warnings";
 
@@ -20,20 +20,23 @@ const GAP = 18;
 const LEFT = 24;
 const SCALE = 0.72;
 const SCALE_FOR_FINGERS = 1.1;
-type NextEdit = (document: RuleDocument) => Edit | null;
+type PrintOf = (slot: Slot) => string | null;
+type EditsOf = (document: RuleDocument) => Edit[];
 
 /** What the workspace tells and asks. */
 export interface WorkspaceOwner {
   suggestions: Suggestions;
   /** Rules to take from the list of blocks. */
   recipes: readonly Statement[];
-  /** Blocks say something else than the text; ask `next` for edits until it has none. */
-  changed(next: NextEdit): Promise<void>;
+  /** Blocks say something else than the text: `editsOf` it bring it there. */
+  changed(editsOf: EditsOf): Promise<void>;
   /** Asks for `show` with what the text says now. */
   showAgain(): void;
   /** Somebody moved top blocks. */
   laidOut(layout: Layout): void;
   selected(statement: string | null): void;
+  /** How many blocks say nothing that the text could say. */
+  leftOut(count: number): void;
   /** Which part of the statements is shown. */
   paged(pages: Pages): void;
 }
@@ -46,10 +49,11 @@ export class RuleWorkspace {
   private waiting = false;
   /** Changes of blocks that are on their way into the text. */
   private underWay = 0;
-  private findings: readonly Finding[] = [];
+  private findings: readonly PlacedFinding[] = [];
   /** All statements of the document that is shown, and which of them are blocks. */
   private placed: readonly Placed[] = [];
   private pages: Pages = { first: 0, count: 0, total: 0 };
+  private document: RuleDocument | null = null;
   private known: Layout = {};
   private readonly warnings = new Warnings();
   private revealed: Blockly.BlockSvg | null = null;
@@ -74,7 +78,14 @@ export class RuleWorkspace {
       media: "./media/",
       trashcan: false,
       sounds: false,
-      zoom: { controls: true, wheel: false, pinch: true, startScale: matchMedia("(pointer: coarse)").matches ? SCALE_FOR_FINGERS : SCALE, minScale: 0.3, maxScale: 2 },
+      zoom: {
+        controls: true,
+        wheel: false,
+        pinch: true,
+        startScale: matchMedia("(pointer: coarse)").matches ? SCALE_FOR_FINGERS : SCALE,
+        minScale: 0.3,
+        maxScale: 2,
+      },
       move: { scrollbars: true, drag: true, wheel: true },
     });
     this.workspace.MAX_UNDO = 0;
@@ -88,11 +99,21 @@ export class RuleWorkspace {
    */
   show(document: RuleDocument, layout: Layout): void {
     if (this.waiting || this.underWay > 0) return;
+    this.take(document, layout, saidBy);
+  }
+
+  /** Shows a document that changed before what blocks say came into it; blocks that are ahead of it stay. */
+  catchUp(document: RuleDocument, layout: Layout): void {
+    if (document !== this.document) this.take(document, layout, (slot) => slot.print);
+  }
+
+  private take(document: RuleDocument, layout: Layout, printOf: PrintOf): void {
     const all = statementsOf(document);
+    this.document = document;
     this.pages = follow(this.pages, this.placed, all);
     this.placed = all;
     this.known = layout;
-    this.showPage();
+    this.showPage(printOf);
   }
 
   /** Shows the page that holds the statement with this number. */
@@ -103,10 +124,13 @@ export class RuleWorkspace {
     this.workspace.scroll(0, 0);
   }
 
-  private showPage(): void {
+  private showPage(printOf: PrintOf = saidBy): void {
     this.quietly(() => {
       const placed = onPage(this.placed, this.pages);
-      const reused = this.reuse(placed.map(({ statement }) => statement));
+      const reused = this.reuse(
+        placed.map(({ statement }) => statement),
+        printOf,
+      );
       const isSame = reused.length === this.slots.length && this.slots.every(({ block }, at) => block === reused[at]);
       const old = new Set(this.slots.map((slot) => slot.block));
       for (const block of reused) if (block) old.delete(block);
@@ -135,7 +159,7 @@ export class RuleWorkspace {
   }
 
   /** Puts findings on the blocks of their statements. */
-  mark(findings: readonly Finding[]): void {
+  mark(findings: readonly PlacedFinding[]): void {
     this.findings = findings;
     const statements = onPage(this.placed, this.pages).map(({ statement }) => statement);
     const missing = new Map<Blockly.BlockSvg, string>();
@@ -144,6 +168,7 @@ export class RuleWorkspace {
       if ("missing" in said) missing.set(block, `Not in the text yet. ${said.missing}.`);
     }
     this.quietly(() => this.warnings.show(this.slots, statements, findings, missing));
+    this.owner.leftOut(missing.size);
   }
 
   /** Shows which block says a statement, turning to its page; the focus stays where somebody works. */
@@ -209,10 +234,22 @@ export class RuleWorkspace {
   }
 
   private async hand(): Promise<void> {
+    const handed = this.tops();
     this.underWay++;
-    await this.owner.changed((document) => nextEdit(document, this.pages.first, this.slots, this.tops()));
+    await this.owner.changed((document) => editsOf(document, this.pages.first, this.slots, this.tops()));
     this.underWay--;
+    this.takeBack(handed);
     this.owner.showAgain();
+  }
+
+  /** Removes new blocks that did not come into the text: blocks say what the text says. */
+  private takeBack(handed: readonly Blockly.BlockSvg[]): void {
+    if (this.waiting || this.underWay > 0) return;
+    const taken = new Set(this.slots.map(({ block }) => block));
+    const refused = handed.filter((block) => !block.isDisposed() && isTop(block) && !taken.has(block));
+    this.quietly(() => {
+      for (const block of refused) if (!("missing" in toStatement(block))) block.dispose(true);
+    });
   }
 
   private tellSelected(): void {
@@ -257,14 +294,11 @@ export class RuleWorkspace {
   }
 
   /** For each statement the block that shows it already. */
-  private reuse(statements: Statement[]): (Blockly.BlockSvg | null)[] {
+  private reuse(statements: Statement[], printOf: PrintOf): (Blockly.BlockSvg | null)[] {
     const free = new Map<string, Blockly.BlockSvg[]>();
-    for (const { block } of this.slots) {
-      if (block.isDisposed() || !isTop(block)) continue;
-      const shown = block.type === "adirf_raw" ? null : toStatement(block);
-      if (shown === null || "missing" in shown) continue;
-      const print = fingerprint(shown);
-      free.set(print, [...(free.get(print) ?? []), block]);
+    for (const slot of this.slots) {
+      const print = printOf(slot);
+      if (print !== null) free.set(print, [...(free.get(print) ?? []), slot.block]);
     }
     return statements.map((statement) => free.get(fingerprint(statement))?.shift() ?? null);
   }
@@ -290,6 +324,7 @@ export class RuleWorkspace {
     let y = GAP;
     let above: Blockly.BlockSvg | null = null;
     for (const slot of this.slots) {
+      if (slot.block.isDisposed() || !isTop(slot.block)) continue;
       const place = this.moved.get(slot.block.id) ?? layout[slot.key] ?? spots.shift();
       slot.block.previousConnection?.disconnect();
       if (place) {
@@ -316,6 +351,13 @@ export class RuleWorkspace {
       Blockly.Events.enable();
     }
   }
+}
+
+/** What the block of a slot says now, null where that is nothing that a text could say. */
+function saidBy({ block }: Slot): string | null {
+  if (block.isDisposed() || !isTop(block) || block.type === "adirf_raw") return null;
+  const said = toStatement(block);
+  return "missing" in said ? null : fingerprint(said);
 }
 
 function bottomOf(block: Blockly.BlockSvg): number {

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import type * as Blockly from "blockly/core";
-import type { Collection, Edit, RuleDocument, Statement } from "../api/types";
+import type { Edit, PlacedCollection, RuleDocument, Statement } from "../api/types";
+import { edited } from "./edited";
 import { fingerprint, toStatement } from "./model";
 
 /** A statement of the text and the block that shows it. */
@@ -17,13 +18,17 @@ export interface Slot {
 /** A statement with its place in the text. */
 export interface Placed {
   statement: Statement;
-  collection: Collection;
+  collection: PlacedCollection;
   index: number;
 }
 
 /** All statements in the order of the text. */
 export function statementsOf(document: RuleDocument): Placed[] {
-  return document.collections.flatMap((collection) =>
+  return placedIn(document.collections);
+}
+
+function placedIn(collections: PlacedCollection[]): Placed[] {
+  return collections.flatMap((collection) =>
     collection.statements.map((statement, index) => ({ statement, collection, index })),
   );
 }
@@ -38,25 +43,42 @@ export function newSlot(block: Blockly.BlockSvg, statement: Statement): Slot {
   };
 }
 
+/** The edits, one after the other, that bring the text to what the blocks say; as `nextEdit` for each. */
+export function editsOf(document: RuleDocument, first: number, slots: Slot[], tops: Blockly.BlockSvg[]): Edit[] {
+  const edits: Edit[] = [];
+  let collections = document.collections;
+  for (;;) {
+    const edit = nextEdit(collections, first, slots, tops);
+    if (edit === null) return edits;
+    edits.push(edit);
+    collections = edited(collections, edit);
+  }
+}
+
 /**
  * The next edit that brings the text to what the blocks say; null when they agree, or when the text is
  * no longer the one that the slots know.
  *
  * `first` is the number of the first slot's statement. `slots` is in the order of the text and is changed as if the edit were done.
  */
-export function nextEdit(
-  document: RuleDocument,
+function nextEdit(
+  collections: PlacedCollection[],
   first: number,
   slots: Slot[],
   tops: Blockly.BlockSvg[],
 ): Edit | null {
-  const places = statementsOf(document).slice(first, first + slots.length);
+  const places = placedIn(collections).slice(first, first + slots.length);
   const isKnown = slots.every((slot, index) => slot.print === printAt(places, index));
   if (places.length !== slots.length || !isKnown) return null;
   slots.forEach((slot, index) => {
     slot.id = places[index]?.statement.id ?? "";
   });
-  return nextDelete(slots) ?? nextReplace(slots) ?? nextInsert(document, places, slots, tops) ?? nextMove(places, slots, tops);
+  return (
+    nextDelete(slots) ??
+    nextReplace(slots) ??
+    nextInsert(collections[0], places, slots, tops) ??
+    nextMove(places, slots, tops)
+  );
 }
 
 function printAt(places: Placed[], index: number): string | null {
@@ -81,19 +103,28 @@ function nextReplace(slots: Slot[]): Edit | null {
     const comments = statement.comments?.join("\n") ?? null;
     const known = comments === slot.comments;
     slot.comments = comments;
-    return { kind: "replace", id: slot.id, statement: { ...statement, comments: known ? null : (statement.comments ?? []) } };
+    return {
+      kind: "replace",
+      id: slot.id,
+      statement: { ...statement, comments: known ? null : (statement.comments ?? []) },
+    };
   }
   return null;
 }
 
-function nextInsert(document: RuleDocument, places: Placed[], slots: Slot[], tops: Blockly.BlockSvg[]): Edit | null {
+function nextInsert(
+  fallback: PlacedCollection | undefined,
+  places: Placed[],
+  slots: Slot[],
+  tops: Blockly.BlockSvg[],
+): Edit | null {
   const known = new Set<Blockly.Block>(slots.map((slot) => slot.block));
   for (const block of tops) {
     if (known.has(block)) continue;
     const statement = toStatement(block);
     if ("missing" in statement) continue;
     const at = insertionIndex(slots, block);
-    const target = collectionAt(places, at, document.collections[0]);
+    const target = collectionAt(places, at, fallback);
     if (target === null) continue;
     slots.splice(at, 0, newSlot(block, statement));
     return { kind: "insert", collection: target.id, index: target.index, statement };
@@ -114,7 +145,7 @@ function insertionIndex(slots: Slot[], block: Blockly.Block): number {
 function collectionAt(
   places: Placed[],
   at: number,
-  fallback: Collection | undefined,
+  fallback: PlacedCollection | undefined,
 ): { id: string; index: number } | null {
   const before = places[at - 1];
   if (before) return { id: before.collection.id, index: before.index + 1 };

@@ -16,7 +16,8 @@ export function suggestionsOf(vocabulary: () => Vocabulary | null): Suggestions 
   return {
     topics: () => vocabulary()?.topics.map(({ topic }) => topic) ?? [],
     markedTopics: () =>
-      vocabulary()?.topics.map(({ topic, source }) => (source === "robot" ? { word: topic, note: ON_ROBOT } : topic)) ?? [],
+      vocabulary()?.topics.map(({ topic, source }) => (source === "robot" ? { word: topic, note: ON_ROBOT } : topic)) ??
+      [],
     properties: (topic) => properties(topic).map(({ name }) => name),
     unit: (topic, property) => properties(topic).find(({ name }) => name === property)?.unit ?? "",
   };

@@ -38,7 +38,12 @@ export function toolbox(recipes: readonly Statement[]): Blockly.utils.toolbox.To
         categorystyle: "check",
         contents: ["adirf_check", "adirf_any", "adirf_all", "adirf_not"].map((type) => block({ type })),
       },
-      { kind: "category", name: "Recipes", categorystyle: "rule", contents: recipes.map((each) => block(toBlock(each))) },
+      {
+        kind: "category",
+        name: "Recipes",
+        categorystyle: "rule",
+        contents: recipes.map((each) => block(toBlock(each))),
+      },
     ],
   };
 }

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import type * as Blockly from "blockly/core";
-import type { Check, Finding, SetStatement, Statement } from "../api/types";
+import type { CheckCondition, PlacedFinding, SetStatement, Statement } from "../api/types";
 import { checksOf } from "./live_states";
 import type { Slot } from "./slots";
 
@@ -13,7 +13,7 @@ export class Warnings {
   show(
     slots: readonly Slot[],
     statements: readonly Statement[],
-    findings: readonly Finding[],
+    findings: readonly PlacedFinding[],
     missing: ReadonlyMap<Blockly.BlockSvg, string>,
   ): void {
     const next = new Map<Blockly.BlockSvg, string>();
@@ -47,9 +47,9 @@ export class Warnings {
 }
 
 /** The check or rate that a finding stands in, else the whole statement. */
-function blockAt(block: Blockly.BlockSvg, statement: Statement, finding: Finding): Blockly.BlockSvg {
+function blockAt(block: Blockly.BlockSvg, statement: Statement, finding: PlacedFinding): Blockly.BlockSvg {
   if (statement.kind !== "rule") return block;
-  const holds = (part: Check | SetStatement) =>
+  const holds = (part: CheckCondition | SetStatement) =>
     (part.offset ?? 0) <= finding.offset && finding.end_offset <= (part.end_offset ?? -1);
   const inner = block.getDescendants(true) as Blockly.BlockSvg[];
   const nth = (type: string, index: number) => inner.filter((each) => each.type === type)[index];

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
-import type { CurvePoint } from "../api/curve_types";
+import type { LossPoint } from "../api/types";
 import type { RateAxis } from "./rate_axis";
 
 export const PLOT_HEIGHT_PX = 290;
@@ -12,16 +12,26 @@ const HEADROOM = 1.15;
 /** The error at each rate, on a logarithmic axis of rates; without points only that axis. `laid` gets its area. */
 export function drawCurve(
   host: HTMLElement,
-  points: readonly CurvePoint[],
+  points: readonly LossPoint[],
   axis: RateAxis,
   laid: (area: { left: number; width: number }) => void,
 ): uPlot {
   const style = getComputedStyle(host);
   const colour = (name: string) => style.getPropertyValue(name).trim();
-  const look = { stroke: colour("--text-2"), grid: { stroke: colour("--line"), width: 1 }, font: `12px ${colour("--font")}` };
+  const look = {
+    stroke: colour("--text-2"),
+    grid: { stroke: colour("--line"), width: 1 },
+    font: `12px ${colour("--font")}`,
+  };
   const errors = points.map((point) => point.error_percent);
   const most = Math.max(...errors.map((each) => each ?? 0), 1) * HEADROOM;
-  const data = points.length > 0 ? [points.map((point) => point.rate_hz), errors] : [[axis.low_hz, axis.high_hz], [null, null]];
+  const data =
+    points.length > 0
+      ? [points.map((point) => point.rate_hz), errors]
+      : [
+          [axis.low_hz, axis.high_hz],
+          [null, null],
+        ];
   return new uPlot(
     {
       width: host.clientWidth,

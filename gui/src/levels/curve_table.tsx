@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import type { Curve } from "../api/curve_types";
+import type { Curve } from "../api/types";
 import { readable } from "../ui/numbers";
 
 const shown = (value: number | null) => (value === null ? "–" : readable(value));

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { useRef } from "preact/hooks";
-import { TIERS } from "../blocks/rate_text";
+import { TIERS } from "../api/types";
 import { readable } from "../ui/numbers";
 import { limitsOf, type RateAxis, rateAt, roundRate, shareOf, stepOf } from "./rate_axis";
 
@@ -19,16 +19,20 @@ export function LevelLines(props: {
   dragging: (isDragging: boolean) => void;
 }) {
   const area = useRef<HTMLDivElement>(null);
-  const drag = useRef<{ index: number; hasMoved: boolean } | null>(null);
+  const drag = useRef<{ index: number; hasMoved: boolean; besidePx: number } | null>(null);
   const press = (event: PointerEvent, index: number) => {
     (event.currentTarget as HTMLElement).setPointerCapture(event.pointerId);
-    drag.current = { index, hasMoved: false };
+    const box = area.current?.getBoundingClientRect();
+    const line = box ? box.left + box.width * shareOf(props.axis, props.levels_hz[index] ?? 0) : event.clientX;
+    drag.current = { index, hasMoved: false, besidePx: event.clientX - line };
     props.dragging(true);
   };
   const follow = (event: PointerEvent) => {
     const box = area.current?.getBoundingClientRect();
     if (!drag.current || !box) return;
-    props.move(drag.current.index, roundRate(rateAt(props.axis, (event.clientX - box.left) / box.width)), drag.current.hasMoved);
+    const { index, hasMoved, besidePx } = drag.current;
+    const share = (event.clientX - besidePx - box.left) / box.width;
+    props.move(index, roundRate(rateAt(props.axis, share)), hasMoved);
     drag.current.hasMoved = true;
   };
   const release = () => {

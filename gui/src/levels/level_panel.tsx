@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useMemo, useState } from "preact/hooks";
 import { type Api, ApiError } from "../api/client";
-import type { Curve } from "../api/curve_types";
-import { TIERS } from "../blocks/rate_text";
+import type { Curve } from "../api/types";
+import { TIERS } from "../api/types";
 import { BagWork } from "../state/bag_work";
 import { type DraftRow, isNumber, type ProfileEditor, toNumber } from "../state/profile_editor";
 import { readable } from "../ui/numbers";
@@ -29,7 +29,8 @@ export function LevelPanel({ editor, api, bags }: { editor: ProfileEditor; api: 
   const row = rows.find((each) => each.topic === topic) ?? rows[0];
   if (!row) return null;
   const state = work.state.value;
-  const measured = state.kind === "done" && state.answer.topic === row.topic && state.answer.bag === bag ? state.answer : null;
+  const measured =
+    state.kind === "done" && state.answer.topic === row.topic && state.answer.bag === bag ? state.answer : null;
   const curve = measured?.curve ?? null;
   const levels_hz = levelsOf(row);
   const measure = () =>
@@ -44,7 +45,8 @@ export function LevelPanel({ editor, api, bags }: { editor: ProfileEditor; api: 
     <section class="levels" aria-label="Quality levels on the curve">
       <h2>Quality levels of a topic</h2>
       <p class="quiet">
-        Drag the lines, or move them with the arrow keys. The table follows. A recording shows what each rate would lose.
+        Drag the lines, or move them with the arrow keys. The table follows. A recording shows what each rate would
+        lose.
       </p>
       <div class="row">
         <Choice label="Topic" value={row.topic} choices={rows.map((each) => each.topic)} choose={setTopic} />
@@ -58,7 +60,9 @@ export function LevelPanel({ editor, api, bags }: { editor: ProfileEditor; api: 
         <Proposal {...{ editor, api, row, curve, setNote }} hasLevels={levels_hz !== null} />
       </div>
       {curve && curve.points.length === 0 && (
-        <p class="quiet">No number in {row.topic} ever changed in {bag}, so there is no curve.</p>
+        <p class="quiet">
+          No number in {row.topic} ever changed in {bag}, so there is no curve.
+        </p>
       )}
       <LevelPlot topic={row.topic} {...{ levels_hz, curve, move }} />
       <p role="status">{note || (levels_hz ? "" : `${row.topic} has no six levels yet.`)}</p>
@@ -67,7 +71,13 @@ export function LevelPanel({ editor, api, bags }: { editor: ProfileEditor; api: 
   );
 }
 
-function Choice(props: { label: string; value: string; choices: string[]; none?: string; choose: (value: string) => void }) {
+function Choice(props: {
+  label: string;
+  value: string;
+  choices: string[];
+  none?: string;
+  choose: (value: string) => void;
+}) {
   return (
     <label>
       {props.label}

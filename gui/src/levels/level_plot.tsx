@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useRef, useState } from "preact/hooks";
-import type { Curve } from "../api/curve_types";
+import type { Curve } from "../api/types";
 import { watchSize, watchTheme } from "../ui/watch";
 import { drawCurve } from "./curve_plot";
 import { LevelLines } from "./level_lines";

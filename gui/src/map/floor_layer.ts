@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import type { FrameState } from "ol/Map";
 import Layer from "ol/layer/Layer";
+import type { FrameState } from "ol/Map";
 import type { Palette } from "./palette";
 import type { MapPicture } from "./shapes";
 

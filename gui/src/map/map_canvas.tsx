@@ -55,6 +55,7 @@ export function MapCanvas(props: {
   useEffect(() => view?.fit(), [view, picture, path]);
   return (
     <div class="map">
+      {/* biome-ignore lint/a11y/noNoninteractiveTabindex: the keyboard moves the map */}
       <div class="map-host" ref={host} role="application" aria-label={props.label} tabIndex={0} />
       {!view && <p class="quiet map-note">Loading the map …</p>}
       <div class="map-buttons">

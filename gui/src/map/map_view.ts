@@ -1,18 +1,19 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import Feature from "ol/Feature";
-import OlMap from "ol/Map";
-import View from "ol/View";
 import { intersects } from "ol/extent";
+import Feature from "ol/Feature";
 import LineString from "ol/geom/LineString";
 import MultiPoint from "ol/geom/MultiPoint";
 import OlPoint from "ol/geom/Point";
 import { fromExtent } from "ol/geom/Polygon";
 import { defaults as usualInteractions } from "ol/interaction/defaults";
 import VectorLayer from "ol/layer/Vector";
+import OlMap from "ol/Map";
 import Projection from "ol/proj/Projection";
 import VectorSource from "ol/source/Vector";
+import View from "ol/View";
 import { FloorLayer, niceStep } from "./floor_layer";
+import type { MapOwner, Tool } from "./map_owner";
 import { dotStyle, handleStyle, type Palette, paletteOf, pathStyle, robotStyle, zoneStyle } from "./palette";
 import {
   closed,
@@ -25,7 +26,6 @@ import {
   type Point,
   widened,
 } from "./shapes";
-import type { MapOwner, Tool } from "./map_owner";
 import { handlesOf } from "./zone_drag";
 import { ZoneTools } from "./zone_tools";
 
@@ -57,17 +57,39 @@ export class MapView {
   ) {
     this.palette = paletteOf(host);
     this.floor = new FloorLayer(this.palette);
-    const layers = [this.floor, ...[this.ground, this.zoneSource, this.marks].map((source) => new VectorLayer({ source }))];
-    const projection = new Projection({ code: "robot-map", units: "m", metersPerUnit: 1, getPointResolution: (each) => each });
+    const layers = [
+      this.floor,
+      ...[this.ground, this.zoneSource, this.marks].map((source) => new VectorLayer({ source })),
+    ];
+    const projection = new Projection({
+      code: "robot-map",
+      units: "m",
+      metersPerUnit: 1,
+      getPointResolution: (each) => each,
+    });
     this.map = new OlMap({
       target: host,
       layers,
       controls: [],
       interactions: usualInteractions({ altShiftDragRotate: false, pinchRotate: false, doubleClickZoom: false }),
-      view: new View({ projection, center: [0, 0], resolution: 0.05, minResolution: 0.0005, maxResolution: 50, enableRotation: false }),
+      view: new View({
+        projection,
+        center: [0, 0],
+        resolution: 0.05,
+        minResolution: 0.0005,
+        maxResolution: 50,
+        enableRotation: false,
+      }),
     });
     const sketch = () => [zoneStyle(this.palette, "draft", ""), handleStyle(this.palette)];
-    this.tools = new ZoneTools(this.map, this.zoneSource, () => this.zones, () => this.around(), sketch, owner);
+    this.tools = new ZoneTools(
+      this.map,
+      this.zoneSource,
+      () => this.zones,
+      () => this.around(),
+      sketch,
+      owner,
+    );
     this.map.on("pointermove", ({ coordinate: [x = 0, y = 0] }) => owner.pointed?.([x, y]));
     host.addEventListener("pointerleave", () => owner.pointed?.(null));
     this.map.getView().on("change:resolution", () => {
@@ -164,8 +186,10 @@ export class MapView {
 
   private showGround(): void {
     const features = [];
-    if (this.path.length > 1) features.push(styled(new LineString(this.path.map((point) => [...point])), pathStyle(this.palette)));
-    if (this.dots.length > 0) features.push(styled(new MultiPoint(this.dots.map((point) => [...point])), dotStyle(this.palette)));
+    if (this.path.length > 1)
+      features.push(styled(new LineString(this.path.map((point) => [...point])), pathStyle(this.palette)));
+    if (this.dots.length > 0)
+      features.push(styled(new MultiPoint(this.dots.map((point) => [...point])), dotStyle(this.palette)));
     this.ground.clear(true);
     this.ground.addFeatures(features);
   }

@@ -1,16 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+import type { ZoneBounds } from "../api/types";
 
 /** A place in the frame of the map, in metres. */
 export type Point = readonly [x: number, y: number];
-
-/** An upright rectangle in metres; null is a side that nothing bounds. */
-export interface Rectangle {
-  min_x: number | null;
-  max_x: number | null;
-  min_y: number | null;
-  max_y: number | null;
-}
 
 /** Left, lower, right and upper end in metres. */
 export type Extent = readonly [min_x: number, min_y: number, max_x: number, max_y: number];
@@ -34,7 +27,7 @@ export interface MapPicture {
 export interface MapZone {
   id: string;
   label: string;
-  rectangles: readonly Rectangle[];
+  rectangles: readonly ZoneBounds[];
   tone: "zone" | "selected" | "clash" | "draft";
   /** Which rectangle has handles to resize it. */
   handle?: number | undefined;
@@ -45,7 +38,7 @@ export interface MapZone {
 const FAR_M = 1e5;
 
 /** `rectangle` with its open sides at the borders of `around`. */
-export function closed(rectangle: Rectangle, around: Extent | null): Extent {
+export function closed(rectangle: ZoneBounds, around: Extent | null): Extent {
   const [left, low, right, high] = around ?? [-FAR_M, -FAR_M, FAR_M, FAR_M];
   return [
     rectangle.min_x ?? Math.min(left, rectangle.max_x ?? left),
@@ -58,7 +51,12 @@ export function closed(rectangle: Rectangle, around: Extent | null): Extent {
 /** The four corners of a picture, from its lower left one against the clock. */
 export function cornersOf(picture: MapPicture): Point[] {
   const [cos, sin] = [Math.cos(picture.yaw_rad), Math.sin(picture.yaw_rad)];
-  const sides: Point[] = [[0, 0], [picture.width_m, 0], [picture.width_m, picture.height_m], [0, picture.height_m]];
+  const sides: Point[] = [
+    [0, 0],
+    [picture.width_m, 0],
+    [picture.width_m, picture.height_m],
+    [0, picture.height_m],
+  ];
   return sides.map(([along, up]) => [picture.x + along * cos - up * sin, picture.y + along * sin + up * cos]);
 }
 
@@ -73,7 +71,7 @@ export function extentOf(points: Iterable<Point>): Extent | null {
 }
 
 /** The finite corners of rectangles, as points to take an extent of. */
-export function* finiteCorners(rectangles: Iterable<Rectangle>): Generator<Point> {
+export function* finiteCorners(rectangles: Iterable<ZoneBounds>): Generator<Point> {
   for (const { min_x, max_x, min_y, max_y } of rectangles) {
     const [xs, ys] = [[min_x, max_x].filter(isNumber), [min_y, max_y].filter(isNumber)];
     for (const x of xs.length ? xs : [0]) for (const y of ys.length ? ys : [0]) yield [x, y];

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import type MapBrowserEvent from "ol/MapBrowserEvent";
 import PointerInteraction from "ol/interaction/Pointer";
+import type MapBrowserEvent from "ol/MapBrowserEvent";
 import { closed, type Extent, type MapZone, type Point, toCentimetres } from "./shapes";
 
 const GRIP_PX = 14;
@@ -30,7 +30,9 @@ export function handlesOf(zones: readonly MapZone[], around: Extent, resolution:
   const isBounded = (axis: "x" | "y", side: number) => side === 0 || sides[axis][side < 0 ? 0 : 1] !== null;
   const px = { x: (right - left) / resolution, y: (high - low) / resolution };
   const hasRoom = (x: number, y: number) =>
-    (x !== 0 || px.x >= LEAST_PX.middle) && (y !== 0 || px.y >= LEAST_PX.middle) && Math.max(px.x, px.y) >= LEAST_PX.any;
+    (x !== 0 || px.x >= LEAST_PX.middle) &&
+    (y !== 0 || px.y >= LEAST_PX.middle) &&
+    Math.max(px.x, px.y) >= LEAST_PX.any;
   const at = (side: number, from: number, to: number) => (side === 0 ? (from + to) / 2 : side < 0 ? from : to);
   const steps = [-1, 0, 1] as const;
   return steps

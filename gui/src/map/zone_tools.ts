@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import type Feature from "ol/Feature";
-import type OlMap from "ol/Map";
 import Polygon, { fromExtent } from "ol/geom/Polygon";
 import Draw, { createBox } from "ol/interaction/Draw";
 import Snap from "ol/interaction/Snap";
+import type OlMap from "ol/Map";
 import type VectorSource from "ol/source/Vector";
 import type Style from "ol/style/Style";
 import type { MapOwner, Tool } from "./map_owner";
@@ -123,7 +123,11 @@ export class ZoneTools {
 
   /** The rectangles of zones at a pixel; where zones clash is no zone. */
   private featuresAt(pixel: number[]): Feature[] {
-    const clashes = new Set(this.zones().filter((zone) => zone.tone === "clash").map((zone) => zone.id));
+    const clashes = new Set(
+      this.zones()
+        .filter((zone) => zone.tone === "clash")
+        .map((zone) => zone.id),
+    );
     const place = this.map.getCoordinateFromPixel(pixel);
     return this.source.getFeaturesAtCoordinate(place).filter((feature) => !clashes.has(String(feature.get("zone"))));
   }

@@ -4,32 +4,34 @@ import { useComputed, useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useEffect, useMemo, useState } from "preact/hooks";
 import { ApiError } from "../api/client";
-import type { PageProps } from "../app";
 import { BlocksPane } from "../panels/blocks_pane";
 import { FindingsPanel } from "../panels/findings_panel";
 import { OptimizePanel } from "../panels/optimize_panel";
-import { SidePane } from "../panels/side_pane";
+import { ProfileChoice } from "../panels/profile_choice";
 import { RobotPanel } from "../panels/robot_panel";
 import { SendDialog } from "../panels/send_dialog";
+import { SidePane } from "../panels/side_pane";
 import { TryPanel } from "../panels/try_panel";
+import { toRoute } from "../route";
 import { ShareButtons } from "../sharing/share_buttons";
-import type { RuleEditor } from "../state/rule_editor";
-import { RobotRules } from "../state/robot_rules";
-import { Shipment } from "../state/shipment";
 import { BagWork } from "../state/bag_work";
+import { RobotRules } from "../state/robot_rules";
+import type { RuleEditor } from "../state/rule_editor";
+import { RulePush } from "../state/rule_push";
 import type { Trial } from "../state/trial";
+import { ConflictDialog } from "../ui/conflict_dialog";
 import { Header } from "../ui/header";
 import { Notice } from "../ui/notice";
 import { useRobot } from "../ui/robot_state";
 import { type Choice, Tabs } from "../ui/tabs";
 import { Toast } from "../ui/toast";
 import { useUndoKeys } from "../ui/undo_keys";
-import { ProfileChoice } from "../panels/profile_choice";
+import type { PageProps } from "./page_props";
 
 export type Tool = "findings" | "optimize" | "try" | "robot";
 
 /** Blocks and text of one rule file side by side, and below them what can be said about it. */
-export function EditorPage({ api, project, name, editors }: PageProps) {
+export function EditorPage({ api, project, name, editors, refresh }: PageProps) {
   const editor = useMemo(() => editors.of(api, name), []);
   const robot = useRobotSide(api, editor);
   const tries = useMemo(() => new BagWork<Trial>(), []);
@@ -42,7 +44,7 @@ export function EditorPage({ api, project, name, editors }: PageProps) {
   if (state !== "open") return <Notice kind="error" text={state.problem} />;
   return (
     <div class="editor">
-      <EditorBar editor={editor} shipment={robot.shipment} onTool={(next) => (tool.value = next)}>
+      <EditorBar editor={editor} rulePush={robot.rulePush} onTool={(next) => (tool.value = next)}>
         <ShareButtons {...{ editor, api, project }} />
       </EditorBar>
       <main class="split">
@@ -52,7 +54,7 @@ export function EditorPage({ api, project, name, editors }: PageProps) {
       <section class="dock" aria-label="Results">
         <div class="dock-bar">
           <Tabs label="Results" choices={useChoices(editor).value} chosen={tool} />
-          <ProfileChoice editor={editor} project={project} />
+          <ProfileChoice {...{ editor, api, project }} />
         </div>
         <div class="dock-body" role="tabpanel" aria-label={tool.value}>
           {tool.value === "findings" && <FindingsPanel editor={editor} />}
@@ -62,31 +64,35 @@ export function EditorPage({ api, project, name, editors }: PageProps) {
         </div>
       </section>
       <Toast message={editor.message} />
-      <SendDialog shipment={robot.shipment} />
+      <ConflictDialog
+        file={editor}
+        onSavedAs={(saved) => refresh().then(() => toRoute({ page: "rules", name: saved }))}
+      />
+      <SendDialog rulePush={robot.rulePush} />
     </div>
   );
 }
 
 /** What links the open rules with a running robot, for as long as the page is open. */
-function useRobotSide(api: PageProps["api"], editor: RuleEditor): { robotRules: RobotRules; shipment: Shipment } {
+function useRobotSide(api: PageProps["api"], editor: RuleEditor): { robotRules: RobotRules; rulePush: RulePush } {
   const link = useRobot();
   const side = useMemo(
-    () => ({ robotRules: new RobotRules(api, editor, link), shipment: new Shipment(api, editor, link) }),
+    () => ({ robotRules: new RobotRules(api, editor, link), rulePush: new RulePush(api, editor, link) }),
     [],
   );
   useEffect(() => side.robotRules.follow(), []);
-  useEffect(() => side.shipment.follow(), []);
+  useEffect(() => side.rulePush.follow(), []);
   return side;
 }
 
 interface BarProps {
   editor: RuleEditor;
-  shipment: Shipment;
+  rulePush: RulePush;
   onTool: (tool: Tool) => void;
   children: ComponentChildren;
 }
 
-function EditorBar({ editor, shipment, onTool, children }: BarProps) {
+function EditorBar({ editor, rulePush, onTool, children }: BarProps) {
   const { history } = editor;
   return (
     <Header title={editor.name} note={editor.isSaved.value ? "saved" : "not saved"}>
@@ -111,7 +117,7 @@ function EditorBar({ editor, shipment, onTool, children }: BarProps) {
         type="button"
         onClick={() => {
           onTool("robot");
-          void shipment.ask();
+          void rulePush.ask();
         }}
       >
         Send to robot

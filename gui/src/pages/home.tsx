@@ -2,16 +2,16 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useId, useState } from "preact/hooks";
 import { ApiError } from "../api/client";
-import type { FileKind, Project } from "../api/types";
-import type { PageProps } from "../app";
-import type { OpenEditors } from "../state/open_editors";
+import type { Project } from "../api/types";
 import { RECIPES } from "../recipes/recipes";
 import { href, type Route, toRoute } from "../route";
+import type { OpenEditors } from "../state/open_editors";
 import { FormDialog } from "../ui/dialog";
 import { useDroppedFile } from "../ui/dropped_file";
 import { FileProblem, fileText } from "../ui/file_text";
 import { Notice } from "../ui/notice";
 import { RobotState } from "../ui/robot_state";
+import type { PageProps } from "./page_props";
 
 const EMPTY_RULES = "begin\nend\n";
 
@@ -73,7 +73,7 @@ export function HomePage({ api, project, refresh, editors }: PageProps) {
       {refused && <Notice kind="error" text={refused} action={{ label: "Close", act: () => setRefused("") }} />}
       <div class="file-lists">
         <FileList project={project} kind="rules" title="Rules" page="rules" editors={editors} />
-        <FileList project={project} kind="profile" title="Topic parameters" page="topics" />
+        <FileList project={project} kind="profile" title="Topic parameters" page="topics" editors={editors} />
       </div>
       <footer class="quiet">
         {project.root_name} · SmartTestudo {project.version} · {project.ros ? "ROS 2 found" : "works without ROS 2"}
@@ -95,17 +95,27 @@ function Card({ title, text, act }: { title: string; text: string; act: () => vo
   );
 }
 
-function FileList(props: { project: Project; kind: FileKind; title: string; page: Route["page"]; editors?: OpenEditors }) {
-  const files = props.project.files.filter((file) => file.kind === props.kind);
+interface FileListProps {
+  project: Project;
+  kind: "rules" | "profile";
+  title: string;
+  page: Route["page"];
+  editors: OpenEditors;
+}
+
+function FileList(props: FileListProps) {
+  const saved = props.project.files.filter((file) => file.kind === props.kind).map((file) => file.name);
+  const unsaved = new Set(props.editors.unsaved(props.kind));
+  const names = [...saved, ...[...unsaved].filter((name) => !saved.includes(name))];
   return (
     <section aria-label={props.title}>
       <h2>{props.title}</h2>
-      {files.length === 0 && <p class="quiet">None in {props.project.root_name} yet.</p>}
+      {names.length === 0 && <p class="quiet">None in {props.project.root_name} yet.</p>}
       <ul class="files">
-        {files.map((file) => (
-          <li key={file.name}>
-            <a href={href({ page: props.page, name: file.name })}>{file.name}</a>
-            {props.editors?.isUnsaved(file.name) && <span class="quiet">not saved</span>}
+        {names.map((name) => (
+          <li key={name}>
+            <a href={href({ page: props.page, name })}>{name}</a>
+            {unsaved.has(name) && <span class="quiet">not saved</span>}
           </li>
         ))}
       </ul>
@@ -121,7 +131,9 @@ function NewProject(props: Pick<PageProps, "api" | "refresh" | "project"> & { re
   const [problem, setProblem] = useState("");
   const [about, setAbout] = useState(aboutOf(props.recipe));
   const create = async (form: FormData) => {
-    const name = String(form.get("name")).trim().replace(/(\.adirf)?$/, ".adirf");
+    const name = String(form.get("name"))
+      .trim()
+      .replace(/(\.adirf)?$/, ".adirf");
     try {
       const recipe = RECIPES.find(({ title }) => title === form.get("recipe"));
       await props.api.save(name, recipe?.text ?? EMPTY_RULES, null);
@@ -151,7 +163,11 @@ function NewProject(props: Pick<PageProps, "api" | "refresh" | "project"> & { re
       </label>
       {about && <p>{about}</p>}
       <p class="quiet">A rule file of this name is made in {props.project.root_name}.</p>
-      {problem && <p class="problem" role="alert">{problem}</p>}
+      {problem && (
+        <p class="problem" role="alert">
+          {problem}
+        </p>
+      )}
     </FormDialog>
   );
 }

@@ -2,19 +2,20 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useMemo, useState } from "preact/hooks";
 import { ApiError } from "../api/client";
-import type { PageProps } from "../app";
-import { MeasureRobot } from "../panels/measure_robot";
 import { LevelPanel } from "../levels/level_panel";
+import { MeasureRobot } from "../panels/measure_robot";
 import { TopicTable } from "../panels/topic_table";
-import { ProfileEditor } from "../state/profile_editor";
+import { toRoute } from "../route";
+import { ConflictDialog } from "../ui/conflict_dialog";
 import { Header } from "../ui/header";
-import { useUndoKeys } from "../ui/undo_keys";
 import { Notice } from "../ui/notice";
 import { Toast } from "../ui/toast";
+import { useUndoKeys } from "../ui/undo_keys";
+import type { PageProps } from "./page_props";
 
 /** The topic parameters: what the optimizer knows of each topic and of the link. */
-export function TopicsPage({ api, project, name, refresh }: PageProps) {
-  const editor = useMemo(() => new ProfileEditor(api, name), []);
+export function TopicsPage({ api, project, name, refresh, editors }: PageProps) {
+  const editor = useMemo(() => editors.profileOf(api, name), []);
   const [problem, setProblem] = useState("");
   const [isOpen, setOpen] = useState(false);
   const guarded = async (work: () => Promise<void>) => {
@@ -29,7 +30,11 @@ export function TopicsPage({ api, project, name, refresh }: PageProps) {
   useEffect(() => void guarded(() => editor.open(project.files).then(() => setOpen(true))), []);
   const canSave = () => !editor.isSaved.peek() && editor.problems.peek().length === 0;
   const save = () => guarded(() => editor.save().then(refresh));
-  useUndoKeys({ undo: () => editor.undo(), redo: () => editor.redo(), save: async () => (canSave() ? save() : undefined) });
+  useUndoKeys({
+    undo: () => editor.undo(),
+    redo: () => editor.redo(),
+    save: async () => (canSave() ? save() : undefined),
+  });
   const bags = project.files.filter((file) => file.kind === "bag").map((file) => file.name);
   const isSaved = editor.isSaved.value;
   return (
@@ -57,6 +62,10 @@ export function TopicsPage({ api, project, name, refresh }: PageProps) {
         {isOpen && <TopicTable editor={editor} />}
         {isOpen && <LevelPanel {...{ editor, api, bags }} />}
         <Toast message={editor.message} />
+        <ConflictDialog
+          file={editor}
+          onSavedAs={(saved) => refresh().then(() => toRoute({ page: "topics", name: saved }))}
+        />
       </main>
     </>
   );

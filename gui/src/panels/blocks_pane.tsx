@@ -2,15 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 import { effect, type Signal, useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
-import { isSamePage, type Pages } from "../blocks/pages";
 import { toBlock } from "../blocks/model";
+import { isSamePage, type Pages } from "../blocks/pages";
 import { RuleWorkspace } from "../blocks/rule_workspace";
 import { suggestionsOf } from "../blocks/suggestions";
 import { NEW_RATE, NEW_RULE } from "../blocks/toolbox";
 import type { RobotRules } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
-import { PageChoice } from "./page_choice";
 import { watchSize, watchTheme } from "../ui/watch";
+import { PageChoice } from "./page_choice";
 
 /** The left half: the rules as blocks. */
 export function BlocksPane({ editor, robotRules }: { editor: RuleEditor; robotRules: RobotRules }) {
@@ -24,7 +24,7 @@ export function BlocksPane({ editor, robotRules }: { editor: RuleEditor; robotRu
     return opened.close;
   }, []);
   const isBehind = !editor.document.value.parses && editor.shown.value?.text !== editor.text.value;
-  const isLoading = editor.shown.value === null;
+  const isReadOnly = editor.isBroken.value || editor.shown.value === null;
   const errors = editor.errors.value.length;
   const isEmpty = editor.shown.value?.document.collections.every((each) => each.statements.length === 0) ?? true;
   return (
@@ -34,7 +34,7 @@ export function BlocksPane({ editor, robotRules }: { editor: RuleEditor; robotRu
         <button
           type="button"
           class="small"
-          disabled={isLoading}
+          disabled={isReadOnly}
           onClick={() => workspace.current?.add(toBlock(NEW_RATE))}
         >
           New rate
@@ -42,7 +42,7 @@ export function BlocksPane({ editor, robotRules }: { editor: RuleEditor; robotRu
         <button
           type="button"
           class="small"
-          disabled={isLoading}
+          disabled={isReadOnly}
           onClick={() => workspace.current?.add(toBlock(NEW_RULE))}
         >
           New rule
@@ -78,7 +78,12 @@ function openWorkspace(
   const workspace = new RuleWorkspace(host, {
     recipes: editor.recipes,
     suggestions: suggestionsOf(() => editor.vocabulary.peek()),
-    changed: (next) => editor.edit(next),
+    changed: (editsOf) =>
+      editor.edit((document) => {
+        if (document === editor.shown.peek()?.document) workspace.catchUp(document, editor.layout.peek());
+        return editsOf(document);
+      }),
+    leftOut: (count) => (editor.blocksLeftOut = count),
     showAgain: show,
     paged: (shown) => {
       if (!isSamePage(shown, pages.peek())) pages.value = shown;
@@ -108,6 +113,7 @@ function openWorkspace(
   const close = () => {
     for (const stop of stops) stop();
     workspace.dispose();
+    editor.blocksLeftOut = 0;
   };
   return { workspace, close };
 }

@@ -1,10 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { useState } from "preact/hooks";
-import type { Finding, Severity } from "../api/types";
+import type { PlacedFinding, Severity } from "../api/types";
 import { href } from "../route";
 import { statementTitle } from "../sharing/statement_title";
 import type { RuleEditor } from "../state/rule_editor";
+import { ownProfile } from "./profile_choice";
 
 const MARKS: Record<Severity, string> = { error: "Error", warning: "Warning", info: "Note" };
 
@@ -24,7 +25,7 @@ export function FindingsPanel({ editor }: { editor: RuleEditor }) {
       {findings.length === 0 && <p class="quiet">No findings: the rules can be used as they are.</p>}
       <ul class="findings" aria-label="Findings">
         {findings.slice(0, limit).map((finding) => (
-          <FindingRow key={finding.index} {...{ editor, finding }} />
+          <FindingRow key={`${finding.offset} ${finding.code} ${finding.message}`} {...{ editor, finding }} />
         ))}
       </ul>
       {hidden > 0 && (
@@ -36,7 +37,7 @@ export function FindingsPanel({ editor }: { editor: RuleEditor }) {
   );
 }
 
-function FindingRow({ editor, finding }: { editor: RuleEditor; finding: Finding }) {
+function FindingRow({ editor, finding }: { editor: RuleEditor; finding: PlacedFinding }) {
   const { fix } = finding;
   const own = editor.statement(finding.statement);
   const related = finding.related.map((id) => editor.statement(id)).filter((each) => each !== undefined);
@@ -79,9 +80,14 @@ function FindingRow({ editor, finding }: { editor: RuleEditor; finding: Finding 
         </button>
       )}
       {finding.code === "tier-without-rate" && (
-        <a href={href({ page: "topics", name: "profile.toml" })}>Topic parameters</a>
+        <a href={href({ page: "topics", name: ownProfile(editor.name) })}>Topic parameters</a>
       )}
-      <a class="why" target="ruler-documentation" title={finding.code} href={href({ page: "help", name: finding.code })}>
+      <a
+        class="why"
+        target="ruler-documentation"
+        title={finding.code}
+        href={href({ page: "help", name: finding.code })}
+      >
         Why?
       </a>
     </li>

@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import type { BackgroundChoice } from "../api/zone_types";
+import type { BackgroundChoice } from "../api/types";
 import type { MapFloor } from "../state/map_floor";
 import type { RuleEditor } from "../state/rule_editor";
 import { Notice } from "../ui/notice";
+import { typedNumber } from "../ui/numbers";
 
 const KINDS = { map: "Map", image: "Image", bag: "Recording" };
 
@@ -79,8 +80,8 @@ function ImagePlace({ floor, editor }: { floor: MapFloor; editor: RuleEditor }) 
   const { metres_per_pixel, x, y, yaw_deg } = editor.map.value;
   const place = { metres_per_pixel, x, y, yaw_deg };
   const change = (field: keyof typeof place, text: string) => {
-    const value = Number(text.replace(",", "."));
-    if (text.trim() === "" || !Number.isFinite(value) || (field === "metres_per_pixel" && value <= 0)) return;
+    const value = typedNumber(text);
+    if (!Number.isFinite(value) || (field === "metres_per_pixel" && value <= 0)) return;
     floor.place({ ...place, [field]: value });
   };
   return (
@@ -88,7 +89,11 @@ function ImagePlace({ floor, editor }: { floor: MapFloor; editor: RuleEditor }) 
       {FIELDS.map(({ field, label }) => (
         <label key={field}>
           {label}
-          <input inputMode="decimal" value={place[field]} onChange={(event) => change(field, event.currentTarget.value)} />
+          <input
+            inputMode="decimal"
+            value={place[field]}
+            onChange={(event) => change(field, event.currentTarget.value)}
+          />
         </label>
       ))}
     </div>

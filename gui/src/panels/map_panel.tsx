@@ -1,11 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import { type Signal, useSignal } from "@preact/signals";
 import { useEffect, useMemo, useRef } from "preact/hooks";
+import type { ZoneBounds } from "../api/types";
 import { MapCanvas } from "../map/map_canvas";
 import type { MapOwner, Tool } from "../map/map_owner";
 import type { MapView } from "../map/map_view";
-import type { Extent, Rectangle } from "../map/shapes";
+import type { Extent } from "../map/shapes";
 import type { MapFloor } from "../state/map_floor";
 import type { RuleEditor } from "../state/rule_editor";
 import { DRAFT, type ZoneEditor } from "../state/zone_editor";
@@ -18,7 +20,7 @@ const TOOLS: { tool: Tool; label: string }[] = [
   { tool: "rectangle", label: "Draw a rectangle" },
   { tool: "polygon", label: "Draw a polygon" },
 ];
-const FIRST_SIDES: Rectangle = { min_x: 0, max_x: 1, min_y: 0, max_y: 1 };
+const FIRST_SIDES: ZoneBounds = { min_x: 0, max_x: 1, min_y: 0, max_y: 1 };
 
 /** The zones of the rules on a map: everything the mouse does there, the forms below it do as well. */
 export function MapPanel({ editor, zones, floor }: { editor: RuleEditor; zones: ZoneEditor; floor: MapFloor }) {
@@ -122,7 +124,7 @@ function ownerOf(zones: ZoneEditor, done: () => void): MapOwner {
 }
 
 /** `sides` where `known` is bounded; what was open stays so. */
-function bounded(known: Rectangle, [left, low, right, high]: Extent): Rectangle {
+function bounded(known: ZoneBounds, [left, low, right, high]: Extent): ZoneBounds {
   return {
     min_x: known.min_x === null ? null : left,
     max_x: known.max_x === null ? null : right,

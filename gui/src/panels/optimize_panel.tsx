@@ -3,13 +3,16 @@
 import { useEffect, useState } from "preact/hooks";
 import { type Api, ApiError } from "../api/client";
 import type { OptimizeAnswer, Refusal, Repair } from "../api/types";
+import { href } from "../route";
 import type { RuleEditor } from "../state/rule_editor";
 import { download } from "../ui/download";
 import { readable } from "../ui/numbers";
 import { SituationBars } from "./situation_bars";
 
 const AFTER_MS = 300;
-type Result = OptimizeAnswer | { refused: string } | null;
+/** Repairs are edits of the `text` that was asked about. */
+type Optimized = OptimizeAnswer & { text: string };
+type Result = Optimized | { refused: string } | null;
 
 /** Quality levels as rates within the budget, computed anew while the rules change. */
 export function OptimizePanel({ editor, api }: { editor: RuleEditor; api: Api }) {
@@ -24,12 +27,18 @@ export function OptimizePanel({ editor, api }: { editor: RuleEditor; api: Api })
     return <p class="quiet">Choose topic parameters (message sizes and levels) on the right, or create them.</p>;
   }
   if (result === null) return <p class="quiet">Computing rates …</p>;
-  if ("refused" in result) return <p class="problem">{result.refused}</p>;
+  if ("refused" in result) {
+    return (
+      <p class="problem">
+        {result.refused}. <a href={href({ page: "topics", name: profile.name })}>Topic parameters of {profile.name}</a>
+      </p>
+    );
+  }
   return (
     <div class="optimize">
       <Verdict editor={editor} result={result} />
       {result.refusals.map((refusal) => (
-        <RefusalCard key={refusal.rule ?? "defaults"} {...{ editor, refusal }} />
+        <RefusalCard key={refusal.rule ?? "defaults"} {...{ editor, refusal }} text={result.text} />
       ))}
       <div class="situations">
         {result.situations.map((situation) => (
@@ -65,13 +74,19 @@ function Verdict({ editor, result }: { editor: RuleEditor; result: OptimizeAnswe
   );
 }
 
-function RefusalCard({ editor, refusal }: { editor: RuleEditor; refusal: Refusal }) {
+function RefusalCard({ editor, refusal, text }: { editor: RuleEditor; refusal: Refusal; text: string }) {
   return (
     <div class="notice warning column" role="alert">
       <p>{refusal.message}</p>
       <div class="row">
         {refusal.repairs.map((repair) => (
-          <button key={repair.title} type="button" class="small" onClick={() => void apply(editor, repair)}>
+          <button
+            key={repair.sentence}
+            type="button"
+            class="small repair"
+            title={repair.sentence}
+            onClick={() => void apply(editor, repair, text)}
+          >
             {repair.title}
           </button>
         ))}
@@ -80,8 +95,8 @@ function RefusalCard({ editor, refusal }: { editor: RuleEditor; refusal: Refusal
   );
 }
 
-async function apply(editor: RuleEditor, repair: Repair): Promise<void> {
-  if (repair.budget_kb_per_s === null) await editor.repair(repair);
+async function apply(editor: RuleEditor, repair: Repair, text: string): Promise<void> {
+  if (repair.budget_kb_per_s === null) await editor.repair(text, repair);
   else await editor.setBudget(repair.budget_kb_per_s);
 }
 
@@ -89,7 +104,7 @@ async function optimize(editor: RuleEditor, api: Api, done: (result: Result) => 
   const { rules } = editor;
   try {
     const answer = await api.optimize(rules);
-    if (rules.text === editor.text.value) done(answer);
+    if (rules.text === editor.text.value) done({ ...answer, text: rules.text });
   } catch (error) {
     if (!(error instanceof ApiError)) throw error;
     done({ refused: error.message });

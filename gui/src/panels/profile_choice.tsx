@@ -1,26 +1,42 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect } from "preact/hooks";
+import type { Api } from "../api/client";
 import type { Project } from "../api/types";
 import { href } from "../route";
 import type { RuleEditor } from "../state/rule_editor";
 
-const folder = (name: string) => name.slice(0, name.lastIndexOf("/") + 1);
+/** Where topic parameters that are made for a rule file go. */
+export const ownProfile = (rules: string) => rules.replace(/(\.adirf)?$/, ".toml");
 
-/** Which topic parameters the rules are checked and optimized with. */
-export function ProfileChoice({ editor, project }: { editor: RuleEditor; project: Project }) {
+/** Which topic parameters the rules are checked and optimized with: those chosen last, else the likeliest. */
+export function ProfileChoice({ editor, api, project }: { editor: RuleEditor; api: Api; project: Project }) {
   const names = project.files.filter((file) => file.kind === "profile").map((file) => file.name);
   const storageKey = `profile of ${editor.name}`;
+  const remembered = () => {
+    const name = localStorage.getItem(storageKey);
+    return name === "" || names.includes(name ?? "") ? name : null;
+  };
+  const use = (name: string) => editor.useProfile(name || null).catch((error: unknown) => editor.tell(error));
+  const useLikeliest = async () => {
+    try {
+      const { name } = await api.profileFor(editor.rules);
+      // Somebody may have chosen meanwhile.
+      if (remembered() === null) await use(name ?? "");
+    } catch (error) {
+      editor.tell(error);
+    }
+  };
   useEffect(() => {
-    const remembered = localStorage.getItem(storageKey);
-    const near = names.filter((name) => folder(name) === folder(editor.name));
-    void editor.useProfile(remembered !== null && names.includes(remembered) ? remembered : (near[0] ?? null));
+    const name = remembered();
+    void (name === null ? useLikeliest() : use(name));
   }, []);
   const choose = (name: string) => {
     localStorage.setItem(storageKey, name);
-    void editor.useProfile(name || null);
+    void use(name);
   };
   const chosen = editor.profile.value?.name ?? "";
+  const own = ownProfile(editor.name);
   return (
     <div class="row profile-choice">
       <label>
@@ -34,7 +50,7 @@ export function ProfileChoice({ editor, project }: { editor: RuleEditor; project
           ))}
         </select>
       </label>
-      <a href={href({ page: "topics", name: chosen || "profile.toml" })}>{chosen ? "Edit" : "Create"}</a>
+      <a href={href({ page: "topics", name: chosen || own })}>{chosen || names.includes(own) ? "Edit" : "Create"}</a>
     </div>
   );
 }

@@ -4,19 +4,19 @@ import { RULES_WORDS } from "../state/connection";
 import { type RobotLink, UPDATE_RATES_HZ } from "../state/robot_link";
 import type { RobotRules } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
-import type { Shipment } from "../state/shipment";
+import type { RulePush } from "../state/rule_push";
 import { useRobot } from "../ui/robot_state";
 import { RobotTopics } from "./robot_topics";
 import { RobotTotals } from "./robot_totals";
-import { ShipmentSteps } from "./shipment_steps";
+import { RulePushSteps } from "./rule_push_steps";
 
 /** The running robot: what it relays now, and whether it follows the open rules. */
-export function RobotPanel(props: { editor: RuleEditor; robotRules: RobotRules; shipment: Shipment }) {
+export function RobotPanel(props: { editor: RuleEditor; robotRules: RobotRules; rulePush: RulePush }) {
   const link = useRobot();
   const live = link.live.value;
   return (
     <div class="robot">
-      <ShipmentSteps shipment={props.shipment} editor={props.editor} />
+      <RulePushSteps rulePush={props.rulePush} editor={props.editor} />
       <div class="row">
         <RobotChoice link={link} />
         <p>

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { useMemo } from "preact/hooks";
-import type { Live, LiveTopic } from "../api/live_types";
+import type { Live, LiveTopic } from "../api/types";
 import type { RobotLink } from "../state/robot_link";
 import { readable } from "../ui/numbers";
 import { Sparkline } from "./sparkline";
@@ -44,7 +44,7 @@ function cellsOf(topic: LiveTopic): string {
     topic.out_kb_per_s.toFixed(1),
     topic.rule ?? REASONS[topic.reason] ?? topic.reason,
     topic.problem ?? topic.silence ?? relayed(topic),
-    topic.problem ?? topic.silence ? "silent" : "",
+    (topic.problem ?? topic.silence) ? "silent" : "",
   ].join("\n");
 }
 

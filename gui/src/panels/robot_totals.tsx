@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import type { Live } from "../api/live_types";
+import type { Live } from "../api/types";
 import { readable } from "../ui/numbers";
 
 /** What all topics take of the link together, and what the runtime takes of its machine. */

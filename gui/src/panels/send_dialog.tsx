@@ -1,15 +1,15 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import type { Shipment } from "../state/shipment";
+import type { RulePush } from "../state/rule_push";
 import { FormDialog } from "../ui/dialog";
 
 /** What would change on the robot, before anything is sent. */
-export function SendDialog({ shipment }: { shipment: Shipment }) {
-  const stage = shipment.stage.value;
+export function SendDialog({ rulePush }: { rulePush: RulePush }) {
+  const stage = rulePush.stage.value;
   if (stage.kind !== "asked") return null;
   const { preview, node } = stage;
   // Sending closes the dialog, too, and the stage of that must stay.
-  const close = () => shipment.stage.peek() === stage && shipment.close();
+  const close = () => rulePush.stage.peek() === stage && rulePush.close();
   if (preview.same) {
     return (
       <FormDialog title={`Send to ${node}`} submit="Close" isNotice onSubmit={close} onClose={close}>
@@ -18,7 +18,7 @@ export function SendDialog({ shipment }: { shipment: Shipment }) {
     );
   }
   return (
-    <FormDialog title={`Send to ${node}`} submit="Send" onSubmit={() => shipment.send()} onClose={close}>
+    <FormDialog title={`Send to ${node}`} submit="Send" onSubmit={() => rulePush.send()} onClose={close}>
       <p>This changes on the robot:</p>
       <ul class="differences" aria-label="Differences">
         {preview.differences.map((difference) => (

@@ -18,6 +18,11 @@ const CHOICES: Choice<Side>[] = [
   { value: "map", label: "Map" },
 ];
 
+/** Whether the text is what the file says. */
+function SavedNote({ editor }: { editor: RuleEditor }) {
+  return <span class="quiet">{editor.isTextSaved.value ? "this is what is saved" : "this is not saved yet"}</span>;
+}
+
 /** The right half: the rules as text, or their zones on a map. */
 export function SidePane({ editor, api }: { editor: RuleEditor; api: Api }) {
   const side = useSignal<Side>("text");
@@ -36,7 +41,7 @@ export function SidePane({ editor, api }: { editor: RuleEditor; api: Api }) {
     <div class="pane side">
       <div class="pane-bar">
         <Tabs label="Text or map" choices={CHOICES} chosen={side} />
-        {isMap ? <FloorChoice {...{ floor, editor }} /> : <span class="quiet">this is what is saved</span>}
+        {isMap ? <FloorChoice {...{ floor, editor }} /> : <SavedNote editor={editor} />}
       </div>
       <TextPane editor={editor} hidden={isMap} />
       {isMap && <MapPanel {...{ editor, zones, floor }} />}

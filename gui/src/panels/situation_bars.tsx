@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import type { Situation } from "../api/types";
+import type { SituationLoad } from "../api/types";
 import { hz, readable } from "../ui/numbers";
 
 /** What each topic takes of the link in one situation, as shares of the budget. */
-export function SituationBars({ situation, budgetKbPerS }: { situation: Situation; budgetKbPerS: number }) {
+export function SituationBars({ situation, budgetKbPerS }: { situation: SituationLoad; budgetKbPerS: number }) {
   const loads = [...situation.loads].sort((a, b) => b.kb_per_s - a.kb_per_s);
   const share = situation.kb_per_s / budgetKbPerS;
   const scale = Math.max(budgetKbPerS, situation.kb_per_s);

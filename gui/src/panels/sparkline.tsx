@@ -29,6 +29,7 @@ export function Sparkline({ link, topic }: { link: RobotLink; topic: string }) {
       cancelAnimationFrame(frame);
     };
   }, [topic]);
+  // biome-ignore lint/a11y/noAriaHiddenOnFocusable: the keyboard does not reach a canvas without tabIndex
   return <canvas ref={host} class="sparkline" aria-hidden="true" />;
 }
 

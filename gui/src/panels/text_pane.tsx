@@ -27,7 +27,12 @@ function openText(host: HTMLElement, editor: RuleEditor): () => void {
   });
   const stops = [
     effect(() => text.setText(editor.text.value)),
-    effect(() => text.mark(editor.findings.value)),
+    effect(() => {
+      const findings = editor.findings.value;
+      // Findings name places of the newest text, and of two effects the other one may come later.
+      text.setText(editor.text.peek());
+      text.mark(findings);
+    }),
     effect(() => {
       const spot = editor.spot.value;
       if (spot === null) text.reveal(0, 0, false);

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { TIERS } from "../blocks/rate_text";
+import { TIERS } from "../api/types";
 import { type DraftRow, isNumber, type NumberField, type ProfileEditor } from "../state/profile_editor";
 
 /** The thesis's table of topic parameters, filled by hand or pasted from a spreadsheet. */

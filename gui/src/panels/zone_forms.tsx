@@ -1,8 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import { useRef, useState } from "preact/hooks";
-import type { Point, Rectangle } from "../map/shapes";
-import { type Draft, type ZoneEditor, USUAL_RECTANGLES } from "../state/zone_editor";
+import type { ZoneBounds } from "../api/types";
+import type { Point } from "../map/shapes";
+import { type Draft, USUAL_RECTANGLES, type ZoneEditor } from "../state/zone_editor";
+import { typedNumber } from "../ui/numbers";
 
 const SIDES = [
   { side: "min_x", label: "x from (m)" },
@@ -44,7 +47,9 @@ export function ChosenZoneForm({ zones }: { zones: ZoneEditor }) {
         done={(sides) => sides && void zones.resize(rule.id, index, sides)}
       />
       {isMany && <MoveForm move={(by) => void zones.move(rule.id, by)} />}
-      {zone.is_shared && <p class="quiet">Checks of this rectangle bound others of the rule as well: they change with it.</p>}
+      {zone.is_shared && (
+        <p class="quiet">Checks of this rectangle bound others of the rule as well: they change with it.</p>
+      )}
     </div>
   );
 }
@@ -79,7 +84,6 @@ export function DraftForm({ zones }: { zones: ZoneEditor }) {
       ) : (
         <SidesForm
           rectangle={draft.rectangles[0] ?? { min_x: null, max_x: null, min_y: null, max_y: null }}
-          disabled={false}
           done={(sides) => {
             if (sides) zones.draft.value = { rectangles: [sides], polygon: null };
             else setStale(draft);
@@ -92,15 +96,15 @@ export function DraftForm({ zones }: { zones: ZoneEditor }) {
 }
 
 interface SidesProps {
-  rectangle: Rectangle;
+  rectangle: ZoneBounds;
   /** What the button says; without one each letter counts. */
   submit?: string;
-  disabled: boolean;
+  disabled?: boolean;
   /** Null while a field holds no number. */
-  done: (sides: Rectangle | null) => void;
+  done: (sides: ZoneBounds | null) => void;
 }
 
-function SidesForm({ rectangle, submit, disabled, done }: SidesProps) {
+function SidesForm({ rectangle, submit, disabled = false, done }: SidesProps) {
   const [problem, setProblem] = useState({ key: "", text: "" });
   const given = JSON.stringify(rectangle);
   const form = useRef({ key: given, said: given });
@@ -108,7 +112,7 @@ function SidesForm({ rectangle, submit, disabled, done }: SidesProps) {
   if (given !== form.current.said) form.current = { key: given, said: given };
   const read = (fields: HTMLFormElement) => {
     const data = new FormData(fields);
-    const sides = Object.fromEntries(SIDES.map(({ side }) => [side, numberIn(data, side)])) as unknown as Rectangle;
+    const sides = Object.fromEntries(SIDES.map(({ side }) => [side, numberIn(data, side)])) as unknown as ZoneBounds;
     const wrong = problemOf(sides);
     setProblem({ key: form.current.key, text: wrong });
     if (wrong === "" && submit === undefined) form.current.said = JSON.stringify(sides);
@@ -135,13 +139,17 @@ function SidesForm({ rectangle, submit, disabled, done }: SidesProps) {
           {submit}
         </button>
       )}
-      {problem.text && problem.key === form.current.key && <p class="problem" role="alert">{problem.text}</p>}
+      {problem.text && problem.key === form.current.key && (
+        <p class="problem" role="alert">
+          {problem.text}
+        </p>
+      )}
     </form>
   );
 }
 
 /** Why these are not the sides of a rectangle; empty where they are. */
-function problemOf(sides: Rectangle): string {
+function problemOf(sides: ZoneBounds): string {
   const unread = SIDES.find(({ side }) => Number.isNaN(sides[side]));
   if (unread) return `"${unread.label}" is not a number.`;
   const isBelow = (from: number | null, to: number | null) => from === null || to === null || from < to;
@@ -205,7 +213,11 @@ function PolygonForm({ zones, draft, changed }: { zones: ZoneEditor; draft: Draf
         Show
       </button>
       {polygon && <p role="status">{saidOf(draft.rectangles.length, polygon.area_m2, polygon.over_m2)}</p>}
-      {problem && <p class="problem" role="alert">{problem}</p>}
+      {problem && (
+        <p class="problem" role="alert">
+          {problem}
+        </p>
+      )}
     </form>
   );
 }
@@ -226,7 +238,11 @@ function GoesTo({ zones, canAdd }: { zones: ZoneEditor; canAdd: boolean }) {
         event.preventDefault();
         const data = new FormData(event.currentTarget);
         const text = (name: string) => String(data.get(name) ?? "").trim();
-        void zones.add(text("topic") || USUAL_TOPIC, text("label") || (answer.value?.zones.label ?? "Zone"), text("into") || null);
+        void zones.add(
+          text("topic") || USUAL_TOPIC,
+          text("label") || (answer.value?.zones.label ?? "Zone"),
+          text("into") || null,
+        );
       }}
     >
       <label>
@@ -261,11 +277,14 @@ function GoesTo({ zones, canAdd }: { zones: ZoneEditor; canAdd: boolean }) {
 /** The number in a field, null for an empty one, NaN for anything else. */
 function numberIn(data: FormData, name: string): number | null {
   const text = String(data.get(name) ?? "").trim();
-  return text === "" ? null : Number(text.replace(",", ".").replace("−", "-"));
+  return text === "" ? null : typedNumber(text);
 }
 
 function cornersIn(text: string): Point[] | null {
-  const corners = text.split(/[,;]/).filter((each) => each.trim() !== "").map((each) => each.trim().split(/\s+/).map(Number));
+  const corners = text
+    .split(/[,;]/)
+    .filter((each) => each.trim() !== "")
+    .map((each) => each.trim().split(/\s+/).map(Number));
   const isRead = corners.length > 2 && corners.every((each) => each.length === 2 && each.every(Number.isFinite));
   return isRead ? corners.map(([x = 0, y = 0]): Point => [x, y]) : null;
 }

@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import type { RuleZones } from "../api/zone_types";
-import type { Rectangle } from "../map/shapes";
+import type { RuleZones, ZoneBounds } from "../api/types";
 import type { ZoneEditor } from "../state/zone_editor";
 
 /** Every zone in words, with what else its rule asks for, and which zones clash. */
@@ -20,15 +19,24 @@ export function ZoneList({ zones }: { zones: ZoneEditor }) {
       <ul aria-label="Zones">
         {placed.map((rule) => (
           <li key={rule.id}>
-            <button type="button" class="small" aria-pressed={rule === chosen.value} onClick={() => zones.choose(rule.id)}>
+            <button
+              type="button"
+              class="small"
+              aria-pressed={rule === chosen.value}
+              onClick={() => zones.choose(rule.id)}
+            >
               {rule.label}
             </button>
             <span class="quiet">{saidOf(rule)}</span>
           </li>
         ))}
       </ul>
-      {answer.value && placed.length === 0 && <p class="quiet">No rule asks where the robot is. Draw a zone, or type one.</p>}
-      {placed.length > 0 && others > 0 && <p class="quiet">{others === 1 ? "1 rule asks" : `${others} rules ask`} for no place.</p>}
+      {answer.value && placed.length === 0 && (
+        <p class="quiet">No rule asks where the robot is. Draw a zone, or type one.</p>
+      )}
+      {placed.length > 0 && others > 0 && (
+        <p class="quiet">{others === 1 ? "1 rule asks" : `${others} rules ask`} for no place.</p>
+      )}
       {mixed.map((rule) => (
         <p key={rule.id} class="quiet">
           {rule.label} mixes too many places to be drawn; its checks are in the block.
@@ -46,7 +54,7 @@ function saidOf(rule: RuleZones): string {
   return `${topics}: ${place}${rule.holds_elsewhere ? "" : others}${rule.holds_elsewhere ? "; it can hold elsewhere too" : ""}`;
 }
 
-function sidesOf({ min_x, max_x, min_y, max_y }: Rectangle): string {
+function sidesOf({ min_x, max_x, min_y, max_y }: ZoneBounds): string {
   const axis = (name: string, from: number | null, to: number | null) => {
     if (from === null && to === null) return `any ${name}`;
     if (from === null) return `${name} below ${to} m`;

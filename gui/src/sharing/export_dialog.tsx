@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useState } from "preact/hooks";
 import { type Api, ApiError } from "../api/client";
-import type { Finding, Statement } from "../api/types";
+import type { PlacedFinding, Statement } from "../api/types";
 import type { RuleEditor } from "../state/rule_editor";
 import { FormDialog } from "../ui/dialog";
 import { download } from "../ui/download";
@@ -25,7 +25,14 @@ export function ExportDialog({ editor, api, onClose }: { editor: RuleEditor; api
     }
   };
   return (
-    <FormDialog title="Export rules" submit="Export selected rules" isWide canSubmit={chosen.size > 0} onSubmit={save} onClose={onClose}>
+    <FormDialog
+      title="Export rules"
+      submit="Export selected rules"
+      isWide
+      canSubmit={chosen.size > 0}
+      onSubmit={save}
+      onClose={onClose}
+    >
       <p class="quiet">A rule file of the chosen parts, with their comments. Rules with errors stay here.</p>
       <StatementChecklist
         label="Parts to export"
@@ -34,7 +41,11 @@ export function ExportDialog({ editor, api, onClose }: { editor: RuleEditor; api
         onChoose={setChosen}
         problem={(statement) => broken.get(idOf(statement)) ?? null}
       />
-      {problem && <p class="problem" role="alert">{problem}</p>}
+      {problem && (
+        <p class="problem" role="alert">
+          {problem}
+        </p>
+      )}
     </FormDialog>
   );
 }
@@ -49,7 +60,7 @@ function offered(editor: RuleEditor): { statements: Statement[]; broken: Readonl
 }
 
 /** A level without a rate is no error of an exported source: its topic parameters are elsewhere. */
-function stopsExport(finding: Finding): boolean {
+function stopsExport(finding: PlacedFinding): boolean {
   return finding.severity === "error" && finding.code !== "tier-without-rate";
 }
 

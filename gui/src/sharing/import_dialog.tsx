@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useMemo } from "preact/hooks";
-import type { Api } from "../api/client";
-import type { TextFile } from "../api/sharing_types";
+import type { Api, TextFile } from "../api/client";
 import type { Project, Statement } from "../api/types";
 import { ImportDraft } from "../state/import_draft";
 import type { RuleEditor } from "../state/rule_editor";
@@ -35,7 +34,11 @@ export function ImportDialog(props: {
       onClose={props.onClose}
     >
       <SourceChoice {...props} draft={draft} />
-      {draft.problem.value && <p class="problem" role="alert">{draft.problem.value}</p>}
+      {draft.problem.value && (
+        <p class="problem" role="alert">
+          {draft.problem.value}
+        </p>
+      )}
       {preview && (
         <StatementChecklist
           label="Parts to import"
@@ -43,7 +46,7 @@ export function ImportDialog(props: {
           chosen={draft.chosen.value}
           onChoose={(chosen) => draft.choose(chosen)}
           problem={(statement) => (statement.kind === "raw" ? "has an error and stays there" : null)}
-          note={(statement) => <Meeting {...{ draft, statement }} />}
+          note={(statement) => <SharedBorder {...{ draft, statement }} />}
         />
       )}
       {preview && <NewFindings draft={draft} />}
@@ -90,9 +93,9 @@ function SourceChoice({ project, editor, draft }: { project: Project; editor: Ru
 }
 
 /** Whom a statement meets in this file, and which of the two shall stay. */
-function Meeting({ draft, statement }: { draft: ImportDraft; statement: Statement }) {
+function SharedBorder({ draft, statement }: { draft: ImportDraft; statement: Statement }) {
   const id = idOf(statement);
-  const met = draft.encounter(id);
+  const met = draft.conflict(id);
   if (met === undefined) return null;
   return (
     <span class="meeting">
@@ -123,7 +126,7 @@ function NewFindings({ draft }: { draft: ImportDraft }) {
           <p>With these, the checker will say:</p>
           <ul class="findings" aria-label="Findings of the import">
             {findings.map((finding) => (
-              <li key={finding.index} class={finding.severity}>
+              <li key={`${finding.offset} ${finding.code} ${finding.message}`} class={finding.severity}>
                 <span class="message">{finding.message}</span>
               </li>
             ))}

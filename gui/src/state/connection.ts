@@ -1,12 +1,16 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import type { RobotSummary, Robots } from "../api/live_types";
+import type { RobotSummary, Robots } from "../api/types";
 
 /** The server tells of robots every two seconds; what is so old is no longer trusted. */
 const TOLD_WITHIN_S = 8;
 
 /** Whether the server's web socket is open, and speaks what this page understands. */
-export type ServerState = { kind: "lost" } | { kind: "opening" } | { kind: "open" } | { kind: "other"; version: string };
+export type ServerState =
+  | { kind: "lost" }
+  | { kind: "opening" }
+  | { kind: "open" }
+  | { kind: "other"; version: string };
 
 /** What the top of every page says of the robot: few words, and why in full. */
 export interface Connection {
@@ -24,7 +28,9 @@ export function connectionOf(
 ): Connection {
   if (server.kind === "lost") return none("The Ruler's server does not answer. The page tries again by itself.");
   if (server.kind === "other") {
-    return none(`The server is SmartTestudo ${server.version}, which speaks to another version of this page. Reload the page.`);
+    return none(
+      `The server is SmartTestudo ${server.version}, which speaks to another version of this page. Reload the page.`,
+    );
   }
   if (server.kind === "opening" || robots === null) return none("The page is asking the server for robots.");
   const robot = robots.robots.find((each) => each.node === node);

@@ -51,6 +51,9 @@ export class History {
 /** The last texts, as many as fit into memory. */
 function newest(texts: readonly string[]): readonly string[] {
   let letters = 0;
-  const kept = texts.findLastIndex((text, index) => (letters += text.length) > MOST_LETTERS || index < texts.length - MOST_STEPS);
-  return texts.slice(Math.min(kept + 1, texts.length - 1));
+  const dropped = texts.findLastIndex((text, index) => {
+    letters += text.length;
+    return letters > MOST_LETTERS || index < texts.length - MOST_STEPS;
+  });
+  return texts.slice(Math.min(dropped + 1, texts.length - 1));
 }

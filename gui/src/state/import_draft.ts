@@ -1,9 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { batch, computed, signal } from "@preact/signals";
-import { type Api, ApiError } from "../api/client";
-import type { Encounter, ImportPreview, TextFile } from "../api/sharing_types";
-import type { EditAnswer, Finding } from "../api/types";
+import { type Api, ApiError, type TextFile } from "../api/client";
+import type { EditAnswer, ImportConflict, ImportPreview, PlacedFinding } from "../api/types";
 import { FileProblem, fileText } from "../ui/file_text";
 import type { RuleEditor } from "./rule_editor";
 
@@ -24,7 +23,7 @@ export class ImportDraft {
     return this.outcome.value && added(this.before, this.outcome.value.document.findings);
   });
   private readonly rules;
-  private readonly before: readonly Finding[];
+  private readonly before: readonly PlacedFinding[];
 
   constructor(
     private readonly api: Api,
@@ -44,8 +43,8 @@ export class ImportDraft {
     return this.read(() => fileText(file));
   }
 
-  encounter(id: string): Encounter | undefined {
-    return this.preview.value?.encounters.find((each) => each.id === id);
+  conflict(id: string): ImportConflict | undefined {
+    return this.preview.value?.conflicts.find((each) => each.id === id);
   }
 
   choose(chosen: ReadonlySet<string>): void {
@@ -77,7 +76,7 @@ export class ImportDraft {
     await this.try(async () => {
       const file = await source();
       const preview = await this.api.importPreview(this.rules, file);
-      const same = new Set(preview.encounters.filter((each) => each.is_same).map(({ id }) => id));
+      const same = new Set(preview.conflicts.filter((each) => each.is_same).map(({ id }) => id));
       const all = preview.document.collections.flatMap((collection) => collection.statements);
       batch(() => {
         this.source.value = file;
@@ -113,9 +112,9 @@ export class ImportDraft {
 }
 
 /** The findings that were not there before, wherever they stand now. */
-function added(before: readonly Finding[], after: readonly Finding[]): Finding[] {
+function added(before: readonly PlacedFinding[], after: readonly PlacedFinding[]): PlacedFinding[] {
   const known = new Map<string, number>();
-  const word = ({ code, message }: Finding) => `${code} ${message}`;
+  const word = ({ code, message }: PlacedFinding) => `${code} ${message}`;
   for (const finding of before) known.set(word(finding), (known.get(word(finding)) ?? 0) + 1);
   return after.filter((finding) => {
     const count = known.get(word(finding)) ?? 0;

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { type Api, ApiError } from "../api/client";
+import { saveOver } from "./conflict";
 
 /** Where blocks that somebody moved stand, by statement key; the rule file knows nothing of it. */
 export type Layout = Readonly<Record<string, readonly [x: number, y: number]>>;
@@ -55,9 +56,16 @@ export async function readLayout(api: Api, name: string): Promise<SideFile & { h
   }
 }
 
+/** Writes the side file and returns its hash; over what somebody else wrote there too, for it holds nothing but looks. */
 export async function writeLayout(api: Api, side: string, file: SideFile, hash: string | null): Promise<string> {
-  const text = JSON.stringify({ blocks: file.layout, map: file.map }, null, 1);
-  return (await api.save(side, `${text}\n`, hash)).hash;
+  const text = `${JSON.stringify({ blocks: file.layout, map: file.map }, null, 1)}\n`;
+  const done = await saveOver(api, side, text, hash);
+  return "mine" in done ? (await api.save(side, text, done.hash)).hash : done.hash;
+}
+
+/** Whether there is nothing to keep in a side file. */
+export function isPlain({ layout, map }: SideFile): boolean {
+  return Object.keys(layout).length === 0 && map === PLAIN_GRID;
 }
 
 function parseLayout(text: string): SideFile {

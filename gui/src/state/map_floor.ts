@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { computed, effect, signal, untracked } from "@preact/signals";
 import type { Api } from "../api/client";
-import type { Background, BackgroundChoice, DrivenPath } from "../api/zone_types";
+import type { Background, BackgroundChoice, DrivenPath } from "../api/types";
 import type { MapPicture, Point } from "../map/shapes";
 import { type MapSetting, PLAIN_GRID } from "./layout";
 import type { RuleEditor } from "./rule_editor";

@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 import { computed, signal } from "@preact/signals";
 import { type Api, ApiError } from "../api/client";
-import type { ProfileRow, ProfileTable, ProjectFile } from "../api/types";
+import type { FoundFile, LevelsAnswer, ProfileRow, ProfileTable } from "../api/types";
+import { typedNumber } from "../ui/numbers";
+import { type Conflict, type Contested, saveOver } from "./conflict";
 import { History } from "./history";
 
 export const TIER_COUNT = 6;
@@ -24,7 +26,7 @@ export type NumberField = "message_kb" | "priority" | "source_hz" | "min_hz" | "
 
 const shown = (value: number | null | undefined) => (value === null || value === undefined ? "" : String(value));
 /** The number in a cell; null where it is empty, NaN where it is none. */
-export const toNumber = (text: string) => (text.trim() === "" ? null : Number(text.trim().replace(",", ".")));
+export const toNumber = (text: string) => (text.trim() === "" ? null : typedNumber(text));
 /** Whether a cell holds a number that can be saved; an empty one is "not given". */
 export const isNumber = (text: string) => {
   const value = toNumber(text);
@@ -32,10 +34,11 @@ export const isNumber = (text: string) => {
 };
 
 /** The table of one profile. */
-export class ProfileEditor {
+export class ProfileEditor implements Contested {
   readonly rows = signal<readonly DraftRow[]>([]);
   readonly budget = signal("");
   readonly message = signal("");
+  readonly conflict = signal<Conflict | null>(null);
   readonly isSaved = signal(true);
   readonly history = new History();
   /** Why the server would not save the table. */
@@ -48,14 +51,16 @@ export class ProfileEditor {
   private baseText = "";
   private hash: string | null = null;
   private nextKey = 0;
+  private isOpen = false;
 
   constructor(
     private readonly api: Api,
     readonly name: string,
   ) {}
 
-  /** Reads the profile; one that is not among the `files` of the project is an empty table. */
-  async open(files: readonly ProjectFile[]): Promise<void> {
+  /** Reads the profile, once; one that is not among the `files` of the project is an empty table. */
+  async open(files: readonly FoundFile[]): Promise<void> {
+    if (this.isOpen) return;
     if (files.some((each) => each.name === this.name)) {
       const file = await this.api.read(this.name);
       this.hash = file.hash;
@@ -63,6 +68,7 @@ export class ProfileEditor {
     } else {
       this.rows.value = [this.draft({ topic: "" })];
     }
+    this.isOpen = true;
     this.isSaved.value = true;
   }
 
@@ -77,10 +83,40 @@ export class ProfileEditor {
   }
 
   async save(): Promise<void> {
-    const { text } = await this.api.writeProfile(this.name, this.table(), this.baseText);
-    this.hash = (await this.api.save(this.name, text, this.hash)).hash;
-    this.baseText = text;
+    await this.saveOver(this.hash);
+  }
+
+  async saveAnyway(): Promise<void> {
+    const hash = this.conflict.value?.hash;
+    if (hash !== undefined) await this.saveOver(hash);
+  }
+
+  async readAgain(): Promise<void> {
+    const { text, hash } = await this.api.read(this.name);
+    await this.take({ text });
+    this.hash = hash;
+    this.conflict.value = null;
     this.isSaved.value = true;
+    this.message.value = `Read ${this.name} again`;
+  }
+
+  async saveAs(name: string): Promise<void> {
+    const { text } = await this.api.writeProfile(name, this.table(), this.baseText);
+    await this.api.save(name, text, null);
+    this.conflict.value = null;
+    this.isSaved.value = true;
+  }
+
+  private async saveOver(baseHash: string | null): Promise<void> {
+    const asked = this.snapshot();
+    const { text } = await this.api.writeProfile(this.name, this.table(), this.baseText);
+    const done = await saveOver(this.api, this.name, text, baseHash);
+    this.conflict.value = "mine" in done ? done : null;
+    if ("mine" in done) return;
+    // What was typed meanwhile is not in the file.
+    this.isSaved.value = asked === this.snapshot();
+    this.hash = done.hash;
+    this.baseText = text;
     this.message.value = `Saved ${this.name}`;
   }
 
@@ -217,17 +253,21 @@ export class ProfileEditor {
 }
 
 function finished(row: DraftRow): ProfileRow {
-  const tiers = row.tiers_hz.map(toNumber);
   return {
     topic: row.topic.trim(),
     type: row.type,
     message_kb: toNumber(row.message_kb),
     source_hz: toNumber(row.source_hz),
-    tiers_hz: tiers.every((tier) => tier !== null) ? tiers : null,
+    tiers_hz: sixRates(row.tiers_hz.map(toNumber)),
     priority: toNumber(row.priority),
     min_hz: toNumber(row.min_hz),
     max_hz: toNumber(row.max_hz),
   };
+}
+
+function sixRates([a, b, c, d, e, f]: (number | null)[]): LevelsAnswer["tiers_hz"] | null {
+  const isWhole = a != null && b != null && c != null && d != null && e != null && f != null;
+  return isWhole ? [a, b, c, d, e, f] : null;
 }
 
 function problemsOf(rows: readonly DraftRow[], budget: string): string[] {

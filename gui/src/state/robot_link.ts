@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { batch, computed, signal } from "@preact/signals";
 import { LiveSocket } from "../api/live";
-import { type Live, PROTOCOL_VERSION, type Push, type Robots } from "../api/live_types";
+import { type Live, PROTOCOL_VERSION, type Push, type Robots } from "../api/types";
 import { connectionOf, type ServerState } from "./connection";
 import { RateRings, RING_LENGTH } from "./rate_rings";
 

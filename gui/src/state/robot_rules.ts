@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { computed, effect, signal, untracked } from "@preact/signals";
 import { type Api, ApiError } from "../api/client";
-import type { PushPreview } from "../api/live_types";
+import type { PushPreview } from "../api/types";
 import { type RuleState, ruleStates } from "../blocks/live_states";
 import type { RobotLink } from "./robot_link";
 import type { RuleEditor } from "./rule_editor";

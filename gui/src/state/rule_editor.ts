@@ -2,10 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 import { batch, computed, signal } from "@preact/signals";
 import { type Api, ApiError, type Rules } from "../api/client";
-import type { Edit, Finding, Repair, RuleDocument, Statement, Vocabulary } from "../api/types";
+import type { Edit, PlacedFinding, Repair, RuleDocument, Statement, Vocabulary } from "../api/types";
 import { recipeRules } from "../recipes/recipe_rules";
-import { type Layout, layoutName, type MapSetting, PLAIN_GRID, readLayout, writeLayout } from "./layout";
+import { type Conflict, type Contested, saveOver } from "./conflict";
 import { History } from "./history";
+import { isPlain, type Layout, layoutName, type MapSetting, PLAIN_GRID, readLayout, writeLayout } from "./layout";
 import { topicsIn } from "./topics_in";
 
 const CHECK_AFTER_MS = 150;
@@ -28,7 +29,7 @@ interface Words {
 }
 
 /** One open rule file. Its text is the truth; blocks and findings are what the server reads in it. */
-export class RuleEditor {
+export class RuleEditor implements Contested {
   readonly text = signal("");
   readonly document = signal<RuleDocument>(EMPTY);
   /** The last document that could be read whole: what the blocks show, with the text it was read from. */
@@ -37,6 +38,7 @@ export class RuleEditor {
   readonly profile = signal<{ name: string; text: string } | null>(null);
   readonly spot = signal<Spot | null>(null);
   readonly message = signal<string>("");
+  readonly conflict = signal<Conflict | null>(null);
   readonly layout = signal<Layout>({});
   /** What zones are drawn on. */
   readonly map = signal<MapSetting>(PLAIN_GRID);
@@ -53,6 +55,9 @@ export class RuleEditor {
       this.layout.value === this.saved.value.layout &&
       this.map.value === this.saved.value.map,
   );
+  readonly isTextSaved = computed(() => this.text.value === this.saved.value.text);
+  /** How many blocks say nothing that the text could say, such as a check outside a rule. */
+  blocksLeftOut = 0;
   /** Takes back a part of something that is not in the text yet; whether there was any. */
   takeBack: (() => boolean) | null = null;
   readonly findings = computed(() => this.document.value.findings);
@@ -128,35 +133,29 @@ export class RuleEditor {
     this.goTo(this.history.redo(this.text.value));
   }
 
-  /** Does edits one after the other as one step of undo; what is refused is told, and changes nothing. */
-  edit(next: (document: RuleDocument) => Edit | null): Promise<void> {
+  /** Does edits of the text that was read as one step of undo; what is refused is told, and changes nothing. */
+  edit(edits: (document: RuleDocument) => Edit[]): Promise<void> {
     return this.inTurn(async () => {
-      const before = this.text.value;
       // Edits name statements by what the server read last, which must be this text.
-      if (this.read !== before) await this.check();
-      if (this.read !== before) return;
-      let step = { text: before, document: this.document.value };
-      for (let edit = next(step.document); edit !== null; edit = next(step.document)) {
-        step = await this.api.edit({ ...this.rules, text: step.text }, edit);
-      }
-      if (step.text !== before && this.text.value === before) this.replaceText(step.text, step.document);
+      if (!(await this.isRead())) return;
+      const before = this.text.value;
+      const wanted = edits(this.document.value);
+      if (wanted.length === 0) return;
+      const { text, document } = await this.api.edit(this.rules, wanted);
+      if (text === before) return;
+      if (this.text.value === before) this.replaceText(text, document);
+      else this.message.value = "The text changed meanwhile, so the blocks changed nothing: try again";
     });
   }
 
-  fix(finding: Finding): Promise<void> {
-    return this.inTurn(async () => {
-      const answer = await this.api.fix(this.rules, finding.index);
-      this.replaceText(answer.text, answer.document);
-    });
+  /** One-click fix of a finding of the text that was read last. */
+  fix(finding: PlacedFinding): Promise<void> {
+    return this.edit(({ findings }) => (finding.fix && findings.includes(finding) ? [finding.fix.edit] : []));
   }
 
-  /** One-click repair of what does not fit the budget. */
-  async repair(repair: Repair): Promise<void> {
-    let text = this.text.value;
-    for (const edit of [...repair.edits].sort((a, b) => b.offset - a.offset)) {
-      text = text.slice(0, edit.offset) + edit.replacement + text.slice(edit.end_offset);
-    }
-    await this.setText(text);
+  /** One-click repair of what does not fit the budget, in the text that the optimizer was asked about. */
+  repair(text: string, { edits }: Repair): Promise<void> {
+    return this.edit(() => (text === this.text.value ? edits : []));
   }
 
   async format(): Promise<void> {
@@ -174,15 +173,47 @@ export class RuleEditor {
   }
 
   async save(): Promise<void> {
-    await this.inTurn(async () => {
-      const [text, layout, map] = [this.text.value, this.layout.value, this.map.value];
-      const { hash } = await this.api.save(this.name, text, this.saved.value.hash);
-      if (layout !== this.saved.value.layout || map !== this.saved.value.map) {
-        this.layoutHash = await writeLayout(this.api, layoutName(this.name), { layout, map }, this.layoutHash);
-      }
-      this.saved.value = { text, hash, layout, map };
-      this.message.value = `Saved ${this.name}`;
+    await this.blocksHandedOver();
+    await this.inTurn(() => this.saveOver(this.saved.value.hash));
+  }
+
+  async saveAnyway(): Promise<void> {
+    const hash = this.conflict.value?.hash;
+    if (hash !== undefined) await this.saveOver(hash);
+  }
+
+  async readAgain(): Promise<void> {
+    const { text, hash } = await this.api.read(this.name);
+    this.history.push(this.text.value);
+    batch(() => {
+      this.conflict.value = null;
+      this.saved.value = { ...this.saved.value, text, hash };
+      this.text.value = text;
     });
+    this.message.value = `Read ${this.name} again`;
+    await this.check();
+  }
+
+  async saveAs(name: string): Promise<void> {
+    const [text, layout, map] = [this.text.value, this.layout.value, this.map.value];
+    await this.api.save(name, text, null);
+    if (!isPlain({ layout, map })) await writeLayout(this.api, layoutName(name), { layout, map }, null);
+    this.conflict.value = null;
+    // All that is here is in the new file.
+    this.saved.value = { text, hash: null, layout, map };
+  }
+
+  private async saveOver(baseHash: string | null): Promise<void> {
+    const [text, layout, map] = [this.text.value, this.layout.value, this.map.value];
+    const done = await saveOver(this.api, this.name, text, baseHash);
+    this.conflict.value = "mine" in done ? done : null;
+    if ("mine" in done) return;
+    this.saved.value = { ...this.saved.value, text, hash: done.hash };
+    if (layout !== this.saved.value.layout || map !== this.saved.value.map) {
+      this.layoutHash = await writeLayout(this.api, layoutName(this.name), { layout, map }, this.layoutHash);
+    }
+    this.saved.value = { ...this.saved.value, layout, map };
+    this.message.value = `Saved ${this.name}${this.withoutBlocks()}`;
   }
 
   /** The statement with this id in what the blocks show. */
@@ -275,12 +306,32 @@ export class RuleEditor {
 
   /** Whether the text has no errors, once it was read and says all that the blocks say. */
   async isSound(): Promise<boolean> {
-    // Blocks hand over what changed with the next picture, and the text follows in turn.
-    await nextPicture();
-    await nextPicture();
+    await this.blocksHandedOver();
     await this.queue;
-    if (this.read !== this.text.value) await this.check();
-    return this.read === this.text.value && this.errors.value.length === 0;
+    return (await this.isRead()) && this.errors.value.length === 0;
+  }
+
+  /** Whether the server has read the text of now; where it has not, it is asked to. */
+  private async isRead(): Promise<boolean> {
+    for (let asked: string | null = null; this.read !== this.text.value && asked !== this.text.value; ) {
+      asked = this.text.value;
+      await this.check();
+    }
+    return this.read === this.text.value;
+  }
+
+  /** Blocks hand over what changed with the next picture, and the text follows in turn. */
+  private async blocksHandedOver(): Promise<void> {
+    await nextPicture();
+    await nextPicture();
+  }
+
+  private withoutBlocks(): string {
+    const count = this.blocksLeftOut;
+    if (count === 0) return "";
+    return count === 1
+      ? " without 1 block that is not in the text"
+      : ` without ${count} blocks that are not in the text`;
   }
 
   private accept(document: RuleDocument, text: string): void {
@@ -297,10 +348,7 @@ export class RuleEditor {
   /** Says a refusal; anything else is a bug and goes on. */
   tell(error: unknown): void {
     if (!(error instanceof ApiError)) throw error;
-    this.message.value =
-      error.status === 409 && error.problem.findings.length === 0
-        ? `${error.message}. Your text is still here; copy it before you reload the page`
-        : error.message;
+    this.message.value = error.message;
   }
 }
 

@@ -3,7 +3,7 @@
 import type { Condition, RuleDocument } from "../api/types";
 
 /** Every topic that the rules set or check. */
-export function topicsIn(document: RuleDocument): ReadonlySet<string> {
+export function topicsIn(document: Pick<RuleDocument, "collections">): ReadonlySet<string> {
   const topics = new Set<string>();
   for (const { statements } of document.collections) {
     for (const statement of statements) {

@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { computed, signal } from "@preact/signals";
-import type { Decision, TryAnswer, Truth } from "../api/try_types";
+import type { TruthName, TryAnswer, TryDecision } from "../api/types";
 
 /** A rule, or its Else, at one time. */
 export interface RuleNow {
   rule: string;
   line: number;
-  truth: Truth;
+  truth: TruthName;
   /** The topics whose rate it decides. */
   decides: string[];
 }
@@ -23,7 +23,7 @@ export class Trial {
   /** The rule that decides most topics, the first in the file among equals; null where defaults decide. */
   readonly leader = computed(() => leading(this.rules.value));
   readonly decisionTimes: readonly number[];
-  private readonly byTopic = new Map<string, Decision[]>();
+  private readonly byTopic = new Map<string, TryDecision[]>();
 
   constructor(
     readonly answer: TryAnswer,
@@ -54,7 +54,9 @@ export class Trial {
   /** `bins` without those that the recording covers only in part: they would look like drops. */
   whole(bins: readonly number[]): (number | null)[] {
     const last = bins.length - 1;
-    return bins.map((value, bin) => (last > 1 && (bin === last || (bin === 0 && this.answer.first_bin_s < 0)) ? null : value));
+    return bins.map((value, bin) =>
+      last > 1 && (bin === last || (bin === 0 && this.answer.first_bin_s < 0)) ? null : value,
+    );
   }
 
   goTo(time: number): void {
@@ -71,7 +73,10 @@ export class Trial {
   /** Where the robot was, between the two points of its path around a time; null without a path. */
   placeAt(time: number): { place: [number, number]; heading_rad: number | null } | null {
     const { path } = this.answer;
-    const after = Math.min(upTo(path, ([t]) => t <= time), path.length - 1);
+    const after = Math.min(
+      upTo(path, ([t]) => t <= time),
+      path.length - 1,
+    );
     const [next, last] = [path[after], path[Math.max(after - 1, 0)]];
     if (!next || !last) return null;
     const share = next[0] > last[0] ? Math.min(Math.max((time - last[0]) / (next[0] - last[0]), 0), 1) : 0;
@@ -86,8 +91,8 @@ export class Trial {
     return Math.min(Math.max(Math.floor((time - first_bin_s) / bin_s), 0), last);
   }
 
-  private planAt(time: number): Map<string, Decision> {
-    const plan = new Map<string, Decision>();
+  private planAt(time: number): Map<string, TryDecision> {
+    const plan = new Map<string, TryDecision>();
     // Where there were too many decisions, nothing is said of what came after the last one that is known.
     const { decisions, decision_count } = this.answer;
     if (decision_count > decisions.length && time > (decisions.at(-1)?.t ?? 0)) return plan;
@@ -98,7 +103,7 @@ export class Trial {
     return plan;
   }
 
-  private rulesAt(time: number, plan: Map<string, Decision>): RuleNow[] {
+  private rulesAt(time: number, plan: Map<string, TryDecision>): RuleNow[] {
     return this.answer.blocks.map(({ rule, line, turns }) => ({
       rule,
       line,

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 import { computed, effect, signal, untracked } from "@preact/signals";
 import type { Api } from "../api/client";
-import type { RuleZones, ZoneEdit, ZonesAnswer } from "../api/zone_types";
+import type { Edit, RuleZones, ZoneBounds, ZonesAnswer } from "../api/types";
 import type { Drawn } from "../map/map_owner";
-import type { MapZone, Point, Rectangle } from "../map/shapes";
+import type { MapZone, Point } from "../map/shapes";
 import type { RuleEditor } from "./rule_editor";
 
 export const DRAFT = "draft";
@@ -12,7 +12,7 @@ export const USUAL_RECTANGLES = 8;
 
 /** A zone that is not in the text yet; `corners` are those of a polygon, with the areas it and its cover have. */
 export interface Draft {
-  rectangles: readonly Rectangle[];
+  rectangles: readonly ZoneBounds[];
   polygon: { corners: readonly Point[]; area_m2: number; over_m2: number; most: number } | null;
 }
 
@@ -62,7 +62,7 @@ export class ZoneEditor {
   }
 
   /** Gives one rectangle other sides. */
-  async resize(id: string, index: number, rectangle: Rectangle): Promise<void> {
+  async resize(id: string, index: number, rectangle: ZoneBounds): Promise<void> {
     if (id === DRAFT) this.draft.value = { rectangles: [rectangle], polygon: null };
     else await this.change({ kind: "zone_resize", id, index, rectangle });
   }
@@ -76,7 +76,10 @@ export class ZoneEditor {
   /** Makes a draft of the rectangles that cover a polygon. */
   async cover(corners: readonly Point[], most: number): Promise<void> {
     try {
-      const { rectangles, polygon_m2, over_m2 } = await this.api.cover(corners, most);
+      const { rectangles, polygon_m2, over_m2 } = await this.api.cover(
+        corners.map(([x, y]) => [x, y]),
+        most,
+      );
       this.draft.value = { rectangles, polygon: { corners, area_m2: polygon_m2, over_m2, most } };
     } catch (error) {
       this.editor.tell(error);
@@ -94,7 +97,7 @@ export class ZoneEditor {
   async add(topic: string, label: string, into: string | null): Promise<void> {
     const draft = this.draft.value;
     if (!draft) return;
-    const isDone = await this.change({ kind: "zone_new", topic, rectangles: draft.rectangles, into, label });
+    const isDone = await this.change({ kind: "zone_new", topic, rectangles: [...draft.rectangles], into, label });
     if (!isDone) return;
     this.draft.value = null;
     const made = this.rules.value.filter((rule) => (into === null ? rule.label === label : rule.id === into)).at(-1);
@@ -102,14 +105,13 @@ export class ZoneEditor {
   }
 
   /** Does one edit as one step of undo; whether it was done. What is refused is told, and drawn as it was. */
-  private async change(edit: ZoneEdit): Promise<boolean> {
+  private async change(edit: Edit): Promise<boolean> {
     const known = this.answer.peek()?.text;
     let isAsked = false;
     await this.editor.edit(() => {
       // The edit names a rule of the text that the map shows.
-      if (isAsked || known !== this.editor.text.peek()) return null;
-      isAsked = true;
-      return edit;
+      isAsked = known === this.editor.text.peek();
+      return isAsked ? [edit] : [];
     });
     const isDone = isAsked && this.editor.text.peek() !== known;
     await this.ask();
@@ -150,7 +152,8 @@ export class ZoneEditor {
       const isChosen = rule.id === chosen?.id;
       const rectangles = rule.zones.map((zone) => zone.rectangle);
       const tone = isChosen ? "selected" : "zone";
-      const grip = isChosen && canEdit ? { movable: true, handle: Math.min(this.index.value, rectangles.length - 1) } : {};
+      const grip =
+        isChosen && canEdit ? { movable: true, handle: Math.min(this.index.value, rectangles.length - 1) } : {};
       return { id: rule.id, label: rule.label, rectangles, tone, ...grip };
     });
     const clashes = (this.answer.value?.zones.clashes ?? []).map(({ common }, index): MapZone => {
@@ -158,7 +161,11 @@ export class ZoneEditor {
     });
     if (!draft) return [...zones, ...clashes];
     const handle = draft.polygon ? undefined : 0;
-    return [...zones, ...clashes, { id: DRAFT, label: "new zone", rectangles: draft.rectangles, tone: "draft", movable: true, handle }];
+    return [
+      ...zones,
+      ...clashes,
+      { id: DRAFT, label: "new zone", rectangles: draft.rectangles, tone: "draft", movable: true, handle },
+    ];
   }
 }
 

@@ -16,3 +16,17 @@ export function difference(a: string, b: string): { from: number; tail: number }
   while (tail < rest && end(a, 1) === end(b, 1)) tail++;
   return { from, tail };
 }
+
+/** The whole lines from the first to the last in which two texts differ; `line` counts from 1. */
+export function differingLines(a: string, b: string): { line: number; a: string; b: string } {
+  const { from, tail } = difference(a, b);
+  const start = from === 0 ? 0 : a.lastIndexOf("\n", from - 1) + 1;
+  const isWholeLines = [a, b].every((text) => [undefined, "\n"].includes(text[text.length - tail - 1]));
+  const lineEnd = a.indexOf("\n", a.length - tail);
+  const same = isWholeLines ? tail : lineEnd < 0 ? 0 : a.length - lineEnd;
+  return {
+    line: a.slice(0, start).split("\n").length,
+    a: a.slice(start, a.length - same),
+    b: b.slice(start, b.length - same),
+  };
+}

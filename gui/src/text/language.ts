@@ -3,26 +3,42 @@
 import type { Completion, CompletionContext, CompletionResult } from "@codemirror/autocomplete";
 import { HighlightStyle, StreamLanguage, syntaxHighlighting } from "@codemirror/language";
 import { tags } from "@lezer/highlight";
-import type { Vocabulary } from "../api/types";
+import { TIERS, type Vocabulary } from "../api/types";
 import { ON_ROBOT } from "../blocks/suggestions";
 
 const KEYWORDS = ["begin", "end", "SetFrequency", "KeepAtLeast", "Rule", "Priority", "If", "Then", "Else", "EndIf"];
 const LOGIC = ["AND", "OR", "Not", "CheckValue"];
-const RATES = ["Unacceptable", "Marginal", "Acceptable", "Desirable", "Competitive", "Excessive", "Full", "Off", "Hz"];
+const RATES = [...TIERS, "Full", "Off", "Hz"];
 
-/** Colours of the words; what they mean is the server's to say. */
-export const adirf = StreamLanguage.define({
-  token(stream) {
+const RESERVED = [...KEYWORDS, ...LOGIC].join("|");
+/** A keyword, also where the next keyword or a topic follows without a blank. */
+const KEYWORD = new RegExp(`^(?:${RESERVED})(?=(?:${RESERVED})*(?:/|(?![\\p{L}\\p{N}_.~[\\]-])))`, "u");
+const WORD = /^[\p{L}_][\p{L}\p{N}_.[\]]*/u;
+
+/** Colours of the words; what they mean is the server's to say. `place` is how much of a check is read. */
+export const adirf = StreamLanguage.define<{ place: "topic" | "property" | null }>({
+  startState: () => ({ place: null }),
+  token(stream, state) {
+    if (stream.eatSpace()) return null;
     if (stream.match(/\/\/.*/)) return "comment";
+    const { place } = state;
+    state.place = null;
     if (stream.match(/"[^"]*"?/)) return "string";
-    if (stream.match(/\/[\w/{}~]+/)) return "variableName";
+    if (stream.match(/\/[\w/{}~]+/)) {
+      if (place === "topic") state.place = "property";
+      return "variableName";
+    }
     if (stream.match(/[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?/)) return "number";
     if (stream.match(/[<>=!]+/)) return "operator";
-    const word = stream.match(/[A-Za-z_][\w.[\]]*/) as RegExpMatchArray | null;
+    if (place !== "property") {
+      const keyword = (stream.match(KEYWORD) as RegExpMatchArray | null)?.[0];
+      if (keyword === "CheckValue") state.place = "topic";
+      if (keyword !== undefined) return LOGIC.includes(keyword) ? "logic" : "keyword";
+    }
+    const word = stream.match(WORD) as RegExpMatchArray | null;
     if (word === null) stream.next();
-    if (KEYWORDS.includes(word?.[0] ?? "")) return "keyword";
-    if (LOGIC.includes(word?.[0] ?? "")) return "logic";
-    return RATES.includes(word?.[0] ?? "") ? "atom" : null;
+    else if (place === "topic") state.place = "property";
+    return place === null && RATES.includes(word?.[0] ?? "") ? "atom" : null;
   },
   tokenTable: { logic: tags.logicOperator },
   languageData: { commentTokens: { line: "//" } },
@@ -49,7 +65,7 @@ export function suggest(context: CompletionContext, vocabulary: Vocabulary | nul
 }
 
 function options(before: string, word: string, vocabulary: Vocabulary | null): Completion[] {
-  const checked = /CheckValue\s+(\S+)\s+$/.exec(before)?.[1];
+  const checked = /CheckValue\s*(\S+)\s+$/.exec(before)?.[1];
   const topics = vocabulary?.topics ?? [];
   if (checked !== undefined) {
     const own = topics.find(({ topic }) => topic === checked)?.properties ?? [];
@@ -60,7 +76,7 @@ function options(before: string, word: string, vocabulary: Vocabulary | null): C
       type: "property",
     }));
   }
-  if (word.startsWith("/") || /(SetFrequency|KeepAtLeast|CheckValue)\s+$/.test(before)) {
+  if (word.startsWith("/") || /(SetFrequency|KeepAtLeast|CheckValue)\s*$/.test(before)) {
     return topics.map(({ topic, type, source }) => ({
       label: topic,
       detail: [type, source === "robot" ? ON_ROBOT : null].filter(Boolean).join(", "),

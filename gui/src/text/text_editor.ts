@@ -14,7 +14,7 @@ import {
   keymap,
   lineNumbers,
 } from "@codemirror/view";
-import type { Finding, Vocabulary } from "../api/types";
+import type { PlacedFinding, Vocabulary } from "../api/types";
 import { difference } from "./difference";
 import { adirf, adirfColours, suggest } from "./language";
 
@@ -22,7 +22,7 @@ import { adirf, adirfColours, suggest } from "./language";
 export interface TextOwner {
   typed(text: string): void;
   cursorAt(offset: number): void;
-  fix(finding: Finding): void;
+  fix(finding: PlacedFinding): void;
   vocabulary(): Vocabulary | null;
 }
 
@@ -90,7 +90,7 @@ export class TextEditor {
     );
   }
 
-  mark(findings: readonly Finding[]): void {
+  mark(findings: readonly PlacedFinding[]): void {
     const end = this.view.state.doc.length;
     const diagnostics = findings.map((finding): Diagnostic => {
       const { fix } = finding;

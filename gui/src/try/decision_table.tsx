@@ -12,9 +12,7 @@ export function DecisionTable({ trial }: { trial: Trial }) {
   const { decisions, decision_count } = trial.answer;
   return (
     <section aria-label="Decisions">
-      <h3>
-        Decisions{decision_count > decisions.length && ` (the first ${decisions.length} of ${decision_count})`}
-      </h3>
+      <h3>Decisions{decision_count > decisions.length && ` (the first ${decisions.length} of ${decision_count})`}</h3>
       <div class="decision-box" ref={box}>
         <table class="try-table">
           <thead>

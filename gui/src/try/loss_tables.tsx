@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { useState } from "preact/hooks";
-import type { Crossing, FieldLoss, ImageLoss, TopicLoss } from "../api/try_types";
+import type { TryCrossing, TryFieldLoss, TryImages, TryTopicLoss } from "../api/types";
 import type { Trial } from "../state/trial";
 import { readable } from "../ui/numbers";
 import { LossStrip } from "./loss_strip";
 
-const nameOf = (loss: FieldLoss) => `${loss.topic} ${loss.field}`;
+const nameOf = (loss: TryFieldLoss) => `${loss.topic} ${loss.field}`;
 const LEAST = 0.0001;
 
 function shown(value: number | null | undefined): string {
@@ -42,7 +42,7 @@ export function LossTables({ trial }: { trial: Trial }) {
   );
 }
 
-function FieldTable({ trial, fields }: { trial: Trial; fields: FieldLoss[] }) {
+function FieldTable({ trial, fields }: { trial: Trial; fields: TryFieldLoss[] }) {
   const bin = trial.bin.value;
   return (
     <LossTable
@@ -52,7 +52,7 @@ function FieldTable({ trial, fields }: { trial: Trial; fields: FieldLoss[] }) {
         nameOf(each),
         each.unit,
         shown(each.hold?.rmse),
-        shown(each.hold?.max),
+        shown(each.hold?.maximum),
         shown(each.hold?.relative_rmse == null ? null : 100 * each.hold.relative_rmse),
         shown(each.error_bins[bin]),
       ])}
@@ -60,7 +60,7 @@ function FieldTable({ trial, fields }: { trial: Trial; fields: FieldLoss[] }) {
   );
 }
 
-function AgeTable({ trial, topics }: { trial: Trial; topics: TopicLoss[] }) {
+function AgeTable({ trial, topics }: { trial: Trial; topics: TryTopicLoss[] }) {
   const bin = trial.bin.value;
   return (
     <LossTable
@@ -77,7 +77,7 @@ function AgeTable({ trial, topics }: { trial: Trial; topics: TopicLoss[] }) {
   );
 }
 
-function CrossingTable({ crossings }: { crossings: Crossing[] }) {
+function CrossingTable({ crossings }: { crossings: TryCrossing[] }) {
   return (
     <LossTable
       caption="Thresholds of your checks that were crossed"
@@ -85,16 +85,16 @@ function CrossingTable({ crossings }: { crossings: Crossing[] }) {
       rows={crossings.map((each) => [
         each.check,
         String(each.crossings),
-        String(each.in_time),
-        String(each.late),
-        String(each.missed),
-        shown(each.late_max_s),
+        String(each.received.in_time),
+        String(each.received.late),
+        String(each.received.missed),
+        shown(each.received.late_max_s),
       ])}
     />
   );
 }
 
-function ImageTable({ images }: { images: ImageLoss[] }) {
+function ImageTable({ images }: { images: TryImages[] }) {
   return (
     <LossTable
       caption="Images"

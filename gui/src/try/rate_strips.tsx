@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useRef } from "preact/hooks";
-import type { TryTopic } from "../api/try_types";
+import type { TryTopic } from "../api/types";
 import type { Trial } from "../state/trial";
 import { hz, readable } from "../ui/numbers";
 import { openStrip } from "./strip_plot";

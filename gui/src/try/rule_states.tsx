@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import type { Truth } from "../api/try_types";
+import type { TruthName } from "../api/types";
 import type { RuleNow, Trial } from "../state/trial";
 
-const WORDS: Record<Truth, string> = { true: "holds", false: "does not hold", unknown: "unknown" };
+const WORDS: Record<TruthName, string> = { true: "holds", false: "does not hold", unknown: "unknown" };
 
 /** Which rules hold at the time of the scrubber, and what each decides. `show` leads to a line of the rules. */
 export function RuleStates({ trial, show }: { trial: Trial; show: ((line: number) => void) | null }) {

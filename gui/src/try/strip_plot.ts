@@ -22,7 +22,10 @@ export function openStrip(host: HTMLElement, trial: Trial, lines: { before?: Val
     plot = draw(host, trial, lines);
     follow = drawTime(plot, trial);
   };
-  const stops = [watchSize(host, () => plot.setSize({ width: host.clientWidth, height: HEIGHT_PX })), watchTheme(again)];
+  const stops = [
+    watchSize(host, () => plot.setSize({ width: host.clientWidth, height: HEIGHT_PX })),
+    watchTheme(again),
+  ];
   return () => {
     for (const stop of stops) stop();
     close();
@@ -32,7 +35,11 @@ export function openStrip(host: HTMLElement, trial: Trial, lines: { before?: Val
 function draw(host: HTMLElement, trial: Trial, { before, after }: { before?: Values; after: Values }): uPlot {
   const style = getComputedStyle(host);
   const colour = (name: string) => style.getPropertyValue(name).trim();
-  const axis = { stroke: colour("--text-2"), grid: { stroke: colour("--line"), width: 1 }, font: `11px ${colour("--font")}` };
+  const axis = {
+    stroke: colour("--text-2"),
+    grid: { stroke: colour("--line"), width: 1 },
+    font: `11px ${colour("--font")}`,
+  };
   const sent = { stroke: colour("--accent"), width: 2, fill: colour("--accent-soft"), points: { show: false } };
   const recorded = { stroke: colour("--text-2"), width: 1, dash: [4, 3], points: { show: false } };
   const times = trial.binTimes;
@@ -42,9 +49,15 @@ function draw(host: HTMLElement, trial: Trial, { before, after }: { before?: Val
       width: host.clientWidth,
       height: HEIGHT_PX,
       cursor: { sync: { key: "try" }, drag: { x: false, y: false }, y: false, points: { show: false } },
-      scales: { x: { time: false, range: [0, trial.durationS] }, y: { range: (_, __, most) => [0, (most || 1) * 1.08] } },
+      scales: {
+        x: { time: false, range: [0, trial.durationS] },
+        y: { range: (_, __, most) => [0, (most || 1) * 1.08] },
+      },
       legend: { show: false },
-      axes: [{ ...axis, size: 24 }, { ...axis, size: 46 }],
+      axes: [
+        { ...axis, size: 24 },
+        { ...axis, size: 46 },
+      ],
       series: before ? [{}, recorded, sent] : [{}, sent],
     },
     values as uPlot.AlignedData,
@@ -60,7 +73,7 @@ function drawTime(plot: uPlot, trial: Trial): () => void {
   const place = () => {
     line.style.left = `${plot.valToPos(trial.time.value, "x")}px`;
   };
-  (plot.hooks.setSize ??= []).push(place);
+  plot.hooks.setSize = [...(plot.hooks.setSize ?? []), place];
   const scrub = (event: PointerEvent) => {
     if (event.buttons !== 1) return;
     plot.over.setPointerCapture(event.pointerId);

@@ -3,7 +3,7 @@
 import { effect } from "@preact/signals";
 import { useEffect, useMemo, useState } from "preact/hooks";
 import type { Api } from "../api/client";
-import type { RuleZones } from "../api/zone_types";
+import type { RuleZones } from "../api/types";
 import { MapCanvas } from "../map/map_canvas";
 import type { MapView } from "../map/map_view";
 import type { MapZone, Point } from "../map/shapes";
@@ -21,7 +21,8 @@ export function TryMap({ editor, api, trial }: { editor: RuleEditor; api: Api; t
   const [view, setView] = useState<MapView | null>(null);
   const path = useMemo(() => trial.answer.path.map(([, x, y]): Point => [x, y]), [trial]);
   const dots = useMemo(
-    () => trial.decisionTimes.flatMap((t): Point[] => [trial.placeAt(t)?.place ?? []].filter((each) => each.length === 2)),
+    () =>
+      trial.decisionTimes.flatMap((t): Point[] => [trial.placeAt(t)?.place ?? []].filter((each) => each.length === 2)),
     [trial],
   );
   const deciding = trial.rules.value.filter(({ decides }) => decides.length > 0).map(({ rule }) => rule);

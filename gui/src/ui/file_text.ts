@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import type { TextFile } from "../api/sharing_types";
+import type { TextFile } from "../api/client";
 
 const LARGEST_BYTES = 1_000_000;
 

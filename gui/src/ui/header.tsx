@@ -11,7 +11,7 @@ export function Header({ title, note, children }: { title: string; note?: string
       <a class="home-link" href={href({ page: "home", name: "" })} aria-label="Home">
         <img src="./icon.svg" alt="" width="26" height="26" />
       </a>
-      <h1>{title}</h1>
+      <h1 title={title}>{title}</h1>
       {note !== undefined && <span class="quiet">{note}</span>}
       <RobotState />
       <div class="bar-tools" role="toolbar" aria-label="Tools">

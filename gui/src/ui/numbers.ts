@@ -1,6 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 
+/** The number that somebody typed, with a point or a comma before its decimals; NaN where it is none. */
+export function typedNumber(text: string): number {
+  return text.trim() === "" ? Number.NaN : Number(text.replace(",", ".").replace("−", "-"));
+}
+
 /** A number for reading: three significant digits below 1000, none after the point above. */
 export function readable(value: number): string {
   const digits = Math.abs(value) >= 1000 ? { maximumFractionDigits: 0 } : { maximumSignificantDigits: 3 };

@@ -23,7 +23,13 @@ export function RobotState() {
   const { kind, words, why } = useRobot().connection.value;
   return (
     <div class={`robot-state ${kind}${isPinned ? " pinned" : ""}`}>
-      <button type="button" class="small" aria-describedby={id} onClick={() => setPinned(!isPinned)} onBlur={() => setPinned(false)}>
+      <button
+        type="button"
+        class="small"
+        aria-describedby={id}
+        onClick={() => setPinned(!isPinned)}
+        onBlur={() => setPinned(false)}
+      >
         <span aria-hidden="true">{SIGNS[kind]}</span> {words}
       </button>
       <p role="tooltip" id={id}>

@@ -19,7 +19,6 @@ Piece = tuple[Bound, Bound]
 
 _LOWEST: Bound = (-math.inf, -1)
 _HIGHEST: Bound = (math.inf, 1)
-_EVERYTHING: tuple[Piece, ...] = ((_LOWEST, _HIGHEST),)
 _SIGNIFICANT_DIGITS = 17
 _NOT_EQUAL = Operator.NOT_EQUAL
 _SIDES: Mapping[Operator, tuple[int, int]] = MappingProxyType(
@@ -47,7 +46,7 @@ class Region:
     @staticmethod
     def everything() -> Region:
         """All numbers."""
-        return Region(_EVERYTHING)
+        return Region(((_LOWEST, _HIGHEST),))
 
     @staticmethod
     def nothing() -> Region:
@@ -86,11 +85,6 @@ class Region:
     def is_empty(self) -> bool:
         """Whether no number is in it."""
         return not self.pieces
-
-    @property
-    def is_everything(self) -> bool:
-        """Whether all numbers are in it."""
-        return self.pieces == _EVERYTHING
 
     @property
     def cuts(self) -> tuple[Bound, ...]:

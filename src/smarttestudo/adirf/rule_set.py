@@ -21,9 +21,8 @@ from smarttestudo.adirf.syntax import (
 )
 from smarttestudo.domain.decision import Reason
 from smarttestudo.domain.errors import RuleFileError
-from smarttestudo.domain.rate import Rate
+from smarttestudo.domain.rate import Rate, Tier
 from smarttestudo.domain.signal import Signal
-from smarttestudo.domain.tier import Tier
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

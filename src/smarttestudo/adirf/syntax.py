@@ -12,8 +12,8 @@ from dataclasses import dataclass, field
 from enum import Enum
 
 from smarttestudo.adirf.comments import NO_TRIVIA, Comment, Trivia
+from smarttestudo.domain.rate import Tier
 from smarttestudo.domain.source import Span
-from smarttestudo.domain.tier import Tier
 
 
 class Operator(Enum):
@@ -166,11 +166,15 @@ class Collection:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RuleFile:
-    """One parsed file; ``path`` is how the user named it, ``footer`` the comments after the last ``end``."""
+    """One parsed file; ``path`` is how the user named it, ``footer`` the comments after the last ``end``.
+
+    ``glued`` are the words that follow a keyword without a blank between.
+    """
 
     path: str
     collections: tuple[Collection, ...]
     footer: tuple[Comment, ...] = field(default=(), compare=False, repr=False)
+    glued: tuple[Span, ...] = field(default=(), compare=False, repr=False)
 
     @property
     def statements(self) -> tuple[Statement, ...]:

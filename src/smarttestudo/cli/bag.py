@@ -9,9 +9,18 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from smarttestudo.adapters.files.outputs import require_separate
 from smarttestudo.cli import bag_figures, bag_loss, bag_report
-from smarttestudo.cli.bag_options import add_map, add_topics_and_form, topic_mapping
-from smarttestudo.cli.bag_output import print_csv, print_json, print_notices, print_tables
+from smarttestudo.cli.bag_options import (
+    add_map,
+    add_topics_and_form,
+    print_csv,
+    print_json,
+    print_notices,
+    print_tables,
+    topic_mapping,
+)
+from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.progress import progress
 from smarttestudo.visualizer import bag_tables, comparison_tables
 from smarttestudo.visualizer.bag_comparison import BagComparison, compare_bags
@@ -41,7 +50,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     for name, (purpose, table) in _TABLES.items():
         action = actions.add_parser(name, help=purpose, description=f"Show {purpose}.")
         action.add_argument(
-            "bags", metavar="BAG", nargs="+", type=Path, help="a rosbag2 folder, a .db3 or an .mcap file"
+            "bags", metavar="BAG", nargs="+", type=file_path, help="a rosbag2 folder, a .db3 or an .mcap file"
         )
         add_topics_and_form(action)
         if name == "rates":
@@ -67,8 +76,8 @@ def _add_compare(actions: argparse._SubParsersAction[argparse.ArgumentParser]) -
         description=f"Show {purpose}. With A's /odom pairs B's /testudo/odom or /odom_receive, "
         "else its /odom.",
     )
-    action.add_argument("a", metavar="A", type=Path, help="the recording that changes are counted from")
-    action.add_argument("b", metavar="B", type=Path, help="the recording beside it")
+    action.add_argument("a", metavar="A", type=file_path, help="the recording that changes are counted from")
+    action.add_argument("b", metavar="B", type=file_path, help="the recording beside it")
     add_map(action)
     add_topics_and_form(action)
     bag_figures.add_figures(action, bag_figures.Drawn.BOTH)
@@ -76,6 +85,7 @@ def _add_compare(actions: argparse._SubParsersAction[argparse.ArgumentParser]) -
 
 
 def _run_summary(arguments: argparse.Namespace) -> int:
+    bag_figures.require_separate_figures(arguments.figures, arguments.bags)
     summaries = [_measure(path, with_latency=arguments.latency) for path in arguments.bags]
     if arguments.topics:
         known = {topic.name for summary in summaries for topic in summary.topics}
@@ -97,6 +107,9 @@ def _run_summary(arguments: argparse.Namespace) -> int:
 
 def _run_compare(arguments: argparse.Namespace) -> int:
     mapping = topic_mapping(arguments.map)
+    if arguments.figures is not None:
+        bags = (arguments.a, arguments.b)
+        require_separate({"--figures": bag_figures.figure_files(arguments.figures)}, bags)
     a, b = _measure(arguments.a), _measure(arguments.b)
     select_topics(tuple(mapping), a.statistics, place=a.name)
     select_topics(tuple(mapping.values()), b.statistics, place=b.name)
@@ -124,7 +137,7 @@ def _compare_tables(compared: BagComparison) -> list[Table]:
 
 
 def _measure(path: Path, *, with_latency: bool = False) -> BagSummary:
-    from smarttestudo.composition.bag_measure import measure_bag  # noqa: PLC0415  needs packages a robot lacks
+    from smarttestudo.use_cases.bags.measure import measure_bag  # noqa: PLC0415  needs packages a robot lacks
 
     with progress(f"Reading {path}") as report:
         return measure_bag(path, report, with_latency=with_latency)

@@ -10,7 +10,9 @@ from collections.abc import Mapping, Sequence
 from enum import Enum
 from pathlib import Path
 
+from smarttestudo.adapters.files.outputs import require_separate
 from smarttestudo.cli.loop_options import budget_kb_per_s
+from smarttestudo.cli.paths import file_path, own_name
 from smarttestudo.cli.progress import progress
 
 
@@ -32,7 +34,9 @@ def add_figures(action: argparse.ArgumentParser, drawn: Drawn) -> None:
 
 def add_figures_folder(action: argparse.ArgumentParser, content: str) -> None:
     """Add ``--figures``; ``content`` is what they show."""
-    action.add_argument("--figures", metavar="DIR", type=Path, help=f"write figures (PNG and SVG): {content}")
+    action.add_argument(
+        "--figures", metavar="DIR", type=file_path, help=f"write figures (PNG and SVG): {content}"
+    )
 
 
 def add_budget(action: argparse.ArgumentParser) -> None:
@@ -47,24 +51,42 @@ def add_budget(action: argparse.ArgumentParser) -> None:
 
 def draw_each(arguments: argparse.Namespace) -> None:
     """Draw each of the bags; several have a folder each."""
-    bags: Sequence[Path] = arguments.bags
-    for number, bag in enumerate(bags, start=1):
-        folder = arguments.figures if len(bags) == 1 else arguments.figures / f"{number}-{bag.resolve().name}"
+    for bag, folder in zip(arguments.bags, _folders(arguments.bags, arguments.figures), strict=True):
         draw_pair(arguments, bag, None, mapping={}, folder=folder)
+
+
+def require_separate_figures(figures: Path | None, bags: Sequence[Path]) -> None:
+    """Refuse a folder for the figures of ``bags`` in which they would harm a recording."""
+    if figures is not None:
+        folders = _folders(bags, figures)
+        require_separate({"--figures": [file for one in folders for file in figure_files(one)]}, bags)
+
+
+def figure_files(folder: Path) -> Sequence[Path]:
+    """All that may be written into ``folder``."""
+    from smarttestudo.adapters import figures  # noqa: PLC0415  needs packages a robot lacks
+
+    return figures.figure_files(folder)
+
+
+def _folders(bags: Sequence[Path], figures: Path) -> list[Path]:
+    if len(bags) == 1:
+        return [figures]
+    return [figures / f"{number}-{own_name(bag)}" for number, bag in enumerate(bags, start=1)]
 
 
 def draw_pair(
     arguments: argparse.Namespace, a: Path, b: Path | None, *, mapping: Mapping[str, str], folder: Path
 ) -> None:
     """Draw the bag ``a``, with ``b`` over it if there is one, and say where."""
-    from smarttestudo.composition import bag_figures  # noqa: PLC0415  needs packages a robot lacks
-    from smarttestudo.composition.bag_report import ReportRequest  # noqa: PLC0415
+    from smarttestudo.use_cases.bags import report  # noqa: PLC0415  needs packages a robot lacks
+    from smarttestudo.use_cases.bags.report import ReportRequest  # noqa: PLC0415
     from smarttestudo.visualizer.comparison_tables import RunNames  # noqa: PLC0415
 
     kinds = {
-        Drawn.RATES: bag_figures.RATES,
-        Drawn.BANDWIDTH: bag_figures.BANDWIDTH,
-        Drawn.BOTH: bag_figures.RATES | bag_figures.BANDWIDTH,
+        Drawn.RATES: report.RATES,
+        Drawn.BANDWIDTH: report.BANDWIDTH,
+        Drawn.BOTH: report.RATES | report.BANDWIDTH,
     }
     request = ReportRequest(
         a=a,
@@ -76,7 +98,7 @@ def draw_pair(
         budget_kb_per_s=getattr(arguments, "budget", None),
         progress=progress,
     )
-    print_written(bag_figures.draw_courses(request, kinds[arguments.drawn], folder))
+    print_written(report.draw_over_time(request, kinds[arguments.drawn], folder))
 
 
 def print_written(paths: Sequence[Path]) -> None:

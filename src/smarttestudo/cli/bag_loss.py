@@ -7,19 +7,25 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 
 from smarttestudo.adapters.files.profile import load_profile
 from smarttestudo.adirf.properties import ARRIVAL_PROPERTIES, is_field_path
-from smarttestudo.cli.bag_options import add_map, add_topics_and_form, topic_mapping
-from smarttestudo.cli.bag_output import print_csv, print_json, print_notices, print_tables
+from smarttestudo.cli.bag_options import (
+    add_map,
+    add_topics_and_form,
+    print_csv,
+    print_json,
+    print_notices,
+    print_tables,
+    topic_mapping,
+)
 from smarttestudo.cli.finding_text import print_findings
+from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.progress import progress
-from smarttestudo.composition.rule_sets import load_rules
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.profile import Profile
-from smarttestudo.visualizer.loss.curve_tables import curve_table
-from smarttestudo.visualizer.loss.tables import arms_text, loss_tables
+from smarttestudo.use_cases.rules.rule_sets import load_rules
+from smarttestudo.visualizer.loss.tables import arms_text, curve_table, loss_tables
 
 EXIT_ERROR = 1
 
@@ -35,9 +41,9 @@ def add_action(actions: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
         "rates with the same bytes. With A alone: the error at rates of 0.1, 0.2, 0.5, 1 … Hz, with "
         "proposed tiers.",
     )
-    action.add_argument("a", metavar="A", type=Path, help="the recording of what the robot sent")
+    action.add_argument("a", metavar="A", type=file_path, help="the recording of what the robot sent")
     action.add_argument(
-        "b", metavar="B", type=Path, nargs="?", help="the recording of what the operator received"
+        "b", metavar="B", type=file_path, nargs="?", help="the recording of what the operator received"
     )
     action.add_argument(
         "--field",
@@ -53,12 +59,12 @@ def add_action(actions: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
         metavar="FILE",
         nargs="+",
         action="extend",
-        type=Path,
+        type=file_path,
         default=[],
         help="rule files, or folders of them, whose checks give the thresholds",
     )
     action.add_argument(
-        "--profile", metavar="FILE", type=Path, help="tiers and priorities of the topics (TOML)"
+        "--profile", metavar="FILE", type=file_path, help="tiers and priorities of the topics (TOML)"
     )
     add_map(action)
     add_topics_and_form(action)
@@ -77,7 +83,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _run_loss(arguments: argparse.Namespace, fields: Mapping[str, Sequence[str]], profile: Profile) -> int:
-    from smarttestudo.composition.bag_loss import LossQuestion, measure_loss  # noqa: PLC0415  needs packages a robot lacks
+    from smarttestudo.use_cases.bags.loss import LossQuestion, measure_loss  # noqa: PLC0415  needs packages a robot lacks
 
     mapping = topic_mapping(arguments.map)
     rules = load_rules(arguments.rules, profile=profile) if arguments.rules else None
@@ -106,7 +112,7 @@ def _run_loss(arguments: argparse.Namespace, fields: Mapping[str, Sequence[str]]
 
 
 def _run_curves(arguments: argparse.Namespace, fields: Mapping[str, Sequence[str]], profile: Profile) -> int:
-    from smarttestudo.composition.bag_curves import measure_curves  # noqa: PLC0415  as above
+    from smarttestudo.use_cases.bags.curves import measure_curves  # noqa: PLC0415  as above
 
     for option in ("rules", "map"):
         if getattr(arguments, option):

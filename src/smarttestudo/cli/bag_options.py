@@ -1,13 +1,18 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Options that the actions of ``testudo bag`` share."""
+"""What the ``bag`` commands share: options and output."""
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+import csv
+import sys
+from collections.abc import Iterable, Mapping, Sequence
 
+from smarttestudo.cli.tables import print_table
 from smarttestudo.domain.errors import UsageError
+from smarttestudo.domain.json_text import json_text
+from smarttestudo.visualizer.table import Table
 
 
 def add_topics(action: argparse.ArgumentParser) -> None:
@@ -17,6 +22,7 @@ def add_topics(action: argparse.ArgumentParser) -> None:
         metavar="NAME",
         nargs="+",
         action="extend",
+        type=topic_pattern,
         default=[],
         help="only these topics, by name or pattern ('/camera/*')",
     )
@@ -50,8 +56,45 @@ def topic_mapping(pairs: Sequence[tuple[str, str]]) -> dict[str, str]:
     return mapping
 
 
+def topic_pattern(text: str) -> str:
+    """A name or pattern from the command line; ``ArgumentTypeError`` for an empty one."""
+    if not text:
+        raise argparse.ArgumentTypeError("the name of a topic is not empty; leave the option out for all")
+    return text
+
+
 def _topic_pair(text: str) -> tuple[str, str]:
     a, separator, b = text.partition("=")
     if not (a and separator and b):
         raise argparse.ArgumentTypeError(f"two topics are paired as in /a=/b, not {text!r}")
     return a, b
+
+
+def print_tables(tables: Iterable[Table]) -> None:
+    """Tables below each other, an empty line between."""
+    for number, table in enumerate(tables):
+        if number:
+            print()  # noqa: T201
+        print_table(table)
+
+
+def print_json(value: object) -> None:
+    """One object on one line."""
+    print(json_text(value))  # noqa: T201
+
+
+def print_csv(rows: Iterable[Mapping[str, object]]) -> None:
+    """Rows with the same keys, under a line of them."""
+    writer: csv.DictWriter[str] | None = None
+    for row in rows:
+        if writer is None:
+            writer = csv.DictWriter(sys.stdout, fieldnames=list(row), lineterminator="\n")
+            writer.writeheader()
+        writer.writerow(row)
+
+
+def print_notices(notices: Iterable[str]) -> None:
+    """What was lost or odd, on standard error, after what was printed."""
+    sys.stdout.flush()
+    for notice in notices:
+        print(f"note: {notice}", file=sys.stderr)  # noqa: T201

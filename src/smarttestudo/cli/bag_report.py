@@ -6,20 +6,28 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from smarttestudo import __version__
 from smarttestudo.adapters.files.decision_log import read_decisions
+from smarttestudo.adapters.files.outputs import require_separate
 from smarttestudo.adapters.files.profile import load_profile
+from smarttestudo.adapters.files.rule_files import rule_files_named
 from smarttestudo.adapters.files.whole_file import whole_file
-from smarttestudo.cli.bag_figures import add_budget, add_figures_folder, print_written
-from smarttestudo.cli.bag_options import add_map, add_topics, topic_mapping
-from smarttestudo.cli.bag_output import print_notices
+from smarttestudo.cli.bag_figures import (
+    add_budget,
+    add_figures_folder,
+    figure_files,
+    print_written,
+)
+from smarttestudo.cli.bag_options import add_map, add_topics, print_notices, topic_mapping
 from smarttestudo.cli.finding_text import print_findings
+from smarttestudo.cli.paths import file_path, own_name
 from smarttestudo.cli.progress import progress
-from smarttestudo.composition.rule_sets import LoadedRules, load_rules
 from smarttestudo.domain.profile import Profile
+from smarttestudo.use_cases.rules.rule_sets import LoadedRules, load_rules
 
 if TYPE_CHECKING:
     from smarttestudo.visualizer.report import RunReport
@@ -36,28 +44,31 @@ def add_action(actions: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
         description="Write one HTML file that shows a recording, or two of one run beside each other: A as "
         "sent, B as received. It needs no network and no other file.",
     )
-    action.add_argument("a", metavar="A", type=Path, help="the recording, as the robot sent it")
+    action.add_argument("a", metavar="A", type=file_path, help="the recording, as the robot sent it")
     action.add_argument(
-        "b", metavar="B", type=Path, nargs="?", help="the same run as the operator received it"
+        "b", metavar="B", type=file_path, nargs="?", help="the same run as the operator received it"
     )
     action.add_argument(
         "--rules",
         metavar="FILE",
         nargs="+",
         action="extend",
-        type=Path,
+        type=file_path,
         default=[],
         help="the rule files of B, or folders of them; shown, with their zones on the map",
     )
     action.add_argument(
-        "--decisions", metavar="FILE", type=Path, help="what --decisions wrote when B came to be"
+        "--decisions", metavar="FILE", type=file_path, help="what --decisions wrote when B came to be"
     )
     action.add_argument(
-        "--profile", metavar="FILE", type=Path, help="tiers and priorities of the topics (TOML)"
+        "--profile", metavar="FILE", type=file_path, help="tiers and priorities of the topics (TOML)"
     )
     add_budget(action)
     action.add_argument(
-        "--nav2-map", metavar="FILE", type=Path, help="the map under the path: the .yaml beside its image"
+        "--nav2-map",
+        metavar="FILE",
+        type=file_path,
+        help="the map under the path: the .yaml beside its image",
     )
     add_map(action)
     add_topics(action)
@@ -66,7 +77,7 @@ def add_action(actions: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
         "-o",
         "--output",
         metavar="FILE",
-        type=Path,
+        type=file_path,
         default=_DEFAULT_OUTPUT,
         help="the report (default: %(default)s)",
     )
@@ -75,6 +86,7 @@ def add_action(actions: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
 
 def run(arguments: argparse.Namespace) -> int:
     """Write the report; 1 if the rules have an error."""
+    _require_separate(arguments)
     profile = None if arguments.profile is None else load_profile(arguments.profile)
     rules = load_rules(arguments.rules, profile=profile) if arguments.rules else None
     if rules is not None and rules.errors:
@@ -84,7 +96,7 @@ def run(arguments: argparse.Namespace) -> int:
         report = _report(arguments, profile or Profile(), rules)
         write(_html(report))
     if arguments.figures is not None:
-        from smarttestudo.composition.bag_figures import draw_report  # noqa: PLC0415  as below
+        from smarttestudo.use_cases.bags.report import draw_report  # noqa: PLC0415  as below
 
         print_written(draw_report(report, arguments.figures))
     print(f"{arguments.output}: {_summary(report)}")  # noqa: T201
@@ -92,11 +104,32 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
+def _require_separate(arguments: argparse.Namespace) -> None:
+    figures = arguments.figures
+    require_separate(
+        {"--output": arguments.output, "--figures": None if figures is None else figure_files(figures)},
+        [
+            *(arguments.a, arguments.b, arguments.decisions, arguments.profile),
+            *rule_files_named(arguments.rules),
+            *_map_files(arguments.nav2_map),
+        ],
+    )
+
+
+def _map_files(nav2_map: Path | None) -> Sequence[Path]:
+    """The map's description and the image that it names."""
+    if nav2_map is None:
+        return ()
+    from smarttestudo.adapters.files.nav2_map import read_map_header  # noqa: PLC0415  needs packages a robot lacks
+
+    return nav2_map, read_map_header(nav2_map).image
+
+
 def _report(arguments: argparse.Namespace, profile: Profile, rules: LoadedRules | None) -> RunReport:
     from smarttestudo.adapters.files.nav2_map import read_nav2_map  # noqa: PLC0415  needs packages a robot lacks
-    from smarttestudo.composition.bag_report import ReportRequest, bag_report  # noqa: PLC0415
+    from smarttestudo.domain.floor_plan import FloorPlan  # noqa: PLC0415
+    from smarttestudo.use_cases.bags.report import ReportRequest, bag_report  # noqa: PLC0415
     from smarttestudo.visualizer.comparison_tables import RunNames  # noqa: PLC0415
-    from smarttestudo.visualizer.floor import FloorPlan  # noqa: PLC0415
     from smarttestudo.visualizer.report import Fact  # noqa: PLC0415
 
     a, b = arguments.a, arguments.b
@@ -112,11 +145,11 @@ def _report(arguments: argparse.Namespace, profile: Profile, rules: LoadedRules 
         ReportRequest(
             a=a,
             b=b,
-            title=a.resolve().name if b is None else f"{a.resolve().name} beside {b.resolve().name}",
+            title=own_name(a) if b is None else f"{own_name(a)} beside {own_name(b)}",
             explanation=""
             if b is None
             else f"A is what the robot sent ({a}), B what was received of it ({b}).",
-            names=RunNames(before="A" if b else a.resolve().name, after="B"),
+            names=RunNames(before="A" if b else own_name(a), after="B"),
             mapping=topic_mapping(arguments.map),
             topics=arguments.topics,
             rule_set=rules.rule_set if rules else None,

@@ -14,13 +14,13 @@ from typing import TypeVar
 
 from smarttestudo.adapters.files.profile import load_profile
 from smarttestudo.adapters.files.rule_files import find_rule_files, read_rule_text
-from smarttestudo.adirf.checks import CheckContext, check_rules
+from smarttestudo.adirf.checks import CheckContext
 from smarttestudo.adirf.parser import parse
 from smarttestudo.cli.finding_text import print_findings, summary, write_lines
-from smarttestudo.composition.optimize_check import budget_findings
+from smarttestudo.cli.paths import file_path
 from smarttestudo.domain.errors import RuleFileError
 from smarttestudo.domain.finding import Finding, Severity
-from smarttestudo.domain.source import Span
+from smarttestudo.use_cases.rules.budget_findings import all_findings
 
 _T = TypeVar("_T")
 
@@ -35,9 +35,11 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         description="Say what is wrong or doubtful in rule files. Several files form one set. "
         "Exits with 1 if there is an error; warnings and infos do not count.",
     )
-    parser.add_argument("files", metavar="FILE", nargs="+", type=Path, help="a rule file or a folder of them")
-    parser.add_argument("--profile", type=Path, help="what is known about the topics (TOML)")
-    parser.add_argument("--bag", type=Path, help="a recording; topics it does not hold are named")
+    parser.add_argument(
+        "files", metavar="FILE", nargs="+", type=file_path, help="a rule file or a folder of them"
+    )
+    parser.add_argument("--profile", type=file_path, help="what is known about the topics (TOML)")
+    parser.add_argument("--bag", type=file_path, help="a recording; topics it does not hold are named")
     parser.add_argument("--format", choices=("text", "json"), default="text", help="default: text")
     parser.set_defaults(run=run)
 
@@ -49,12 +51,9 @@ def run(arguments: argparse.Namespace) -> int:
     texts, unreadable = _read(arguments.files)
     context = CheckContext(profile=profile, bag_topics=bag_topics, has_all_files=not unreadable)
     results = [parse(text, path) for path, text in texts.items()]
-    findings = check_rules(results, context)
-    if profile is not None and texts and not unreadable and not _has_error(findings):
-        files = [result.file for result in results]
-        findings += budget_findings(files, profile, context.resolve, context.domain)
+    findings = all_findings(results, context)
     if arguments.format == "json":
-        print(json.dumps([_to_json(finding) for finding in findings], indent=2))  # noqa: T201
+        print(json.dumps([finding.to_json() for finding in findings], indent=2))  # noqa: T201
     else:
         print_findings(findings, texts, sys.stdout)
         write_lines([summary(findings, files=len(texts))] if texts else [], sys.stdout)
@@ -93,27 +92,3 @@ def _topics_of(bag: Path) -> dict[str, str]:
 
     with open_recording(bag) as recording:
         return {channel.topic: channel.type_name for channel in recording.channels}
-
-
-def _to_json(finding: Finding) -> dict[str, object]:
-    fix = finding.fix
-    return {
-        "code": finding.code,
-        "severity": finding.severity.value,
-        "message": finding.message,
-        "path": finding.path,
-        **_span_to_json(finding.span),
-        "hint": finding.hint,
-        "fix": None
-        if fix is None
-        else {"title": fix.title, "replacement": fix.replacement, **_span_to_json(fix.span)},
-    }
-
-
-def _span_to_json(span: Span) -> dict[str, int]:
-    return {
-        "line": span.line,
-        "column": span.column,
-        "end_line": span.end_line,
-        "end_column": span.end_column,
-    }

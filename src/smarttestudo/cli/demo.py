@@ -7,22 +7,25 @@ from __future__ import annotations
 import argparse
 import os
 import shlex
+import shutil
 import sys
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from smarttestudo.adapters.files.outputs import require_separate
 from smarttestudo.adapters.ros import open_robot
-from smarttestudo.cli.loop_options import add_when_slow
+from smarttestudo.adapters.ros.discovery import discovery_variables
+from smarttestudo.cli.loop_options import add_simulation, add_when_slow, seconds
+from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.progress import progress
-from smarttestudo.cli.simulation_options import add_simulation, seconds
 from smarttestudo.cli.tables import print_table
-from smarttestudo.domain.robot import Robot
+from smarttestudo.domain.robot import DiscoveryRange, Robot
 from smarttestudo.pacing.sample import WhenSlow
 from smarttestudo.visualizer.comparison_tables import bandwidth_table, frequency_table
 
 if TYPE_CHECKING:
-    from smarttestudo.composition.demo import DemoOutcome
+    from smarttestudo.use_cases.demo.demo import DemoOutcome
     from smarttestudo.visualizer.loss.report import LossReport
 
 _DEFAULT_OUT = Path("demo-out")
@@ -40,9 +43,10 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.add_argument(
         "--out",
         metavar="DIR",
-        type=Path,
+        type=file_path,
         default=_DEFAULT_OUT,
-        help="where everything goes; a former demo there is replaced (default: %(default)s)",
+        help="where everything goes; replaces what a former demo made there, but keeps and uses rules "
+        "that you edited (default: %(default)s)",
     )
     parser.add_argument(
         "--seconds",
@@ -67,8 +71,9 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the demo and print what came of it."""
-    from smarttestudo.composition.demo import DemoRequest, run_demo  # noqa: PLC0415  needs packages a robot lacks
+    from smarttestudo.use_cases.demo.demo import DemoRequest, run_demo  # noqa: PLC0415  needs packages a robot lacks
 
+    require_separate({"--out": arguments.out})
     with ExitStack() as opened:
         robot = _recorder(opened) if arguments.live else None
         outcome = run_demo(
@@ -88,12 +93,14 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _recorder(opened: ExitStack) -> Robot:
     """The node that records a live demo; nobody but this machine hears of it, unless the user said so."""
-    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    for name, value in discovery_variables(DiscoveryRange.LOCALHOST).items():
+        os.environ.setdefault(name, value)
     return opened.enter_context(open_robot(["-r", "__node:=recorder"]))
 
 
 def _print(outcome: DemoOutcome, out: Path) -> None:
-    from smarttestudo.composition import demo  # noqa: PLC0415  see run
+    from smarttestudo.use_cases.demo import demo  # noqa: PLC0415  see run
+    from smarttestudo.use_cases.demo.rules import RULES  # noqa: PLC0415
 
     for table in (frequency_table(outcome.comparison), bandwidth_table(outcome.comparison)):
         print_table(table)
@@ -105,19 +112,26 @@ def _print(outcome: DemoOutcome, out: Path) -> None:
         demo.BASELINE: "what the robot published (rosbag2)",
         demo.ADAPTIVE: "what the operator received (rosbag2)",
         demo.DECISIONS: f"every change of a rate, with its reason: {outcome.decisions} decisions",
-        demo.RULES: "the rules",
+        RULES: "the rules",
         demo.REPORT: "all of it in one page: map, decisions, rates, bandwidth, losses",
     }
     width = max(len(str(out / name)) for name in written)
     for name, meaning in written.items():
         print(f"{out / name!s:<{width}}  {meaning}")  # noqa: T201
-    baseline, rules, report = (
-        shlex.quote(str(out / name)) for name in (demo.BASELINE, demo.RULES, demo.REPORT)
-    )
+    baseline, rules, report = (shlex.quote(str(out / name)) for name in (demo.BASELINE, RULES, demo.REPORT))
     print(  # noqa: T201
-        f"\nOpen {report} in a browser. Then change the rules and see what the operator gets:\n"
-        f"  testudo replay {baseline} --rules {rules} --output my-recording"
+        f"\nOpen {report} in a browser. Then edit {rules} and see what the operator gets:\n"
+        f"  {_own_command()} replay {baseline} --rules {rules} --output my-recording --report my-report.html"
     )
+
+
+def _own_command() -> str:
+    """How this very testudo is typed here; the shell need not find it by its name."""
+    called = Path(sys.argv[0])
+    if called.stem != "testudo":
+        return f"{shlex.quote(sys.executable)} -m smarttestudo"
+    found = shutil.which(called.stem)
+    return called.stem if found and Path(found).samefile(called) else shlex.quote(str(called))
 
 
 def _print_loss(loss: LossReport | None) -> None:

@@ -12,7 +12,8 @@ from smarttestudo.adapters.files.rule_files import find_rule_files, read_rule_te
 from smarttestudo.adirf.formatter import first_line_end, format_file
 from smarttestudo.adirf.parser import parse
 from smarttestudo.cli.finding_text import print_findings
-from smarttestudo.domain.errors import RuleFileError
+from smarttestudo.cli.paths import file_path
+from smarttestudo.domain.errors import RuleFileError, TestudoError
 
 EXIT_ERROR = 1
 
@@ -25,7 +26,9 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         description="Format rule files in place: comments, order and meaning stay. "
         "A file with errors is left as it is.",
     )
-    parser.add_argument("files", metavar="FILE", nargs="+", type=Path, help="a rule file or a folder of them")
+    parser.add_argument(
+        "files", metavar="FILE", nargs="+", type=file_path, help="a rule file or a folder of them"
+    )
     parser.add_argument(
         "--check", action="store_true", help="write nothing; list the files that would change"
     )
@@ -60,7 +63,7 @@ def _format(path: Path, *, is_check: bool) -> int:
             return 0
         if not is_check:
             write_rule_text(path, formatted)
-    except RuleFileError as error:
+    except TestudoError as error:
         sys.stderr.write(f"{error}\n")
         return EXIT_ERROR
     sys.stdout.write(f"{path}\n" if is_check else f"formatted {path}\n")

@@ -1,13 +1,15 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Options of every command that runs the loop."""
+"""Options that several commands share."""
 
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 
+from smarttestudo.cli.paths import file_path
 from smarttestudo.domain import budget
+from smarttestudo.domain.errors import UsageError
+from smarttestudo.domain.robot import DiscoveryRange, OutputDomain
 from smarttestudo.pacing.sample import WhenSlow
 
 
@@ -18,11 +20,13 @@ def add_rules(parser: argparse.ArgumentParser, *, required: bool = True) -> None
         metavar="FILE",
         nargs="+",
         action="extend",
-        type=Path,
+        type=file_path,
         required=required,
         help="rule files, or folders of them; several form one set",
     )
-    parser.add_argument("--profile", metavar="FILE", type=Path, help="what is known about the topics (TOML)")
+    parser.add_argument(
+        "--profile", metavar="FILE", type=file_path, help="what is known about the topics (TOML)"
+    )
     parser.add_argument(
         "--budget",
         metavar="N",
@@ -59,3 +63,70 @@ def budget_kb_per_s(text: str) -> float:
         return budget.budget_kb_per_s(text)
     except ValueError as error:
         raise argparse.ArgumentTypeError(str(error)) from error
+
+
+_MIN_SECONDS = 1.0
+_MAX_SECONDS = 86_400.0
+
+
+def add_simulation(parser: argparse.ArgumentParser, *, full_images_help: str) -> None:
+    """Add ``--seed`` and ``--full-images``."""
+    parser.add_argument(
+        "--seed", metavar="N", type=_seed, default=0, help="fixes all noise (default: %(default)s)"
+    )
+    parser.add_argument("--full-images", action="store_true", help=full_images_help)
+
+
+def seconds(text: str) -> float:
+    """A duration from the command line; ``ArgumentTypeError`` for anything but 1 s to a day."""
+    try:
+        number = float(text)
+    except ValueError:
+        number = 0.0
+    if not _MIN_SECONDS <= number <= _MAX_SECONDS:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number of seconds from 1 to {_MAX_SECONDS:.0f}")
+    return number
+
+
+def _seed(text: str) -> int:
+    if not (text.isascii() and text.isdigit()):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number of 0 or more")
+    return int(text)
+
+
+# The last one whose ports exist.
+LAST_DOMAIN = 232
+
+
+def add_output_domain(parser: argparse.ArgumentParser) -> None:
+    """Add ``--output-domain`` and ``--output-discovery``."""
+    parser.add_argument(
+        "--output-domain",
+        metavar="N",
+        type=domain_number,
+        help="publish into ROS domain N, so that the radio carries nothing but what is relayed",
+    )
+    parser.add_argument(
+        "--output-discovery",
+        choices=[discovery.value for discovery in DiscoveryRange],
+        help="how far that domain reaches (default: as ROS_AUTOMATIC_DISCOVERY_RANGE says)",
+    )
+
+
+def output_domain(arguments: argparse.Namespace) -> OutputDomain | None:
+    """The domain that the command line names; ``UsageError`` for a discovery range without one."""
+    discovery = None if arguments.output_discovery is None else DiscoveryRange(arguments.output_discovery)
+    if arguments.output_domain is not None:
+        return OutputDomain(number=arguments.output_domain, discovery=discovery)
+    if discovery is not None:
+        raise UsageError(
+            "it is about the domain that --output-domain names", place="--output-discovery", remedy="add that"
+        )
+    return None
+
+
+def domain_number(text: str) -> int:
+    """A domain from the command line; ``ArgumentTypeError`` for anything but 0 … 232."""
+    if not (text.isascii() and text.isdigit()) or int(text) > LAST_DOMAIN:
+        raise argparse.ArgumentTypeError(f"a ROS domain is a number from 0 to {LAST_DOMAIN}, not {text!r}")
+    return int(text)

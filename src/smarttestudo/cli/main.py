@@ -1,64 +1,56 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The ``testudo`` command: picks the subcommand, and turns every known failure into one line."""
+"""The ``testudo`` command: picks the subcommand, and turns every known failure into one line.
+
+Little is imported before ``main``, so that it also hears a Ctrl-C that comes while the rest is.
+"""
 
 from __future__ import annotations
 
-import argparse
-import os
 import sys
 from collections.abc import Sequence
+from contextlib import suppress
 
-from smarttestudo import __version__
-from smarttestudo.cli import bag, check, demo, fmt, optimize, profile, replay, ruler, run, simulate, top
+from smarttestudo.cli.standard_streams import forget_output, is_of_a_stream, open_closed_streams
+from smarttestudo.cli.terminal import Terminated, terminating_signals
 from smarttestudo.domain.errors import TestudoError, UsageError
+from smarttestudo.domain.packages import missing_package
 
 EXIT_ERROR = 1
 EXIT_USAGE = 2
 EXIT_INTERRUPTED = 130
-STUDIO_PACKAGES = frozenset(
-    {
-        "apsw",
-        "highspy",
-        "lz4",
-        "matplotlib",
-        "mcap",
-        "msgspec",
-        "numpy",
-        "PIL",
-        "rich",
-        "rosbags",
-        "ruamel",
-        "starlette",
-        "uvicorn",
-        "websockets",
-        "zstandard",
-    }
-)
+_EXIT_SIGNALLED = 128
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run ``testudo`` with ``argv`` (default: the process's) and return its exit code."""
-    arguments = _parser().parse_args(argv)
+    open_closed_streams()
     try:
-        code: int = arguments.run(arguments)
-        sys.stdout.flush()
+        with terminating_signals():
+            return _run(argv)
     except UsageError as error:
         return _fail(str(error), EXIT_USAGE)
     except TestudoError as error:
         return _fail(str(error), EXIT_ERROR)
     except ModuleNotFoundError as error:
-        if (error.name or "").partition(".")[0] not in STUDIO_PACKAGES:
+        missing = missing_package(error, "this command")
+        if missing is None:
             raise
-        remedy = "pip install 'smarttestudo[studio]'"
-        return _fail(f"error: this command needs the package {error.name}; {remedy}", EXIT_ERROR)
+        return _fail(str(missing), EXIT_ERROR)
     except BrokenPipeError:
-        # The reader of our output has gone; whatever Python still flushes at exit must not complain.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        # The reader of the output has gone.
+        forget_output()
         return EXIT_ERROR
+    except OSError as error:
+        if not is_of_a_stream(error):
+            raise
+        forget_output()
+        remedy = "write to another place"
+        return _fail(f"standard output: error: cannot be written: {error.strerror}; {remedy}", EXIT_ERROR)
+    except Terminated as signalled:
+        return _fail("terminated", _EXIT_SIGNALLED + signalled.number)
     except KeyboardInterrupt:
         return _fail("interrupted", EXIT_INTERRUPTED)
-    return code
 
 
 def smart_testudo(argv: Sequence[str] | None = None) -> int:
@@ -66,19 +58,25 @@ def smart_testudo(argv: Sequence[str] | None = None) -> int:
     return main(["run", *(sys.argv[1:] if argv is None else argv)])
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
-        prog="testudo",
-        description="Adaptive monitoring for ROS 2 robots: each topic at the rate your rules give it now.",
-        epilog="'testudo demo' needs no robot. 'testudo COMMAND --help' explains a command.",
-    )
-    parser.add_argument("--version", action="version", version=f"testudo {__version__}")
-    commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    for command in (demo, check, fmt, run, top, replay, bag, profile, optimize, ruler, simulate):
-        command.add_parser(commands)
-    return parser
+def _run(argv: Sequence[str] | None) -> int:
+    from smarttestudo.cli.commands import command_parser  # noqa: PLC0415  see above
+
+    try:
+        arguments = command_parser().parse_args(argv)
+        code: int = arguments.run(arguments)
+    except SystemExit:
+        # Help was printed.
+        sys.stdout.flush()
+        raise
+    sys.stdout.flush()
+    return code
 
 
 def _fail(line: str, code: int) -> int:
-    print(line, file=sys.stderr)  # noqa: T201
+    try:
+        sys.stdout.flush()
+    except OSError:
+        forget_output()
+    with suppress(OSError):
+        print(line, file=sys.stderr)  # noqa: T201
     return code

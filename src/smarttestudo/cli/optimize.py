@@ -5,21 +5,27 @@
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from collections.abc import Sequence
-from pathlib import Path
 from typing import TextIO
 
+from smarttestudo.adapters.files.outputs import require_separate
 from smarttestudo.adapters.files.rule_files import write_rule_text
+from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.tables import print_table
-from smarttestudo.composition.optimize import OptimizeOutcome, OptimizeRequest, RefusedRulesError, optimize
-from smarttestudo.composition.optimize_json import optimize_json
 from smarttestudo.domain.finding import Finding
+from smarttestudo.domain.json_text import json_text
 from smarttestudo.optimizer.explanation import PartExplanation
 from smarttestudo.optimizer.model import Model
 from smarttestudo.optimizer.rule_rates import SolvedPart
 from smarttestudo.optimizer.wording import kb_text, wanted_text
+from smarttestudo.use_cases.rules.optimize import (
+    OptimizeCommand,
+    OptimizeOutcome,
+    RefusedRulesError,
+    optimize,
+)
+from smarttestudo.use_cases.rules.optimize_json import optimize_json
 from smarttestudo.visualizer.table import Align, Column, Number, Row, Table, Text
 
 EXIT_ERROR = 1
@@ -33,9 +39,9 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         description="Turn the quality levels of a rule file into rates that fit the profile's budget. "
         "Without -o the new rule file goes to standard output.",
     )
-    parser.add_argument("file", metavar="FILE", type=Path, help="a rule file")
+    parser.add_argument("file", metavar="FILE", type=file_path, help="a rule file")
     parser.add_argument(
-        "--profile", metavar="P", type=Path, required=True, help="sizes, tiers and the budget"
+        "--profile", metavar="P", type=file_path, required=True, help="sizes, tiers and the budget"
     )
     parser.add_argument(
         "--model",
@@ -43,7 +49,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         default=Model.QUPER.value,
         help="what to maximise (default: quper, the rates within the intervals of their levels)",
     )
-    parser.add_argument("-o", "--output", metavar="OUT", type=Path, help="where to write the rule file")
+    parser.add_argument("-o", "--output", metavar="OUT", type=file_path, help="where to write the rule file")
     parser.add_argument(
         "--only-named", action="store_true", help="leave out topics that only the profile names"
     )
@@ -54,7 +60,8 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 
 def run(arguments: argparse.Namespace) -> int:
     """Solve and write; 1 where something does not fit or the file has errors."""
-    request = OptimizeRequest(
+    require_separate({"--output": arguments.output}, (arguments.file, arguments.profile))
+    request = OptimizeCommand(
         rules=arguments.file,
         profile=arguments.profile,
         model=Model(arguments.model),
@@ -69,7 +76,7 @@ def run(arguments: argparse.Namespace) -> int:
     if outcome.rewritten is not None and arguments.output is not None:
         write_rule_text(arguments.output, outcome.rewritten)
     if arguments.json:
-        print(json.dumps(optimize_json(outcome), indent=2, ensure_ascii=False))  # noqa: T201
+        print(json_text(optimize_json(outcome), ascii_only=False, indent=2))  # noqa: T201
     elif outcome.rewritten is not None and arguments.output is None:
         sys.stdout.write(outcome.rewritten)
     if arguments.explain and not arguments.json:

@@ -12,14 +12,18 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from smarttestudo.adapters.files.outputs import require_separate
+from smarttestudo.adapters.files.whole_file import whole_file
 from smarttestudo.adapters.ros import open_robot
-from smarttestudo.cli.durations import add_timeout, duration_s
+from smarttestudo.cli.bag_options import topic_pattern
+from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.progress import progress
-from smarttestudo.composition.profile_robot import profile_of_robot
+from smarttestudo.cli.terminal import add_timeout, duration_s
 from smarttestudo.domain.errors import ProfileError, UsageError
+from smarttestudo.use_cases.live.profile import profile_of_robot
 
 if TYPE_CHECKING:
-    from smarttestudo.optimizer.profiling.proposal import TierProposal
+    from smarttestudo.optimizer.profiling import TierProposal
 
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -31,20 +35,27 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         "them as a profile with proposed tiers. Without -o it goes to standard output.",
     )
     measured = parser.add_mutually_exclusive_group(required=True)
-    measured.add_argument("--bag", metavar="BAG", type=Path, help="a rosbag2 folder, a .db3 or an .mcap file")
+    measured.add_argument(
+        "--bag", metavar="BAG", type=file_path, help="a rosbag2 folder, a .db3 or an .mcap file"
+    )
     measured.add_argument(
         "--seconds", metavar="N", type=duration_s, help="measure the topics of a running robot for N seconds"
     )
     add_timeout(parser, "with --seconds: how long to wait for the first topic")
     parser.add_argument(
-        "--topics", metavar="TOPIC", nargs="+", default=(), help="these only; * ? […] as in a shell"
+        "--topics",
+        metavar="TOPIC",
+        nargs="+",
+        type=topic_pattern,
+        default=(),
+        help="these only; * ? […] as in a shell",
     )
     parser.add_argument(
         "--from-curve",
         action="store_true",
         help="with --bag: propose tiers where the loss at each rate bends, as `bag loss BAG` shows it",
     )
-    parser.add_argument("-o", "--output", metavar="FILE", type=Path, help="where to write the profile")
+    parser.add_argument("-o", "--output", metavar="FILE", type=file_path, help="where to write the profile")
     parser.add_argument(
         "--ros-args",
         metavar="ARG",
@@ -62,22 +73,19 @@ def run(arguments: argparse.Namespace) -> int:
         raise ProfileError("the file exists already", place=str(output), remedy="give another name")
     if arguments.from_curve and arguments.bag is None:
         raise UsageError("a curve needs a recording", place="--from-curve", remedy="give one with --bag")
+    require_separate({"--output": output}, (arguments.bag,))
     text = _of_robot(arguments) if arguments.bag is None else _of_recording(arguments)
     if output is None:
         sys.stdout.write(text)
         return 0
-    try:
-        with output.open("x", encoding="utf-8") as file:
-            file.write(text)
-    except OSError as error:
-        cause = f"the profile cannot be written: {error.strerror}"
-        raise ProfileError(cause, place=str(output), remedy="check the folder") from error
+    with whole_file(output, "the profile", must_be_new=True) as write:
+        write(text)
     return 0
 
 
 def _of_recording(arguments: argparse.Namespace) -> str:
     from smarttestudo.adapters.rosbag import open_recording  # noqa: PLC0415  needs packages a robot lacks
-    from smarttestudo.composition.profile_recording import profile_of_recording  # noqa: PLC0415
+    from smarttestudo.use_cases.bags.profile import profile_of_recording  # noqa: PLC0415
 
     proposals = _breakpoints(arguments.bag) if arguments.from_curve else None
     with open_recording(arguments.bag) as recording:
@@ -109,7 +117,7 @@ def _note(notices: Iterable[str]) -> None:
 
 
 def _breakpoints(bag: Path) -> dict[str, TierProposal]:
-    from smarttestudo.composition.bag_curves import measure_curves  # noqa: PLC0415  see _of_recording
+    from smarttestudo.use_cases.bags.curves import measure_curves  # noqa: PLC0415  see _of_recording
 
     with progress(f"Reading {bag}") as report:
         curves = measure_curves(bag, report=report).curves

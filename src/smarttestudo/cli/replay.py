@@ -1,36 +1,127 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""``testudo replay``: a recording as the operator would have received it."""
+"""``testudo replay``."""
 
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from smarttestudo.adapters.files.decision_log import decision_log
 from smarttestudo.adapters.files.input_log import holds_inputs
+from smarttestudo.adapters.files.outputs import require_separate
 from smarttestudo.adapters.files.profile import load_profile
+from smarttestudo.adapters.files.rule_files import rule_files_named
 from smarttestudo.adapters.files.whole_file import whole_file
 from smarttestudo.cli.finding_text import print_findings
 from smarttestudo.cli.loop_options import add_rules
+from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.progress import progress
 from smarttestudo.cli.tables import print_table
-from smarttestudo.composition.rule_sets import LoadedRules, load_rules
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.errors import UsageError
+from smarttestudo.domain.json_text import json_text
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.recording import RecordingReader, Storage
 from smarttestudo.pacing.sample import WhenSlow
+from smarttestudo.use_cases.replay.outcome import ReplayOutcome, TopicOutcome
+from smarttestudo.use_cases.rules.rule_sets import LoadedRules, load_rules
+from smarttestudo.visualizer.comparison import change_percent
+from smarttestudo.visualizer.comparison_tables import DECLARED
+from smarttestudo.visualizer.table import Align, Column, Number, Row, Table, Text
 
 if TYPE_CHECKING:
-    from smarttestudo.composition.replay_outcome import ReplayOutcome
+    from smarttestudo.use_cases.replay.outcome import ReplayOutcome
+
+
+_TOPIC = Column(heading="Topic", align=Align.LEFT)
+_RATES_NOTE = (
+    "Hz: (n − 1) / (last − first). Error: the mean against the lesser of target and source at each time. "
+    "Target and error are weighted by time."
+)
+_FRAMES_NOTE = "Transforms have the rate for each child frame, and so the means over the frames stand here."
+_DECLARED_NOTE = "declared: the size that the recording declares for its messages, not the one it holds."
+
+
+def rates_table(outcome: ReplayOutcome) -> Table:
+    """Each relayed topic's messages in and out, and how near its rate came to its target."""
+    repeats = any(topic.repeated for topic in outcome.topics.values())
+    frames = any((topic.frames or 0) > 1 for topic in outcome.topics.values())
+    return Table(
+        title="Rates",
+        columns=(
+            _TOPIC,
+            Column(heading="In"),
+            Column(heading="Out"),
+            *((Column(heading="Repeated"),) if repeats else ()),
+            Column(heading="Source", unit="Hz"),
+            Column(heading="Target", unit="Hz"),
+            Column(heading="Mean", unit="Hz"),
+            Column(heading="Error", unit="%"),
+        ),
+        rows=tuple(_rates(name, topic, repeats=repeats) for name, topic in outcome.topics.items()),
+        footnotes=(_RATES_NOTE, _FRAMES_NOTE) if frames else (_RATES_NOTE,),
+    )
+
+
+def volume_table(outcome: ReplayOutcome) -> Table:
+    """How much each relayed topic carried in and out, and the sum; declared sizes are labelled."""
+    topics = outcome.topics
+    declared = any(topic.declared for topic in topics.values())
+    total = Row(
+        cells=(
+            Text("All"),
+            *_volumes(
+                sum(topic.in_kb for topic in topics.values()), sum(topic.out_kb for topic in topics.values())
+            ),
+            *((Text(""),) if declared else ()),
+        ),
+        is_total=True,
+    )
+    return Table(
+        title="Volume",
+        columns=(
+            _TOPIC,
+            Column(heading="In", unit="KB"),
+            Column(heading="Out", unit="KB"),
+            Column(heading="Change", unit="%"),
+            *((Column(heading="Sizes", align=Align.LEFT),) if declared else ()),
+        ),
+        rows=(*(_volume(name, topic, declared=declared) for name, topic in topics.items()), total),
+        footnotes=(_DECLARED_NOTE,) if declared else (),
+    )
+
+
+def _rates(name: str, topic: TopicOutcome, *, repeats: bool) -> Row:
+    return Row(
+        cells=(
+            Text(name),
+            Number(topic.messages_in, decimals=0),
+            Number(topic.messages_out, decimals=0),
+            *((Number(topic.repeated, decimals=0),) if repeats else ()),
+            Number(topic.source_hz),
+            Number(topic.target_hz),
+            Number(topic.mean_hz),
+            Number(topic.error_percent, signed=True),
+        )
+    )
+
+
+def _volume(name: str, topic: TopicOutcome, *, declared: bool) -> Row:
+    label = (Text(DECLARED if topic.declared else ""),) if declared else ()
+    return Row(cells=(Text(name), *_volumes(topic.in_kb, topic.out_kb), *label))
+
+
+def _volumes(in_kb: float, out_kb: float) -> tuple[Number, Number, Number]:
+    change = Number(change_percent(in_kb, out_kb), decimals=1, signed=True)
+    return Number(in_kb, decimals=1), Number(out_kb, decimals=1), change
+
 
 EXIT_ERROR = 1
+_OUTPUTS = ("--output", "--decisions", "--report")
 
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -43,12 +134,12 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.add_argument(
         "bag",
         metavar="BAG",
-        type=Path,
+        type=file_path,
         help="a rosbag2 folder, a .db3 or an .mcap file; or what 'testudo run --record-inputs' left, which "
         "holds its own rules and gives decisions only",
     )
     add_rules(parser, required=False)
-    parser.add_argument("--output", metavar="DIR", type=Path, help="the new recording's folder")
+    parser.add_argument("--output", metavar="DIR", type=file_path, help="the new recording's folder")
     _add_options(parser)
     parser.set_defaults(run=run)
 
@@ -66,15 +157,18 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
         default="{topic}",
         help="names of the relayed topics, as in '/testudo{topic}' (default: as they are)",
     )
-    parser.add_argument("--decisions", metavar="FILE", type=Path, help="write the decisions (JSON Lines)")
     parser.add_argument(
-        "--report", metavar="FILE", type=Path, help="write a report that shows the replay (HTML)"
+        "--decisions", metavar="FILE", type=file_path, help="write the decisions (JSON Lines)"
+    )
+    parser.add_argument(
+        "--report", metavar="FILE", type=file_path, help="write a report that shows the replay (HTML)"
     )
     parser.add_argument("--json", action="store_true", help="print one JSON object instead of a table")
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Replay; 1 if the rules have an error."""
+    _require_separate(arguments)
     if holds_inputs(arguments.bag):
         return _run_inputs(arguments)
     for option in ("rules", "output"):
@@ -94,9 +188,16 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
+def _require_separate(arguments: argparse.Namespace) -> None:
+    require_separate(
+        {option: getattr(arguments, option.removeprefix("--")) for option in _OUTPUTS},
+        (arguments.bag, arguments.profile, *rule_files_named(arguments.rules or ())),
+    )
+
+
 def _run_inputs(arguments: argparse.Namespace) -> int:
     """What a live run saw, decided anew."""
-    from smarttestudo.composition.replay_inputs import replay_inputs  # noqa: PLC0415  see run
+    from smarttestudo.use_cases.replay.inputs import replay_inputs  # noqa: PLC0415  see run
 
     for option in ("rules", "output", "profile", "budget", "report"):
         if getattr(arguments, option) is not None:
@@ -108,7 +209,7 @@ def _run_inputs(arguments: argparse.Namespace) -> int:
             decided = opened.enter_context(decision_log(arguments.decisions))
         outcome = replay_inputs(arguments.bag, decided)
     if arguments.json:
-        print(json.dumps(outcome.to_json(), allow_nan=False))  # noqa: T201
+        print(json_text(outcome.to_json()))  # noqa: T201
     else:
         print(f"{outcome.decisions:,} decisions from {outcome.inputs:,} inputs in {outcome.duration_s:.1f} s")  # noqa: T201
     for notice in outcome.notices:
@@ -123,16 +224,18 @@ def _ignore(_: object) -> None:
 def _replay(
     arguments: argparse.Namespace, recording: RecordingReader, profile: Profile, rules: LoadedRules
 ) -> ReplayOutcome:
-    from smarttestudo.composition.replay import ReplayRequest, replay  # noqa: PLC0415  see run
+    from smarttestudo.use_cases.replay.replay import ReplayRequest, replay  # noqa: PLC0415  see run
 
     decisions: list[Decision] = []
     with ExitStack() as opened:
         sinks: list[Callable[[Sequence[Decision]], None]] = []
-        if arguments.decisions is not None:
-            sinks.append(opened.enter_context(decision_log(arguments.decisions)))
         if arguments.report is not None:
             write_report = opened.enter_context(whole_file(arguments.report, "the report"))
             sinks.append(decisions.extend)
+        # A report that cannot be made costs neither the recording nor the decisions.
+        replaying = opened.enter_context(ExitStack())
+        if arguments.decisions is not None:
+            sinks.append(replaying.enter_context(decision_log(arguments.decisions)))
 
         def decided(new: Sequence[Decision]) -> None:
             for sink in sinks:
@@ -153,6 +256,7 @@ def _replay(
                     report=report,
                 )
             )
+        replaying.close()
         if arguments.report is not None:
             write_report(_report(arguments, outcome, decisions, profile, rules))
         return outcome
@@ -165,7 +269,7 @@ def _report(
     profile: Profile,
     rules: LoadedRules,
 ) -> str:
-    from smarttestudo.composition.replay_report import replay_report  # noqa: PLC0415  see run
+    from smarttestudo.use_cases.replay.report import replay_report  # noqa: PLC0415  see run
     from smarttestudo.visualizer.report import render_report  # noqa: PLC0415
 
     return render_report(
@@ -183,10 +287,9 @@ def _report(
 
 
 def _print(outcome: ReplayOutcome, *, as_json: bool) -> None:
-    from smarttestudo.cli.replay_tables import rates_table, volume_table  # noqa: PLC0415  see run
 
     if as_json:
-        print(json.dumps(outcome.to_json(), allow_nan=False))  # noqa: T201
+        print(json_text(outcome.to_json()))  # noqa: T201
     else:
         for table in (rates_table(outcome), volume_table(outcome)):
             print_table(table)

@@ -10,9 +10,11 @@ import webbrowser
 from pathlib import Path
 
 from smarttestudo.adapters.files.project_folder import ProjectFolder
+from smarttestudo.cli.paths import file_path
 from smarttestudo.domain.errors import RuleFileError
 
 DEFAULT_PORT = 8750
+_MAX_PORT = 65535
 
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -24,7 +26,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         "writes the files of one folder: that of FILE, or FOLDER. Ctrl-C ends it.",
     )
     parser.add_argument(
-        "path", metavar="FILE|FOLDER", nargs="?", type=Path, default=Path(), help="default: this folder"
+        "path", metavar="FILE|FOLDER", nargs="?", type=file_path, default=Path(), help="default: this folder"
     )
     parser.add_argument(
         "--host",
@@ -32,15 +34,24 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         help="the address to listen on; other machines need the token that is printed (default: %(default)s)",
     )
     parser.add_argument(
-        "--port", type=int, default=DEFAULT_PORT, help="0 takes a free one (default: %(default)s)"
+        "--port", type=_port, default=DEFAULT_PORT, help="0 takes a free one (default: %(default)s)"
     )
     parser.add_argument("--no-browser", action="store_true", help="do not open the page in a browser")
     parser.set_defaults(run=run)
 
 
+def _port(text: str) -> int:
+    """A port from the command line; ``ArgumentTypeError`` for what is none."""
+    if not (
+        text.isdecimal() and text.isascii() and len(text) <= len(str(_MAX_PORT)) and int(text) <= _MAX_PORT
+    ):
+        raise argparse.ArgumentTypeError(f"a port is a number from 0 to {_MAX_PORT}, not {text!r:.40}")
+    return int(text)
+
+
 def run(arguments: argparse.Namespace) -> int:
     """Serve until Ctrl-C."""
-    from smarttestudo.web.guard import Access  # noqa: PLC0415  needs packages a robot lacks
+    from smarttestudo.web.guard import ServerAddress  # noqa: PLC0415  needs packages a robot lacks
     from smarttestudo.web.page import is_page_built  # noqa: PLC0415
     from smarttestudo.web.server import serve  # noqa: PLC0415
 
@@ -49,10 +60,10 @@ def run(arguments: argparse.Namespace) -> int:
         raise RuleFileError("there is no such folder", place=str(path.parent), remedy="check the path")
     folder = path if path.is_dir() else path.parent
 
-    def started(access: Access) -> None:
+    def started(access: ServerAddress) -> None:
         print(f"ADIRF Ruler of {folder.resolve()}: {access.url} (Ctrl-C ends it)", flush=True)  # noqa: T201
         if not is_page_built():
-            print("note: the page is not built; 'make gui' builds it", flush=True)  # noqa: T201
+            print("note: the page is not built; it says how to build it", flush=True)  # noqa: T201
         elif not arguments.no_browser:
             # A browser may take its time, or wait for the server.
             threading.Thread(target=webbrowser.open, args=(access.url,), daemon=True).start()

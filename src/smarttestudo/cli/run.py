@@ -6,21 +6,22 @@ from __future__ import annotations
 
 import argparse
 from contextlib import ExitStack
-from pathlib import Path
 
 from smarttestudo.adapters.files.decision_log import growing_decision_log
-from smarttestudo.adapters.files.input_log import input_log
+from smarttestudo.adapters.files.input_log import INPUTS_FILE, input_log
+from smarttestudo.adapters.files.outputs import require_separate
+from smarttestudo.adapters.files.rule_files import rule_files_named
 from smarttestudo.adapters.ros import open_robot
-from smarttestudo.cli.loop_options import add_ros_arguments, add_rules
-from smarttestudo.cli.output_domain import add_output_domain, output_domain
-from smarttestudo.cli.stop_signals import stop_signals
-from smarttestudo.composition.live_decisions import Decided
-from smarttestudo.composition.monitored_topics import DEFAULT_OUTPUT_TOPIC
-from smarttestudo.composition.run import run_live
-from smarttestudo.composition.run_parameters import RunParameters
+from smarttestudo.cli.loop_options import add_output_domain, add_ros_arguments, add_rules, output_domain
+from smarttestudo.cli.paths import file_path
+from smarttestudo.cli.terminal import stop_signals
 from smarttestudo.domain.names import is_topic_prefix
 from smarttestudo.domain.parameter import ParameterValue
 from smarttestudo.domain.robot import DataPathKind
+from smarttestudo.use_cases.live.decisions import Decided
+from smarttestudo.use_cases.live.output_topics import DEFAULT_OUTPUT_TOPIC
+from smarttestudo.use_cases.live.run import run_live
+from smarttestudo.use_cases.live.run_parameters import RunParameters, RunRequest
 
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -51,7 +52,7 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
         help="what to put before every topic of the rules and the profile, as in /tb3_0",
     )
     parser.add_argument(
-        "--decisions", metavar="FILE", type=Path, help="append the decisions to a file (JSON Lines)"
+        "--decisions", metavar="FILE", type=file_path, help="append the decisions to a file (JSON Lines)"
     )
     parser.add_argument(
         "--data-path",
@@ -63,7 +64,7 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--record-inputs",
         metavar="DIR",
-        type=Path,
+        type=file_path,
         help="record what the loop sees into a new folder; 'testudo replay DIR' decides the same from it",
     )
     add_ros_arguments(parser)
@@ -88,6 +89,7 @@ def run(arguments: argparse.Namespace) -> int:
             )
         )
         parameters = RunParameters(robot, _given(arguments))
+        _require_separate(parameters.request)
         decided: list[Decided] = []
         if parameters.request.decisions is not None:
             decided.append(opened.enter_context(growing_decision_log(parameters.request.decisions)))
@@ -96,6 +98,17 @@ def run(arguments: argparse.Namespace) -> int:
             note = opened.enter_context(input_log(parameters.request.record_inputs))
         run_live(parameters, robot, stopped, decided, note)
     return 0
+
+
+def _require_separate(request: RunRequest) -> None:
+    recorded = request.record_inputs
+    require_separate(
+        {
+            "--decisions": request.decisions,
+            "--record-inputs": None if recorded is None else recorded / INPUTS_FILE,
+        },
+        (request.profile, *rule_files_named(request.rules)),
+    )
 
 
 def _given(arguments: argparse.Namespace) -> dict[str, ParameterValue]:

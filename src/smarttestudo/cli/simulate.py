@@ -7,9 +7,8 @@ from __future__ import annotations
 import argparse
 
 from smarttestudo.adapters.ros import open_robot
-from smarttestudo.cli.loop_options import add_ros_arguments
-from smarttestudo.cli.simulation_options import add_simulation, seconds
-from smarttestudo.cli.stop_signals import stop_signals
+from smarttestudo.cli.loop_options import add_ros_arguments, add_simulation, seconds
+from smarttestudo.cli.terminal import stop_signals
 
 NODE = ("-r", "__node:=turtlebot3")
 
@@ -34,7 +33,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 def run(arguments: argparse.Namespace) -> int:
     """Drive until done or a signal comes."""
     with stop_signals() as stopped, open_robot([*NODE, *arguments.ros_args]) as robot:
-        from smarttestudo.composition.simulate import (  # noqa: PLC0415  needs packages a robot lacks
+        from smarttestudo.use_cases.demo.simulate import (  # noqa: PLC0415  needs packages a robot lacks
             SimulateRequest,
             simulate,
         )

@@ -8,8 +8,7 @@ import shutil
 import sys
 from typing import TYPE_CHECKING, TextIO
 
-from smarttestudo.visualizer.plain_table import plain_table
-from smarttestudo.visualizer.table import Align, Table, format_cell
+from smarttestudo.visualizer.table import Align, Table, format_cell, plain_table, table_parts
 
 if TYPE_CHECKING:
     from rich.table import Table as RichTable
@@ -22,8 +21,13 @@ def print_table(table: Table, stream: TextIO | None = None) -> None:
     stream = stream or sys.stdout
     if not stream.isatty():
         write_text(plain_table(table), stream)
-    elif not is_unicode(stream) or not _print_rich(table, stream):
-        write_text(plain_table(table, width=shutil.get_terminal_size().columns), stream)
+        return
+    width = shutil.get_terminal_size().columns
+    for number, part in enumerate(table_parts(table, width)):
+        if number:
+            write_text("", stream)
+        if not is_unicode(stream) or not _print_rich(part, stream):
+            write_text(plain_table(part, width=width), stream)
 
 
 def _print_rich(table: Table, stream: TextIO) -> bool:
@@ -33,6 +37,9 @@ def _print_rich(table: Table, stream: TextIO) -> bool:
     except ModuleNotFoundError:
         return False
     console = Console(file=stream, highlight=False, markup=False, emoji=False)
+    if table.title:
+        # A title of the table itself would be broken where the table is narrower.
+        console.print(table.title, style="bold", soft_wrap=True)
     console.print(_rich_table(table))
     for note in table.footnotes:
         console.print(note, style="dim")
@@ -45,16 +52,14 @@ def _rich_table(table: Table) -> RichTable:
     from rich.text import Text as RichText  # noqa: PLC0415
 
     shown = RichTable(
-        title=table.title or None,
-        title_justify="left",
-        title_style="bold",
         box=box.SIMPLE_HEAD,
         padding=(0, 1, 0, 0),
         show_edge=False,
         pad_edge=False,
     )
+    has_units = any(column.unit for column in table.columns)
     for column in table.columns:
-        heading = RichText.assemble(column.heading, ("\n" + column.unit, "dim"))
+        heading = RichText.assemble(column.heading, ("\n" + column.unit if has_units else "", "dim"))
         if column.align is Align.LEFT:
             shown.add_column(heading, justify="left", overflow="fold")
         else:

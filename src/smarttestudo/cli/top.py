@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import os
 import shutil
 import sys
@@ -13,17 +12,22 @@ import time
 from collections.abc import Callable
 from contextlib import ExitStack
 
+from smarttestudo.adapters.json.status import status_to_json
 from smarttestudo.adapters.ros import open_robot
-from smarttestudo.cli.durations import add_timeout
-from smarttestudo.cli.keys import key_presses
-from smarttestudo.cli.stop_signals import stop_signals
-from smarttestudo.cli.top_screen import open_screen, print_lines
-from smarttestudo.cli.top_table import Line, Look, SortKey, summary_lines, topic_lines
-from smarttestudo.composition.status_announcer import STATUS_TOPIC
-from smarttestudo.composition.status_watch import StatusWatch
+from smarttestudo.cli.terminal import add_timeout, key_presses, stop_signals
+from smarttestudo.cli.top_table import (
+    Line,
+    Look,
+    SortKey,
+    open_screen,
+    print_lines,
+    summary_lines,
+    topic_lines,
+)
 from smarttestudo.domain.errors import RosError, UsageError
+from smarttestudo.domain.json_text import json_text
 from smarttestudo.domain.robot import Robot
-from smarttestudo.domain.status_json import status_to_json
+from smarttestudo.use_cases.live.status_topics import STATUS_TOPIC, StatusWatch
 
 _SHOW_PERIOD_S = 1.0
 _WAIT_S = 0.1
@@ -82,7 +86,7 @@ def _wait_for_all(watch: StatusWatch, robot: Robot, stopped: Callable[[], bool],
 def _print_once(watch: StatusWatch, arguments: argparse.Namespace) -> None:
     if arguments.json:
         nodes = {node: status_to_json(heard.status) for node, heard in sorted(watch.heard.items())}
-        sys.stdout.write(json.dumps({"nodes": nodes}, indent=2, ensure_ascii=False) + "\n")
+        sys.stdout.write(json_text({"nodes": nodes}, ascii_only=False, indent=2) + "\n")
     else:
         print_lines(_lines(watch, SortKey(arguments.sort), _width()))
 

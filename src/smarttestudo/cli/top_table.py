@@ -1,21 +1,22 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""A runtime's status as lines of text, for 80 columns or more."""
+"""The table of ``testudo top``, printed or redrawn in place."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from datetime import timedelta
 from enum import Enum
 from pathlib import Path
 
-from smarttestudo.composition.diagnostics import topic_health
+from smarttestudo.cli.tables import is_unicode, write_text
 from smarttestudo.domain.decision import Reason
-from smarttestudo.domain.diagnostic import DiagnosticLevel
-from smarttestudo.domain.status import RuntimeStatus, Silence, TopicStatus
-from smarttestudo.visualizer.plain_table import plain_table
+from smarttestudo.domain.status import DiagnosticLevel, RuntimeStatus, Silence, TopicStatus
+from smarttestudo.use_cases.live.diagnostics import topic_health
 from smarttestudo.visualizer.table import (
     Align,
     Cell,
@@ -25,6 +26,7 @@ from smarttestudo.visualizer.table import (
     Table,
     Text,
     format_number,
+    plain_table,
     printable,
 )
 
@@ -155,8 +157,9 @@ def _cells(source: str, topic: TopicStatus, *, is_wide: bool) -> tuple[Cell, ...
     is_well = topic.silence is None and health.level is DiagnosticLevel.OK
     summary = "" if is_well else health.summary
     why = (Text(rule), Text(summary and health.message)) if is_wide else (Text(summary or rule),)
+    name = source if topic.frames is None or topic.frames == 1 else f"{source} ({topic.frames} frames)"
     return (
-        Text(source),
+        Text(name),
         Number(topic.source_hz),
         _target(topic.target_hz),
         Number(topic.actual_hz),
@@ -181,3 +184,63 @@ def _rule(topic: TopicStatus) -> str:
 
 def _look(topic: TopicStatus) -> Look:
     return Look.QUIET if topic.silence in _QUIET else _LOOKS[topic_health(topic).level]
+
+
+Show = Callable[[Sequence[Line]], None]
+
+_STYLES = {
+    Look.HEADING: "bold",
+    Look.PLAIN: "",
+    Look.QUIET: "dim",
+    Look.WARN: "yellow",
+    Look.ERROR: "bold red",
+    Look.STALE: "magenta",
+}
+
+
+@contextmanager
+def open_screen() -> Iterator[Show]:
+    """What shows lines on standard output; a terminal's own content is back at the end."""
+    if sys.stdout.isatty() and is_unicode(sys.stdout):
+        try:
+            import rich.live  # noqa: F401, PLC0415  a robot has no rich
+        except ModuleNotFoundError:
+            pass
+        else:
+            with _rich_screen() as show:
+                yield show
+            return
+    yield print_lines
+
+
+def print_lines(lines: Sequence[Line]) -> None:
+    """Write ``lines`` and an empty one to standard output."""
+    write_text("".join(f"{line.text}\n" for line in lines), sys.stdout)
+    sys.stdout.flush()
+
+
+@contextmanager
+def _rich_screen() -> Iterator[Show]:
+    from rich.console import Console  # noqa: PLC0415
+    from rich.live import Live  # noqa: PLC0415
+    from rich.text import Text  # noqa: PLC0415
+
+    console = Console(highlight=False, markup=False, emoji=False)
+    with Live(console=console, screen=True, auto_refresh=False) as live:
+
+        def show(lines: Sequence[Line]) -> None:
+            text = Text(no_wrap=True, overflow="ellipsis")
+            for line in cropped(lines, console.height):
+                text.append(f"{line.text}\n", style=_STYLES[line.look])
+            text.right_crop(1)
+            live.update(text, refresh=True)
+
+        yield show
+
+
+def cropped(lines: Sequence[Line], height: int) -> Sequence[Line]:
+    """``lines``, as many as fit; the last one says how many are missing."""
+    if len(lines) <= height:
+        return lines
+    hidden = len(lines) - height + 1
+    return [*lines[: height - 1], Line(f"… {hidden} more lines: a taller window, or --sort", Look.QUIET)]

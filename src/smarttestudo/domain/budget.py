@@ -6,6 +6,8 @@ from __future__ import annotations
 
 import math
 
+MAX_BUDGET_KB_PER_S = 1e9
+
 
 def budget_kb_per_s(value: object) -> float:
     """``value``, a number or text, as KB/s for all relayed topics together. Raises ``ValueError``."""
@@ -13,8 +15,8 @@ def budget_kb_per_s(value: object) -> float:
     if isinstance(value, int | float | str) and not isinstance(value, bool):
         try:
             number = float(value)
-        except ValueError:
+        except (ValueError, OverflowError):
             number = math.nan
-    if not 0 <= number < math.inf:
-        raise ValueError(f"a budget is a number of KB/s from 0 on, not {value!r}")
+    if not 0 <= number <= MAX_BUDGET_KB_PER_S:
+        raise ValueError(f"a budget is a number of KB/s from 0 to {MAX_BUDGET_KB_PER_S:g}, not {value!r:.40}")
     return number

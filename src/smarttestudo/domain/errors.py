@@ -26,6 +26,18 @@ class TestudoError(Exception):
         return f"{head}; {self.remedy}" if self.remedy else head
 
 
+def testudo_error(error: Exception) -> TestudoError:
+    """``error`` itself, or one in its place that names its kind, as nobody expected it."""
+    if isinstance(error, TestudoError):
+        return error
+    return TestudoError(" ".join(f"unexpected {type(error).__name__}: {error}".split()))
+
+
+def said(error: Exception) -> str:
+    """``error`` as one line for a log."""
+    return str(testudo_error(error))
+
+
 class RuleFileError(TestudoError):
     """A rule file that cannot be read at all, or that has errors where none may be."""
 

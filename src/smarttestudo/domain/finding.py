@@ -44,6 +44,21 @@ class Finding:
     fix: Fix | None = None
     related: tuple[Span, ...] = ()
 
+    def to_json(self) -> dict[str, object]:
+        """The object that ``testudo check --format json`` prints."""
+        fix = self.fix
+        return {
+            "code": self.code,
+            "severity": self.severity.value,
+            "message": self.message,
+            "path": self.path,
+            **self.span._asdict(),
+            "hint": self.hint,
+            "fix": None
+            if fix is None
+            else {"title": fix.title, "replacement": fix.replacement, **fix.span._asdict()},
+        }
+
     def line_of_text(self) -> str:
         """``file:line:column: severity[code]: message``, the form that editors understand."""
         place = f"{self.path}:{self.span.line}:{self.span.column}"

@@ -1,14 +1,17 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""ROS 2 topic names."""
+"""ROS 2 topic names, and those of relayed topics."""
 
 from __future__ import annotations
 
 import re
 
+from smarttestudo.domain.errors import UsageError
+
 _PART = r"[A-Za-z_][A-Za-z0-9_]*"
 _TOPIC = re.compile(rf"(?:~/?|/)?(?:{_PART})(?:/{_PART})*\Z")
 MAX_NAME_LENGTH = 255
+TOPIC_PLACEHOLDER = "{topic}"
 
 
 def is_topic_name(name: str) -> bool:
@@ -31,3 +34,18 @@ def resolve_topic(name: str, *, namespace: str = "/", node: str = "smarttestudo"
     else:
         full = f"{base}/{name}"
     return f"{prefix.rstrip('/')}{full}"
+
+
+def output_name(topic: str, pattern: str) -> str:
+    """The monitored topic of ``topic``.
+
+    Raises ``UsageError`` where ``pattern`` does not hold ``{topic}`` or makes no valid name of it.
+    """
+    if TOPIC_PLACEHOLDER not in pattern:
+        cause = f"{pattern!r} gives all topics the same name"
+        raise UsageError(cause, place="--output-topic", remedy="write it with {topic}, as in /testudo{topic}")
+    name = pattern.replace(TOPIC_PLACEHOLDER, topic)
+    if not name.startswith("/") or not is_topic_name(name):
+        cause = f"{name!r} is not a valid ROS 2 topic name"
+        raise UsageError(cause, place="--output-topic", remedy="write it as in /testudo{topic}")
+    return name

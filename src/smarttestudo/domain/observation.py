@@ -12,12 +12,13 @@ class Undecodable:
     """Stands for a message whose bytes could not be read as its type."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(slots=True)
 class Arrival:
     """A message of ``topic`` arrived at the step's time.
 
     ``message`` is the decoded message (any object with the fields of its ROS type as attributes) where a
-    check reads a field of the topic, ``Undecodable`` where decoding failed, else ``None``.
+    check reads a field of the topic, ``Undecodable`` where decoding failed, else ``None``. Treat it as
+    immutable; frozen or keyword-only it would take two to four times as long to make.
     """
 
     topic: str
@@ -39,10 +40,18 @@ class SourceChanged:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class ListenersChanged:
+    """Whether anybody listens to the monitored topic of ``topic``; until it is said, somebody does."""
+
+    topic: str
+    are_there: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class LinkBudget:
     """The link now carries ``link_kb_per_s`` for the relayed topics together."""
 
     link_kb_per_s: float
 
 
-Observation = Arrival | SourceChanged | LinkBudget
+Observation = Arrival | SourceChanged | ListenersChanged | LinkBudget

@@ -1,11 +1,29 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The rate that a rule asks for."""
+"""The rate that a rule asks for: hertz, Full, Off, or a QUPER quality level."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from enum import Enum
+
+
+class Tier(Enum):
+    """A quality level; the value is its name in a rule file, the order that of rising quality."""
+
+    UNACCEPTABLE = "Unacceptable"
+    MARGINAL = "Marginal"
+    ACCEPTABLE = "Acceptable"
+    DESIRABLE = "Desirable"
+    COMPETITIVE = "Competitive"
+    EXCESSIVE = "Excessive"
+
+    @property
+    def level(self) -> int:
+        """0 for Unacceptable … 5 for Excessive."""
+        return list(Tier).index(self)
+
 
 MAX_RATE_HZ = 1e6
 RATE_STEP_HZ = 0.001

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Protocol
 
-from smarttestudo.domain.utc_time import utc_time
+from smarttestudo.domain.units import utc_time
 
 
 class Storage(Enum):

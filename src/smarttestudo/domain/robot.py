@@ -9,10 +9,9 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Protocol
 
-from smarttestudo.domain.diagnostic import Diagnostic
-from smarttestudo.domain.parameter import Accept, Parameter, ParameterValue
+from smarttestudo.domain.parameter import Accept, Parameter, ParameterValue, RemoteParameters
 from smarttestudo.domain.payload import Payload
-from smarttestudo.domain.remote_parameters import RemoteParameters
+from smarttestudo.domain.status import Diagnostic
 
 Receive = Callable[[Payload, Hashable], None]
 """Takes a serialized message and what tells its publisher from others of the topic, or ``None``."""
@@ -59,7 +58,7 @@ class OutputDomain:
     discovery: DiscoveryRange | None = None
 
 
-class Inlet(Protocol):
+class Subscription(Protocol):
     """A subscription to a source.
 
     It can rest, where its path can: then messages wake nobody, and all but the newest are skipped.
@@ -73,23 +72,23 @@ class Inlet(Protocol):
     def dropped(self) -> int:
         """Messages that were lost on their way or in a full queue; not those skipped by resting."""
 
-    def rest(self) -> None:
+    def pause(self) -> None:
         """Wake for no message from now on, where the path can do that."""
 
-    def rouse(self) -> None:
+    def arm(self) -> None:
         """Receive the next message, then rest on; the newest that came while resting is kept for now."""
 
-    def take_kept(self) -> bool:
-        """Receive what ``rouse`` kept, since nothing newer came; whether there was anything."""
+    def take_pending(self) -> bool:
+        """Receive what ``arm`` kept, since nothing newer came; whether there was anything."""
 
-    def work(self) -> None:
+    def resume(self) -> None:
         """Receive every message again."""
 
     def close(self) -> None:
         """Receive nothing more."""
 
 
-class Outlet(Protocol):
+class Publisher(Protocol):
     """A publisher of a monitored topic."""
 
     def publish(self, payload: Payload) -> None:
@@ -122,18 +121,18 @@ class DataPath(Protocol):
         """Whether ``receive`` is told the publisher of each message: its GID, as ``bytes``."""
 
     @property
-    def can_rest(self) -> bool:
-        """Whether inlets can rest, and still say how much their source sends."""
+    def can_pause(self) -> bool:
+        """Whether subscriptions can rest, and still say how much their source sends."""
 
     def subscribe(
         self, topic: str, type_name: str, qos: Qos, receive: Receive, *, priority: float = 1.0
-    ) -> Inlet:
+    ) -> Subscription:
         """Have ``receive`` called with each message. Raises ``RosError``.
 
         When messages pile up, those of the highest ``priority`` are served first.
         """
 
-    def advertise(self, topic: str, type_name: str, qos: Qos) -> Outlet:
+    def advertise(self, topic: str, type_name: str, qos: Qos) -> Publisher:
         """Publish on ``topic``. Raises ``RosError``."""
 
     def decode(self, topic: str, type_name: str, payload: Payload) -> object:
@@ -148,6 +147,10 @@ class RobotLog(Protocol):
 
     def warning(self, message: str) -> None:
         """Say what somebody should look at."""
+
+
+LookAtGraph = Callable[[bool], None]
+"""Takes whether the graph is known to have changed since the last look."""
 
 
 class Robot(Protocol):
@@ -228,6 +231,13 @@ class Robot(Protocol):
         """Have ``act`` called again and again, in real time.
 
         The next time is after as many seconds as it returns, or after ``period_s`` where that is ``None``.
+        """
+
+    def look_at_graph(self, look: LookAtGraph) -> None:
+        """Have ``look`` called soon after publishers or subscribers came or went, to be asked for once.
+
+        That is five times a second at most. It is called once a second at least, changed or not, and as often
+        as it may be where nobody tells of changes.
         """
 
     def wait(self, wake_ns: int | None, longest_s: float) -> None:

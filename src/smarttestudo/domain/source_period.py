@@ -41,6 +41,11 @@ class SourcePeriod:
         intervals = len(arrivals_ns) - 1
         return (arrivals_ns[-1] - arrivals_ns[0]) // intervals if intervals > 0 else None
 
+    @property
+    def is_known(self) -> bool:
+        """Whether enough intervals were seen to say when silence makes the source stale."""
+        return len(self._arrivals_ns) > INTERVALS_NEEDED
+
     def stale_from_ns(self, *, stale_after_ns: int | None, transient_local: bool) -> int | None:
         """The first time at which the last arrival counts as stale; ``None`` while it never will.
 
@@ -53,7 +58,7 @@ class SourcePeriod:
         last_ns, intervals = arrivals_ns[-1], len(arrivals_ns) - 1
         if stale_after_ns is not None:
             return last_ns + stale_after_ns + 1
-        if transient_local or intervals < INTERVALS_NEEDED:
+        if transient_local or not self.is_known:
             return None
         return last_ns + silence_limit_ns(last_ns - arrivals_ns[0], intervals) + 1
 

@@ -1,15 +1,59 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a live runtime does at one moment."""
+"""What a live runtime does at one moment, and how healthy it says that it is."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from enum import Enum
+from enum import Enum, IntEnum
 
-from smarttestudo.domain.block_status import BlockStatus
 from smarttestudo.domain.decision import Reason
+from smarttestudo.domain.signal import Truth
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CheckStatus:
+    """One check at its place in the text; ``value`` is what it reads now, ``None`` while that is unknown.
+
+    ``state`` is that of the check alone, also below a Not.
+    """
+
+    line: int
+    column: int
+    state: Truth
+    value: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BlockStatus:
+    """The condition of one If, at its place in the rule file number ``file``, with its checks in order."""
+
+    file: int
+    line: int
+    column: int
+    state: Truth
+    checks: tuple[CheckStatus, ...]
+
+
+class DiagnosticLevel(IntEnum):
+    """The levels of diagnostic_msgs/msg/DiagnosticStatus."""
+
+    OK = 0
+    WARN = 1
+    ERROR = 2
+    STALE = 3
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Diagnostic:
+    """One diagnostic_msgs/msg/DiagnosticStatus: ``name`` is what it is about, ``values`` are for reading."""
+
+    name: str
+    level: DiagnosticLevel
+    message: str
+    hardware_id: str
+    values: Mapping[str, str]
 
 
 class Silence(Enum):
@@ -88,7 +132,8 @@ class TopicStatus:
     lies above it, and not ``keeps_rate`` that it is off by more than pacing explains. ``stamped_hz`` is the
     rate by the messages' own header stamps and ``delay_ms`` how old the last one was when it was relayed.
     ``incompatible`` are nodes that subscribe to the output with a QoS it cannot serve, ``problem`` says why
-    the topic cannot be relayed. A number that the messages do not determine is ``None``.
+    the topic cannot be relayed. ``frames`` counts the child frames of a topic of transforms, whose rates are
+    means over them. A number that the messages do not determine is ``None``.
     """
 
     output: str
@@ -112,6 +157,7 @@ class TopicStatus:
     problem: str | None
     silence: Silence | None
     counts: TopicCounts
+    frames: int | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,13 +1,36 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Units used everywhere: nanoseconds for stamps, hertz for rates, KB of 1000 bytes for sizes."""
+"""Units used everywhere: nanoseconds for stamps, hertz for rates, KB of 1000 bytes; and their texts."""
 
 from __future__ import annotations
+
+from datetime import datetime, timedelta, timezone
 
 NS_PER_S = 1_000_000_000
 BYTES_PER_KB = 1000
 
 
+LAST_STAMP_NS = 2**63 - 1
+"""The last time that ROS and recordings can tell, in the year 2262."""
+
+
 def ns_from_s(seconds: float) -> int:
-    """Nanoseconds nearest to ``seconds``."""
-    return round(seconds * NS_PER_S)
+    """Nanoseconds nearest to ``seconds``; longer than there are stamps is as long as there are."""
+    return round(min(max(seconds * NS_PER_S, -LAST_STAMP_NS), LAST_STAMP_NS))
+
+
+_EPOCH = datetime(1970, 1, 1, tzinfo=timezone.utc)
+
+
+def utc_time(stamp_ns: int) -> str:
+    """``stamp_ns`` as date and time to the millisecond below; in seconds where the calendar ends."""
+    try:
+        time = _EPOCH + timedelta(microseconds=stamp_ns // 1000)
+    except OverflowError:
+        return f"{stamp_ns / 1e9:.3f} s"
+    return f"{time:%Y-%m-%d %H:%M:%S}.{time.microsecond // 1000:03} UTC"
+
+
+def counted(count: int, noun: str) -> str:
+    """``count`` with ``noun``, which takes an s where it is not one."""
+    return f"{count:,} {noun}" if count == 1 else f"{count:,} {noun}s"

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-from smarttestudo.domain.tier import Tier
+from smarttestudo.domain.rate import Tier
 from smarttestudo.optimizer.allocation import round_down
 from smarttestudo.optimizer.model import Ask, Model
 from smarttestudo.optimizer.rule_rates import SolvedPart

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from enum import Enum
 
-from smarttestudo.domain.tier import Tier
+from smarttestudo.domain.rate import Tier
 from smarttestudo.optimizer.model import Ask, Model
 from smarttestudo.optimizer.quality import interval_hz, skipped_thresholds, tier_of
 from smarttestudo.optimizer.rule_rates import SolvedPart

@@ -11,7 +11,7 @@ from smarttestudo.optimizer.problem import Allocation, Budget, Demand, fits
 
 _SIGNIFICANT_DIGITS = 12
 
-Stretch = tuple[float, int, float, float]
+Segment = tuple[float, int, float, float]
 """The gain for each KB, the index of the topic, the width in Hz, the cost in KB/s."""
 
 
@@ -34,13 +34,13 @@ def allocate(demands: Sequence[Demand], budget_kb_per_s: float) -> Allocation | 
     if not fits(least_kb_per_s, budget_kb_per_s):
         return None
     rates = [demand.least_hz for demand in demands]
-    stretches = [
+    segments = [
         (_density(piece.gain_per_hz, demand.size_kb), index, piece.width_hz, piece.width_hz * demand.size_kb)
         for index, demand in enumerate(demands)
         for piece in demand.pieces
         if piece.gain_per_hz > 0 and piece.width_hz > 0
     ]
-    price = fill(rates, stretches, max(0.0, budget_kb_per_s - least_kb_per_s))
+    price = fill(rates, segments, max(0.0, budget_kb_per_s - least_kb_per_s))
     return Allocation(
         rates_hz={demand.topic: rate for demand, rate in zip(demands, rates, strict=True)},
         gain=math.fsum(_gain(demand, rate) for demand, rate in zip(demands, rates, strict=True)),
@@ -48,16 +48,16 @@ def allocate(demands: Sequence[Demand], budget_kb_per_s: float) -> Allocation | 
     )
 
 
-def fill(rates_hz: list[float], stretches: list[Stretch], left_kb_per_s: float) -> float:
-    """Raise ``rates_hz`` along ``stretches`` while KB/s are left, best gain first, equal gains by one share.
+def fill(rates_hz: list[float], segments: list[Segment], left_kb_per_s: float) -> float:
+    """Raise ``rates_hz`` along ``segments`` while KB/s are left, best gain first, equal gains by one share.
 
-    Returns the price: the gain of the next KB, 0 where all stretches are filled.
+    Returns the price: the gain of the next KB, 0 where all segments are filled.
     """
-    groups: dict[float, list[Stretch]] = {}
-    for stretch in stretches:
-        groups.setdefault(stretch[0], []).append(stretch)
+    groups: dict[float, list[Segment]] = {}
+    for segment in segments:
+        groups.setdefault(segment[0], []).append(segment)
     for density in sorted(groups, reverse=True):
-        cost = math.fsum(stretch[3] for stretch in groups[density])
+        cost = math.fsum(segment[3] for segment in groups[density])
         share = 1.0 if fits(cost, left_kb_per_s) else left_kb_per_s / cost
         for _, index, width_hz, _ in groups[density]:
             rates_hz[index] += share * width_hz

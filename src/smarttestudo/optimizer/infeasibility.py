@@ -51,7 +51,7 @@ def infeasibility(
         f"{name} at least {kb_text(solved.needs_kb_per_s)} KB/s, {kb_text(over)} more than the budget of "
         f"{kb_text(budget_kb_per_s)}: {_takers(solved, model)}"
     )
-    remedies = [_change_text(change) for change in changes or ()]
+    remedies = [change_text(change) for change in changes or ()]
     if changes is not None and not changes:
         remedies.append("no lower levels of these topics fit")
     remedies.append(f"a budget of {kb_text(solved.needs_kb_per_s)} KB/s would do")
@@ -78,7 +78,11 @@ def _least_kb_per_s(ask: Ask, model: Model) -> float:
     return ask.needs.size_kb * ask.bounds_hz(model)[0]
 
 
-def _change_text(change: Change) -> str:
-    names = listed([f"{one.topic} {wanted_text(one.wanted)}" for one in change.reductions])
+def change_text(change: Change, *, named: int | None = None) -> str:
+    """The change as a sentence, with all of its topics, or about as many as ``named`` and how many more."""
+    parts = [f"{one.topic} {wanted_text(one.wanted)}" for one in change.reductions]
+    if named is not None and len(parts) > named + 1:
+        parts[named:] = [f"{len(parts) - named} more"]
+    names = listed(parts)
     verb = "fits" if len(change.reductions) == 1 else "together fit"
     return f"{names} {verb} with {kb_text(change.needs_kb_per_s)} KB/s"

@@ -11,7 +11,7 @@ from enum import Enum
 
 from smarttestudo.domain.errors import ProfileError
 from smarttestudo.domain.profile import Profile, TopicProfile
-from smarttestudo.domain.tier import Tier
+from smarttestudo.domain.rate import Tier
 from smarttestudo.optimizer.problem import Demand, Piece
 from smarttestudo.optimizer.quality import envelope_pieces, interval_hz
 
@@ -31,11 +31,20 @@ class Model(Enum):
     MAXMIN = "maxmin"
 
 
+class MissingEntryError(ProfileError):
+    """A profile that lacks ``key`` of ``topic``, all of the topic (no key), or the budget (no topic)."""
+
+    def __init__(self, cause: str, *, path: str, remedy: str, topic: str | None, key: str | None) -> None:
+        super().__init__(cause, place=path or None, remedy=remedy)
+        self.topic = topic
+        self.key = key
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TopicNeeds:
     """What the optimizer knows of one topic: its profile, and the floor of KeepAtLeast and min_hz in Hz.
 
-    Asking for an entry that the profile lacks raises ``ProfileError`` naming it.
+    Asking for an entry that the profile lacks raises ``MissingEntryError``.
     """
 
     topic: str
@@ -75,21 +84,26 @@ class TopicNeeds:
             return self.entry.tiers_hz[-1]
         raise self._missing("max_hz", "the highest useful rate in Hz")
 
-    def _missing(self, key: str, what: str) -> ProfileError:
-        table = f'[topics."{self.topic}"]'
-        return ProfileError(
-            f"{table} has no {key}", place=self.profile_path or None, remedy=f"add {key}, {what}"
+    def _missing(self, key: str, what: str) -> MissingEntryError:
+        return MissingEntryError(
+            f'[topics."{self.topic}"] has no {key}',
+            path=self.profile_path,
+            remedy=f"add {key}, {what}",
+            topic=self.topic,
+            key=key,
         )
 
 
 def needs_of(topic: str, profile: Profile, *, keep_at_least_hz: float = 0.0) -> TopicNeeds:
-    """What ``profile`` says of ``topic``; ``ProfileError`` where it does not know the topic."""
+    """What ``profile`` says of ``topic``; ``MissingEntryError`` where it does not know the topic."""
     entry = profile.topics.get(topic)
     if entry is None:
-        raise ProfileError(
+        raise MissingEntryError(
             f"{topic} is in the rules but not in the profile",
-            place=profile.path or None,
+            path=profile.path,
             remedy=f'add [topics."{topic}"]',
+            topic=topic,
+            key=None,
         )
     floor_hz = max(keep_at_least_hz, entry.min_hz or 0.0)
     return TopicNeeds(topic=topic, entry=entry, floor_hz=floor_hz, profile_path=profile.path)

@@ -14,7 +14,7 @@ _RELATIVE_SLACK = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class Piece:
-    """A stretch of a topic's rates, ``width_hz`` wide, in which one Hz more gains ``gain_per_hz``."""
+    """A segment of a topic's rates, ``width_hz`` wide, in which one Hz more gains ``gain_per_hz``."""
 
     width_hz: float
     gain_per_hz: float

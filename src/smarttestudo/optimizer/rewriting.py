@@ -9,8 +9,8 @@ from collections.abc import Iterator, Mapping
 from itertools import accumulate
 
 from smarttestudo.adirf.syntax import Block, RateExpression, RuleFile, SetFrequency
+from smarttestudo.domain.rate import Tier
 from smarttestudo.domain.source import Span
-from smarttestudo.domain.tier import Tier
 from smarttestudo.optimizer.rule_rates import Optimization
 from smarttestudo.optimizer.wording import hz_text
 

@@ -11,9 +11,8 @@ from enum import Enum
 from smarttestudo.adirf.normal_form import Resolve
 from smarttestudo.adirf.syntax import Block, KeepAtLeast, RateWord, RuleFile, SetFrequency
 from smarttestudo.domain.profile import Profile
-from smarttestudo.domain.rate import Rate
+from smarttestudo.domain.rate import Rate, Tier
 from smarttestudo.domain.source import Span
-from smarttestudo.domain.tier import Tier
 from smarttestudo.optimizer.model import Ask, TopicNeeds, needs_of
 
 StatementKey = tuple[str, Span]

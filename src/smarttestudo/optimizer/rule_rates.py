@@ -10,11 +10,10 @@ from dataclasses import dataclass, field
 
 from smarttestudo.adirf.normal_form import Resolve
 from smarttestudo.adirf.syntax import RuleFile, SetFrequency
-from smarttestudo.domain.errors import ProfileError
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.rate import Rate
 from smarttestudo.optimizer.allocation import best_rates, rounded_down
-from smarttestudo.optimizer.model import Model
+from smarttestudo.optimizer.model import MissingEntryError, Model
 from smarttestudo.optimizer.problem import Solver, fits, used_kb_per_s
 from smarttestudo.optimizer.rule_asks import Part, RuleAsks, StatementKey, Undecided, collect_asks
 
@@ -68,12 +67,14 @@ class Optimization:
 
 
 def budget_of(profile: Profile) -> float:
-    """The profile's budget in KB/s; ``ProfileError`` where it has none."""
+    """The profile's budget in KB/s; ``MissingEntryError`` where it has none."""
     if profile.budget_kb_per_s is None:
-        raise ProfileError(
+        raise MissingEntryError(
             "the profile has no budget_kb_per_s",
-            place=profile.path or None,
+            path=profile.path,
             remedy="add budget_kb_per_s, what the link carries in KB/s",
+            topic=None,
+            key="budget_kb_per_s",
         )
     return profile.budget_kb_per_s
 

@@ -17,15 +17,15 @@ LOWEST_USE = 0.9
 
 
 @dataclass(slots=True)
-class TopicLoad:
+class TopicRequest:
     """What one topic would take: the rate that the rules ask for, and what was measured.
 
-    ``wish_hz`` is infinite for Full. ``floor_hz`` is what no cut goes below; ``source_hz`` the source's rate,
-    beyond which a wish costs nothing; ``size_kb`` the mean message size in KB.
+    ``requested_hz`` is infinite for Full. No cut goes below ``floor_hz``. ``source_hz`` is the source's rate,
+    beyond which a request costs nothing; ``size_kb`` the mean message size in KB.
     """
 
     topic: str
-    wish_hz: float
+    requested_hz: float
     floor_hz: float
     priority: float
     size_kb: float
@@ -33,8 +33,8 @@ class TopicLoad:
 
     @property
     def wanted_hz(self) -> float:
-        """The rate that the wish would really have."""
-        return min(self.wish_hz, self.source_hz)
+        """The rate that the request would really have."""
+        return min(self.requested_hz, self.source_hz)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -45,7 +45,7 @@ class BudgetPlan:
     floors_fit: bool
 
 
-def plan_within(loads: Sequence[TopicLoad], budget_kb_per_s: float) -> BudgetPlan:
+def plan_within(loads: Sequence[TopicRequest], budget_kb_per_s: float) -> BudgetPlan:
     """Cut rates until ``Σ size·rate`` is within the budget; floors win over the budget.
 
     A KB delivered is worth its topic's priority, so a topic is cut only once all of lower priority are at
@@ -54,7 +54,7 @@ def plan_within(loads: Sequence[TopicLoad], budget_kb_per_s: float) -> BudgetPla
     wanted_hz = [load.wanted_hz for load in loads]
     least_hz = [min(load.floor_hz, wanted) for load, wanted in zip(loads, wanted_hz, strict=True)]
     least = used_kb_per_s((load.size_kb, rate) for load, rate in zip(loads, least_hz, strict=True))
-    stretches = [
+    segments = [
         (load.priority, index, wanted - rate, load.size_kb * (wanted - rate))
         for index, (load, wanted, rate) in enumerate(zip(loads, wanted_hz, least_hz, strict=True))
         if wanted > rate
@@ -62,8 +62,8 @@ def plan_within(loads: Sequence[TopicLoad], budget_kb_per_s: float) -> BudgetPla
     rates_hz = list(least_hz)
     floors_fit = fits(least, budget_kb_per_s)
     if floors_fit:
-        fill(rates_hz, stretches, max(0.0, budget_kb_per_s - least))
-    # A rate that float noise alone keeps from its wish is not cut.
+        fill(rates_hz, segments, max(0.0, budget_kb_per_s - least))
+    # A rate that float noise alone keeps from its request is not cut.
     cut_hz = {
         load.topic: max(round_down(rate), floor)
         for load, rate, wanted, floor in zip(loads, rates_hz, wanted_hz, least_hz, strict=True)
@@ -73,7 +73,7 @@ def plan_within(loads: Sequence[TopicLoad], budget_kb_per_s: float) -> BudgetPla
 
 
 class BudgetKeeper:
-    """Decides when to plan anew: when wishes change, and at most once a second when the use of the link does.
+    """Decides when to plan anew: when requests change, and when the use of the link does, once a second.
 
     The use is right between 90 and 100 % of the budget; below that only if something is cut. The budget may
     be set anew at any time.
@@ -82,7 +82,7 @@ class BudgetKeeper:
     def __init__(self, budget_kb_per_s: float) -> None:
         self._budget_kb_per_s = budget_kb_per_s
         self._plan = BudgetPlan(cut_hz={}, floors_fit=True)
-        self._checked_ns: int | None = None
+        self._next_check_ns: int | None = None
         self._is_stale = True
 
     @property
@@ -109,23 +109,33 @@ class BudgetKeeper:
     @property
     def next_check_ns(self) -> int | None:
         """When the use is next looked at; ``None`` before the first plan."""
-        return None if self._checked_ns is None else self._checked_ns + REPLAN_AFTER_NS
+        return self._next_check_ns
 
     def is_due(self, now_ns: int) -> bool:
-        """Whether ``update`` has something to look at, though no wish changed."""
-        return self._is_stale or self._checked_ns is None or now_ns >= self._checked_ns + REPLAN_AFTER_NS
+        """Whether ``update`` has something to look at, though no request changed."""
+        return self._is_stale or self._next_check_ns is None or now_ns >= self._next_check_ns
 
-    def update(self, loads: Sequence[TopicLoad], now_ns: int, *, wishes_changed: bool) -> BudgetPlan:
-        """The plan for ``loads`` at ``now_ns``; the same object as before where none was needed."""
-        if not wishes_changed and not self.is_due(now_ns):
+    def update(
+        self,
+        loads: Sequence[TopicRequest],
+        now_ns: int,
+        *,
+        requests_changed: bool,
+        check_after_ns: int = REPLAN_AFTER_NS,
+    ) -> BudgetPlan:
+        """The plan for ``loads`` at ``now_ns``; the same object as before where none was needed.
+
+        ``check_after_ns`` says how long the use is not looked at then.
+        """
+        if not requests_changed and not self.is_due(now_ns):
             return self._plan
-        self._checked_ns = now_ns
-        if wishes_changed or self._is_stale or self._is_off_target(loads):
+        self._next_check_ns = now_ns + check_after_ns
+        if requests_changed or self._is_stale or self._is_off_target(loads):
             self._plan = plan_within(loads, self._budget_kb_per_s)
             self._is_stale = False
         return self._plan
 
-    def _is_off_target(self, loads: Sequence[TopicLoad]) -> bool:
+    def _is_off_target(self, loads: Sequence[TopicRequest]) -> bool:
         cut_hz = self._plan.cut_hz
         used = used_kb_per_s(
             (load.size_kb, min(load.wanted_hz, cut_hz.get(load.topic, load.wanted_hz))) for load in loads

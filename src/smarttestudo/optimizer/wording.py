@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from smarttestudo.domain.tier import Tier
+from smarttestudo.domain.rate import Tier
 
 
 def kb_text(kb_per_s: float) -> str:

@@ -4,13 +4,21 @@
 
 from __future__ import annotations
 
-from smarttestudo.pacing.pace import NEVER_NS, Pace
+from smarttestudo.domain.source_period import SourcePeriod, silence_limit_ns
+from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.pacing.grid import NEVER_NS, Pace
 from smarttestudo.pacing.sample import Pass, Sample
 from smarttestudo.pacing.stream import Stream
+
+YOUNG_NS = 10 * NS_PER_S
+"""How long a message of a source whose period nobody knows yet is repeated."""
 
 
 class RepeatStream(Stream):
     """Sends the newest sample at each due time, sent before or not, until its source is stale.
+
+    Before three intervals say how often the source speaks, that is ten seconds after each message; and an
+    interval that was a pause does not count.
 
     The grid starts at the first message, which is sent at once; so is the first after the source was
     stale or Off. A wake-up that comes late sends one sample and skips the due times it missed. ``held`` is
@@ -28,7 +36,7 @@ class RepeatStream(Stream):
         """Whether ``sample`` is sent now; if not, the next due time sends it or a newer one."""
         grid = self.grid
         missed_its_time = grid.due_ns <= now_ns and self.release_ns == NEVER_NS
-        self.source.record(now_ns)
+        self._record(now_ns)
         if grid.pace.is_off:
             return False
         self._newest = sample
@@ -76,5 +84,20 @@ class RepeatStream(Stream):
         is_silent = self._newest is None or self.source.last_ns is None
         if is_silent or self.finished or self.grid.pace.is_full:
             return False
+        return due_ns < self._stale_ns
+
+    @property
+    def _stale_ns(self) -> int:
         stale_ns = self.source.stale_from_ns(stale_after_ns=self._stale_after_ns, transient_local=False)
-        return stale_ns is None or due_ns < stale_ns
+        return (self.source.last_ns or 0) + YOUNG_NS if stale_ns is None else stale_ns
+
+    def _record(self, now_ns: int) -> None:
+        source, last_ns, mean_ns = self.source, self.source.last_ns, self.source.mean_ns
+        if last_ns is not None and mean_ns is not None:
+            silent_ns = now_ns - last_ns
+            if silent_ns > silence_limit_ns(mean_ns, 1) and source.is_known:
+                self.source = SourcePeriod()
+            elif mean_ns > silence_limit_ns(max(silent_ns, 0), 1):
+                self.source = SourcePeriod()
+                self.source.record(last_ns)
+        self.source.record(now_ns)

@@ -1,13 +1,13 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a pacer is offered and what it gives back."""
+"""A message as a pacer sees it, and what a pacer is."""
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from enum import Enum
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 from smarttestudo.domain.payload import Payload
 
@@ -34,14 +34,14 @@ class StreamKind(Enum):
         return StreamKind.TRANSFORMS if type_name == "tf2_msgs/msg/TFMessage" else StreamKind.VOLATILE
 
 
-@dataclass(slots=True, kw_only=True, eq=False)
+@dataclass(slots=True, eq=False)
 class Sample:
     """One message of a source; two samples are equal only if they are the same one.
 
     ``publisher`` tells publishers of one topic apart, where that can be told. ``frames`` are the child
     frames of a TFMessage (``cdr.child_frames``), ``stamp`` is ``cdr.header_stamp`` where topics are paced
-    together. Treat it as immutable; it is not frozen because a frozen dataclass is three times slower
-    to make, and one is made for every message.
+    together. Treat it as immutable; frozen or keyword-only it would take two to four times as long to
+    make, and one is made for every message.
     """
 
     payload: Payload
@@ -56,3 +56,32 @@ class Pass(NamedTuple):
 
     sample: Sample
     repeated: bool = False
+
+
+class Pacer(Protocol):
+    """Decides which messages of one relayed topic pass: a ``TopicPacer`` or a ``Follower``.
+
+    Times are ns of one clock, the caller's; it may jump back, which starts every grid anew. Call ``wake``
+    whenever the clock reaches ``wake_ns``, and before a message of the same time is offered.
+    """
+
+    __slots__ = ()
+
+    @property
+    def wake_ns(self) -> int | None:
+        """When ``wake`` may have something to relay, or earlier; ``None`` while nothing waits."""
+
+    def offer(self, sample: Sample, now_ns: int, /) -> Sequence[Pass]:
+        """What to relay now that ``sample`` arrived: the sample or nothing."""
+
+    def wake(self, now_ns: int, /) -> Sequence[Pass]:
+        """What to relay now without a message."""
+
+    def set_rate(self, rate_hz: float, now_ns: int, /) -> None:
+        """Aim at another rate from now on: infinite is Full, 0 is Off; ValueError if negative or NaN."""
+
+    def forget(self) -> None:
+        """The topic has another type now: what is held is of the old one and must not go out."""
+
+    def finish(self) -> None:
+        """The recording ended: repeat nothing; what is held still goes out at its own time, by ``wake``."""

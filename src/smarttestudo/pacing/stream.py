@@ -1,14 +1,14 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What every stream has: a grid, its source's period and the newest sample that was held back."""
+"""One stream of messages: volatile, or latched."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 
 from smarttestudo.domain.source_period import SourcePeriod
-from smarttestudo.pacing.grid import Grid
-from smarttestudo.pacing.pace import Pace
+from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.pacing.grid import NEVER_NS, Grid, Pace
 from smarttestudo.pacing.sample import Pass, Sample
 
 
@@ -63,3 +63,91 @@ class Stream(ABC):
         """Whether a fresh stream would do as well: nothing held, nothing ahead."""
         pace = self.grid.pace
         return self.held is None and (pace.is_off or self.grid.due_ns < now_ns - pace.slack_ns)
+
+
+QUIET_SOURCE_PERIODS = 2
+
+
+class VolatileStream(Stream):
+    """Passes what is due, and the newest held sample once the source fell quiet.
+
+    Quiet is the longer of one period and two source periods without a newer message. What arrives
+    while Off is not held.
+    """
+
+    __slots__ = ()
+
+    def offer(self, sample: Sample, now_ns: int) -> bool:
+        """Whether ``sample`` passes now; if not, it is held."""
+        self.source.record(now_ns)
+        if now_ns >= self.grid.due_ns:
+            self.settle(now_ns)
+            return True
+        self.hold(sample, now_ns)
+        return False
+
+    def hold(self, sample: Sample, now_ns: int) -> None:
+        """Keep ``sample`` as the newest that did not pass, unless Off."""
+        if self.grid.due_ns < NEVER_NS:
+            self.held = sample
+            self.held_ns = now_ns
+
+    @property
+    def release_ns(self) -> int:
+        """When the held sample becomes the last word."""
+        if self.held is None:
+            return NEVER_NS
+        grid = self.grid
+        quiet_ns = max(grid.pace.period_ns, QUIET_SOURCE_PERIODS * (self.source.mean_ns or 0))
+        return max(self.held_ns + quiet_ns, grid.due_ns)
+
+    def change_pace(self, pace: Pace, now_ns: int) -> None:
+        """Follow another pace from now on; Off lets go of what is held."""
+        super().change_pace(pace, now_ns)
+        if pace.is_off:
+            self.held = None
+
+
+WHOLE_AT_FIRST_NS = 2 * NS_PER_S
+WHOLE_FROM_PERIOD_NS = NS_PER_S
+
+
+class LatchedStream(Stream):
+    """The samples of one transient_local publisher.
+
+    All pass in the publisher's first 2 s and while its mean rate is at most 1 Hz. Above that they are
+    thinned, and the newest held sample goes out as soon as it is due. Off lets nothing pass, but the
+    newest sample stays held and follows when Off ends, as a late subscriber would get it.
+    """
+
+    __slots__ = ("_first_ns",)
+
+    def __init__(self, pace: Pace, now_ns: int) -> None:
+        super().__init__(pace, now_ns)
+        self._first_ns = now_ns
+
+    def offer(self, sample: Sample, now_ns: int) -> bool:
+        """Whether ``sample`` passes now; if not, it is held."""
+        self.source.record(now_ns)
+        grid = self.grid
+        if now_ns >= grid.due_ns or (not grid.pace.is_off and self._passes_whole(now_ns)):
+            self.settle(now_ns)
+            return True
+        self.hold(sample, now_ns)
+        return False
+
+    @property
+    def release_ns(self) -> int:
+        """When the held sample is due."""
+        return NEVER_NS if self.held is None else self.grid.due_ns
+
+    def restart(self, now_ns: int) -> None:
+        """Begin anew on a clock that jumped back to ``now_ns``."""
+        super().restart(now_ns)
+        self._first_ns = now_ns
+
+    def _passes_whole(self, now_ns: int) -> bool:
+        mean_ns = self.source.mean_ns
+        return (
+            now_ns - self._first_ns <= WHOLE_AT_FIRST_NS or mean_ns is None or mean_ns >= WHOLE_FROM_PERIOD_NS
+        )

@@ -8,17 +8,12 @@ import math
 from collections.abc import Sequence
 from functools import partial
 
-from smarttestudo.pacing.announcer import Announcer
-from smarttestudo.pacing.by_frame import FrameStreams
-from smarttestudo.pacing.by_publisher import PublisherStreams
-from smarttestudo.pacing.follower import Follower
-from smarttestudo.pacing.latched import LatchedStream
-from smarttestudo.pacing.pace import NEVER_NS, Pace
-from smarttestudo.pacing.pacer import Pacer
+from smarttestudo.pacing.follower import Follower, FollowerNotifier
+from smarttestudo.pacing.grid import NEVER_NS, Pace
 from smarttestudo.pacing.repeat import RepeatStream
-from smarttestudo.pacing.sample import Pass, Sample, StreamKind, WhenSlow
-from smarttestudo.pacing.streams import Streams
-from smarttestudo.pacing.volatile import VolatileStream
+from smarttestudo.pacing.sample import Pacer, Pass, Sample, StreamKind, WhenSlow
+from smarttestudo.pacing.stream import LatchedStream, VolatileStream
+from smarttestudo.pacing.streams import FrameStreams, PublisherStreams, Streams
 
 AnyStreams = Streams[VolatileStream] | Streams[LatchedStream] | Streams[RepeatStream]
 
@@ -30,7 +25,7 @@ class TopicPacer(Pacer):
     (``SourcePeriod.stale_from_ns``).
     """
 
-    __slots__ = ("_announcer", "_kind", "_now_ns", "_pace", "_stale_after_ns", "_streams", "_when_slow")
+    __slots__ = ("_kind", "_notifier", "_now_ns", "_pace", "_stale_after_ns", "_streams", "_when_slow")
 
     def __init__(
         self,
@@ -43,7 +38,7 @@ class TopicPacer(Pacer):
         self._when_slow = when_slow
         self._stale_after_ns = stale_after_ns
         self._pace = Pace.at(math.inf)
-        self._announcer = Announcer()
+        self._notifier = FollowerNotifier()
         self._now_ns = -NEVER_NS
         self._streams = self._make_streams()
 
@@ -62,22 +57,22 @@ class TopicPacer(Pacer):
     def may_skip(self) -> bool:
         """Whether what comes before ``due_ns`` makes no difference, but for the last word."""
         is_volatile = self._kind is StreamKind.VOLATILE and self._when_slow is WhenSlow.PASS
-        return is_volatile and not self._announcer.followers
+        return is_volatile and not self._notifier.followers
 
     def offer(self, sample: Sample, now_ns: int, /) -> Sequence[Pass]:
         """What to relay now that ``sample`` arrived: the sample or nothing."""
         self._see(now_ns)
         passes = self._streams.offer(sample, now_ns)
-        if self._announcer.followers:
-            self._announcer.offered(sample, passes, self._streams, now_ns)
+        if self._notifier.followers:
+            self._notifier.offered(sample, passes, self._streams, now_ns)
         return passes
 
     def wake(self, now_ns: int, /) -> Sequence[Pass]:
         """What to relay now without a message: last words, due samples, repetitions."""
         self._see(now_ns)
         passes = self._streams.wake(now_ns)
-        if passes and self._announcer.followers:
-            self._announcer.woken(passes, self._streams, now_ns)
+        if passes and self._notifier.followers:
+            self._notifier.woken(passes, self._streams, now_ns)
         return passes
 
     def set_rate(self, rate_hz: float, now_ns: int, /) -> None:
@@ -88,7 +83,7 @@ class TopicPacer(Pacer):
         self._see(now_ns)
         self._pace = pace
         self._streams.change_pace(pace, now_ns)
-        self._announcer.pace_changed(pace, self._streams, now_ns)
+        self._notifier.pace_changed(pace, self._streams, now_ns)
 
     def set_kind(self, kind: StreamKind, now_ns: int, /) -> Sequence[Pass]:
         """The source turned out to be of another kind: begin anew, and offer again what was held."""
@@ -114,11 +109,11 @@ class TopicPacer(Pacer):
 
     def add_follower(self, follower: Follower) -> None:
         """Tell ``follower`` of each decision on a stamp; after each call here, call its ``wake``."""
-        self._announcer.add(follower, self._pace)
+        self._notifier.add(follower, self._pace)
 
     def drop_followers(self) -> None:
         """Tell nobody of decisions any more."""
-        self._announcer.followers.clear()
+        self._notifier.followers.clear()
 
     def _begin_anew(self, now_ns: int) -> Sequence[Pass]:
         held = self._streams.held()

@@ -1,19 +1,63 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a live loop was given, so that it can be given it again. Stamps are the loop's own time."""
+"""What a loop is given, live or from a recording. Stamps are the loop's own time."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field
 
-from smarttestudo.domain.observation import SourceChanged
+from smarttestudo.adirf.rule_set import RuleSet
+from smarttestudo.domain.observation import LinkBudget, ListenersChanged, SourceChanged
+from smarttestudo.domain.payload import Payload
+from smarttestudo.domain.profile import Profile
 from smarttestudo.pacing.sample import WhenSlow
+
+
+@dataclass(slots=True)
+class MessageInput:
+    """A message arrived.
+
+    ``message`` is its decoded form, or ``Undecodable``, where a check reads fields of the topic.
+    ``publisher`` tells publishers of one topic apart, where that can be told. Treat it as immutable; frozen
+    or keyword-only it would take two to four times as long to make, and one is made for every message.
+    """
+
+    stamp_ns: int
+    topic: str
+    payload: Payload
+    size_bytes: int
+    message: object | None = None
+    publisher: Hashable = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ChangeInput:
+    """The publishers of a topic, its listeners or the budget changed."""
+
+    stamp_ns: int
+    change: SourceChanged | ListenersChanged | LinkBudget
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WakeInput:
+    """Time passed."""
+
+    stamp_ns: int
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RulesInput:
-    """Rules came into force; the first input of a log, and one for each reload.
+    """Other rules and another profile came into force."""
+
+    stamp_ns: int
+    rule_set: RuleSet
+    profile: Profile
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RuleTextsInput:
+    """How a ``RulesInput`` is recorded, and the rules that a loop started with: by their texts.
 
     ``rule_texts`` are the rule files by path, ``profile_text`` the profile's TOML, ``names`` the full name
     of each topic in them by the name that they use. For want of rules, every message of ``relay_all`` passes.
@@ -28,43 +72,7 @@ class RulesInput:
     relay_all: tuple[str, ...] | None = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class MessageInput:
-    """A message arrived. ``payload`` is there where checks read fields of the topic.
+LoopInput = MessageInput | ChangeInput | WakeInput | RulesInput
 
-    ``decodable`` is false where the robot could not decode it; ``publisher`` numbers the publishers of a
-    topic where they were told apart.
-    """
-
-    stamp_ns: int
-    topic: str
-    size_bytes: int
-    payload: bytes | None = None
-    decodable: bool = True
-    publisher: int | None = None
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SourceInput:
-    """The publishers of a topic changed."""
-
-    stamp_ns: int
-    change: SourceChanged
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class BudgetInput:
-    """The link carries another budget, in KB/s."""
-
-    stamp_ns: int
-    budget_kb_per_s: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class WakeInput:
-    """Time passed."""
-
-    stamp_ns: int
-
-
-LoopInput = RulesInput | MessageInput | SourceInput | BudgetInput | WakeInput
+RecordedInput = MessageInput | ChangeInput | WakeInput | RuleTextsInput
+"""A recorded message has a payload only where a check reads it, nothing decoded, a number as publisher."""

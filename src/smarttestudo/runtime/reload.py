@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
 
-from smarttestudo.adirf.evaluator import Evaluator, Wish
+from smarttestudo.adirf.evaluator import Evaluator, RequestedRate
 from smarttestudo.adirf.rule_set import RuleBlock, RuleSet
 from smarttestudo.domain.decision import Decision, PlannedRate, Reason
 from smarttestudo.domain.observation import SourceChanged
@@ -16,8 +16,7 @@ from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.units import NS_PER_S, ns_from_s
 from smarttestudo.runtime.knowledge.alarm_clock import AlarmClock
-from smarttestudo.runtime.knowledge.knowledge import Knowledge, watched_topics
-from smarttestudo.runtime.knowledge.settling import Settling
+from smarttestudo.runtime.knowledge.knowledge import Knowledge, Settling, watched_topics
 from smarttestudo.runtime.knowledge.watched_topic import WatchedTopic
 
 _GONE = -1
@@ -48,6 +47,7 @@ def exchange_rules(
     knowledge.settling = _settling(knowledge, before)
     knowledge.settle_alarms = AlarmClock()
     _keep_plan(knowledge, before)
+    knowledge.unheard &= order_of.keys()
     if knowledge.link is not None:
         knowledge.link.change_rules(rule_set, profile)
     return ended
@@ -86,7 +86,7 @@ def _watched(
 
 
 def _settling(knowledge: Knowledge, before: RuleSet) -> dict[str, Settling]:
-    """The wishes that wait, for the topics whose rules stay the same."""
+    """The requests that wait, for the topics whose rules stay the same."""
     settling = {}
     old_blocks, new_blocks = _blocks_by_topic(before), _blocks_by_topic(knowledge.rule_set)
     for topic, waiting in knowledge.settling.items():
@@ -111,11 +111,11 @@ def _stance(rule_set: RuleSet, topic: str, blocks: list[RuleBlock]) -> object:
     return rule_set.defaults.get(topic), rule_set.floors_hz.get(topic), setting
 
 
-def _renamed(new_blocks: Mapping[int, RuleBlock], wish: Wish) -> Wish:
-    if wish.block is None:
-        return wish
-    block = new_blocks[wish.block]
-    return replace(wish, block=block.order, planned=replace(wish.planned, line=block.line))
+def _renamed(new_blocks: Mapping[int, RuleBlock], request: RequestedRate) -> RequestedRate:
+    if request.block is None:
+        return request
+    block = new_blocks[request.block]
+    return replace(request, block=block.order, planned=replace(request.planned, line=block.line))
 
 
 def _keep_plan(knowledge: Knowledge, before: RuleSet) -> None:
@@ -124,10 +124,10 @@ def _keep_plan(knowledge: Knowledge, before: RuleSet) -> None:
     for kept in (knowledge.settled, knowledge.effective, knowledge.plan):
         for topic in [topic for topic in kept if topic not in knowledge.order_of]:
             del kept[topic]
-    for wishes in (knowledge.settled, knowledge.effective):
-        for topic, wish in wishes.items():
-            if wish.block is not None:
-                wishes[topic] = replace(wish, block=counterpart(wish.block))
+    for requests in (knowledge.settled, knowledge.effective):
+        for topic, request in requests.items():
+            if request.block is not None:
+                requests[topic] = replace(request, block=counterpart(request.block))
 
 
 def _counterparts(before: RuleSet, after: RuleSet) -> Callable[[int], int]:

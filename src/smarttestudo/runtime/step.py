@@ -10,10 +10,10 @@ from typing import NamedTuple
 
 from smarttestudo.domain.decision import Decision, PlannedRate
 from smarttestudo.domain.observation import Observation
-from smarttestudo.runtime.analyze.analyze import analyze
+from smarttestudo.runtime.analyze import analyze
 from smarttestudo.runtime.knowledge.knowledge import Knowledge
-from smarttestudo.runtime.monitor.monitor import monitor
-from smarttestudo.runtime.plan.plan import plan
+from smarttestudo.runtime.monitor import monitor
+from smarttestudo.runtime.plan import plan
 
 
 class StepResult(NamedTuple):

@@ -11,10 +11,16 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from smarttestudo.simulation.drive import DifferentialDrive
 from smarttestudo.simulation.geometry import BodyVelocity, FrameTransform, Quaternion, Vector
 from smarttestudo.simulation.readings import Imu, JointStates, Odometry, Reading, Topic, Transforms
-from smarttestudo.simulation.robot import BASE_FRAME, ODOM_FRAME, RobotModel, fixed_frames, wheel_frames
+from smarttestudo.simulation.robot import (
+    BASE_FRAME,
+    ODOM_FRAME,
+    DifferentialDrive,
+    DriveModel,
+    fixed_frames,
+    wheel_frames,
+)
 
 GRAVITY_M_PER_S2 = 9.80665
 
@@ -103,7 +109,7 @@ class FrameBroadcaster:
 
     rate_hz = 30.0
 
-    def __init__(self, model: RobotModel) -> None:
+    def __init__(self, model: DriveModel) -> None:
         self._fixed = fixed_frames(model)
 
     def sample(self, drive: DifferentialDrive) -> Sequence[tuple[Topic, Reading]]:

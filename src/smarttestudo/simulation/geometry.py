@@ -7,17 +7,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-
-@dataclass(frozen=True, slots=True)
-class Point:
-    """A place on the floor, in metres."""
-
-    x_m: float
-    y_m: float
-
-    def distance_m(self, other: Point) -> float:
-        """The distance to ``other`` in metres."""
-        return math.hypot(other.x_m - self.x_m, other.y_m - self.y_m)
+from smarttestudo.domain.floor_plan import Point
 
 
 @dataclass(frozen=True, slots=True)

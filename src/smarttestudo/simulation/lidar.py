@@ -1,16 +1,76 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The robot's LiDAR."""
+"""Rays through the warehouse, and the laser scanner made of them."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from smarttestudo.simulation.drive import DifferentialDrive
-from smarttestudo.simulation.ray_casting import RayCaster
+from smarttestudo.domain.floor_plan import FloorPlan, Point
 from smarttestudo.simulation.readings import Reading, Scan, Topic
+from smarttestudo.simulation.robot import DifferentialDrive
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.intp]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Hits:
+    """Per ray: the distance in metres (infinite where nothing is met) and the obstacle's index (else -1)."""
+
+    distances_m: Floats
+    obstacles: Indices
+
+
+class RayCaster:
+    """Casts rays against the sides of every obstacle of a floor plan."""
+
+    __slots__ = ("_obstacles", "_sides_m", "_starts_m")
+
+    def __init__(self, plan: FloorPlan) -> None:
+        corners = np.array(
+            [[(c.x_m, c.y_m) for c in obstacle.footprint.corners] for obstacle in plan.obstacles]
+        )
+        self._starts_m = corners.reshape(-1, 2)
+        self._sides_m = (np.roll(corners, -1, axis=1) - corners).reshape(-1, 2)
+        self._obstacles = np.repeat(np.arange(len(plan.obstacles)), 4)
+
+    def cast(self, origin: Point, bearings_rad: Floats, *, range_m: float) -> Hits:
+        """The first hit of each ray from ``origin``, up to ``range_m`` away.
+
+        With ray o + t·d and side a + u·e: t = (a−o)×e / d×e and u = (a−o)×d / d×e, a hit where t ≥ 0 and
+        0 ≤ u ≤ 1. Rays along a side miss it; they hit the sides at its ends.
+        """
+        near = self._within(origin, range_m)
+        side = self._sides_m[near]
+        offset = self._starts_m[near] - (origin.x_m, origin.y_m)
+        ray_x, ray_y = np.cos(bearings_rad)[:, None], np.sin(bearings_rad)[:, None]
+        with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
+            scale = 1.0 / (ray_x * side[:, 1] - ray_y * side[:, 0])
+            distance = (offset[:, 0] * side[:, 1] - offset[:, 1] * side[:, 0]) * scale
+            share = (offset[:, 0] * ray_y - offset[:, 1] * ray_x) * scale
+            hit = (distance >= 0) & (distance <= range_m) & (share >= 0) & (share <= 1)
+        # One more column stands for meeting nothing, so that argmin always has an answer.
+        distances = np.full((len(bearings_rad), len(side) + 1), np.inf)
+        distances[:, :-1][hit] = distance[hit]
+        nearest = distances.argmin(axis=1)
+        found = np.append(self._obstacles[near], -1)[nearest]
+        first = distances[np.arange(len(nearest)), nearest]
+        return Hits(distances_m=first, obstacles=np.where(np.isinf(first), -1, found))
+
+    def _within(self, origin: Point, range_m: float) -> NDArray[np.bool_]:
+        """Which sides come within ``range_m`` of ``origin``."""
+        to_origin = (origin.x_m, origin.y_m) - self._starts_m
+        lengths_squared = (self._sides_m**2).sum(axis=1)
+        share = np.clip((to_origin * self._sides_m).sum(axis=1) / lengths_squared, 0.0, 1.0)
+        gap = to_origin - share[:, None] * self._sides_m
+        near: NDArray[np.bool_] = (gap**2).sum(axis=1) <= range_m**2
+        return near
+
 
 _RAYS = 360
 

@@ -10,19 +10,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from smarttestudo.domain.floor_plan import FloorPlan
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.simulation.body_sensors import FrameBroadcaster, InertialUnit, Odometer, WheelEncoders
 from smarttestudo.simulation.camera import Camera, raspberry_pi_lens
-from smarttestudo.simulation.device import Device
-from smarttestudo.simulation.drive import DifferentialDrive
-from smarttestudo.simulation.floor_plan import FloorPlan
-from smarttestudo.simulation.lidar import Lidar
-from smarttestudo.simulation.navigator import Navigator
-from smarttestudo.simulation.pursuit import PurePursuit
-from smarttestudo.simulation.ray_casting import RayCaster
-from smarttestudo.simulation.readings import TimedReading
-from smarttestudo.simulation.robot import RobotModel
-from smarttestudo.simulation.route import Route
+from smarttestudo.simulation.lidar import Lidar, RayCaster
+from smarttestudo.simulation.readings import Device, TimedReading
+from smarttestudo.simulation.robot import DifferentialDrive, DriveModel
+from smarttestudo.simulation.route import Navigator, PurePursuit, Route
 
 _TRANSPORT_NS = 500_000
 _JITTER = 0.02
@@ -49,7 +44,7 @@ def drive_mission(request: MissionRequest) -> Iterator[TimedReading]:
 
     Nothing is computed ahead of what is taken, so that a live run can take readings as their time comes.
     """
-    model = RobotModel()
+    model = DriveModel()
     drive = DifferentialDrive(model, pose=request.route.start, now_ns=request.start_ns)
     clocks = [
         _DeviceClock(device, request.start_ns, np.random.default_rng([request.seed, order, 1]))
@@ -98,7 +93,7 @@ class _DeviceClock:
             yield TimedReading(time_ns=arrival_ns, topic=topic, reading=reading)
 
 
-def _devices(request: MissionRequest, model: RobotModel) -> Sequence[Device]:
+def _devices(request: MissionRequest, model: DriveModel) -> Sequence[Device]:
     """What the robot carries; each has noise of its own, so that none depends on another."""
     noises = [np.random.default_rng([request.seed, index, 0]) for index in range(4)]
     caster = RayCaster(request.plan)

@@ -1,19 +1,31 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the robot's devices say, before it becomes ROS messages.
-
-Stamps are nanoseconds of the time at which something was measured, not when it arrived.
-"""
+"""What the simulated robot's devices read."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from smarttestudo.simulation.geometry import BodyVelocity, FrameTransform, Pose, Vector
+from smarttestudo.simulation.robot import DifferentialDrive
+
+
+class Device(Protocol):
+    """Something that looks at the robot ``rate_hz`` times a second and publishes what it saw."""
+
+    @property
+    def rate_hz(self) -> float:
+        """How often it is sampled."""
+
+    def sample(self, drive: DifferentialDrive) -> Sequence[tuple[Topic, Reading]]:
+        """What it publishes now; called once each period, in time order."""
+
 
 Pixels = NDArray[np.uint8]
 

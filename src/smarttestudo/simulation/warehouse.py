@@ -8,8 +8,7 @@ open hall with its racks, in the middle the corridor, north the area where scaff
 
 from __future__ import annotations
 
-from smarttestudo.simulation.floor_plan import FloorPlan, Obstacle, ObstacleKind, Rectangle, Zone
-from smarttestudo.simulation.geometry import Point
+from smarttestudo.domain.floor_plan import FloorPlan, FloorZone, Obstacle, ObstacleKind, Point, Rectangle
 from smarttestudo.simulation.route import Route
 
 _WALL_HEIGHT_M = 4.0
@@ -74,7 +73,6 @@ _CORNER_RADIUS_M = 0.8
 def warehouse() -> FloorPlan:
     """The floor plan of the demo's warehouse."""
     return FloorPlan(
-        bounds=_rectangle(-13.0, 14.0, -8.0, 25.5),
         obstacles=(
             *(
                 Obstacle(kind=ObstacleKind.WALL, footprint=_rectangle(*s), height_m=_WALL_HEIGHT_M)
@@ -87,10 +85,15 @@ def warehouse() -> FloorPlan:
             *(upright for x_m, y_m in _SCAFFOLDS_M for upright in _scaffold(x_m, y_m)),
         ),
         zones=(
-            Zone(number=2, name="Warehouse Corridor", area=_rectangle(-13.0, 6.0, 1.0, 5.4)),
-            Zone(number=3, name="Scaffolding", area=_rectangle(-13.0, 6.0, 6.0, 25.5)),
+            FloorZone(name="Warehouse Corridor", area=_rectangle(-13.0, 6.0, 1.0, 5.4)),
+            FloorZone(name="Scaffolding", area=_rectangle(-13.0, 6.0, 6.0, 25.5)),
         ),
     )
+
+
+def warehouse_bounds() -> Rectangle:
+    """The floor between the outer walls."""
+    return _rectangle(-13.0, 14.0, -8.0, 25.5)
 
 
 def patrol() -> Route:

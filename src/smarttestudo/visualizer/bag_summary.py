@@ -8,9 +8,8 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
 
 from smarttestudo.domain.recording import Storage
-from smarttestudo.domain.utc_time import utc_time
-from smarttestudo.visualizer.latency import Latency
-from smarttestudo.visualizer.statistics import RecordingSpan, TopicStatistics
+from smarttestudo.domain.units import utc_time
+from smarttestudo.visualizer.statistics import Latency, RecordingSpan, TopicStatistics
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

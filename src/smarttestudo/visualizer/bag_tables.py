@@ -5,8 +5,7 @@
 from __future__ import annotations
 
 from smarttestudo.domain.recording import readable_until
-from smarttestudo.domain.units import BYTES_PER_KB
-from smarttestudo.domain.utc_time import utc_time
+from smarttestudo.domain.units import BYTES_PER_KB, utc_time
 from smarttestudo.visualizer.bag_summary import BagSummary, BagTopic
 from smarttestudo.visualizer.comparison_tables import BANDWIDTH_NOTE, DECLARED, DECLARED_NOTE
 from smarttestudo.visualizer.table import Align, Cell, Column, Number, Row, Table, Text

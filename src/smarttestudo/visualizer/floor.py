@@ -1,79 +1,17 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The floor under a robot, and where it went."""
+"""Where on the floor a robot was, and the zones of its rules."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from enum import Enum
 
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Rectangle:
-    """An upright rectangle of the floor, in metres; a side may be infinitely far."""
-
-    min_x_m: float
-    max_x_m: float
-    min_y_m: float
-    max_y_m: float
-
-
-class ObstacleKind(Enum):
-    """What stands on the floor."""
-
-    WALL = "wall"
-    RACK = "rack"
-    UPRIGHT = "upright"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Obstacle:
-    """Something that stands on the floor."""
-
-    kind: ObstacleKind
-    footprint: Rectangle
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Zone:
-    """A named part of the floor; one named as a rule is drawn in the rule's colour."""
-
-    name: str
-    area: Rectangle
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class OccupancyMap:
-    """A map as robots drive by: a grid of cells, each free or occupied; unknown ones count as free.
-
-    ``rows`` run from the lowest to the highest, ``True`` where a cell is occupied. The lower left corner of
-    the first cell lies at (``origin_x_m``, ``origin_y_m``); the grid is turned about it by ``yaw_rad``.
-    """
-
-    rows: tuple[tuple[bool, ...], ...]
-    cell_m: float
-    origin_x_m: float
-    origin_y_m: float
-    yaw_rad: float = 0.0
-
-    @property
-    def width_m(self) -> float:
-        """Length of a row."""
-        return self.cell_m * max(map(len, self.rows), default=0)
-
-    @property
-    def height_m(self) -> float:
-        """Length of a column."""
-        return self.cell_m * len(self.rows)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class FloorPlan:
-    """The floor under the path."""
-
-    obstacles: tuple[Obstacle, ...] = ()
-    zones: tuple[Zone, ...] = ()
-    occupancy: OccupancyMap | None = None
+from smarttestudo.adirf.normal_form import Every, Form, Some, Within, merged
+from smarttestudo.adirf.region import Region
+from smarttestudo.adirf.rule_set import RuleSet
+from smarttestudo.domain.floor_plan import FloorZone, Rectangle
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -83,3 +21,42 @@ class PathPoint:
     t_s: float
     x_m: float
     y_m: float
+
+
+_X = ("pose_x", "pose.pose.position.x", "pose.position.x")
+_Y = ("pose_y", "pose.pose.position.y", "pose.position.y")
+_ANYWHERE = (-math.inf, math.inf)
+
+
+def rule_zones(rule_set: RuleSet) -> tuple[FloorZone, ...]:
+    """A zone for each stretch of floor that a block's condition bounds by the x and y of a robot's place.
+
+    A condition may ask for more than the place: its zone is where it can hold. Of an OR, the parts that
+    bound both x and y have a zone each. What says the place in another way has none.
+    """
+    return tuple(
+        FloorZone(name=block.label, area=area)
+        for block in rule_set.blocks
+        for area in _areas(merged(block.form))
+    )
+
+
+def _areas(form: Form) -> Iterator[Rectangle]:
+    is_choice = isinstance(form, Some)
+    for part in form.parts if isinstance(form, Some) else (form,):
+        x, y = _bounds(part, _X), _bounds(part, _Y)
+        is_bound = x and y if is_choice else x or y
+        if is_bound:
+            (min_x_m, max_x_m), (min_y_m, max_y_m) = x or _ANYWHERE, y or _ANYWHERE
+            yield Rectangle(min_x_m=min_x_m, max_x_m=max_x_m, min_y_m=min_y_m, max_y_m=max_y_m)
+
+
+def _bounds(form: Form, names: Sequence[str]) -> tuple[float, float] | None:
+    """From where to where ``form`` lets the properties of ``names`` be; ``None`` where it says no stretch."""
+    parts = form.parts if isinstance(form, Every) else (form,)
+    regions = [part.region for part in parts if isinstance(part, Within) and part.signal.property in names]
+    common = Region.intersection_of(regions)
+    if not regions or len(common.pieces) != 1:
+        return None
+    ((low, high),) = common.pieces
+    return low[0], high[0]

@@ -64,6 +64,11 @@ class TraceAccumulator:
         return None if self._current is None else self._last_ns
 
     @property
+    def span_ns(self) -> int:
+        """From the earliest stamp to the latest."""
+        return self._last_ns - self._first_ns
+
+    @property
     def messages(self) -> int:
         """Messages counted so far."""
         return sum(self._messages)

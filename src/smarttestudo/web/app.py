@@ -5,48 +5,46 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import AsyncIterator, Awaitable, Callable, Iterable
-from typing import TypeVar
+from collections.abc import AsyncIterator, Iterator
 
-import msgspec
 from starlette.applications import Starlette
 from starlette.concurrency import run_in_threadpool
-from starlette.requests import Request
+from starlette.requests import ClientDisconnect, Request
 from starlette.responses import Response
 from starlette.routing import BaseRoute, Mount, Route, WebSocketRoute
 from starlette.types import ASGIApp
 
 from smarttestudo.adapters.files.project_folder import ProjectFolder
-from smarttestudo.composition.ruler.robot_link import RobotLink
-from smarttestudo.composition.ruler.ruler_node import ruler_node
 from smarttestudo.domain.errors import TestudoError
-from smarttestudo.web import optimize_api, rules_api, zone_schemas, zones_json
-from smarttestudo.web import robot_schemas as robot_schema
-from smarttestudo.web import schemas as schema
-from smarttestudo.web import sharing_schemas as sharing
-from smarttestudo.web.background_api import BackgroundApi
-from smarttestudo.web.bodies import read_body
-from smarttestudo.web.curve_schemas import LevelsRequest
-from smarttestudo.web.errors import JSON, RequestError, error_answer
-from smarttestudo.web.guard import Access, Guard
+from smarttestudo.use_cases.ruler import edits, optimize_answer, profile_table, profiles, sharing, zone_edits
+from smarttestudo.use_cases.ruler.backgrounds import BackgroundRequest, Backgrounds, PathRequest
+from smarttestudo.use_cases.ruler.checked_text import Draft
+from smarttestudo.use_cases.ruler.curve import Curve, CurveRequest
+from smarttestudo.use_cases.ruler.edits import TextAnswer
+from smarttestudo.use_cases.ruler.measuring_process import MeasureLiveRequest
+from smarttestudo.use_cases.ruler.project import ProjectFiles, SaveRequest
+from smarttestudo.use_cases.ruler.pushing import ConfirmRequest, PushRequest
+from smarttestudo.use_cases.ruler.robot_link import RobotLink, ruler_node
+from smarttestudo.use_cases.ruler.robots import WatchedRobots
+from smarttestudo.use_cases.ruler.trial import TryAnswer, TryRequest
+from smarttestudo.use_cases.ruler.vocabulary import Vocabulary, VocabularyRequest, vocabulary
+from smarttestudo.web.bodies import read_query
+from smarttestudo.web.errors import GONE, RequestError, error_answer
+from smarttestudo.web.guard import Guard, ServerAddress
 from smarttestudo.web.live_feed import LiveFeed
 from smarttestudo.web.measure_api import MeasureApi
 from smarttestudo.web.page import page_files
-from smarttestudo.web.profile_api import ProfileApi, levels_of_rate
-from smarttestudo.web.project_api import ProjectApi
-from smarttestudo.web.robots_api import RobotsApi
+from smarttestudo.web.routes import ApiRoute, Handler, answering, long_work, telling
 from smarttestudo.web.socket import Listeners
 from smarttestudo.web.try_api import CurveApi, TryApi
 
-_Body = TypeVar("_Body", bound=msgspec.Struct)
-_Handler = Callable[[Request], Awaitable[Response]]
+_PNG = "image/png"
 
 
-def ruler_app(folder: ProjectFolder, access: Access, *, opened: str | None = None) -> ASGIApp:
+def ruler_app(folder: ProjectFolder, access: ServerAddress, *, opened: str | None = None) -> ASGIApp:
     """The server of the project in ``folder``, for whom ``access`` lets in."""
     listeners = Listeners()
     link = RobotLink(ruler_node)
-    robots = RobotsApi(link)
     feed = LiveFeed(link, listeners)
 
     @contextlib.asynccontextmanager
@@ -55,95 +53,78 @@ def ruler_app(folder: ProjectFolder, access: Access, *, opened: str | None = Non
         await feed.close()
 
     routes: list[BaseRoute] = [
-        *_project_routes(ProjectApi(folder, opened)),
-        *_rule_routes(rules_api.RulesApi()),
-        *_profile_routes(ProfileApi(folder, robots.topics)),
-        *_background_routes(BackgroundApi(folder)),
-        *_robot_routes(robots),
-        Route("/api/profile/measure-live", MeasureApi(listeners).answer, methods=["POST"]),
-        Route("/api/try", TryApi(folder, listeners).answer, methods=["POST"]),
-        Route("/api/profile/curve", CurveApi(folder, listeners).answer, methods=["POST"]),
+        *api_routes(folder, link, listeners, opened=opened),
+        Route("/api/background/picture", _picture(Backgrounds(folder)), methods=["GET"]),
         Route("/api/{path:path}", _no_such_thing, methods=["GET", "POST", "PUT", "DELETE", "PATCH"]),
         WebSocketRoute("/ws", listeners.serve),
         Mount("/", page_files()),
     ]
-    app = Starlette(routes=routes, exception_handlers={TestudoError: _said}, lifespan=lifespan)
+    app = Starlette(
+        routes=routes, exception_handlers={TestudoError: _said, ClientDisconnect: _gone}, lifespan=lifespan
+    )
     return Guard(app, access)
 
 
-def _project_routes(api: ProjectApi) -> Iterable[BaseRoute]:
-    async def project(_: Request) -> Response:
-        return _json(await run_in_threadpool(api.project))
-
-    async def read(request: Request) -> Response:
-        return _json(await run_in_threadpool(api.read, request.query_params.get("name", "")))
-
-    yield Route("/api/project", project, methods=["GET"])
-    yield Route("/api/file", read, methods=["GET"])
-    yield _route("/api/file", schema.SaveRequest, api.save, method="PUT")
-
-
-def _rule_routes(api: rules_api.RulesApi) -> Iterable[BaseRoute]:
-    yield _route("/api/document", schema.DocumentRequest, api.document)
-    yield _route("/api/edit", schema.EditRequest, api.edit)
-    yield _route("/api/format", schema.DocumentRequest, rules_api.format_text)
-    yield _route("/api/fix", schema.FixRequest, api.fix)
-    yield _route("/api/download", schema.DocumentRequest, rules_api.download)
-    yield _route("/api/diff", schema.DifferenceRequest, rules_api.difference)
-    yield _route("/api/export", sharing.ExportRequest, rules_api.export)
-    yield _route("/api/import", sharing.ImportRequest, api.import_rules)
-    yield _route("/api/import/preview", sharing.ImportPreviewRequest, rules_api.import_preview)
-    yield _route("/api/zones", schema.DocumentRequest, api.zones)
-    yield _route("/api/zones/cover", zone_schemas.CoverRequest, zones_json.cover)
-    yield _route("/api/optimize", schema.OptimizeRequest, optimize_api.optimize)
+def api_routes(
+    folder: ProjectFolder, link: RobotLink, listeners: Listeners, *, opened: str | None = None
+) -> Iterator[ApiRoute]:
+    """All that the page can ask in JSON."""
+    robots = WatchedRobots(link)
+    yield from _project_routes(ProjectFiles(folder, opened))
+    yield from _rule_routes(edits.EditedTexts(), robots)
+    yield from _profile_routes(profiles.Profiles(folder))
+    yield from _background_routes(Backgrounds(folder))
+    yield answering("/api/push/preview", PushRequest, robots.preview)
+    yield answering("/api/push", PushRequest, robots.push)
+    yield answering("/api/push/confirm", ConfirmRequest, robots.confirm)
+    yield long_work("/api/profile/measure-live", MeasureLiveRequest, MeasureApi(listeners).answer, TextAnswer)
+    yield long_work("/api/try", TryRequest, TryApi(folder, listeners).answer, TryAnswer)
+    yield long_work("/api/profile/curve", CurveRequest, CurveApi(folder, listeners).answer, Curve)
 
 
-def _background_routes(api: BackgroundApi) -> Iterable[BaseRoute]:
-    async def choices(_: Request) -> Response:
-        return _json(await run_in_threadpool(api.choices))
-
-    yield Route("/api/backgrounds", choices, methods=["GET"])
-    yield Route("/api/background/picture", api.picture, methods=["GET"])
-    yield _route("/api/background", zone_schemas.BackgroundRequest, api.background)
-    yield _route("/api/background/path", zone_schemas.PathRequest, api.path)
+def _project_routes(files: ProjectFiles) -> Iterator[ApiRoute]:
+    yield telling("/api/project", files.project)
+    yield telling("/api/file", files.read, query="name")
+    yield answering("/api/file", SaveRequest, files.save, method="PUT")
 
 
-def _profile_routes(api: ProfileApi) -> Iterable[BaseRoute]:
-    async def vocabulary(request: Request) -> Response:
-        query = request.query_params
-        return _json(await run_in_threadpool(api.vocabulary_of_files, query.get("profile"), query.get("bag")))
+def _rule_routes(texts: edits.EditedTexts, robots: WatchedRobots) -> Iterator[ApiRoute]:
+    def words(request: VocabularyRequest) -> Vocabulary:
+        return vocabulary(request, robots.topics())
 
-    yield Route("/api/vocabulary", vocabulary, methods=["GET"])
-    yield _route("/api/vocabulary", schema.VocabularyRequest, api.vocabulary)
-    yield _route("/api/profile/parse", schema.ProfileParseRequest, api.parse)
-    yield _route("/api/profile/write", schema.ProfileWriteRequest, api.write)
-    yield _route("/api/profile/check", schema.ProfileWriteRequest, api.check)
-    yield _route("/api/profile/measure", schema.ProfileMeasureRequest, api.measure)
-    yield _route("/api/profile/levels", LevelsRequest, levels_of_rate)
-
-
-def _robot_routes(api: RobotsApi) -> Iterable[BaseRoute]:
-    async def robots(_: Request) -> Response:
-        return _json(await run_in_threadpool(api.robots))
-
-    async def rules(request: Request) -> Response:
-        return _json(await run_in_threadpool(api.rules, request.query_params.get("node", "")))
-
-    yield Route("/api/robots", robots, methods=["GET"])
-    yield Route("/api/robots/rules", rules, methods=["GET"])
-    yield _route("/api/push/preview", robot_schema.PushRequest, api.preview)
-    yield _route("/api/push", robot_schema.PushRequest, api.push)
-    yield _route("/api/push/confirm", robot_schema.ConfirmRequest, api.confirm)
+    yield answering("/api/document", Draft, texts.document)
+    yield answering("/api/edit", edits.EditRequest, texts.edit)
+    yield answering("/api/format", Draft, edits.format_text)
+    yield answering("/api/export", sharing.ExportRequest, edits.export)
+    yield answering("/api/import", sharing.ImportRequest, texts.import_rules)
+    yield answering("/api/import/preview", sharing.ImportPreviewRequest, sharing.import_preview)
+    yield answering("/api/zones", Draft, texts.zones)
+    yield answering("/api/zones/cover", zone_edits.CoverRequest, zone_edits.cover)
+    yield answering("/api/optimize", optimize_answer.OptimizeRequest, optimize_answer.optimize)
+    yield answering("/api/vocabulary", VocabularyRequest, words)
 
 
-def _route(
-    path: str, kind: type[_Body], answer: Callable[[_Body], msgspec.Struct], *, method: str = "POST"
-) -> Route:
-    async def handle(request: Request) -> Response:
-        body = await read_body(request, kind)
-        return _json(await run_in_threadpool(answer, body))
+def _background_routes(backgrounds: Backgrounds) -> Iterator[ApiRoute]:
+    yield telling("/api/backgrounds", backgrounds.choices)
+    yield answering("/api/background", BackgroundRequest, backgrounds.background)
+    yield answering("/api/background/path", PathRequest, backgrounds.path)
 
-    return Route(path, handle, methods=[method])
+
+def _profile_routes(known: profiles.Profiles) -> Iterator[ApiRoute]:
+    yield answering("/api/profile/for", profiles.ProfileForRequest, known.choice)
+    yield answering("/api/profile/parse", profile_table.ProfileParseRequest, profiles.table_of)
+    yield answering("/api/profile/write", profile_table.ProfileWriteRequest, profiles.written)
+    yield answering("/api/profile/check", profile_table.ProfileWriteRequest, profiles.checked)
+    yield answering("/api/profile/measure", profiles.ProfileMeasureRequest, known.measured)
+    yield answering("/api/profile/levels", profiles.LevelsRequest, profiles.levels_of_rate)
+
+
+def _picture(backgrounds: Backgrounds) -> Handler:
+    async def picture(request: Request) -> Response:
+        asked = read_query(request, BackgroundRequest)
+        return Response(await run_in_threadpool(backgrounds.picture, asked), media_type=_PNG)
+
+    return picture
 
 
 async def _no_such_thing(request: Request) -> Response:
@@ -156,5 +137,6 @@ async def _said(_: Request, error: Exception) -> Response:
     return error_answer(error)
 
 
-def _json(answer: msgspec.Struct) -> Response:
-    return Response(msgspec.json.encode(answer), media_type=JSON)
+async def _gone(_request: Request, _error: Exception) -> Response:
+    """Nobody reads it: the page left before it had said what it wanted."""
+    return Response(status_code=GONE)

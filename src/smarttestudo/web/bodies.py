@@ -34,6 +34,15 @@ async def read_body(request: Request, kind: type[_Body]) -> _Body:
         raise RequestError("the request nests too deep", 400) from error
 
 
+def read_query(request: Request, kind: type[_Body]) -> _Body:
+    """The query as ``kind``; what is missing in it is empty. Raises ``RequestError`` for one that is none."""
+    query = {name: request.query_params.get(name, "") for name in kind.__struct_fields__}
+    try:
+        return msgspec.convert(query, type=kind)
+    except msgspec.ValidationError as error:
+        raise RequestError(f"the request is not understood: {error}", 400) from error
+
+
 async def _bounded(request: Request) -> bytes:
     declared = request.headers.get("content-length", "0")
     if not declared.isdecimal() or int(declared) > MAX_BODY_BYTES:

@@ -12,22 +12,42 @@ from smarttestudo.adapters.files.project_folder import (
     ForbiddenPathError,
     MissingFileError,
 )
-from smarttestudo.composition.ruler.checked_text import RefusedTextError
 from smarttestudo.domain.errors import TestudoError
-from smarttestudo.domain.remote_parameters import SilentNodeError
-from smarttestudo.web.document_json import finding_models
-from smarttestudo.web.schemas import ErrorAnswer, Problem
-from smarttestudo.web.statement_schemas import FindingModel
+from smarttestudo.domain.parameter import SilentNodeError
+from smarttestudo.use_cases.ruler.checked_text import RefusedTextError
+from smarttestudo.use_cases.ruler.documents import PlacedFinding, placed_findings
+from smarttestudo.use_cases.ruler.page_words import in_page_words
+from smarttestudo.use_cases.ruler.robots import UnknownRobotError
 
 JSON = "application/json"
+GONE = 499
 _STATUS: tuple[tuple[type[TestudoError], int], ...] = (
     (MissingFileError, 404),
+    (UnknownRobotError, 404),
     (ForbiddenPathError, 403),
     (ChangedFileError, 409),
     (RefusedTextError, 409),
     (SilentNodeError, 504),
 )
 _UNPROCESSABLE = 422
+
+
+class Problem(msgspec.Struct, frozen=True, kw_only=True):
+    """Why something was refused; ``place`` and ``remedy`` may be empty.
+
+    ``findings`` say why, where rules with errors were refused.
+    """
+
+    message: str
+    place: str
+    remedy: str
+    findings: tuple[PlacedFinding, ...]
+
+
+class ErrorAnswer(msgspec.Struct, frozen=True, kw_only=True):
+    """The body of every answer that is an error."""
+
+    error: Problem
 
 
 class RequestError(TestudoError):
@@ -40,12 +60,11 @@ class RequestError(TestudoError):
 
 def error_answer(error: TestudoError) -> Response:
     """The answer that says what ``error`` says."""
-    findings: tuple[FindingModel, ...] = ()
+    findings: tuple[PlacedFinding, ...] = ()
     if isinstance(error, RefusedTextError):
-        findings = finding_models(error.checked.document, error.checked.findings)
-    problem = Problem(
-        message=error.cause, place=error.place or "", remedy=error.remedy or "", findings=findings
-    )
+        findings = placed_findings(error.checked.document, error.checked.findings)
+    said = in_page_words(error)
+    problem = Problem(message=said.cause, place=said.place or "", remedy=said.remedy or "", findings=findings)
     body = msgspec.json.encode(ErrorAnswer(error=problem))
     return Response(body, _status(error), media_type=JSON)
 

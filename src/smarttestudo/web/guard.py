@@ -51,7 +51,7 @@ SECURITY_HEADERS: Mapping[str, str] = {
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Access:
+class ServerAddress:
     """How the server is called: its address, all its names, and the token that it asks for, if any."""
 
     host: str
@@ -60,13 +60,13 @@ class Access:
     token: str | None = field(default=None, repr=False)
 
     @staticmethod
-    def at(host: str, port: int, *, machine: str = "localhost") -> Access:
-        """Access on ``host`` of the computer ``machine``; others, if they can reach it, need a token."""
+    def at(host: str, port: int, *, machine: str = "localhost") -> ServerAddress:
+        """The address on ``host`` of the computer ``machine``; others, if they can reach it, need a token."""
         token = None if is_loopback(host) else secrets.token_urlsafe(32)
         names = frozenset(name.lower() for name in (host, machine, f"{machine}.local"))
         # 0.0.0.0 is every address of this computer, and none that a browser can open.
         shown = machine if _is_every_address(host) else host
-        return Access(host=shown, port=port, names=names, token=token)
+        return ServerAddress(host=shown, port=port, names=names, token=token)
 
     @property
     def url(self) -> str:
@@ -103,7 +103,7 @@ class Access:
 class Guard:
     """Lets nothing through to ``app`` that ``access`` does not allow, and marks every answer."""
 
-    def __init__(self, app: ASGIApp, access: Access) -> None:
+    def __init__(self, app: ASGIApp, access: ServerAddress) -> None:
         self._app = app
         self._access = access
 

@@ -10,11 +10,10 @@ import time
 from collections.abc import Sequence
 from threading import Lock
 
-from smarttestudo.composition.ruler.robot_link import RobotLink
-from smarttestudo.composition.ruler.robot_watch import SeenRobot
-from smarttestudo.web.live_json import live_model, robot_models
-from smarttestudo.web.robot_schemas import RobotModel, RobotsPush
-from smarttestudo.web.socket import Listeners, encoded
+from smarttestudo.use_cases.ruler.live_view import RobotSummary, live_model, robot_summaries
+from smarttestudo.use_cases.ruler.robot_link import RobotLink
+from smarttestudo.use_cases.ruler.robot_watch import SeenRobot
+from smarttestudo.web.socket import Listeners, Robots, encoded
 
 _ROBOTS_PERIOD_S = 2.0
 
@@ -86,15 +85,15 @@ class LiveFeed:
             for page in due:
                 page.tell("live", text)
 
-    def _models(self) -> tuple[RobotModel, ...]:
-        return robot_models(self._link.seen.values(), time.monotonic())
+    def _models(self) -> tuple[RobotSummary, ...]:
+        return robot_summaries(self._link.seen.values(), time.monotonic())
 
     def _tell_robots(self) -> None:
         models = self._models()
         self._told = self._summary(models)
-        self._listeners.tell(RobotsPush(problem=self._link.problem, robots=models))
+        self._listeners.tell(Robots(problem=self._link.problem, robots=models))
 
-    def _summary(self, models: Sequence[RobotModel]) -> object:
+    def _summary(self, models: Sequence[RobotSummary]) -> object:
         """What pages are told at once when it changes."""
         return self._link.problem, [
             (one.node, one.is_heard, one.rules_hash, one.rules, one.topics) for one in models

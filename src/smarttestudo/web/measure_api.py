@@ -10,14 +10,12 @@ from starlette.requests import Request
 from starlette.responses import Response
 
 from smarttestudo.domain.errors import TestudoError, UsageError
-from smarttestudo.web.bodies import read_body
+from smarttestudo.use_cases.ruler.measuring_process import MeasureLiveRequest, MeasureOrder
 from smarttestudo.web.child_work import ChildWork, Order
-from smarttestudo.web.robot_schemas import MeasureLiveRequest
-from smarttestudo.web.schemas import TextAnswer
 from smarttestudo.web.socket import Listeners
 
 MAX_SECONDS = 60.0
-_PROCESS = "smarttestudo.composition.ruler.measuring_process"
+_PROCESS = "smarttestudo.use_cases.ruler.measuring_process"
 # For the first topic to be seen, and for the process to begin and end.
 _FIRST_TOPIC_S = 5.0
 _MARGIN_S = 30.0
@@ -29,17 +27,16 @@ class MeasureApi:
     def __init__(self, listeners: Listeners) -> None:
         self._work = ChildWork(listeners)
 
-    async def answer(self, request: Request) -> Response:
+    async def answer(self, request: Request, order: MeasureLiveRequest) -> Response:
         """A profile of what is published now; who leaves ends it."""
-        order = await read_body(request, MeasureLiveRequest)
         if not (math.isfinite(order.seconds) and 1 <= order.seconds <= MAX_SECONDS):
             raise UsageError(f"robots are measured for 1 to {MAX_SECONDS:g} s", place="seconds")
         work = Order(
             module=_PROCESS,
-            fields={"seconds": order.seconds, "timeout_s": _FIRST_TOPIC_S},
+            asked=MeasureOrder(seconds=order.seconds, timeout_s=_FIRST_TOPIC_S),
             run=order.run,
             timeout_s=2 * (order.seconds + _FIRST_TOPIC_S) + _MARGIN_S,
             too_long=TestudoError("measuring does not come to an end", remedy="try fewer seconds"),
             broken=TestudoError("measuring ended without a result", remedy="try testudo profile --seconds"),
         )
-        return await self._work.answer(request, work, TextAnswer)
+        return await self._work.answer(request, work)

@@ -17,8 +17,14 @@ _INDEX = "index.html"
 _MISSING = """<!doctype html>
 <html lang="en"><meta charset="utf-8"><title>ADIRF Ruler</title>
 <h1>The Ruler's page is not built</h1>
-<p>This is a checkout of the source. Build the page with <code>make gui</code> and reload,
-or install the wheel: <code>pip install 'smarttestudo[studio]'</code>.</p>
+<p>SmartTestudo was installed without it, for want of Node.js or of a network.
+In the checkout of its source:</p>
+<ol>
+<li><code>make gui</code> builds the page; it takes Node.js 20 or later, or gets it itself.</li>
+<li><code>pip install '.[studio]'</code>, in the environment of this server, installs it.
+A server that runs from the checkout does not need this step.</li>
+<li>Start <code>testudo ruler</code> again.</li>
+</ol>
 </html>
 """
 

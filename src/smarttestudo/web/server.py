@@ -5,6 +5,8 @@
 from __future__ import annotations
 
 import contextlib
+import errno
+import logging
 import socket
 from collections.abc import Callable
 
@@ -15,7 +17,7 @@ from smarttestudo.adapters.files.project_folder import ProjectFolder
 from smarttestudo.domain.errors import TestudoError
 from smarttestudo.web.app import ruler_app
 from smarttestudo.web.bodies import MAX_BODY_BYTES
-from smarttestudo.web.guard import Access
+from smarttestudo.web.guard import ServerAddress
 
 _STOP_TIMEOUT_S = 2
 
@@ -25,14 +27,19 @@ class PortError(TestudoError):
 
 
 def serve(
-    folder: ProjectFolder, *, host: str, port: int, opened: str | None, started: Callable[[Access], None]
+    folder: ProjectFolder,
+    *,
+    host: str,
+    port: int,
+    opened: str | None,
+    started: Callable[[ServerAddress], None],
 ) -> None:
     """Serve ``folder`` until the process is asked to stop; port 0 takes a free one.
 
     ``started`` is told how to get in, once the server listens. Raises ``PortError`` where it cannot listen.
     """
     with listening(host, port) as listener:
-        access = Access.at(host, listener.getsockname()[1], machine=socket.gethostname())
+        access = ServerAddress.at(host, listener.getsockname()[1], machine=socket.gethostname())
         started(access)
         server = server_of(ruler_app(folder, access, opened=opened))
         # Ctrl-C is how a server ends: uvicorn raises it again once it has ended well.
@@ -42,20 +49,32 @@ def serve(
 
 def server_of(app: ASGIApp) -> uvicorn.Server:
     """``app`` as a server; it trusts no proxy, and says nothing of itself."""
-    return uvicorn.Server(
-        uvicorn.Config(
-            app,
-            log_level="warning",
-            access_log=False,
-            server_header=False,
-            date_header=False,
-            proxy_headers=False,
-            ws="websockets-sansio",
-            ws_max_size=MAX_BODY_BYTES,
-            timeout_graceful_shutdown=_STOP_TIMEOUT_S,
-            lifespan="on",
-        )
+    config = uvicorn.Config(
+        app,
+        log_level="warning",
+        access_log=False,
+        server_header=False,
+        date_header=False,
+        proxy_headers=False,
+        ws="websockets-sansio",
+        ws_max_size=MAX_BODY_BYTES,
+        timeout_graceful_shutdown=_STOP_TIMEOUT_S,
+        lifespan="on",
     )
+    logging.getLogger("uvicorn.error").addFilter(_without_clients_traceback)
+    return uvicorn.Server(config)
+
+
+def _without_clients_traceback(record: logging.LogRecord) -> bool:
+    """Leave out the traceback where a client sent text that is not UTF-8, which is no fault of the server."""
+    if (
+        record.exc_info
+        and record.exc_info[0] is UnicodeDecodeError
+        and record.msg.startswith("Invalid UTF-8")
+    ):
+        record.exc_info = None
+        record.levelno, record.levelname = logging.WARNING, "WARNING"
+    return True
 
 
 def listening(host: str, port: int) -> socket.socket:
@@ -67,10 +86,12 @@ def listening(host: str, port: int) -> socket.socket:
             listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
             listener.bind((host, port))
             listener.listen()
-        except (OSError, OverflowError):
+        except OSError:
             listener.close()
             raise
-    except (OSError, OverflowError) as error:
-        cause = f"the server cannot listen there: {getattr(error, 'strerror', None) or error}"
-        raise PortError(cause, place=f"{host}:{port}", remedy="give another --port") from error
+    except OSError as error:
+        cause = f"the server cannot listen there: {error.strerror or error}"
+        is_host = isinstance(error, socket.gaierror) or error.errno == errno.EADDRNOTAVAIL
+        remedy = "give another --host" if is_host else "give another --port"
+        raise PortError(cause, place=f"{host}:{port}", remedy=remedy) from error
     return listener

@@ -14,13 +14,48 @@ import msgspec
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from smarttestudo import __version__
-from smarttestudo.web.robot_schemas import RobotsPush, Watch
-from smarttestudo.web.schemas import Hello, Progress
+from smarttestudo.use_cases.ruler.live_view import Live, RobotSummary
 
+PROTOCOL_VERSION = 1
 MAX_UPDATE_HZ = 20.0
 _MAX_ASKED_BYTES = 10_000
 # A page is told a little early rather than not at all: statuses come when they come.
 _EARLY = 0.75
+
+
+class Hello(msgspec.Struct, frozen=True, kw_only=True, tag_field="kind", tag="hello"):
+    """The first message on ``/ws``; a page that knows another protocol asks to be reloaded."""
+
+    version: str
+    protocol: int = PROTOCOL_VERSION
+
+
+class Progress(msgspec.Struct, frozen=True, kw_only=True, tag_field="kind", tag="progress"):
+    """How far the work ``run`` is, 0 … 1."""
+
+    run: str
+    share: float
+
+
+class Robots(msgspec.Struct, frozen=True, kw_only=True, tag_field="kind", tag="robots"):
+    """The robots, when something changes and every two seconds.
+
+    ``problem`` says why ROS cannot be reached, null where it can.
+    """
+
+    problem: str | None
+    robots: tuple[RobotSummary, ...]
+
+
+Push = Hello | Progress | Robots | Live
+"""What the server tells by itself."""
+
+
+class Watch(msgspec.Struct, frozen=True, kw_only=True, tag_field="kind", tag="watch"):
+    """The page asks for ``Live`` of one robot; null ends that. At most 20 a second."""
+
+    node: str | None
+    update_hz: float = 5.0
 
 
 class OpenPage:
@@ -105,7 +140,7 @@ class Listeners:
             await asyncio.gather(telling, return_exceptions=True)
             self.changed()
 
-    def tell(self, push: Progress | RobotsPush) -> None:
+    def tell(self, push: Progress | Robots) -> None:
         """Tell every open page."""
         kind = f"progress {push.run}" if isinstance(push, Progress) else "robots"
         text = encoded(push)
@@ -113,6 +148,6 @@ class Listeners:
             page.tell(kind, text)
 
 
-def encoded(push: msgspec.Struct) -> str:
+def encoded(push: Push) -> str:
     """A message as text."""
     return msgspec.json.encode(push).decode()

@@ -4,25 +4,23 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
-
+from msgspec.structs import replace
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
 from starlette.responses import Response
 
 from smarttestudo.adapters.files.project_folder import ProjectFolder
-from smarttestudo.composition.ruler.checked_text import Draft, require_usable
 from smarttestudo.domain.errors import TestudoError
 from smarttestudo.domain.names import is_topic_name, resolve_topic
-from smarttestudo.web.bodies import read_body
+from smarttestudo.use_cases.ruler.checked_text import require_usable
+from smarttestudo.use_cases.ruler.curve import CurveRequest
+from smarttestudo.use_cases.ruler.trial import TryRequest
 from smarttestudo.web.child_work import ChildWork, Order
-from smarttestudo.web.curve_schemas import CurveAnswer, CurveRequest
 from smarttestudo.web.errors import RequestError
 from smarttestudo.web.socket import Listeners
-from smarttestudo.web.try_schemas import TryAnswer, TryRequest
 
-_TRIAL = "smarttestudo.composition.ruler.trial_process"
-_CURVE = "smarttestudo.composition.ruler.curve_process"
+_TRIAL = "smarttestudo.use_cases.ruler.trial_process"
+_CURVE = "smarttestudo.use_cases.ruler.curve_process"
 _TIMEOUT_S = 600.0
 _BAD_REQUEST = 400
 
@@ -34,19 +32,11 @@ class TryApi:
         self._folder = folder
         self._work = ChildWork(listeners)
 
-    async def answer(self, request: Request) -> Response:
+    async def answer(self, request: Request, asked: TryRequest) -> Response:
         """Replay a bag; who leaves ends it."""
-        asked = await read_body(request, TryRequest)
         bag = await run_in_threadpool(self._folder.bag, asked.bag)
-        draft = Draft(
-            text=asked.text,
-            name=asked.name,
-            profile_text=asked.profile_text,
-            profile_name=asked.profile_name,
-        )
-        await run_in_threadpool(require_usable, draft)
-        fields: dict[str, object] = {**asdict(draft), "bag": str(bag)}
-        return await self._work.answer(request, _order(_TRIAL, fields, asked), TryAnswer)
+        await run_in_threadpool(require_usable, asked)
+        return await self._work.answer(request, _order(_TRIAL, replace(asked, bag=str(bag)), asked.bag))
 
 
 class CurveApi:
@@ -56,24 +46,23 @@ class CurveApi:
         self._folder = folder
         self._work = ChildWork(listeners)
 
-    async def answer(self, request: Request) -> Response:
+    async def answer(self, request: Request, asked: CurveRequest) -> Response:
         """Measure a topic of a bag; who leaves ends it."""
-        asked = await read_body(request, CurveRequest)
         if not is_topic_name(asked.topic):
             raise RequestError(f"{asked.topic!r} is not a valid ROS 2 topic name", _BAD_REQUEST)
         bag = await run_in_threadpool(self._folder.bag, asked.bag)
-        fields: dict[str, object] = {"bag": str(bag), "topic": resolve_topic(asked.topic)}
-        return await self._work.answer(request, _order(_CURVE, fields, asked), CurveAnswer)
+        order = replace(asked, bag=str(bag), topic=resolve_topic(asked.topic))
+        return await self._work.answer(request, _order(_CURVE, order, asked.bag))
 
 
-def _order(module: str, fields: dict[str, object], asked: TryRequest | CurveRequest) -> Order:
+def _order(module: str, asked: TryRequest | CurveRequest, name: str) -> Order:
     return Order(
         module=module,
-        fields=fields,
+        asked=asked,
         run=asked.run,
         timeout_s=_TIMEOUT_S,
         too_long=TestudoError("the bag takes longer than ten minutes", remedy="try a shorter one"),
         broken=TestudoError(
-            "reading the bag ended without a result", place=asked.bag, remedy="try testudo bag info on it"
+            "reading the bag ended without a result", place=name, remedy="try testudo bag info on it"
         ),
     )

@@ -2,6 +2,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Figures for papers and slides, drawn with matplotlib; the only importer of it."""
 
-from smarttestudo.adapters.figures.draw import FigureKind, draw_figures
+from smarttestudo.adapters.figures.draw import FigureKind, draw_figures, figure_files
 
-__all__ = ["FigureKind", "draw_figures"]
+__all__ = ["FigureKind", "draw_figures", "figure_files"]

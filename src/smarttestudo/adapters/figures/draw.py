@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Callable, Collection, Mapping
 from enum import Enum
 from pathlib import Path
@@ -13,10 +14,10 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from smarttestudo.adapters.figures.intervals import intervals_figure
-from smarttestudo.adapters.figures.looks import SETTINGS
 from smarttestudo.adapters.figures.over_time import bandwidth_figure, rates_figure, total_figure
 from smarttestudo.adapters.figures.path import path_figure
-from smarttestudo.adapters.files.whole_file import OutputFileError
+from smarttestudo.adapters.figures.styles import SETTINGS
+from smarttestudo.adapters.files.whole_file import not_written, whole_binary_file
 from smarttestudo.visualizer.report import RunReport
 
 _DPI = 200
@@ -61,19 +62,23 @@ def draw_figures(report: RunReport, kinds: Collection[FigureKind], folder: Path)
     return written
 
 
+def figure_files(folder: Path) -> list[Path]:
+    """All that ``draw_figures`` may write into ``folder``."""
+    return [folder / f"{kind.value}.{form}" for kind in FigureKind for form in _METADATA]
+
+
 def _save(figure: Figure, folder: Path, name: str) -> list[Path]:
     FigureCanvasAgg(figure)
     paths = []
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        for form, metadata in _METADATA.items():
-            path = folder / f"{name}.{form}"
-            figure.savefig(path, format=form, dpi=_DPI, metadata=metadata, bbox_inches="tight")
-            paths.append(path)
     except OSError as error:
-        raise OutputFileError(
-            f"the figures cannot be written: {error.strerror or error}",
-            place=str(folder),
-            remedy="name another folder",
-        ) from error
+        raise not_written(folder, "the figures", error) from error
+    for form, metadata in _METADATA.items():
+        path = folder / f"{name}.{form}"
+        with whole_binary_file(path, "the figure") as write:
+            drawn = io.BytesIO()
+            figure.savefig(drawn, format=form, dpi=_DPI, metadata=metadata, bbox_inches="tight")
+            write(drawn.getvalue())
+        paths.append(path)
     return paths

@@ -13,10 +13,10 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator, NullLocator
 
-from smarttestudo.adapters.figures.looks import INK, plain
-from smarttestudo.visualizer.interval_histogram import IntervalBin
+from smarttestudo.adapters.figures.styles import INK, plain
 from smarttestudo.visualizer.report import RunReport
-from smarttestudo.visualizer.report.charted import charted_series
+from smarttestudo.visualizer.report.run_report import charted_series
+from smarttestudo.visualizer.statistics import IntervalBin
 
 _WIDTH_IN = 7.2
 _COLUMNS = 3

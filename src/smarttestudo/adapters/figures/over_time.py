@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 
-from smarttestudo.adapters.figures.looks import (
+from smarttestudo.adapters.figures.styles import (
     AFTER,
     AREAS,
     BEFORE,
@@ -23,8 +23,8 @@ from smarttestudo.adapters.figures.looks import (
     plain,
 )
 from smarttestudo.visualizer.report import RunReport, TopicHistory, TopicSeries
-from smarttestudo.visualizer.report.charted import charted_series
-from smarttestudo.visualizer.report.stack import Layer, layers
+from smarttestudo.visualizer.report.bandwidth_chart import Layer, layers
+from smarttestudo.visualizer.report.run_report import charted_series
 from smarttestudo.visualizer.series import Series
 from smarttestudo.visualizer.summary import bandwidth_text
 

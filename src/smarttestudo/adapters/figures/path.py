@@ -13,11 +13,12 @@ from matplotlib.patches import Rectangle as Patch
 from matplotlib.patheffects import withStroke
 from matplotlib.transforms import Affine2D
 
-from smarttestudo.adapters.figures.looks import FAINT, INK, RACK, WALL, plain, rule_look
-from smarttestudo.visualizer.floor import FloorPlan, ObstacleKind, OccupancyMap, PathPoint, Rectangle
+from smarttestudo.adapters.figures.styles import FAINT, INK, RACK, WALL, plain, rule_look
+from smarttestudo.domain.floor_plan import FloorPlan, ObstacleKind, OccupancyMap, Rectangle
+from smarttestudo.visualizer.floor import PathPoint
 from smarttestudo.visualizer.report import RunReport
+from smarttestudo.visualizer.report.floor_map import known_places, path_pieces, thinned
 from smarttestudo.visualizer.report.map_frame import map_frame
-from smarttestudo.visualizer.report.path_line import known_places, path_pieces, thinned
 from smarttestudo.visualizer.report.rule_styles import RuleStyles, styles_of
 from smarttestudo.visualizer.rule_timeline import RuleSpan, deciding_spans
 

@@ -9,9 +9,13 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from smarttestudo.adapters.files.whole_file import OutputFileError, whole_file
+from smarttestudo.adapters.files.input_file import read_input
+from smarttestudo.adapters.files.whole_file import not_written, whole_file
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.errors import TestudoError
+from smarttestudo.domain.json_text import json_text
+
+_CONTENT = "the decision log"
 
 
 class DecisionLogError(TestudoError):
@@ -24,7 +28,7 @@ def decision_log(path: Path) -> Iterator[Callable[[Iterable[Decision]], None]]:
 
     Raises ``OutputFileError`` where that is not possible, before the block if it is known by then.
     """
-    with whole_file(path, "the decision log") as write:
+    with whole_file(path, _CONTENT) as write:
         yield lambda decisions: write("".join(f"{_line(decision)}\n" for decision in decisions))
 
 
@@ -37,14 +41,14 @@ def growing_decision_log(path: Path) -> Iterator[Callable[[Iterable[Decision]], 
     try:
         file = path.open("a", encoding="utf-8")
     except OSError as error:
-        raise _not_writable(path, error) from error
+        raise not_written(path, _CONTENT, error) from error
 
     def append(decisions: Iterable[Decision]) -> None:
         try:
             file.write("".join(f"{_line(decision)}\n" for decision in decisions))
             file.flush()
         except OSError as error:
-            raise _not_writable(path, error) from error
+            raise not_written(path, _CONTENT, error) from error
 
     try:
         yield append
@@ -60,7 +64,7 @@ def read_decisions(path: Path) -> list[Decision]:
     Raises ``DecisionLogError`` for a file that cannot be read, or with the line that is no decision.
     """
     try:
-        text = path.read_text(encoding="utf-8")
+        text = read_input(path).decode("utf-8")
     except (OSError, UnicodeDecodeError) as error:
         cause = f"the decision log cannot be read: {getattr(error, 'strerror', None) or error}"
         raise DecisionLogError(cause, place=str(path)) from error
@@ -76,10 +80,5 @@ def _parsed(line: str, place: str) -> Decision:
         raise DecisionLogError("not a decision", place=place, remedy=remedy) from error
 
 
-def _not_writable(path: Path, error: OSError) -> OutputFileError:
-    cause = f"the decision log cannot be written: {error.strerror or error}"
-    return OutputFileError(cause, place=str(path), remedy="name another file")
-
-
 def _line(decision: Decision) -> str:
-    return json.dumps(decision.to_json(), ensure_ascii=False, allow_nan=False)
+    return json_text(decision.to_json(), ascii_only=False)

@@ -8,20 +8,25 @@ import json
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import TextIO
 
-from smarttestudo.adapters.files.input_lines import input_from_json, input_to_json
-from smarttestudo.adapters.files.whole_file import OutputFileError
+from smarttestudo.adapters.files.whole_file import OutputFileError, not_written
+from smarttestudo.adapters.json.inputs import input_from_json, input_to_json
 from smarttestudo.domain.errors import RecordingError
-from smarttestudo.runtime.inputs import LoopInput
+from smarttestudo.domain.json_text import json_text
+from smarttestudo.runtime.inputs import RecordedInput
 
 INPUTS_FILE = "inputs.jsonl"
+_CONTENT = "the recorded inputs"
 # A line holds at most the largest message that a check reads, in base64, or all rules.
 MAX_LINE_BYTES = 64_000_000
 
 
 @contextmanager
-def input_log(folder: Path) -> Iterator[Callable[[LoopInput], None]]:
+def input_log(folder: Path) -> Iterator[Callable[[RecordedInput], None]]:
     """What the block is given appends an input to a new log in ``folder``; a crash costs the last ones.
+
+    A failure before the first leaves none, so that the next try may have the folder.
 
     Raises ``OutputFileError`` where it cannot be written, or where ``folder`` holds a log already.
     """
@@ -32,20 +37,34 @@ def input_log(folder: Path) -> Iterator[Callable[[LoopInput], None]]:
     except FileExistsError as error:
         raise OutputFileError("exists already", place=str(path), remedy="name a new folder") from error
     except OSError as error:
-        raise _not_writable(path, error) from error
+        raise not_written(path, _CONTENT, error) from error
 
-    def append(given: LoopInput) -> None:
+    def append(given: RecordedInput) -> None:
         try:
-            file.write(json.dumps(input_to_json(given), separators=(",", ":"), allow_nan=False) + "\n")
+            file.write(json_text(input_to_json(given), compact=True) + "\n")
         except OSError as error:
-            raise _not_writable(path, error) from error
+            raise not_written(path, _CONTENT, error) from error
 
     try:
-        yield append
-    finally:
-        # What could not be written was said when it failed.
+        try:
+            yield append
+            _flush(file, path)
+        finally:
+            # What could not be written was said when it failed.
+            with suppress(OSError):
+                file.close()
+    except BaseException:
         with suppress(OSError):
-            file.close()
+            if not path.stat().st_size:
+                path.unlink()
+        raise
+
+
+def _flush(file: TextIO, path: Path) -> None:
+    try:
+        file.flush()
+    except OSError as error:
+        raise not_written(path, _CONTENT, error) from error
 
 
 def holds_inputs(folder: Path) -> bool:
@@ -53,7 +72,7 @@ def holds_inputs(folder: Path) -> bool:
     return (folder / INPUTS_FILE).is_file()
 
 
-def read_inputs(folder: Path) -> Iterator[LoopInput]:
+def read_inputs(folder: Path) -> Iterator[RecordedInput]:
     """The inputs in ``folder``, in order. A last line that was cut off is left out.
 
     Raises ``RecordingError`` for a log that cannot be read, or with the line that is none.
@@ -72,14 +91,9 @@ def read_inputs(folder: Path) -> Iterator[LoopInput]:
         raise RecordingError(cause, place=str(path)) from error
 
 
-def _parsed(line: bytes, place: str) -> LoopInput:
+def _parsed(line: bytes, place: str) -> RecordedInput:
     try:
         return input_from_json(json.loads(line))
     except (ValueError, TypeError, LookupError, RecursionError) as error:
         remedy = "replay the folder as 'testudo run --record-inputs' left it"
         raise RecordingError("not a recorded input", place=place, remedy=remedy) from error
-
-
-def _not_writable(path: Path, error: OSError) -> OutputFileError:
-    cause = f"the inputs cannot be recorded: {error.strerror or error}"
-    return OutputFileError(cause, place=str(path), remedy="name another folder")

@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The maps that nav2 drives by: a YAML file beside an image."""
+"""The maps that Nav2 drives by, and the same as pictures for a page."""
 
 from __future__ import annotations
 
+import io
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -15,8 +16,9 @@ from PIL import Image, UnidentifiedImageError
 from ruamel.yaml import YAML
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
 
+from smarttestudo.adapters.files.input_file import read_input, require_file
 from smarttestudo.domain.errors import TestudoError
-from smarttestudo.visualizer.floor import OccupancyMap
+from smarttestudo.domain.floor_plan import OccupancyMap
 
 _MAX_YAML_BYTES = 1_000_000
 _MOST_CELLS = 600
@@ -77,6 +79,7 @@ def read_nav2_map(path: Path) -> OccupancyMap:
 def read_darkness(header: MapHeader) -> np.ndarray[Any, np.dtype[np.float32]]:
     """How dark each cell is, 0 … 1, rows from the top; ``MapError`` where the image cannot be read."""
     try:
+        require_file(header.image)
         with Image.open(header.image) as image:
             require_bounded(image, header.image)
             grey = np.asarray(image.convert("L"), dtype=np.float32) / _WHITE
@@ -103,8 +106,7 @@ def too_many_pixels(path: Path) -> MapError:
 def read_map_header(path: Path) -> MapHeader:
     """What the YAML file at ``path`` says; ``MapError`` with the place of what is wrong in it."""
     try:
-        with path.open("rb") as file:
-            values = YAML(typ="safe").load(file.read(_MAX_YAML_BYTES))
+        values = YAML(typ="safe").load(read_input(path, _MAX_YAML_BYTES))
         return _read_header(values, path.parent)
     except OSError as error:
         raise MapError(
@@ -153,3 +155,61 @@ def _joined(cells: np.ndarray[Any, np.dtype[np.bool_]], joined: int) -> np.ndarr
     padded[: cells.shape[0], : cells.shape[1]] = cells
     squares = padded.reshape(height // joined, joined, width // joined, joined)
     return np.asarray(squares.any(axis=(1, 3)))
+
+
+_MOST_PIXELS_A_SIDE = 3000
+_FORMATS = ("PNG", "JPEG")
+_OPAQUE = 255
+_UNKNOWN = 36
+_UNREADABLE = (OSError, UnidentifiedImageError, Image.DecompressionBombError, ValueError, SyntaxError)
+_PICTURE_REMEDY = "give a PNG or JPEG image"
+
+
+def map_png(header: MapHeader) -> bytes:
+    """A map as a stencil: occupied cells are opaque, unknown ones nearly transparent, free ones fully.
+
+    Raises:
+        MapError: the image cannot be read.
+    """
+    darkness = read_darkness(header)
+    opacity = np.zeros(darkness.shape, np.uint8)
+    opacity[darkness >= header.free_share] = _UNKNOWN
+    opacity[darkness > header.occupied_share] = _OPAQUE
+    height, width = opacity.shape
+    return _png(Image.merge("LA", (Image.new("L", (width, height)), Image.fromarray(opacity))))
+
+
+def image_png(path: Path) -> bytes:
+    """An image as it is, made smaller where a side has more than 3000 pixels; ``MapError`` if it is none."""
+    try:
+        require_file(path)
+        with Image.open(path, formats=_FORMATS) as image:
+            require_bounded(image, path)
+            return _png(image.convert("RGBA"))
+    except _UNREADABLE as error:
+        raise _no_image(path, error) from error
+
+
+def image_size(path: Path) -> tuple[int, int]:
+    """Width and height in pixels, without reading the rest; ``MapError`` if it is no image."""
+    try:
+        require_file(path)
+        with Image.open(path) as image:
+            require_bounded(image, path)
+            return image.width, image.height
+    except _UNREADABLE as error:
+        raise _no_image(path, error) from error
+
+
+def _no_image(path: Path, error: Exception) -> MapError:
+    if isinstance(error, Image.DecompressionBombError):
+        return too_many_pixels(path)
+    cause = getattr(error, "strerror", None) or "not an image"
+    return MapError(f"the image cannot be read: {cause}", place=str(path), remedy=_PICTURE_REMEDY)
+
+
+def _png(image: Image.Image) -> bytes:
+    image.thumbnail((_MOST_PIXELS_A_SIDE, _MOST_PIXELS_A_SIDE))
+    file = io.BytesIO()
+    image.save(file, "PNG")
+    return file.getvalue()

@@ -8,16 +8,35 @@ import difflib
 import itertools
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import fields
+from dataclasses import dataclass, fields
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from smarttestudo.adapters.files.toml_text import KeyPath, parse_toml, read_toml_text
+from smarttestudo.domain.budget import MAX_BUDGET_KB_PER_S
 from smarttestudo.domain.errors import ProfileError
 from smarttestudo.domain.names import is_topic_name, resolve_topic
 from smarttestudo.domain.profile import LevelUnit, Profile, TopicProfile
-from smarttestudo.domain.rate import MAX_RATE_HZ, RATE_STEP_HZ
-from smarttestudo.domain.tier import Tier
+from smarttestudo.domain.rate import MAX_RATE_HZ, RATE_STEP_HZ, Tier
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Range:
+    """The numbers that a key can hold; ``unit`` begins with a blank."""
+
+    least: float
+    most: float
+    unit: str = ""
+
+
+# Wider than any robot needs, and narrow enough for nanoseconds, sums and solvers.
+_BUDGET = _Range(least=0.0, most=MAX_BUDGET_KB_PER_S, unit=" KB/s")
+_SETTLE = _Range(least=0.0, most=1e6, unit=" s")
+_STALE = _Range(least=1e-3, most=1e6, unit=" s")
+_MESSAGE = _Range(least=1e-6, most=1e6, unit=" KB")
+_SOURCE = _Range(least=1e-6, most=MAX_RATE_HZ, unit=" Hz")
+_PRIORITY = _Range(least=1e-6, most=1e6)
 
 
 def load_profile(path: Path) -> Profile:
@@ -39,19 +58,19 @@ class _ProfileReader:
         self._path = path
         self._lines = lines
         self._top: dict[str, Callable[[KeyPath, object], object]] = {
-            "budget_kb_per_s": self._not_negative,
-            "settle_s": self._not_negative,
+            "budget_kb_per_s": partial(self._in_range, _BUDGET),
+            "settle_s": partial(self._in_range, _SETTLE),
             "topics": self._topics,
         }
         self._of_topic: dict[str, Callable[[KeyPath, object], object]] = {
             "type": self._text,
-            "message_kb": self._positive,
-            "source_hz": self._positive,
+            "message_kb": partial(self._in_range, _MESSAGE),
+            "source_hz": partial(self._in_range, _SOURCE),
             "tiers_hz": self._tiers,
-            "priority": self._positive,
+            "priority": partial(self._in_range, _PRIORITY),
             "min_hz": self._rate,
             "max_hz": self._rate,
-            "stale_after_s": self._positive,
+            "stale_after_s": partial(self._in_range, _STALE),
             "paced_with": self._topic_name,
             "level_unit": self._level_unit,
         }
@@ -75,10 +94,14 @@ class _ProfileReader:
     def _topics(self, at: KeyPath, values: object) -> dict[str, TopicProfile]:
         if not isinstance(values, Mapping):
             raise self._error(at, 'topics must be tables such as [topics."/odom"]')
-        return {
-            self._topic_name((*at, name), name): self._topic((*at, name), entry)
-            for name, entry in values.items()
-        }
+        topics: dict[str, TopicProfile] = {}
+        for name, entry in values.items():
+            full = self._topic_name((*at, name), name)
+            if full in topics:
+                remedy = "keep one of the two tables"
+                raise self._error((*at, name), f"the topic {full} has a table already", remedy=remedy)
+            topics[full] = self._topic((*at, name), entry)
+        return topics
 
     def _topic(self, at: KeyPath, values: object) -> TopicProfile:
         read: dict[str, Any] = self._table(at, values, self._of_topic)
@@ -90,25 +113,31 @@ class _ProfileReader:
             raise self._error((*at, "min_hz"), "min_hz is above max_hz")
         return topic
 
-    def _number(self, at: KeyPath, value: object) -> float:
-        if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-            raise self._error(at, f"{_name(at)} must be a finite number")
-        return float(value)
-
-    def _positive(self, at: KeyPath, value: object) -> float:
+    def _in_range(self, bounds: _Range, at: KeyPath, value: object) -> float:
         number = self._number(at, value)
-        if number <= 0:
+        if bounds.least > 0 and number <= 0:
             raise self._error(at, f"{_name(at)} must be above 0, it is {number:g}")
+        if number < 0:
+            raise self._error(at, f"{_name(at)} must not be negative, it is {number:g}")
+        if not bounds.least <= number <= bounds.most:
+            limits = f"from {bounds.least:g} to {bounds.most:g}{bounds.unit}"
+            remedy = f"is it in{bounds.unit}?" if bounds.unit else "only its ratio to the others counts"
+            raise self._error(at, f"{_name(at)} must be {limits}, it is {number:g}", remedy=remedy)
         return number
 
-    def _not_negative(self, at: KeyPath, value: object) -> float:
+    def _number(self, at: KeyPath, value: object) -> float:
+        try:
+            if isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value):
+                return float(value)
+        except OverflowError as error:
+            cause = f"{_name(at)} has more digits than a number can have"
+            raise self._error(at, cause, remedy="write it shorter, as in 1500.0") from error
+        raise self._error(at, f"{_name(at)} must be a finite number")
+
+    def _rate(self, at: KeyPath, value: object) -> float:
         number = self._number(at, value)
         if number < 0:
             raise self._error(at, f"{_name(at)} must not be negative, it is {number:g}")
-        return number
-
-    def _rate(self, at: KeyPath, value: object) -> float:
-        number = self._not_negative(at, value)
         if number != 0 and not RATE_STEP_HZ <= number <= MAX_RATE_HZ:
             limits = f"0, or from {RATE_STEP_HZ:g} to {MAX_RATE_HZ:g} Hz"
             raise self._error(at, f"{_name(at)} must be {limits}, it is {number:g}")

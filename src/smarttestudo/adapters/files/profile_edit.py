@@ -4,10 +4,12 @@
 
 from __future__ import annotations
 
-import json
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import NamedTuple
+
+import tomlkit
+from tomlkit.items import Comment, Item, Key, Null, Table, Trivia, Whitespace
 
 from smarttestudo.adapters.files.toml_text import KeyPath, parse_toml
 from smarttestudo.domain.errors import ProfileError
@@ -15,8 +17,9 @@ from smarttestudo.domain.errors import ProfileError
 Value = str | float | Sequence[float] | None
 """What a key is set to; ``None`` takes it out."""
 
-_KEY = re.compile(r"\s*[A-Za-z0-9_.\"'/-]+\s*=\s*")
+_Body = list[tuple[Key | None, Item]]
 _TOPICS = "topics"
+_MOST_WHOLE = 1e16
 
 
 def edited_profile(
@@ -29,10 +32,10 @@ def edited_profile(
     Raises ``ProfileError`` for a text that is no TOML, or is written so that its tables cannot be edited
     one by one (inline tables, dotted keys).
     """
-    values, lines = parse_toml(text, path)
+    values, _ = parse_toml(text, path)
     if _wanted(values, top, topics) == values:
         return text
-    edited = _Editor(text, lines).edit(values, top, topics)
+    edited = _edited(text, top, topics)
     try:
         after, _ = parse_toml(edited, path)
     except ProfileError as error:
@@ -67,139 +70,122 @@ def _merged(table: Mapping[str, object], keys: Mapping[str, Value]) -> dict[str,
     return {key: value for key, value in merged.items() if value is not None}
 
 
-class _Editor:
-    """Works on lines: ``None`` for one that is taken out, and what is put behind one."""
+class _Entry(NamedTuple):
+    """A table with a header, by its path, or (without one) any other entry of the list ``body``."""
 
-    def __init__(self, text: str, lines: Mapping[KeyPath, int]) -> None:
-        self._ending = "\r\n" if "\r\n" in text else "\n"
-        self._lines: list[str | None] = list(text.splitlines())
-        self._behind: dict[int, list[str]] = {}
-        self._new_tables: list[str] = []
-        self._places = lines
-        self._headers = sorted(lines[key] for key in lines if self._is_header(lines[key]))
+    body: _Body
+    at: int
+    path: KeyPath | None
 
-    def _is_header(self, number: int) -> bool:
-        return (self._lines[number - 1] or "").lstrip().startswith("[")
+    @property
+    def item(self) -> Item:
+        """What stands there."""
+        return self.body[self.at][1]
 
-    def edit(
-        self,
-        values: Mapping[str, object],
-        top: Mapping[str, Value],
-        topics: Mapping[str, Mapping[str, Value]],
-    ) -> str:
-        first_header = self._headers[0] if self._headers else len(self._lines) + 1
-        self._set_keys((), top, values, behind=self._last_used(0, first_header - 1))
-        tables = values.get(_TOPICS, {})
-        tables = tables if isinstance(tables, Mapping) else {}
-        for name in tables:
-            if name not in topics:
-                self._remove_table((_TOPICS, name))
-        for name, keys in topics.items():
-            at = (_TOPICS, name)
-            if name in tables and at in self._places:
-                header = self._places[at]
-                end = next((one for one in self._headers if one > header), len(self._lines) + 1)
-                self._set_keys(at, keys, tables[name], behind=self._last_used(header, end - 1))
-            else:
-                self._add_table(name, keys)
-        return self._text()
-
-    def _last_used(self, first: int, last: int) -> int:
-        """The last line from ``first`` to ``last`` that is neither empty nor a comment, else ``first``."""
-        for number in range(last, first, -1):
-            line = (self._lines[number - 1] or "").strip()
-            if line and not line.startswith("#"):
-                return number
-        return first
-
-    def _set_keys(
-        self, at: KeyPath, keys: Mapping[str, Value], before: Mapping[str, object], *, behind: int
-    ) -> None:
-        for key, value in keys.items():
-            wanted = list(value) if isinstance(value, tuple) else value
-            if before.get(key) == wanted:
-                continue
-            number = self._places.get((*at, key))
-            if number is not None:
-                self._rewrite(number, value)
-            elif value is not None:
-                self._behind.setdefault(behind, []).append(f"{key} = {toml_value(value)}")
-
-    def _rewrite(self, number: int, value: Value) -> None:
-        line = self._lines[number - 1] or ""
-        matched = _KEY.match(line)
-        start = matched.end() if matched else 0
-        last, end = self._end_of_value(number, start)
-        rest = (self._lines[last - 1] or "")[end:]
-        for one in range(number, last + 1):
-            self._lines[one - 1] = None
-        if value is not None:
-            self._lines[number - 1] = f"{line[:start]}{toml_value(value)}{rest}"
-
-    def _end_of_value(self, number: int, start: int) -> tuple[int, int]:
-        """The line and offset at which the value that starts there ends."""
-        depth, quote = 0, ""
-        while number <= len(self._lines):
-            line = self._lines[number - 1] or ""
-            at, end = start, start
-            while at < len(line):
-                character = line[at]
-                if quote:
-                    at += 1 if character == "\\" and quote == '"' else 0
-                    quote = "" if character == quote else quote
-                elif character == "#":
-                    break
-                elif character in "\"'":
-                    quote = character
-                else:
-                    depth += (character in "[{") - (character in "]}")
-                at += 1
-                end = at if not character.isspace() or quote else end
-            if depth <= 0:
-                return number, end
-            number, start = number + 1, 0
-        return len(self._lines), len(self._lines[-1] or "")
-
-    def _remove_table(self, at: KeyPath) -> None:
-        header = self._places.get(at)
-        if header is None:
-            return
-        end = next((one for one in self._headers if one > header), len(self._lines) + 1)
-        # Comments directly above the next table belong to it.
-        last = self._last_used(header, end - 1)
-        first = header
-        while first > 1 and (self._lines[first - 2] or "").lstrip().startswith("#"):
-            first -= 1
-        while first > 1 and self._lines[first - 2] == "":
-            first -= 1
-        for number in range(first, last + 1):
-            self._lines[number - 1] = None
-
-    def _add_table(self, name: str, keys: Mapping[str, Value]) -> None:
-        self._new_tables += ["", f"[{_TOPICS}.{json.dumps(name)}]"]
-        self._new_tables += [
-            f"{key} = {toml_value(value)}" for key, value in keys.items() if value is not None
-        ]
-
-    def _text(self) -> str:
-        lines = list(self._all_lines())
-        while lines and lines[0] == "":
-            del lines[0]
-        return "".join(f"{line}{self._ending}" for line in lines)
-
-    def _all_lines(self) -> Iterator[str]:
-        yield from self._behind.get(0, ())
-        for number, line in enumerate(self._lines, start=1):
-            if line is not None:
-                yield line
-            yield from self._behind.get(number, ())
-        yield from self._new_tables
+    def replace(self, item: Item) -> None:
+        """Put what has no key in its place; the indices of others stay."""
+        self.body[self.at] = (None, item)
 
 
-def toml_value(value: str | float | Sequence[float]) -> str:
-    """``value`` as TOML writes it; a whole number without ``.0``."""
+def _entries(body: _Body, path: KeyPath = ()) -> Iterator[_Entry]:
+    """All entries, in the order of the text."""
+    for index, (key, item) in enumerate(body):
+        if not isinstance(item, Table) or key is None or key.is_dotted():
+            yield _Entry(body, index, None)
+            continue
+        if not item.is_super_table():
+            yield _Entry(body, index, (*path, key.key))
+        yield from _entries(item.value.body, (*path, key.key))
+
+
+def _edited(text: str, top: Mapping[str, Value], topics: Mapping[str, Mapping[str, Value]]) -> str:
+    ending = "\r\n" if "\r\n" in text else "\n"
+    document = tomlkit.parse(text if not text or text.endswith("\n") else text + ending)
+    entries = list(_entries(document.body))
+    tables = {entry.path[1]: at for at, entry in enumerate(entries) if entry.path and _is_topic(entry.path)}
+    # From the last to the first: a table ends with the comment of the next one.
+    for name in reversed([name for name in tables if name not in topics]):
+        _remove_table(entries, tables[name])
+    new_tables = []
+    for name, keys in topics.items():
+        if name in tables:
+            _set_keys(_body(entries[tables[name]].item), keys, ending)
+        else:
+            new_tables.append(_new_table(name, keys))
+    _set_keys(document.body, top, ending)
+    new_text = "".join(f"\n{table}" for table in new_tables).replace("\n", ending)
+    return (document.as_string() + new_text).lstrip("\r\n")
+
+
+def _is_topic(path: KeyPath) -> bool:
+    return len(path) == 2 and path[0] == _TOPICS
+
+
+def _remove_table(entries: Sequence[_Entry], at: int) -> None:
+    """Take out a table with the comments directly above it; what ends it belongs to the next one."""
+    removed = entries[at]
+    body = _body(removed.item)
+    removed.replace(Whitespace("".join(item.as_string() for _, item in body[_end_of_keys(body) :])))
+    for kind in (Comment, Whitespace):
+        while at and isinstance(entries[at - 1].item, kind):
+            entries[at - 1].replace(Null())
+            at -= 1
+
+
+def _body(table: Item) -> _Body:
+    return table.value.body if isinstance(table, Table) else []
+
+
+def _end_of_keys(body: _Body) -> int:
+    """Where the blank lines and comments begin that come after the last key and before the next table."""
+    for index in reversed(range(len(body))):
+        key, item = body[index]
+        if key is not None and not isinstance(item, Table):
+            return index + 1
+    return 0
+
+
+def _set_keys(body: _Body, keys: Mapping[str, Value], ending: str) -> None:
+    """Change those whose value is another one; a comment behind a value stays, new keys come last."""
+    end = _end_of_keys(body)
+    places = {key.key: index for index, (key, _) in enumerate(body) if key is not None}
+    added: _Body = []
+    for name, value in keys.items():
+        at = places.get(name)
+        if at is None:
+            if value is not None:
+                added.append((tomlkit.key(name), _item(value, Trivia(trail=ending))))
+        elif value is None:
+            body[at] = (None, Null())
+        elif body[at][1].unwrap() != _plain(value):
+            body[at] = (body[at][0], _item(value, body[at][1].trivia))
+    body[end:end] = added
+
+
+def _new_table(name: str, keys: Mapping[str, Value]) -> str:
+    table = tomlkit.table()
+    table.update({key: _plain(value) for key, value in keys.items() if value is not None})
+    topics = tomlkit.table(is_super_table=True)
+    topics.append(tomlkit.key(name), table)
+    return tomlkit.document().append(_TOPICS, topics).as_string()
+
+
+def _item(value: str | float | Sequence[float], trivia: Trivia) -> Item:
+    """``value`` with the blanks and the comment of ``trivia``."""
+    item = tomlkit.item(_plain(value))
+    for name in ("indent", "comment_ws", "comment", "trail"):
+        setattr(item.trivia, name, getattr(trivia, name))
+    return item
+
+
+def _plain(value: str | float | Sequence[float]) -> str | float | list[float]:
+    """``value`` as it is written; a whole number without ``.0``."""
     if isinstance(value, str):
-        return json.dumps(value, ensure_ascii=False)
+        return value
     if isinstance(value, int | float):
-        return repr(float(value)).removesuffix(".0")
-    return f"[{', '.join(toml_value(one) for one in value)}]"
+        return _number(value)
+    return [_number(one) for one in value]
+
+
+def _number(value: float) -> float:
+    return int(value) if float(value).is_integer() and abs(value) < _MOST_WHOLE else float(value)

@@ -7,14 +7,19 @@ from __future__ import annotations
 import hashlib
 import os
 import re
+import stat
 import threading
+import unicodedata
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from enum import Enum
 from itertools import islice
 from pathlib import Path, PurePosixPath
 
+from smarttestudo.adapters.files.input_file import read_input, require_file
 from smarttestudo.adapters.files.rule_files import write_rule_text
+from smarttestudo.adapters.files.whole_file import OutputFileError
 from smarttestudo.domain.errors import TestudoError
 
 MAX_TEXT_BYTES = 1_000_000
@@ -24,6 +29,7 @@ _LAYOUT = re.compile(r"\.[^/]+\.layout\.json\Z")
 _BAG_SUFFIXES = frozenset({".db3", ".mcap"})
 _IMAGE_SUFFIXES = frozenset({".png", ".jpg", ".jpeg"})
 MAX_IMAGES = 200
+_UNSHOWN = frozenset({"Cc", "Cs", "Zl", "Zp"})
 _SKIPPED = frozenset({"node_modules", "__pycache__", "build", "install", "log"})
 
 
@@ -97,10 +103,10 @@ class ProjectFolder:
     def path(self, name: str) -> Path:
         """The path of the file or folder ``name``, with links followed; ``ForbiddenPathError`` outside."""
         parts = PurePosixPath(name).parts
-        is_plain = bool(parts) and not any(bad in name for bad in ("\0", "\\", ":"))
+        is_plain = bool(parts) and _is_one_line(name) and "\\" not in name and ":" not in name
         if not is_plain or name.startswith("/") or ".." in parts:
             raise ForbiddenPathError("this is no name of a file in the project", place=name)
-        path = self._root.joinpath(*parts).resolve()
+        path = _resolved(self._root.joinpath(*parts), name)
         if not path.is_relative_to(self._root):
             raise ForbiddenPathError("this leads out of the project folder", place=name)
         return path
@@ -108,7 +114,7 @@ class ProjectFolder:
     def bag(self, name: str) -> Path:
         """The path of the bag ``name``."""
         path = self.path(name)
-        if not path.exists():
+        if _mode(path) is None:
             raise MissingFileError("there is no such bag in the project", place=name)
         return path
 
@@ -119,13 +125,13 @@ class ProjectFolder:
         if not (is_image if kind is FileKind.IMAGE else _KINDS.get(suffix) is kind):
             remedy = "maps end in .yaml, images in .png or .jpg"
             raise ForbiddenPathError("this is no map or image", place=name, remedy=remedy)
-        if not path.is_file():
+        if not stat.S_ISREG(_mode(path) or 0):
             raise MissingFileError("there is no such file in the project", place=name)
         return path
 
     def require_inside(self, path: Path, place: str) -> None:
         """Refuse a file that ``place`` names outside the project, by ``ForbiddenPathError``."""
-        if not path.resolve().is_relative_to(self._root):
+        if not _resolved(path, place).is_relative_to(self._root):
             raise ForbiddenPathError(
                 "this names a file outside the project folder", place=place, remedy="copy it into the project"
             )
@@ -158,21 +164,32 @@ class ProjectFolder:
             raise TestudoError(
                 "the text is larger than 1 MB", place=name, remedy="split it into several files"
             )
+        if not path.parent.is_dir():
+            folder = PurePosixPath(name).parent
+            cause = f"there is no folder {folder} in the project"
+            remedy = "leave the / out of the name, or make the folder first"
+            raise MissingFileError(cause, place=name, remedy=remedy)
         with self._writing:
             if self._current_sha256(path, name) != base_sha256:
                 remedy = "read it again, or save under another name"
                 raise ChangedFileError("the file has changed on disk", place=name, remedy=remedy)
-            write_rule_text(path, text)
+            try:
+                write_rule_text(path, text)
+            except OutputFileError as error:
+                raise OutputFileError(error.cause, place=name, remedy=error.remedy) from error
         return _sha256(data)
 
     def _current_sha256(self, path: Path, name: str) -> str | None:
-        return _sha256(self._bytes(path, name)) if path.exists() else None
+        try:
+            return _sha256(self._bytes(path, name))
+        except MissingFileError:
+            return None
 
     def _bytes(self, path: Path, name: str) -> bytes:
         try:
-            with path.open("rb") as file:
-                return file.read(MAX_TEXT_BYTES + 1)
-        except FileNotFoundError as error:
+            require_file(path)
+            return read_input(path, MAX_TEXT_BYTES + 1)
+        except (FileNotFoundError, NotADirectoryError) as error:
             raise MissingFileError("there is no such file in the project", place=name) from error
         except OSError as error:
             cause = f"the file cannot be read: {error.strerror}"
@@ -195,16 +212,23 @@ class ProjectFolder:
             # A folder that may not be listed has nothing to offer.
             return
         for entry in entries:
-            if entry.is_symlink() and not Path(entry.path).resolve().is_relative_to(self._root):
-                continue
-            if entry.is_file():
-                yield from self._file(entry)
-            elif entry.is_dir(follow_symlinks=False) and _is_shown(entry.name) and depth > 0:
-                path = Path(entry.path)
-                if (path / "metadata.yaml").is_file():
-                    yield self._found(path, FileKind.BAG, _folder_bytes(path))
-                else:
-                    yield from self._walk(path, depth - 1)
+            # Links in a circle, and what went away or was closed meanwhile, have nothing to offer either.
+            with suppress(OSError, RuntimeError):
+                yield from self._entry(entry, depth)
+
+    def _entry(self, entry: os.DirEntry[str], depth: int) -> Iterator[FoundFile]:
+        if not _is_one_line(entry.name):
+            return
+        if entry.is_symlink() and not Path(entry.path).resolve().is_relative_to(self._root):
+            return
+        if entry.is_file():
+            yield from self._file(entry)
+        elif entry.is_dir(follow_symlinks=False) and _is_shown(entry.name) and depth > 0:
+            path = Path(entry.path)
+            if (path / "metadata.yaml").is_file():
+                yield self._found(path, FileKind.BAG, _folder_bytes(path))
+            else:
+                yield from self._walk(path, depth - 1)
 
     def _file(self, entry: os.DirEntry[str]) -> Iterator[FoundFile]:
         path = Path(entry.path)
@@ -221,6 +245,31 @@ class ProjectFolder:
 
     def _found(self, path: Path, kind: FileKind, size_bytes: int) -> FoundFile:
         return FoundFile(name=path.relative_to(self._root).as_posix(), kind=kind, size_bytes=size_bytes)
+
+
+def _is_one_line(name: str) -> bool:
+    """Whether ``name`` is text without control characters and line ends, which a page and a log can show."""
+    return not any(unicodedata.category(one) in _UNSHOWN for one in name)
+
+
+def _resolved(path: Path, name: str) -> Path:
+    """``path`` with links followed; ``ForbiddenPathError`` where there can be no such file."""
+    try:
+        resolved = path.resolve()
+        resolved.stat()
+    except (FileNotFoundError, NotADirectoryError, PermissionError):
+        return resolved
+    except (OSError, RuntimeError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or "its links form a circle"
+        raise ForbiddenPathError(f"this is no name of a file in the project: {reason}", place=name) from error
+    return resolved
+
+
+def _mode(path: Path) -> int | None:
+    try:
+        return path.stat().st_mode
+    except OSError:
+        return None
 
 
 def _is_shown(name: str) -> bool:

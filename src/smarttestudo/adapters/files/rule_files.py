@@ -1,19 +1,30 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Rule files on disk."""
+"""Rule files on disk, and whether they changed."""
 
 from __future__ import annotations
 
 import codecs
-import contextlib
-import os
-import shutil
-import tempfile
+import hashlib
+import stat
 from collections.abc import Iterable
 from pathlib import Path
+from typing import NamedTuple
 
+from smarttestudo.adapters.files.input_file import read_input
+from smarttestudo.adapters.files.whole_file import whole_file
 from smarttestudo.adirf.parser import MAX_FILE_BYTES
-from smarttestudo.domain.errors import RuleFileError
+from smarttestudo.domain.errors import RuleFileError, TestudoError
+
+
+def sha256_of(path: Path) -> str:
+    """The SHA-256 of the file at ``path`` in hexadecimal; ``TestudoError`` where it cannot be read."""
+    try:
+        return hashlib.sha256(read_input(path)).hexdigest()
+    except OSError as error:
+        cause = f"the file cannot be read: {error.strerror}"
+        raise TestudoError(cause, place=str(path), remedy="check the path and its permissions") from error
+
 
 SUFFIX = ".adirf"
 _SAVE_AS_UTF_8 = "save it as UTF-8"
@@ -32,9 +43,11 @@ def find_rule_files(paths: Iterable[Path]) -> list[Path]:
 
 
 def _files_at(path: Path) -> list[Path]:
-    if not path.exists():
-        raise RuleFileError("there is no such file", place=str(path), remedy="check the path")
-    if not path.is_dir():
+    try:
+        is_folder = stat.S_ISDIR(path.stat().st_mode)
+    except OSError as error:
+        raise _not_read(path, error) from error
+    if not is_folder:
         return [path]
     files = rule_files_in(path)
     if not files:
@@ -51,25 +64,33 @@ def rule_files_in(folder: Path) -> list[Path]:
         return []
 
 
+def rule_files_named(paths: Iterable[Path]) -> list[Path]:
+    """The files that ``paths`` name, there or not, and the rule files in folders among them."""
+    return [file for path in paths for file in (rule_files_in(path) if path.is_dir() else (path,))]
+
+
 def read_rule_text(path: Path) -> str:
     """The text of the rule file at ``path``, without a byte order mark.
 
     Raises ``RuleFileError`` for a file that cannot be read, is larger than 1 MB or is not UTF-8.
     """
     try:
-        with path.open("rb") as file:
-            data = file.read(MAX_FILE_BYTES + 1)
+        data = read_input(path, MAX_FILE_BYTES + 1)
     except IsADirectoryError as error:
         raise RuleFileError("this is a folder", place=str(path), remedy="give a rule file") from error
-    except FileNotFoundError as error:
-        raise RuleFileError("there is no such file", place=str(path), remedy="check the path") from error
     except OSError as error:
-        cause = f"the rule file cannot be read: {error.strerror}"
-        raise RuleFileError(cause, place=str(path), remedy="check its permissions") from error
+        raise _not_read(path, error) from error
     if len(data) > MAX_FILE_BYTES:
         remedy = "split it into several; is it a rule file?"
         raise RuleFileError("the rule file is larger than 1 MB", place=str(path), remedy=remedy)
     return _decoded(data, path)
+
+
+def _not_read(path: Path, error: OSError) -> RuleFileError:
+    if isinstance(error, FileNotFoundError):
+        return RuleFileError("there is no such file", place=str(path), remedy="check the path")
+    remedy = "check its permissions" if isinstance(error, PermissionError) else "give a rule file"
+    return RuleFileError(f"the rule file cannot be read: {error.strerror}", place=str(path), remedy=remedy)
 
 
 def _decoded(data: bytes, path: Path) -> str:
@@ -92,34 +113,42 @@ def _decoded(data: bytes, path: Path) -> str:
 def write_rule_text(path: Path, text: str) -> None:
     """Write or replace the rule file at ``path`` in one step, its permissions kept; a link stays a link.
 
-    Raises ``RuleFileError`` where that is not possible; the file is then as it was.
+    Raises ``OutputFileError`` where that is not possible; the file is then as it was.
     """
-    target = path.resolve()
+    with whole_file(path, "the rule file") as write:
+        write(text)
+
+
+FileStates = tuple[tuple[str, "FileState | None"], ...]
+
+
+class FileState(NamedTuple):
+    """What tells one content of a file from the next."""
+
+    size_bytes: int
+    device: int
+    inode: int
+    modified_ns: int
+    changed_ns: int
+
+
+def file_states(paths: Iterable[Path]) -> FileStates:
+    """What changes when any of the files at ``paths`` does, or a rule file in a folder among them.
+
+    The times of change count, too, which no program can set, so that an editor may keep times or write a new
+    file under the old name.
+    """
+    return tuple((str(file), _state(file)) for path in paths for file in (path, *rule_files_in(path)))
+
+
+def total_bytes(states: FileStates) -> int:
+    """The size of all files that are there."""
+    return sum(state.size_bytes for _, state in states if state is not None)
+
+
+def _state(path: Path) -> FileState | None:
     try:
-        handle, name = tempfile.mkstemp(prefix=f".{target.name}.", dir=target.parent)
-    except OSError as error:
-        raise _not_written(path, error) from error
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(text.encode("utf-8"))
-        _set_mode(Path(name), target)
-        Path(name).replace(target)
-    except OSError as error:
-        with contextlib.suppress(OSError):
-            Path(name).unlink()
-        raise _not_written(path, error) from error
-
-
-def _set_mode(file: Path, target: Path) -> None:
-    """Give ``file`` the permissions of ``target``, or those of any new file where there is none yet."""
-    if target.exists():
-        shutil.copymode(target, file)
-        return
-    mask = os.umask(0)
-    os.umask(mask)
-    file.chmod(0o666 & ~mask)
-
-
-def _not_written(path: Path, error: OSError) -> RuleFileError:
-    cause = f"the rule file cannot be written: {error.strerror}"
-    return RuleFileError(cause, place=str(path), remedy="check the permissions of its folder")
+        found = path.stat()
+    except OSError:
+        return None
+    return FileState(found.st_size, found.st_dev, found.st_ino, found.st_mtime_ns, found.st_ctime_ns)

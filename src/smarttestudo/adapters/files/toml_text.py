@@ -9,6 +9,7 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 
+from smarttestudo.adapters.files.input_file import read_input
 from smarttestudo.domain.errors import ProfileError
 
 if sys.version_info >= (3, 11):
@@ -19,6 +20,7 @@ else:
 MAX_PROFILE_BYTES = 1_000_000
 KeyPath = tuple[str, ...]
 _KEY = re.compile(r"\s*([A-Za-z0-9_.\"'/-]+)\s*=")
+_MANY_DIGITS = re.compile(r"\d[\d_]{999}")
 _AT_LINE = re.compile(r"(.*) \(at line (\d+), column (\d+)\)\Z", re.DOTALL)
 
 
@@ -35,16 +37,26 @@ def parse_toml(text: str, path: Path) -> tuple[dict[str, object], dict[KeyPath, 
             (matched[1], f"{path}:{matched[2]}:{matched[3]}") if matched else (str(error), str(path))
         )
         raise ProfileError(f"not valid TOML: {cause}", place=place) from error
+    except ValueError as error:
+        raise _too_many_digits(text, path) from error
     except RecursionError as error:
         raise ProfileError("the values nest too deep", place=str(path)) from error
     return values, _lines_of_keys(text)
 
 
+def _too_many_digits(text: str, path: Path) -> ProfileError:
+    """What is said of a whole number of so many digits that Python does not read it."""
+    matched = _MANY_DIGITS.search(text)
+    line = "" if matched is None else f":{text.count(chr(10), 0, matched.start()) + 1}:1"
+    return ProfileError(
+        "a number has thousands of digits", place=f"{path}{line}", remedy="write it shorter, as in 1500.0"
+    )
+
+
 def read_toml_text(path: Path) -> str:
     """The text of the file at ``path``. Raises ``ProfileError`` where it cannot be read."""
     try:
-        with path.open("rb") as file:
-            data = file.read(MAX_PROFILE_BYTES + 1)
+        data = read_input(path, MAX_PROFILE_BYTES + 1)
     except OSError as error:
         cause = f"the profile cannot be read: {error.strerror}"
         raise ProfileError(cause, place=str(path), remedy="give the path of a TOML file") from error

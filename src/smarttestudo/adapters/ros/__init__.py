@@ -34,7 +34,8 @@ def open_robot(
     except ImportError as error:
         raise RosError(
             "this needs ROS 2 (rclpy)",
-            remedy="source your ROS setup, or, without a ROS 2 installation, pip install 'smarttestudo[ros]'",
+            remedy="source your ROS setup, or, without a ROS 2 installation, "
+            "pip install '.[ros]' in the checkout of SmartTestudo",
         ) from error
     from smarttestudo.adapters.ros.node import open_node  # noqa: PLC0415  needs rclpy
 

@@ -4,14 +4,17 @@
 
 from __future__ import annotations
 
-from typing import Any
+from contextlib import ExitStack
+from typing import TYPE_CHECKING, Any
 
-from smarttestudo.adapters.ros.rcl_library import RclLibrary
-from smarttestudo.adapters.ros.rcl_path import RclPath
-from smarttestudo.adapters.ros.rcl_self_test import tested_layout
+from smarttestudo.adapters.ros.byte_topics import ByteTopics, come_serialized
 from smarttestudo.adapters.ros.rclpy_path import RclpyPath
+from smarttestudo.adapters.ros.rmw_defects import refuse_known_deadlock
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.robot import DataPathKind
+
+if TYPE_CHECKING:
+    from smarttestudo.adapters.ros.rcl.path import RclPath
 
 
 def open_data_path(node: Any, executor: Any, kind: DataPathKind, operators: Any) -> RclPath | RclpyPath:
@@ -19,13 +22,33 @@ def open_data_path(node: Any, executor: Any, kind: DataPathKind, operators: Any)
 
     Raises ``RosError`` where librcl was asked for and does not work.
     """
+    byte_topics = ByteTopics(node, come_serialized=come_serialized(node, executor.spin_once))
     if kind is DataPathKind.RCLPY:
-        return RclpyPath(node, executor, operators, "as asked for")
+        return RclpyPath(node, executor, operators, byte_topics, "as asked for")
     try:
-        library = RclLibrary()
-        layout = tested_layout(node, library)
+        return _rcl_path(node, executor, operators, byte_topics)
     except RosError as error:
         if kind is DataPathKind.RCL:
             raise
-        return RclpyPath(node, executor, operators, f"at a higher cost, because {error.cause}")
-    return RclPath(node, executor, library, layout, operators)
+        return RclpyPath(node, executor, operators, byte_topics, f"at a higher cost, because {error.cause}")
+
+
+def _rcl_path(node: Any, executor: Any, operators: Any, byte_topics: ByteTopics) -> RclPath:
+    """The path through librcl, tested. Raises ``RosError`` for whatever keeps it from working."""
+    refuse_known_deadlock()
+    try:
+        # This path goes below rclpy's public interface, which another distribution may have changed.
+        from smarttestudo.adapters.ros.rcl.bindings import RclLibrary  # noqa: PLC0415
+        from smarttestudo.adapters.ros.rcl.path import RclPath  # noqa: PLC0415
+        from smarttestudo.adapters.ros.rcl.self_test import tested_layout  # noqa: PLC0415
+
+        library = RclLibrary()
+        layout = tested_layout(node, library)
+        with ExitStack() as undone:
+            path = RclPath(node, executor, operators, byte_topics, library=library, layout=layout)
+            undone.callback(path.close)
+            path.wait(0.0)
+            undone.pop_all()
+    except (ImportError, AttributeError, TypeError) as error:
+        raise RosError(f"the interface of this rclpy is another one: {error}") from error
+    return path

@@ -9,7 +9,7 @@ from typing import Any
 
 from smarttestudo.adapters.ros.message_types import message_type
 from smarttestudo.adapters.ros.ros_errors import ros_errors
-from smarttestudo.domain.diagnostic import Diagnostic
+from smarttestudo.domain.status import Diagnostic
 
 DEPTH = 10
 

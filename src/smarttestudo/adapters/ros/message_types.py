@@ -16,6 +16,9 @@ from smarttestudo.domain.payload import Payload
 
 _TYPE_NAME = re.compile(r"([a-z][a-z0-9_]*)/msg/([A-Z][A-Za-z0-9]*)\Z")
 
+# A message within another, a sequence or an array of them.
+_NESTED_TYPE = re.compile(r"(?:sequence<)?([a-z][a-z0-9_]*)/([A-Z][A-Za-z0-9]*)")
+
 
 def message_type(type_name: str, topic: str) -> Any:
     """The class of ``type_name``, as in ``nav_msgs/msg/Odometry``, for use with ``topic``.
@@ -60,3 +63,19 @@ def begins_with_header(type_name: str) -> bool:
     except RosError:
         return False
     return next(iter(fields.items()), None) == ("header", "std_msgs/Header")
+
+
+def has_byte_sequence(type_name: str) -> bool:
+    """Whether messages of ``type_name`` hold a ``uint8[]``, however deep; not where it is not installed."""
+    try:
+        fields = message_type(type_name, "").get_fields_and_field_types()
+    except RosError:
+        return False
+    return any(_is_byte_sequence(one) for one in fields.values())
+
+
+def _is_byte_sequence(field_type: str) -> bool:
+    if field_type.startswith("sequence<uint8"):
+        return True
+    match = _NESTED_TYPE.match(field_type)
+    return match is not None and has_byte_sequence(f"{match[1]}/msg/{match[2]}")

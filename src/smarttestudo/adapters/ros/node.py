@@ -7,7 +7,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import rclpy
 from rclpy.context import Context
@@ -17,24 +17,33 @@ from rclpy.signals import SignalHandlerOptions
 
 from smarttestudo.adapters.ros.data_path import open_data_path
 from smarttestudo.adapters.ros.diagnostics import diagnostics_publisher
+from smarttestudo.adapters.ros.graph_looks import GraphLooks
 from smarttestudo.adapters.ros.message_types import begins_with_header, message_type
 from smarttestudo.adapters.ros.output_domain import operators_node
-from smarttestudo.adapters.ros.parameter_clients import REMOTE_LOOK_PERIOD_S, NodeParameterClients
-from smarttestudo.adapters.ros.parameters import NodeParameters
+from smarttestudo.adapters.ros.parameters import REMOTE_LOOK_PERIOD_S, NodeParameterClients, NodeParameters
 from smarttestudo.adapters.ros.qos import further_policies, is_reliable, is_transient_local, qos_profile
-from smarttestudo.adapters.ros.rcl_path import RclPath
-from smarttestudo.adapters.ros.rclpy_path import RclpyPath
 from smarttestudo.adapters.ros.real_timers import RealTimers
 from smarttestudo.adapters.ros.ros_errors import ros_errors
 from smarttestudo.adapters.ros.services import offer_trigger
-from smarttestudo.domain.diagnostic import Diagnostic
 from smarttestudo.domain.errors import RosError, UsageError
-from smarttestudo.domain.parameter import Accept, Parameter, ParameterValue
-from smarttestudo.domain.remote_parameters import RemoteParameters
-from smarttestudo.domain.robot import DataPath, DataPathKind, Endpoint, OutputDomain, Qos, RobotLog
+from smarttestudo.domain.parameter import Accept, Parameter, ParameterValue, RemoteParameters
+from smarttestudo.domain.robot import (
+    DataPath,
+    DataPathKind,
+    Endpoint,
+    LookAtGraph,
+    OutputDomain,
+    Qos,
+    RobotLog,
+)
+from smarttestudo.domain.status import Diagnostic
 from smarttestudo.domain.units import NS_PER_S
 
-CLOCK_PERIOD_S = 0.2
+if TYPE_CHECKING:
+    from smarttestudo.adapters.ros.rcl.path import RclPath
+    from smarttestudo.adapters.ros.rclpy_path import RclpyPath
+
+CLOCK_PERIOD_S = 1.0
 """How often to look whether time is simulated; a parameter of the node may change that."""
 
 
@@ -100,11 +109,7 @@ class RosNode:
     @property
     def data_path(self) -> DataPath:
         """Messages in and out, by the path that works here. Raises ``RosError``."""
-        if self._data_path is None:
-            self._data_path = open_data_path(
-                self._node, self._executor, self._data_path_kind, self._operators
-            )
-        return self._data_path
+        return self._open_data_path()
 
     @property
     def has_output_domain(self) -> bool:
@@ -192,13 +197,25 @@ class RosNode:
     def remote_parameters(self) -> RemoteParameters:
         """Parameters of other nodes."""
         if self._remote_parameters is None:
-            self._remote_parameters = NodeParameterClients(self._node, time.monotonic)
-            self.every(REMOTE_LOOK_PERIOD_S, self._remote_parameters.look)
+            self._remote_parameters = clients = NodeParameterClients(self._node, time.monotonic)
+
+            def look() -> None:
+                clients.look()
+                if clients.is_asking and self._data_path is not None:
+                    self._data_path.look_for_answers()
+
+            self.every(REMOTE_LOOK_PERIOD_S, look)
         return self._remote_parameters
 
     def every(self, period_s: float, act: Callable[[], float | None]) -> None:
         """Have ``act`` called again and again, in real time; after what it returns, or ``period_s``."""
         self._timers.add(period_s, act, time.monotonic())
+
+    def look_at_graph(self, look: LookAtGraph) -> None:
+        """Have ``look`` called soon after publishers or subscribers came or went, and now and then."""
+        path = self._open_data_path()
+        looks = GraphLooks(self._timers, look, lambda: path.tells_graph, time.monotonic)
+        path.on_graph_change(looks.changed)
 
     def wait(self, wake_ns: int | None, longest_s: float) -> None:
         """Handle what comes next; return after it, at ``wake_ns`` or after ``longest_s`` in real time."""
@@ -218,6 +235,13 @@ class RosNode:
         """Receive and send nothing more."""
         if self._data_path is not None:
             self._data_path.close()
+
+    def _open_data_path(self) -> RclPath | RclpyPath:
+        if self._data_path is None:
+            self._data_path = open_data_path(
+                self._node, self._executor, self._data_path_kind, self._operators
+            )
+        return self._data_path
 
     def _look_at_clock(self) -> None:
         self._is_simulated = self._clock.ros_time_is_active

@@ -14,13 +14,10 @@ from rclpy.context import Context
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
+from smarttestudo.adapters.ros.discovery import discovery_variables
 from smarttestudo.adapters.ros.ros_errors import ros_errors
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.robot import DiscoveryRange, OutputDomain
-
-RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
-# What Humble has in its place.
-LOCALHOST_ONLY = "ROS_LOCALHOST_ONLY"
 
 
 @contextmanager
@@ -70,10 +67,9 @@ def _discovery(discovery: DiscoveryRange | None) -> Iterator[None]:
     if discovery is None:
         yield
         return
-    before = {name: os.environ.get(name) for name in (RANGE, LOCALHOST_ONLY)}
-    os.environ[RANGE] = discovery.name
-    if before[LOCALHOST_ONLY] is not None:
-        os.environ[LOCALHOST_ONLY] = "1" if discovery is DiscoveryRange.LOCALHOST else "0"
+    variables = discovery_variables(discovery)
+    before = {name: os.environ.get(name) for name in variables}
+    os.environ.update(variables)
     try:
         yield
     finally:

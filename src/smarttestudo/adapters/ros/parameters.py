@@ -1,18 +1,31 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Parameters of an rclpy node."""
+"""Parameters of our node, and of others."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import rclpy.parameter
 from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
-from rclpy.exceptions import ParameterException
+from rcl_interfaces.srv import GetParameters, SetParameters
+from rclpy.exceptions import NameValidationException, ParameterException
 
-from smarttestudo.domain.errors import TestudoError, UsageError
-from smarttestudo.domain.parameter import Accept, Access, Parameter, ParameterValue
+from smarttestudo.adapters.ros.ros_errors import ros_errors
+from smarttestudo.domain.errors import RosError, TestudoError, UsageError
+from smarttestudo.domain.parameter import (
+    Accept,
+    Access,
+    Got,
+    Parameter,
+    ParameterValue,
+    SilentNodeError,
+    Values,
+    WasSet,
+)
 
 
 class NodeParameters:
@@ -81,3 +94,132 @@ def plain_value(value: Any) -> ParameterValue:
         return tuple(map(str, value))
     except TypeError:
         return str(value)
+
+
+REMOTE_LOOK_PERIOD_S = 0.05
+ANSWER_WITHIN_S = 5.0
+# A node that nobody asks any more costs nothing for longer than this.
+_KEPT_S = 60.0
+
+
+@dataclass(slots=True)
+class _Client:
+    handle: Any
+    used_s: float
+
+
+@dataclass(slots=True, eq=False)
+class _Call:
+    """A request that was sent once ``future`` is there; ``told`` takes the response or the error."""
+
+    client: _Client
+    request: Any
+    told: Callable[[Any], None]
+    node: str
+    until_s: float
+    future: Any = None
+
+
+class NodeParameterClients:
+    """Asks other nodes for parameters through the clients of ``node``, on the thread of its executor.
+
+    ``look`` is to be called often: it sends what waits for a service to be found, and gives up in time.
+    """
+
+    def __init__(self, node: Any, steady_s: Callable[[], float]) -> None:
+        self._node = node
+        self._steady_s = steady_s
+        self._clients: dict[tuple[str, Any], _Client] = {}
+        self._calls: list[_Call] = []
+
+    @property
+    def is_asking(self) -> bool:
+        """Whether an answer is waited for."""
+        return bool(self._calls)
+
+    def get(self, node: str, names: Sequence[str], got: Got) -> None:
+        """The values of parameters of ``node``; one that it does not have is ``None``."""
+        request = GetParameters.Request(names=list(names))
+
+        def told(response: Any) -> None:
+            if isinstance(response, RosError):
+                got(response)
+                return
+            # A node that lacks one of them answers with an empty list.
+            values = [rclpy.parameter.parameter_value_to_python(one) for one in response.values]
+            padded = values + [None] * (len(names) - len(values))
+            got({name: plain_value(value) for name, value in zip(names, padded, strict=False)})
+
+        self._call(GetParameters, "get_parameters", node, request, told)
+
+    def set(self, node: str, values: Values, was_set: WasSet) -> None:
+        """Have ``node`` give its parameters these values, each by itself."""
+        parameters = [
+            rclpy.parameter.Parameter(name, value=value).to_parameter_msg() for name, value in values.items()
+        ]
+
+        def told(response: Any) -> None:
+            if isinstance(response, RosError):
+                was_set(response)
+                return
+            results = zip(values, response.results, strict=False)
+            was_set({name: one.reason for name, one in results if not one.successful})
+
+        self._call(SetParameters, "set_parameters", node, SetParameters.Request(parameters=parameters), told)
+
+    def look(self) -> None:
+        """Send what can be sent, and give up on what took too long."""
+        now_s = self._steady_s()
+        for call in [*self._calls]:
+            if now_s >= call.until_s:
+                self._give_up(call)
+            elif call.future is None and call.client.handle.service_is_ready():
+                self._send(call)
+        busy = [call.client for call in self._calls]
+        for key, client in [*self._clients.items()]:
+            if client.used_s + _KEPT_S < now_s and client not in busy:
+                del self._clients[key]
+                self._node.destroy_client(client.handle)
+
+    def _call(self, kind: Any, service: str, node: str, request: Any, told: Callable[[Any], None]) -> None:
+        now_s = self._steady_s()
+        client = self._clients.get((node, kind))
+        try:
+            if client is None:
+                client = self._clients[node, kind] = self._new_client(kind, f"{node}/{service}", now_s)
+        except RosError as error:
+            told(error)
+            return
+        client.used_s = now_s
+        self._calls.append(_Call(client, request, told, node, now_s + ANSWER_WITHIN_S))
+        self.look()
+
+    def _new_client(self, kind: Any, service: str, now_s: float) -> _Client:
+        try:
+            with ros_errors(service):
+                return _Client(self._node.create_client(kind, service), now_s)
+        except NameValidationException as error:
+            raise RosError("this is not the name of a node", place=service) from error
+
+    def _send(self, call: _Call) -> None:
+        call.future = call.client.handle.call_async(call.request)
+        call.future.add_done_callback(partial(self._done, call))
+
+    def _done(self, call: _Call, future: Any) -> None:
+        if call not in self._calls:
+            return
+        self._calls.remove(call)
+        error = future.exception()
+        call.told(future.result() if error is None else RosError(str(error), place=call.node))
+
+    def _give_up(self, call: _Call) -> None:
+        self._calls.remove(call)
+        if call.future is not None:
+            call.client.handle.remove_pending_request(call.future)
+        call.told(
+            SilentNodeError(
+                f"the node does not answer within {ANSWER_WITHIN_S:g} s",
+                place=call.node,
+                remedy="see whether `testudo run` still runs, and in the same ROS domain",
+            )
+        )

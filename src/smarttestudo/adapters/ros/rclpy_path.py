@@ -4,26 +4,31 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
+from smarttestudo.adapters.ros.byte_topics import ByteTopics
 from smarttestudo.adapters.ros.message_types import decoded, is_installed, message_type
 from smarttestudo.adapters.ros.qos import qos_profile
+from smarttestudo.adapters.ros.rclpy_subscription import RclpyInlet
 from smarttestudo.adapters.ros.ros_errors import ros_errors
 from smarttestudo.domain.payload import Payload
-from smarttestudo.domain.robot import Inlet, Outlet, Qos, Receive
+from smarttestudo.domain.robot import Publisher, Qos, Receive, Subscription
 
 
 class RclpyPath:
     """Raw subscriptions of a node, and publishers of the node ``operators``."""
 
     tells_publishers = False
-    can_rest = False
+    can_pause = False
+    tells_graph = False
 
-    def __init__(self, node: Any, executor: Any, operators: Any, why: str) -> None:
+    def __init__(self, node: Any, executor: Any, operators: Any, byte_topics: ByteTopics, why: str) -> None:
         self.description = f"rclpy, {why}"
         self._node = node
         self._operators = operators
         self._executor = executor
+        self._byte_topics = byte_topics
 
     def knows(self, type_name: str) -> bool:
         """Whether the message type is installed."""
@@ -37,27 +42,27 @@ class RclpyPath:
         receive: Receive,
         *,
         priority: float = 1.0,  # noqa: ARG002 - rclpy's executor serves all alike
-    ) -> Inlet:
+    ) -> Subscription:
         """Have ``receive`` called with each message; ``priority`` is not heeded. Raises ``RosError``."""
+        if self._byte_topics.must_be_decoded(type_name):
+            return self._byte_topics.subscribe(topic, type_name, qos, receive)
+        return RclpyInlet(self._node, topic, type_name, qos, receive, is_decoded=False)
 
-        def received(payload: bytes) -> None:
-            receive(payload, None)
-
-        with ros_errors(topic):
-            handle = self._node.create_subscription(
-                message_type(type_name, topic), topic, received, qos_profile(qos), raw=True
-            )
-        return _Inlet(self._node, handle)
-
-    def advertise(self, topic: str, type_name: str, qos: Qos) -> Outlet:
+    def advertise(self, topic: str, type_name: str, qos: Qos) -> Publisher:
         """Publish on ``topic``. Raises ``RosError``."""
         with ros_errors(topic):
             handle = self._operators.create_publisher(message_type(type_name, topic), topic, qos_profile(qos))
-        return _Outlet(self._operators, handle, topic)
+        return _RclpyPublisher(self._operators, handle, topic)
 
     def decode(self, topic: str, type_name: str, payload: Payload) -> object:
         """The message of a payload that came on ``topic``. Raises ``RosError``."""
         return decoded(topic, type_name, payload)
+
+    def on_graph_change(self, changed: Callable[[], None]) -> None:
+        """Do nothing: rclpy has no words for it."""
+
+    def look_for_answers(self) -> None:
+        """Do nothing: rclpy's executor waits for them."""
 
     def wait(self, timeout_s: float) -> None:
         """Deliver what comes next; return after it or after ``timeout_s``."""
@@ -67,31 +72,7 @@ class RclpyPath:
         """Deliver nothing more."""
 
 
-class _Inlet:
-    sent = None
-    dropped = 0
-
-    def __init__(self, node: Any, handle: Any) -> None:
-        self._node = node
-        self._handle = handle
-
-    def rest(self) -> None:
-        return
-
-    def rouse(self) -> None:
-        return
-
-    def take_kept(self) -> bool:
-        return False
-
-    def work(self) -> None:
-        return
-
-    def close(self) -> None:
-        self._node.destroy_subscription(self._handle)
-
-
-class _Outlet:
+class _RclpyPublisher:
     def __init__(self, node: Any, handle: Any, topic: str) -> None:
         self._node = node
         self._handle = handle

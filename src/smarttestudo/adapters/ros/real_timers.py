@@ -10,7 +10,9 @@ from dataclasses import dataclass
 
 
 @dataclass(slots=True)
-class _Timer:
+class RealTimer:
+    """What is done again and again; ``due_s`` is the next time."""
+
     period_s: float
     act: Callable[[], float | None]
     due_s: float
@@ -25,15 +27,22 @@ class RealTimers:
     __slots__ = ("_timers", "due_s")
 
     def __init__(self) -> None:
-        self._timers: list[_Timer] = []
+        self._timers: list[RealTimer] = []
         self.due_s = math.inf
 
-    def add(self, period_s: float, act: Callable[[], float | None], now_s: float) -> None:
+    def add(self, period_s: float, act: Callable[[], float | None], now_s: float) -> RealTimer:
         """Do ``act`` every ``period_s``, for the first time after one period.
 
         Where it returns a number, the next time is after so many seconds.
         """
-        self._timers.append(_Timer(period_s, act, now_s + period_s))
+        timer = RealTimer(period_s, act, now_s + period_s)
+        self._timers.append(timer)
+        self._arm()
+        return timer
+
+    def hasten(self, timer: RealTimer, due_s: float) -> None:
+        """Do what ``timer`` is for at ``due_s`` already, if that is sooner."""
+        timer.due_s = min(timer.due_s, due_s)
         self._arm()
 
     def act(self, now_s: float) -> None:
@@ -42,7 +51,8 @@ class RealTimers:
             if timer.due_s <= now_s:
                 due_s, timer.due_s = timer.due_s, math.inf
                 period_s = timer.act() or timer.period_s
-                timer.due_s = due_s + period_s if due_s + period_s > now_s else now_s + period_s
+                again_s = due_s + period_s if due_s + period_s > now_s else now_s + period_s
+                timer.due_s = min(timer.due_s, again_s)
         self._arm()
 
     def _arm(self) -> None:

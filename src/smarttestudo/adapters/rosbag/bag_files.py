@@ -7,8 +7,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from smarttestudo.adapters.rosbag import mcap_records, sqlite_pages, zstd_files
+from smarttestudo.adapters.files.input_file import require_file
+from smarttestudo.adapters.rosbag import zstd_files
+from smarttestudo.adapters.rosbag.mcap import records as mcap_records
 from smarttestudo.adapters.rosbag.metadata import BagMetadata, read_metadata, require_known_formats
+from smarttestudo.adapters.rosbag.sqlite import pages as sqlite_pages
 from smarttestudo.domain.errors import RecordingError
 
 _MAGIC_BY_SUFFIX = {".db3": sqlite_pages.MAGIC, ".mcap": mcap_records.MAGIC}
@@ -35,9 +38,9 @@ def find_bag_files(path: Path) -> BagFiles:
     try:
         if path.is_dir():
             return _in_folder(path)
-        if not path.exists():
-            raise RecordingError("no such file or folder", place=str(path), remedy=_EXPECTED)
         require_bag_file(path)
+    except FileNotFoundError as error:
+        raise RecordingError("no such file or folder", place=str(path), remedy=_EXPECTED) from error
     except OSError as error:
         raise RecordingError(f"cannot be read: {error.strerror}", place=str(path)) from error
     return BagFiles(paths=(path,), metadata=BagMetadata())
@@ -45,6 +48,7 @@ def find_bag_files(path: Path) -> BagFiles:
 
 def require_bag_file(path: Path) -> None:
     """Raise ``RecordingError`` unless ``path`` begins as a storage file of its suffix must."""
+    require_file(path)
     with path.open("rb") as file:
         magic = file.read(_MAGIC_BYTES)
     if not magic:

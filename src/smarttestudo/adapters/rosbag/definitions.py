@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Type definitions: as bags hold them, and those that every ROS 2 knows."""
+"""Type definitions, and serialized messages decoded by them."""
 
 from __future__ import annotations
 
@@ -13,6 +13,15 @@ from smarttestudo.domain.recording import Channel
 if TYPE_CHECKING:
     from rosbags.interfaces.typing import Typesdict
     from rosbags.typesys.store import Typestore
+from typing import TYPE_CHECKING
+
+from rosbags.serde import SerdeError
+
+from smarttestudo.domain.errors import RecordingError
+
+if TYPE_CHECKING:
+    from rosbags.typesys.store import Typestore
+
 
 _SEPARATOR = "=" * 80 + "\n"
 _IDL_HEADER = f"{_SEPARATOR}IDL: "
@@ -96,3 +105,61 @@ def _digest(store: Typestore, type_name: str) -> str:
         return store.hash_rihs01(type_name)
     except _BROKEN_DEFINITION:
         return ""
+
+
+_HEADER = "std_msgs/msg/Header"
+
+
+class MessageTypes:
+    """Types by the recording's own definitions, or else by those of ROS 2."""
+
+    def __init__(self) -> None:
+        self._types = TypeLibrary()
+
+    def is_defined(self, channel: Channel) -> bool:
+        """Whether the recording or ROS 2 defines the channel's type; the definition itself is not read."""
+        return channel.definition is not None or self._types.store_for(channel) is not None
+
+    def has_header(self, channel: Channel) -> bool:
+        """Whether messages begin with a std_msgs/Header; false if no definition says so."""
+        store = self._types.store_for(channel)
+        if store is None:
+            return False
+        fields = store.fielddefs[channel.type_name][1]
+        return bool(fields) and fields[0][1][1] == _HEADER
+
+
+_DECODED_FORMAT = "cdr"
+# What rosbags' generated code raises on bytes that are no message of the type.
+_BROKEN_MESSAGE = (SerdeError, LookupError, ArithmeticError, ValueError, TypeError, MemoryError)
+
+
+class RosbagDecoder:
+    """Decodes CDR, little or big endian. Types are compiled on first use."""
+
+    def __init__(self) -> None:
+        self._types = TypeLibrary()
+        self._stores: dict[tuple[str, str], Typestore | None] = {}
+
+    def can_decode(self, channel: Channel) -> bool:
+        """Whether the channel's messages are CDR of a type that the bag defines or ROS 2 knows."""
+        return channel.serialization_format == _DECODED_FORMAT and self._store(channel) is not None
+
+    def decode(self, channel: Channel, payload: bytes) -> object:
+        """The message in ``payload``.
+
+        Raises ``RecordingError`` for an unknown type, or bytes that are not a message of it.
+        """
+        store = self._store(channel)
+        if store is None:
+            raise RecordingError(f"the type {channel.type_name} is unknown", place=channel.topic)
+        try:
+            return store.deserialize_cdr(payload, channel.type_name)
+        except _BROKEN_MESSAGE as error:
+            raise RecordingError(f"not a {channel.type_name}: {error}", place=channel.topic) from error
+
+    def _store(self, channel: Channel) -> Typestore | None:
+        key = (channel.topic, channel.type_name)
+        if key not in self._stores:
+            self._stores[key] = self._types.store_for(channel)
+        return self._stores[key]

@@ -14,8 +14,7 @@ from rosbags.rosbag2 import Reader
 
 from smarttestudo.adapters.rosbag.definitions import normal_definition
 from smarttestudo.adapters.rosbag.qos import is_transient_local
-from smarttestudo.adapters.rosbag.recovery import Recovery
-from smarttestudo.adapters.rosbag.stored_file import ChannelsByNumber, Outline, StoredFile
+from smarttestudo.adapters.rosbag.stored_file import ChannelsByNumber, Outline, Recovery, StoredFile
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import Channel, RecordedMessage
 

@@ -16,7 +16,8 @@ from mcap.reader import make_reader
 from ruamel.yaml import YAML
 from ruamel.yaml.error import YAMLError
 
-from smarttestudo.adapters.rosbag.mcap_records import BROKEN
+from smarttestudo.adapters.files.input_file import require_file
+from smarttestudo.adapters.rosbag.mcap.records import BROKEN
 from smarttestudo.adapters.rosbag.qos import QosReader, is_transient_local
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import Channel, Storage
@@ -50,6 +51,7 @@ def read_metadata(folder: Path) -> BagMetadata:
     """
     path = folder / FILE_NAME
     try:
+        require_file(path)
         if path.stat().st_size > MAX_BYTES:
             raise RecordingError(f"{FILE_NAME} is larger than 50 MB", place=str(folder))
         text = path.read_text("utf-8")

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
-from tempfile import TemporaryDirectory
+from tempfile import TemporaryDirectory, gettempdir
 
 from smarttestudo.adapters.rosbag import zstd_files
 from smarttestudo.adapters.rosbag.bag_files import BagFiles, find_bag_files, is_packed, require_bag_file
@@ -69,9 +69,14 @@ def _open_part(path: Path, opened: ExitStack, notices: list[str]) -> RecordingPa
 
 
 def _unpacked(path: Path, opened: ExitStack, notices: list[str]) -> Path:
-    folder = opened.enter_context(TemporaryDirectory(prefix="testudo-"))
-    target = Path(folder, path.with_suffix("").name)
-    is_whole = zstd_files.unpack(path, target)
+    try:
+        folder = opened.enter_context(TemporaryDirectory(prefix="testudo-"))
+        target = Path(folder, path.with_suffix("").name)
+        is_whole = zstd_files.unpack(path, target)
+    except OSError as error:
+        cause = f"it cannot be unpacked into {gettempdir()}: {error.strerror}"
+        remedy = "free some space there, or set TMPDIR to a folder that has more"
+        raise RecordingError(cause, place=str(path), remedy=remedy) from error
     try:
         require_bag_file(target)
     except RecordingError as error:

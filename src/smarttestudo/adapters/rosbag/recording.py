@@ -5,10 +5,11 @@
 from __future__ import annotations
 
 import heapq
+import json
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import chain, islice
 from operator import itemgetter
@@ -16,12 +17,70 @@ from pathlib import Path
 from typing import TypeVar
 
 from smarttestudo.adapters.rosbag import zstd_files
-from smarttestudo.adapters.rosbag.channels import key_of, merged_channels
-from smarttestudo.adapters.rosbag.custom_data import declared_bytes_in
 from smarttestudo.adapters.rosbag.metadata import BagMetadata
 from smarttestudo.adapters.rosbag.stored_file import ChannelsByNumber, OutlineError, StoredFile
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import Channel, RecordedHead, RecordedMessage, RecordedSize, Storage
+
+ChannelKey = tuple[str, str]
+
+
+def key_of(channel: Channel) -> ChannelKey:
+    """What makes a channel one of a kind: topic and type."""
+    return channel.topic, channel.type_name
+
+
+def merged_channels(channels: Iterable[Channel]) -> dict[ChannelKey, Channel]:
+    """One channel for each topic and type; what an earlier one leaves open, later ones fill in."""
+    merged: dict[ChannelKey, Channel] = {}
+    for channel in channels:
+        known = merged.get(key_of(channel))
+        merged[key_of(channel)] = channel if known is None else _filled_in(known, channel)
+    return merged
+
+
+def _filled_in(known: Channel, other: Channel) -> Channel:
+    takes_qos = not known.qos
+    return replace(
+        known,
+        definition=known.definition or other.definition,
+        digest=known.digest or other.digest,
+        qos=other.qos if takes_qos else known.qos,
+        transient_local=other.transient_local if takes_qos else known.transient_local,
+    )
+
+
+DECLARED_BYTES_KEY = "smarttestudo.declared_bytes"
+
+
+def declared_bytes_in(custom_data: Mapping[str, str]) -> dict[str, int]:
+    """Bytes per message by topic, as the bag's ``custom_data`` declares them.
+
+    Raises ``RecordingError`` for an entry that does not map topics to whole numbers of bytes.
+    """
+    text = custom_data.get(DECLARED_BYTES_KEY)
+    if text is None:
+        return {}
+    try:
+        declared = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise RecordingError(f"its {DECLARED_BYTES_KEY} is not JSON") from error
+    if not isinstance(declared, dict) or not all(_is_size(size) for size in declared.values()):
+        raise RecordingError(f"its {DECLARED_BYTES_KEY} does not map topics to bytes")
+    return declared
+
+
+def with_declared_bytes(custom_data: Mapping[str, str], declared_bytes: Mapping[str, int]) -> dict[str, str]:
+    """``custom_data`` with ``declared_bytes`` in it, in place of what it declared before."""
+    kept = {key: value for key, value in custom_data.items() if key != DECLARED_BYTES_KEY}
+    if declared_bytes:
+        kept[DECLARED_BYTES_KEY] = json.dumps(dict(declared_bytes), sort_keys=True)
+    return kept
+
+
+def _is_size(value: object) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool) and value >= 0
+
 
 _T = TypeVar("_T")
 

@@ -10,13 +10,12 @@ from pathlib import Path
 from mcap.reader import make_reader
 
 from smarttestudo.adapters.rosbag.intact_file import IntactFile
-from smarttestudo.adapters.rosbag.mcap_outlines import mcap_outlines
-from smarttestudo.adapters.rosbag.mcap_records import BROKEN
-from smarttestudo.adapters.rosbag.recovered_mcap import RecoveredMcapFile
-from smarttestudo.adapters.rosbag.recovered_sqlite import RecoveredSqliteFile
-from smarttestudo.adapters.rosbag.sqlite_file import SqliteFile
-from smarttestudo.adapters.rosbag.sqlite_log import read_log
-from smarttestudo.adapters.rosbag.sqlite_outlines import sqlite_outlines
+from smarttestudo.adapters.rosbag.mcap.outlines import mcap_outlines
+from smarttestudo.adapters.rosbag.mcap.records import BROKEN
+from smarttestudo.adapters.rosbag.mcap.recovered import RecoveredMcapFile
+from smarttestudo.adapters.rosbag.sqlite.file import SqliteFile, sqlite_outlines
+from smarttestudo.adapters.rosbag.sqlite.log import read_log
+from smarttestudo.adapters.rosbag.sqlite.recovered import RecoveredSqliteFile
 from smarttestudo.adapters.rosbag.stored_file import StoredFile
 from smarttestudo.domain.errors import RecordingError
 

@@ -4,7 +4,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+import sqlite3
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import closing
+from itertools import islice
 from typing import Protocol
 
 from smarttestudo.domain.recording import Channel, RecordedMessage, readable_until
@@ -67,3 +70,60 @@ def read_so_far(file: StoredFile) -> str:
     if not file.message_count:
         return "no message could be read"
     return f"{readable_until(file.readable_share, file.end_ns)} after {file.message_count:,} messages"
+
+
+class Recovery:
+    """Opens a file once more, in the way of a damaged one, when reading it fails half-way.
+
+    ``message_count``, ``notices`` and ``readable_share`` are those of the file, and what that tells instead.
+    """
+
+    def __init__(self, recover: Callable[[], StoredFile], message_count: int) -> None:
+        self._recover = recover
+        self.message_count = message_count
+        self.notices: Sequence[str] = ()
+        self.readable_share: float | None = 1.0
+
+    def continued(
+        self, messages: Iterator[RecordedMessage], channels: ChannelsByNumber
+    ) -> Iterator[RecordedMessage]:
+        """``messages``, and where they fail, the rest of them from the file opened anew."""
+        delivered = 0
+        try:
+            for message in messages:
+                yield message
+                delivered += 1
+        except Exception as error:  # noqa: BLE001 - libraries leak all kinds; what is behind the damage is read
+            with closing(self._recover()) as recovered:
+                yield from islice(recovered.messages(channels), delivered, None)
+                self.notices = recovered.notices() or [f"damaged: {error}"]
+                self.message_count = recovered.message_count
+                self.readable_share = recovered.readable_share
+
+
+class TimeIndex:
+    """Places in a file by stamp, in a temporary database on disk, so that memory stays constant.
+
+    A key counts once: adding it again changes nothing.
+    """
+
+    def __init__(self) -> None:
+        self._database = sqlite3.connect("")
+        self._database.execute(
+            "CREATE TABLE place (key INTEGER PRIMARY KEY, stamp_ns INTEGER, offset INTEGER)"
+        )
+
+    def add(self, *, key: int, stamp_ns: int, offset: int) -> bool:
+        """Note the message ``key`` at byte ``offset``; false if the key was there already."""
+        cursor = self._database.execute(
+            "INSERT OR IGNORE INTO place VALUES (?, ?, ?)", (key, stamp_ns, offset)
+        )
+        return cursor.rowcount == 1
+
+    def places(self) -> Iterator[tuple[int, int]]:
+        """Stamp and offset of every place, by stamp and then by key."""
+        return iter(self._database.execute("SELECT stamp_ns, offset FROM place ORDER BY stamp_ns, key"))
+
+    def close(self) -> None:
+        """Drop the index."""
+        self._database.close()

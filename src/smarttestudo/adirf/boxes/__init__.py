@@ -2,9 +2,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """Interval analysis: where conditions hold, as boxes over signals."""
 
-from smarttestudo.adirf.boxes.box import Border, Box, Domain, border_between, common_box
-from smarttestudo.adirf.boxes.effort import Effort, TooComplexError
-from smarttestudo.adirf.boxes.index import BoxIndex, Entry, Hull, hull_of
+from smarttestudo.adirf.boxes.box import (
+    Border,
+    Box,
+    Domain,
+    Effort,
+    TooComplexError,
+    border_between,
+    common_box,
+)
+from smarttestudo.adirf.boxes.index import BoxIndex, Hull, IndexEntry, hull_of
 from smarttestudo.adirf.boxes.search import boxes_where, find_box
 
 __all__ = [
@@ -13,8 +20,8 @@ __all__ = [
     "BoxIndex",
     "Domain",
     "Effort",
-    "Entry",
     "Hull",
+    "IndexEntry",
     "TooComplexError",
     "border_between",
     "boxes_where",

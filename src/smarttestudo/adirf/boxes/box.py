@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Boxes: states of the robot in which each of some signals lies in a region."""
+"""Boxes: an interval for each signal; and how long to search among them."""
 
 from __future__ import annotations
 
@@ -55,3 +55,28 @@ def border_between(first: Box, second: Box) -> Border | None:
 
 def _ends(region: Region) -> dict[float, None]:
     return dict.fromkeys(value for value, _ in region.cuts)
+
+
+class TooComplexError(Exception):
+    """A question that was given up because its effort was spent."""
+
+
+class Effort:
+    """What may still be spent, in looks at one region (about a microsecond each).
+
+    Spending goes to ``parent`` as well, so that many questions share a common bound.
+    """
+
+    __slots__ = ("_left", "_parent")
+
+    def __init__(self, looks: int, parent: Effort | None = None) -> None:
+        self._left = looks
+        self._parent = parent
+
+    def spend(self, looks: int) -> None:
+        """Count ``looks``; raises ``TooComplexError`` when there were not as many left."""
+        self._left -= looks
+        if self._left < 0:
+            raise TooComplexError
+        if self._parent is not None:
+            self._parent.spend(looks)

@@ -11,8 +11,7 @@ from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import median_low
 
-from smarttestudo.adirf.boxes.box import Box
-from smarttestudo.adirf.boxes.effort import Effort
+from smarttestudo.adirf.boxes.box import Box, Effort
 from smarttestudo.domain.signal import Signal
 
 Interval = tuple[float, float]
@@ -27,7 +26,7 @@ _SIGNALS_TRIED = 4
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Entry:
+class IndexEntry:
     """A box of the index, with what it belongs to; ``kind`` is what queries can leave out."""
 
     owner: int
@@ -53,7 +52,7 @@ class BoxIndex:
     log n nodes beside those of its answer. Entries that a signal does not bound do not disturb the others.
     """
 
-    def __init__(self, entries: Sequence[Entry]) -> None:
+    def __init__(self, entries: Sequence[IndexEntry]) -> None:
         self._kinds: dict[Hashable, int] = {}
         leaves: list[_Leaf] = []
         for entry in entries:
@@ -63,7 +62,7 @@ class BoxIndex:
 
     def near(
         self, interval_of: Callable[[Signal], Interval | None], effort: Effort, *, other_than: Hashable = None
-    ) -> Iterator[Entry]:
+    ) -> Iterator[IndexEntry]:
         """The entries whose hulls meet ``interval_of`` (``None``: any value), in a fixed order.
 
         Entries of the kind ``other_than`` are left out.
@@ -104,7 +103,7 @@ class _Node:
     kind: int
     looks: int = 0
     parts: tuple[_Node, ...] = ()
-    entry: Entry | None = None
+    entry: IndexEntry | None = None
 
 
 _Extents = Mapping[Signal, tuple[float, float]]
@@ -116,7 +115,7 @@ _Leaf = tuple["_Node", _Extents]
 _BEHIND_ALL = (math.inf, 0.0)
 
 
-def _leaf(entry: Entry, kind: int) -> _Leaf:
+def _leaf(entry: IndexEntry, kind: int) -> _Leaf:
     extents = {signal: (_centre(ends), ends[1] - ends[0]) for signal, ends in entry.hull.items()}
     return _Node(hull=entry.hull, kind=kind, entry=entry), extents
 

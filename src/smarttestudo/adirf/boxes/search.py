@@ -11,8 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from smarttestudo.adirf.boxes.box import Box, Domain
-from smarttestudo.adirf.boxes.effort import Effort
+from smarttestudo.adirf.boxes.box import Box, Domain, Effort
 from smarttestudo.adirf.normal_form import Every, Form, Some, Within, negation
 from smarttestudo.adirf.region import Region
 from smarttestudo.domain.signal import Signal, Truth

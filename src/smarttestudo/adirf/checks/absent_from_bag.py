@@ -7,13 +7,13 @@ from __future__ import annotations
 import difflib
 from collections.abc import Collection, Iterator
 
-from smarttestudo.adirf.checks.rule_book import RuleBook
 from smarttestudo.adirf.checks.rule_check import Example, Found, RuleCheck
+from smarttestudo.adirf.checks.rule_model import RuleModel
 from smarttestudo.adirf.parser.suggestions import did_you_mean
 from smarttestudo.domain.finding import Severity
 
 
-def _find(book: RuleBook) -> Iterator[Found]:
+def _find(book: RuleModel) -> Iterator[Found]:
     recorded = book.context.bag_topics
     if recorded is None:
         return

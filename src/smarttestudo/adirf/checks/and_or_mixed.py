@@ -6,17 +6,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from smarttestudo.adirf.checks.rule_book import RuleBook
 from smarttestudo.adirf.checks.rule_check import Example, Found, RuleCheck
+from smarttestudo.adirf.checks.rule_model import RuleModel
 from smarttestudo.adirf.checks.written import conditions_in
 from smarttestudo.adirf.comments import COMMENT_START
 from smarttestudo.adirf.formatter.conditions import write_condition
-from smarttestudo.adirf.formatter.lines import LineWriter
+from smarttestudo.adirf.formatter.text import LineWriter
 from smarttestudo.adirf.syntax import And, Or
 from smarttestudo.domain.finding import Fix, Severity
 
 
-def _find(book: RuleBook) -> Iterator[Found]:
+def _find(book: RuleModel) -> Iterator[Found]:
     for block in book.blocks:
         for part in conditions_in(block.block.condition):
             if isinstance(part, Or):

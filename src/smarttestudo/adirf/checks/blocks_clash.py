@@ -8,12 +8,12 @@ from collections.abc import Iterator
 
 from smarttestudo.adirf.checks import wording
 from smarttestudo.adirf.checks.analysis import Clash
-from smarttestudo.adirf.checks.rule_book import RuleBook
 from smarttestudo.adirf.checks.rule_check import Example, Found, RuleCheck
+from smarttestudo.adirf.checks.rule_model import RuleModel
 from smarttestudo.domain.finding import Severity
 
 
-def _find(book: RuleBook) -> Iterator[Found]:
+def _find(book: RuleModel) -> Iterator[Found]:
     return (_found(clash) for clash in book.analysis.clashes)
 
 

@@ -6,8 +6,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from smarttestudo.adirf.checks.rule_book import RuleBook
 from smarttestudo.adirf.checks.rule_check import Example, Found, RuleCheck
+from smarttestudo.adirf.checks.rule_model import RuleModel
 from smarttestudo.adirf.checks.written import WrittenRate
 from smarttestudo.domain.finding import Severity
 from smarttestudo.domain.rate import Rate
@@ -16,14 +16,14 @@ _CAMERA_INFO = "/camera_info"
 _IMAGE_TYPES = frozenset({"sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"})
 
 
-def _find(book: RuleBook) -> Iterator[Found]:
+def _find(book: RuleModel) -> Iterator[Found]:
     for info in book.relayed:
         if info.endswith(_CAMERA_INFO) and book.context.topic(info).paced_with is None:
             images = [topic for topic in book.relayed if _is_image_of(info, topic, book)]
             yield from _first_difference(info, images, book)
 
 
-def _is_image_of(info: str, topic: str, book: RuleBook) -> bool:
+def _is_image_of(info: str, topic: str, book: RuleModel) -> bool:
     camera = info.removesuffix(_CAMERA_INFO)
     if not topic.startswith(f"{camera}/") or topic == info:
         return False
@@ -31,7 +31,7 @@ def _is_image_of(info: str, topic: str, book: RuleBook) -> bool:
     return book.context.type_of(topic) in _IMAGE_TYPES or name.startswith("image")
 
 
-def _first_difference(info: str, images: list[str], book: RuleBook) -> Iterator[Found]:
+def _first_difference(info: str, images: list[str], book: RuleModel) -> Iterator[Found]:
     for settings in ({}, *(branch.settings for branch in book.branches)):
         for image in images:
             here = _statement(image, settings, book) or _statement(info, settings, book)
@@ -41,11 +41,11 @@ def _first_difference(info: str, images: list[str], book: RuleBook) -> Iterator[
                 return
 
 
-def _statement(topic: str, settings: Mapping[str, WrittenRate], book: RuleBook) -> WrittenRate | None:
+def _statement(topic: str, settings: Mapping[str, WrittenRate], book: RuleModel) -> WrittenRate | None:
     return settings.get(topic) if settings else book.defaults.get(topic)
 
 
-def _rate(topic: str, settings: Mapping[str, WrittenRate], book: RuleBook) -> Rate | None:
+def _rate(topic: str, settings: Mapping[str, WrittenRate], book: RuleModel) -> Rate | None:
     setting = settings.get(topic) or book.defaults.get(topic)
     return Rate.full() if setting is None else setting.rate
 

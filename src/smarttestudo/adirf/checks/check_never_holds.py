@@ -6,14 +6,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from smarttestudo.adirf.checks.rule_book import RuleBook
 from smarttestudo.adirf.checks.rule_check import Example, Found, RuleCheck
+from smarttestudo.adirf.checks.rule_model import RuleModel
 from smarttestudo.adirf.checks.value_ranges import checks_that_are
 from smarttestudo.domain.finding import Severity
 from smarttestudo.domain.signal import Truth
 
 
-def _find(book: RuleBook) -> Iterator[Found]:
+def _find(book: RuleModel) -> Iterator[Found]:
     return checks_that_are(Truth.FALSE, "never", book)
 
 

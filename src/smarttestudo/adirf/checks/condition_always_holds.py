@@ -6,13 +6,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from smarttestudo.adirf.checks.rule_book import RuleBook
 from smarttestudo.adirf.checks.rule_check import Example, Found, RuleCheck
+from smarttestudo.adirf.checks.rule_model import RuleModel
 from smarttestudo.domain.finding import Severity
 from smarttestudo.domain.signal import Truth
 
 
-def _find(book: RuleBook) -> Iterator[Found]:
+def _find(book: RuleModel) -> Iterator[Found]:
     for block in book.blocks:
         if book.analysis.truths[block.order] is Truth.TRUE and not block.is_one_check:
             effect = "its Else never applies" if block.block.otherwise else "the block never ends"

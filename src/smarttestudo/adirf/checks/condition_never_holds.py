@@ -7,15 +7,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from smarttestudo.adirf.checks import wording
-from smarttestudo.adirf.checks.rule_book import RuleBook
 from smarttestudo.adirf.checks.rule_check import Example, Found, RuleCheck
-from smarttestudo.adirf.checks.written import WrittenBlock
+from smarttestudo.adirf.checks.rule_model import RuleModel
+from smarttestudo.adirf.checks.written import BlockSite
 from smarttestudo.adirf.normal_form import Every, Within
 from smarttestudo.domain.finding import Severity
 from smarttestudo.domain.signal import Truth
 
 
-def _find(book: RuleBook) -> Iterator[Found]:
+def _find(book: RuleModel) -> Iterator[Found]:
     for block in book.blocks:
         if book.analysis.truths[block.order] is Truth.FALSE and not block.is_one_check:
             impossible = _impossible_signals(block, book)
@@ -28,7 +28,7 @@ def _find(book: RuleBook) -> Iterator[Found]:
             )
 
 
-def _impossible_signals(block: WrittenBlock, book: RuleBook) -> str:
+def _impossible_signals(block: BlockSite, book: RuleModel) -> str:
     parts = block.form.parts if isinstance(block.form, Every) else (block.form,)
     names = [
         str(part.signal)

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from smarttestudo.adirf.normal_form import Resolve
-from smarttestudo.adirf.properties import PropertySpec, property_spec
+from smarttestudo.adirf.properties import PropertySpec, property_spec, usual_types
 from smarttestudo.adirf.region import Region
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.profile import Profile, TopicProfile
@@ -43,9 +43,13 @@ class CheckContext:
         """What the profile says about ``topic``, nothing without a profile."""
         return TopicProfile() if self.profile is None else self.profile.topic(topic)
 
-    def type_of(self, topic: str) -> str | None:
+    def known_type(self, topic: str) -> str | None:
         """The ROS type of ``topic``: the profile's word, else the recording's."""
         return self.topic(topic).type_name or (self.bag_topics or {}).get(topic)
+
+    def type_of(self, topic: str) -> str | None:
+        """The known type of ``topic``, else the one that a topic of its name usually has."""
+        return self.known_type(topic) or next(iter(usual_types(topic)), None)
 
     def spec_of(self, signal: Signal) -> PropertySpec | None:
         """What is known about a property; ``None`` for a plain field."""

@@ -6,9 +6,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from smarttestudo.adirf.checks.rule_book import RuleBook
 from smarttestudo.adirf.checks.rule_check import Example, Found, RuleCheck
-from smarttestudo.adirf.checks.written import WrittenCheck
+from smarttestudo.adirf.checks.rule_model import RuleModel
+from smarttestudo.adirf.checks.written import CheckSite
 from smarttestudo.adirf.syntax import Operator
 from smarttestudo.domain.finding import Severity
 from smarttestudo.domain.signal import ArrivalProperty
@@ -17,7 +17,7 @@ _OUTCOME = {Operator.EQUAL: "hardly ever", Operator.NOT_EQUAL: "nearly always"}
 _ZERO_WHEN_SILENT = (ArrivalProperty.RATE, ArrivalProperty.BANDWIDTH)
 
 
-def _find(book: RuleBook) -> Iterator[Found]:
+def _find(book: RuleModel) -> Iterator[Found]:
     for one in book.checks:
         outcome = _OUTCOME.get(one.check.operator)
         if outcome is not None and _is_continuous(one, book):
@@ -30,7 +30,7 @@ def _find(book: RuleBook) -> Iterator[Found]:
             )
 
 
-def _is_continuous(one: WrittenCheck, book: RuleBook) -> bool:
+def _is_continuous(one: CheckSite, book: RuleModel) -> bool:
     """A property known to be measured, or a number with a fraction, which no state or count has."""
     if one.check.value == 0 and ArrivalProperty.named(one.signal.property) in _ZERO_WHEN_SILENT:
         return False

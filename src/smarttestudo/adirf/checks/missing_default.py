@@ -8,16 +8,16 @@ from collections.abc import Iterator
 
 from smarttestudo.adirf.checks import wording
 from smarttestudo.adirf.checks.analysis import Gap
-from smarttestudo.adirf.checks.rule_book import RuleBook
 from smarttestudo.adirf.checks.rule_check import Example, Found, RuleCheck
+from smarttestudo.adirf.checks.rule_model import RuleModel
 from smarttestudo.domain.finding import Severity
 
 
-def _find(book: RuleBook) -> Iterator[Found]:
+def _find(book: RuleModel) -> Iterator[Found]:
     return (_found(gap, book) for gap in book.analysis.gaps)
 
 
-def _found(gap: Gap, book: RuleBook) -> Found:
+def _found(gap: Gap, book: RuleModel) -> Found:
     first = book.relayed[gap.topic]
     state = wording.state(gap.state or {})
     return Found(
@@ -29,7 +29,7 @@ def _found(gap: Gap, book: RuleBook) -> Found:
     )
 
 
-def _cost(topic: str, book: RuleBook) -> str:
+def _cost(topic: str, book: RuleModel) -> str:
     known = book.context.topic(topic)
     if known.message_kb is None or known.source_hz is None:
         return ""

@@ -8,32 +8,32 @@ from collections.abc import Iterator
 
 from smarttestudo.adirf.boxes import Border
 from smarttestudo.adirf.checks import wording
-from smarttestudo.adirf.checks.analysis import Meeting
-from smarttestudo.adirf.checks.rule_book import RuleBook
+from smarttestudo.adirf.checks.analysis import SharedBorder
 from smarttestudo.adirf.checks.rule_check import Example, Found, RuleCheck
+from smarttestudo.adirf.checks.rule_model import RuleModel
 from smarttestudo.domain.finding import Severity
 from smarttestudo.domain.profile import Profile
 
 
-def _find(book: RuleBook) -> Iterator[Found]:
+def _find(book: RuleModel) -> Iterator[Found]:
     settle_s = (book.context.profile or Profile()).settle_s
-    borders: dict[Border, Meeting] = {}
-    for meeting in book.analysis.meetings:
-        borders.setdefault(meeting.border, meeting)
-    return (_found(meeting, settle_s) for meeting in borders.values())
+    borders: dict[Border, SharedBorder] = {}
+    for shared in book.analysis.shared_borders:
+        borders.setdefault(shared.border, shared)
+    return (_found(shared, settle_s) for shared in borders.values())
 
 
-def _found(meeting: Meeting, settle_s: float) -> Found:
-    topic = meeting.topics[0]
-    here = meeting.second.settings[topic]
-    path = meeting.second.block.path
-    border = f"{meeting.border.signal} = {wording.number(meeting.border.value)}"
+def _found(shared: SharedBorder, settle_s: float) -> Found:
+    topic = shared.topics[0]
+    here = shared.second.settings[topic]
+    path = shared.second.block.path
+    border = f"{shared.border.signal} = {wording.number(shared.border.value)}"
     return Found(
         path=path,
         span=here.span,
-        message=f"{wording.branch_name(meeting.second)} and "
-        f"{wording.branch_with_place(meeting.first, seen_from=path)} meet at {border} without a margin: "
-        f"there, noise moves {topic} between {meeting.first.rate(topic)} and {here.rate}",
+        message=f"{wording.branch_name(shared.second)} and "
+        f"{wording.branch_with_place(shared.first, seen_from=path)} meet at {border} without a margin: "
+        f"there, noise moves {topic} between {shared.first.rate(topic)} and {here.rate}",
         hint=f"a lower rate waits {settle_s:g} s before it counts; raise settle_s in the profile if the "
         "robot lingers on this border",
     )

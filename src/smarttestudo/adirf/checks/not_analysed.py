@@ -8,12 +8,12 @@ import itertools
 from collections.abc import Iterator
 
 from smarttestudo.adirf.checks import wording
-from smarttestudo.adirf.checks.rule_book import RuleBook
 from smarttestudo.adirf.checks.rule_check import Example, Found, RuleCheck
+from smarttestudo.adirf.checks.rule_model import RuleModel
 from smarttestudo.domain.finding import Severity
 
 
-def _find(book: RuleBook) -> Iterator[Found]:
+def _find(book: RuleModel) -> Iterator[Found]:
     unfinished = book.analysis.unfinished
     if unfinished:
         first = unfinished[0]
@@ -33,11 +33,11 @@ def _pigeons(count: int) -> str:
     """
     holes = range(1, count)
     somewhere = [
-        "(" + " OR ".join(f"CheckValue /pigeon_{pigeon} hole_{hole} > 0" for hole in holes) + ")"
+        "(" + " OR ".join(f"CheckValue /pigeon_{pigeon} hole[{hole}] > 0" for hole in holes) + ")"
         for pigeon in range(count)
     ]
     alone = [
-        f"(CheckValue /pigeon_{one} hole_{hole} <= 0 OR CheckValue /pigeon_{other} hole_{hole} <= 0)"
+        f"(CheckValue /pigeon_{one} hole[{hole}] <= 0 OR CheckValue /pigeon_{other} hole[{hole}] <= 0)"
         for hole in holes
         for one, other in itertools.combinations(range(count), 2)
     ]

@@ -7,12 +7,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from smarttestudo.adirf.checks import wording
-from smarttestudo.adirf.checks.rule_book import RuleBook
 from smarttestudo.adirf.checks.rule_check import Example, Found, RuleCheck
+from smarttestudo.adirf.checks.rule_model import RuleModel
 from smarttestudo.domain.finding import Fix, Severity
 
 
-def _find(book: RuleBook) -> Iterator[Found]:
+def _find(book: RuleModel) -> Iterator[Found]:
     for one in book.settings:
         floor = book.floors.get(one.topic)
         if floor is None or floor.rate is None or one.rate is None or not one.rate.yields_to_floor:

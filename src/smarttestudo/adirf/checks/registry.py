@@ -1,8 +1,10 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""All checks, in the order of the reference page."""
+"""All checks of rule files, and running them."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 from smarttestudo.adirf.checks import (
     absent_from_bag,
@@ -15,6 +17,7 @@ from smarttestudo.adirf.checks import (
     condition_always_holds,
     condition_never_holds,
     equals_measured,
+    missing_blank,
     missing_default,
     no_margin,
     not_analysed,
@@ -27,7 +30,11 @@ from smarttestudo.adirf.checks import (
     unknown_property,
     unnamed_in_profile,
 )
+from smarttestudo.adirf.checks.context import CheckContext
 from smarttestudo.adirf.checks.rule_check import RuleCheck
+from smarttestudo.adirf.checks.rule_model import read_rule_model
+from smarttestudo.adirf.parser.rule_file import ParseResult
+from smarttestudo.domain.finding import Finding
 
 CHECKS: tuple[RuleCheck, ...] = (
     topic_twice.CHECK,
@@ -50,5 +57,20 @@ CHECKS: tuple[RuleCheck, ...] = (
     camera_info_off_grid.CHECK,
     unnamed_in_profile.CHECK,
     absent_from_bag.CHECK,
+    missing_blank.CHECK,
     not_analysed.CHECK,
 )
+
+
+def check_rules(results: Sequence[ParseResult], context: CheckContext) -> list[Finding]:
+    """Everything to say about the parsed files of one set, errors of syntax included, by place.
+
+    Bounded in time and memory for any files.
+    """
+    book = read_rule_model([result.file for result in results], context)
+    is_whole = context.has_all_files and all(result.is_valid for result in results)
+    findings = [finding for result in results for finding in result.findings]
+    for check in CHECKS:
+        if is_whole or not check.needs_all_statements:
+            findings.extend(check.findings(book))
+    return sorted(findings, key=lambda one: (one.path, one.span.line, one.span.column))

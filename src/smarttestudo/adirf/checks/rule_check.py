@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
-from smarttestudo.adirf.checks.rule_book import RuleBook
+from smarttestudo.adirf.checks.rule_model import RuleModel
 from smarttestudo.domain.finding import Finding, Fix, Severity
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.source import Span
@@ -49,10 +49,10 @@ class RuleCheck:
     why: str
     bad: Example
     good: Example
-    find: Callable[[RuleBook], Iterable[Found]]
+    find: Callable[[RuleModel], Iterable[Found]]
     needs_all_statements: bool = False
 
-    def findings(self, book: RuleBook) -> Iterator[Finding]:
+    def findings(self, book: RuleModel) -> Iterator[Finding]:
         """What this check has to say about ``book``."""
         for found in self.find(book):
             yield Finding(

@@ -6,13 +6,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from smarttestudo.adirf.checks.rule_book import RuleBook
 from smarttestudo.adirf.checks.rule_check import Example, Found, RuleCheck
+from smarttestudo.adirf.checks.rule_model import RuleModel
 from smarttestudo.domain.finding import Severity
-from smarttestudo.domain.tier import Tier
+from smarttestudo.domain.rate import Tier
 
 
-def _find(book: RuleBook) -> Iterator[Found]:
+def _find(book: RuleModel) -> Iterator[Found]:
     if book.context.profile is not None:
         return
     for one in book.settings:

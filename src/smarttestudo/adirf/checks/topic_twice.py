@@ -6,13 +6,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from smarttestudo.adirf.checks.rule_book import RuleBook
 from smarttestudo.adirf.checks.rule_check import Example, Found, RuleCheck
+from smarttestudo.adirf.checks.rule_model import RuleModel
 from smarttestudo.adirf.checks.written import WrittenRate
 from smarttestudo.domain.finding import Fix, Severity
 
 
-def _find(book: RuleBook) -> Iterator[Found]:
+def _find(book: RuleModel) -> Iterator[Found]:
     for branch in book.branches:
         first: dict[str, WrittenRate] = {}
         for one in branch.written:

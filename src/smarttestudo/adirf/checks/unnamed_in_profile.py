@@ -7,8 +7,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from smarttestudo.adirf.checks import wording
-from smarttestudo.adirf.checks.rule_book import RuleBook
 from smarttestudo.adirf.checks.rule_check import Example, Found, RuleCheck
+from smarttestudo.adirf.checks.rule_model import RuleModel
 from smarttestudo.domain.finding import Severity
 from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.domain.source import Span
@@ -16,7 +16,7 @@ from smarttestudo.domain.source import Span
 _START = Span(line=1, column=1, end_line=1, end_column=1)
 
 
-def _find(book: RuleBook) -> Iterator[Found]:
+def _find(book: RuleModel) -> Iterator[Found]:
     profile = book.context.profile
     if profile is None:
         return

@@ -7,14 +7,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from smarttestudo.adirf.checks import wording
-from smarttestudo.adirf.checks.rule_book import RuleBook
 from smarttestudo.adirf.checks.rule_check import Found
-from smarttestudo.adirf.checks.written import WrittenCheck
+from smarttestudo.adirf.checks.rule_model import RuleModel
+from smarttestudo.adirf.checks.written import CheckSite
 from smarttestudo.adirf.properties import PropertySpec
 from smarttestudo.domain.signal import ArrivalProperty, Truth
 
 
-def checks_that_are(truth: Truth, word: str, book: RuleBook) -> Iterator[Found]:
+def checks_that_are(truth: Truth, word: str, book: RuleModel) -> Iterator[Found]:
     """The checks that are ``truth`` for every value of what they read; ``word`` says never or always."""
     for one in book.checks:
         if one.truth is truth and one.spec is not None:
@@ -35,10 +35,10 @@ def _range_text(spec: PropertySpec) -> str:
     return f"{spec.name} is in {spec.unit}"
 
 
-def _hint(one: WrittenCheck, book: RuleBook) -> str:
+def _hint(one: CheckSite, book: RuleModel) -> str:
     name = one.signal.property
     if ArrivalProperty.named(name):
         return f"a field of the message that is called {name} is written msg.{name}"
-    if book.context.type_of(one.signal.topic) is None:
+    if book.context.known_type(one.signal.topic) is None:
         return f"if {name} is a plain field of {one.signal.topic}, write msg.{name}"
     return "correct the number"

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from smarttestudo.adirf.checks.written import Branch, WrittenBlock
+from smarttestudo.adirf.checks.written import BlockSite, Branch
 from smarttestudo.adirf.syntax import Check
 from smarttestudo.domain.signal import Signal
 from smarttestudo.domain.source import Span
@@ -49,7 +49,7 @@ def place(path: str, span: Span, *, seen_from: str) -> str:
     return f"line {span.line}" if path == seen_from else f"{path}:{span.line}"
 
 
-def block_name(block: WrittenBlock) -> str:
+def block_name(block: BlockSite) -> str:
     """A block's label in quotes, or what stands for one."""
     return f"the block at line {block.line}" if _is_unnamed(block) else f'"{block.block.label}"'
 
@@ -77,5 +77,5 @@ def sentence(text: str) -> str:
     return text[:1].upper() + text[1:]
 
 
-def _is_unnamed(block: WrittenBlock) -> bool:
+def _is_unnamed(block: BlockSite) -> bool:
     return block.block.name is None and block.block.label == f"block at line {block.line}"

@@ -23,10 +23,9 @@ from smarttestudo.adirf.syntax import (
     SetFrequency,
     TopicName,
 )
-from smarttestudo.domain.rate import Rate
+from smarttestudo.domain.rate import Rate, Tier
 from smarttestudo.domain.signal import Signal, Truth
 from smarttestudo.domain.source import Span
-from smarttestudo.domain.tier import Tier
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -53,7 +52,7 @@ class Mention:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class WrittenCheck:
+class CheckSite:
     """A CheckValue; ``spec`` is what is known about its property.
 
     ``truth`` says whether it holds for none (FALSE), all (TRUE) or some of the values of its property.
@@ -67,7 +66,7 @@ class WrittenCheck:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class WrittenBlock:
+class BlockSite:
     """A block; ``order`` is its place among all blocks of the set, ``form`` its (merged) condition."""
 
     order: int
@@ -99,7 +98,7 @@ class Branch:
     """
 
     order: int
-    block: WrittenBlock
+    block: BlockSite
     is_else: bool
     form: Form
     written: tuple[WrittenRate, ...]

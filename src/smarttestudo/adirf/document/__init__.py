@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A rule file as statements with their places, and edits that touch one statement and nothing else."""
 
-from smarttestudo.adirf.document.document import Document, Entry, Part, read_document
+from smarttestudo.adirf.document.document import CollectionPart, Document, Entry, read_document
 from smarttestudo.adirf.document.edits import (
     EditError,
     NewStatement,
@@ -13,18 +13,18 @@ from smarttestudo.adirf.document.edits import (
     replaced,
     replaced_all,
 )
+from smarttestudo.adirf.document.line_index import LineIndex
 from smarttestudo.adirf.document.meaning import meaning
-from smarttestudo.adirf.document.places import Places
-from smarttestudo.adirf.document.splices import Splice, apply, comment_texts
+from smarttestudo.adirf.document.text_edit import TextEdit, apply, comment_texts
 
 __all__ = [
+    "CollectionPart",
     "Document",
     "EditError",
     "Entry",
+    "LineIndex",
     "NewStatement",
-    "Part",
-    "Places",
-    "Splice",
+    "TextEdit",
     "apply",
     "comment_texts",
     "deleted",

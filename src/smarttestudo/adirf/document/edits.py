@@ -10,13 +10,20 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from smarttestudo.adirf.document.document import Document, Entry, Part
+from smarttestudo.adirf.document.document import CollectionPart, Document, Entry
 from smarttestudo.adirf.document.meaning import meaning
 from smarttestudo.adirf.document.rewriting import rewritten
-from smarttestudo.adirf.document.splices import Splice, addition, apply, comment_lines, comment_texts, removal
-from smarttestudo.adirf.document.stretch import Stretch
+from smarttestudo.adirf.document.text_edit import (
+    TextEdit,
+    addition,
+    apply,
+    comment_lines,
+    comment_texts,
+    removal,
+)
+from smarttestudo.adirf.document.token_range import TokenRange
 from smarttestudo.adirf.formatter import first_line_end, format_statement
-from smarttestudo.adirf.formatter.lines import INDENT
+from smarttestudo.adirf.formatter.text import INDENT
 from smarttestudo.adirf.parser import parse
 from smarttestudo.adirf.syntax import Block, Statement
 from smarttestudo.domain.errors import RuleFileError
@@ -44,22 +51,22 @@ def replaced(document: Document, name: str, new: NewStatement) -> str:
 
 def replaced_all(document: Document, news: Mapping[str, NewStatement]) -> str:
     """``replaced`` for several statements, by name; each is as closed or open as what it replaces."""
-    splices = [splice for name, new in news.items() for splice in _replacement(document, name, new)]
-    return apply(document.text, splices)
+    text_edits = [text_edit for name, new in news.items() for text_edit in _replacement(document, name, new)]
+    return apply(document.text, text_edits)
 
 
-def _replacement(document: Document, name: str, new: NewStatement) -> list[Splice]:
+def _replacement(document: Document, name: str, new: NewStatement) -> list[TextEdit]:
     entry = _entry(document, name)
     _require_sayable(new)
     part = document.part_of(entry)
     at = part.entries.index(entry)
     line_end = first_line_end(document.text)
-    splices = rewritten(entry, _closed(new.content), line_end)
+    text_edits = rewritten(entry, _closed(new.content), line_end)
     if new.comments is not None and list(new.comments) != comment_texts(entry.comments):
-        splices.append(_comments_above(entry.stretch, new.comments, line_end))
+        text_edits.append(_comments_above(entry.token_range, new.comments, line_end))
     if at > 0 and _takes_in(part.entries[at - 1], new.content):
-        splices.append(_end_if(part.entries[at - 1], line_end))
-    return splices
+        text_edits.append(_end_if(part.entries[at - 1], line_end))
+    return text_edits
 
 
 def inserted(document: Document, part_name: str, index: int, new: NewStatement) -> str:
@@ -101,16 +108,16 @@ def moved(document: Document, name: str, part_name: str, index: int) -> str:
         raise EditError(f"the collection has no place {index}", remedy="read the document again")
     if entry in part.entries and part.entries.index(entry) == index:
         return document.text
-    stretch, line_end = entry.stretch, first_line_end(document.text)
-    indent = stretch.indent if stretch.indent is not None else _indent(part, 0)
-    body = indent + document.text[stretch.own_start : stretch.own_end]
+    token_range, line_end = entry.token_range, first_line_end(document.text)
+    indent = token_range.indent if token_range.indent is not None else _indent(part, 0)
+    body = indent + document.text[token_range.own_start : token_range.own_end]
     following = others[index] if index < len(others) else None
     if following is not None and _takes_in(entry, following.statement):
         body += f"{line_end}{indent}{_END_IF}"
-    splices = _taken_out(document, entry)
+    text_edits = _taken_out(document, entry)
     place = _Place(part=part, index=index, others=others)
-    splices += _put(place, [entry.statement or ""], body, line_end)
-    return apply(document.text, splices)
+    text_edits += _put(place, [entry.statement or ""], body, line_end)
+    return apply(document.text, text_edits)
 
 
 def _entry(document: Document, name: str) -> Entry:
@@ -120,7 +127,7 @@ def _entry(document: Document, name: str) -> Entry:
     return entry
 
 
-def _part(document: Document, name: str) -> Part:
+def _part(document: Document, name: str) -> CollectionPart:
     part = next((one for one in document.parts if one.id == name), None)
     if part is None or part.begin is None:
         raise EditError(
@@ -152,9 +159,9 @@ def _printed(content: Statement | str) -> str:
     return content.strip("\r\n") if isinstance(content, str) else format_statement(content).rstrip("\n")
 
 
-def _indent(part: Part, index: int) -> str:
+def _indent(part: CollectionPart, index: int) -> str:
     near = [*part.entries[max(index - 1, 0) : index], *part.entries[index : index + 1]]
-    known = next((one.stretch.indent for one in near if one.stretch.indent is not None), None)
+    known = next((one.token_range.indent for one in near if one.token_range.indent is not None), None)
     base = part.begin.indent if part.begin is not None else None
     return known if known is not None else (base or "") + " " * INDENT
 
@@ -163,24 +170,24 @@ def _indent(part: Part, index: int) -> str:
 class _Place:
     """Before number ``index`` of ``others``, the statements of ``part``."""
 
-    part: Part
+    part: CollectionPart
     index: int
     others: Sequence[Entry]
 
 
-def _put(place: _Place, contents: Sequence[Statement | str], body: str, line_end: str) -> list[Splice]:
+def _put(place: _Place, contents: Sequence[Statement | str], body: str, line_end: str) -> list[TextEdit]:
     """Puts ``body``, which holds ``contents``, at ``place``."""
     index, others = place.index, place.others
     before, following = others[:index][-1:], others[index : index + 1]
-    point = before[0].stretch if before else place.part.begin
+    point = before[0].token_range if before else place.part.begin
     if point is None:
         raise EditError("there is no collection to write in", remedy=_NO_COLLECTION)
-    splices = [_end_if(one, line_end) for one in before if _takes_in(one, contents[0])]
+    text_edits = [_end_if(one, line_end) for one in before if _takes_in(one, contents[0])]
     if any(_is_apart(one, contents[0]) for one in before):
         body = line_end + body
     if any(_is_apart(one, contents[-1]) for one in following) and not _is_blank_behind(point):
         body += line_end
-    return [*splices, addition(point, body, line_end)]
+    return [*text_edits, addition(point, body, line_end)]
 
 
 def _is_apart(neighbour: Entry, content: Statement | str) -> bool:
@@ -192,21 +199,21 @@ def _is_tall(content: Statement | str) -> bool:
     return isinstance(content, Block | str)
 
 
-def _is_blank_behind(point: Stretch) -> bool:
+def _is_blank_behind(point: TokenRange) -> bool:
     """Whether an empty line follows the line of ``point``."""
     at = point.places.after_break(point.places.line_range(point.own_end)[1])
     return not point.text[at : point.places.line_range(at)[1]].strip()
 
 
-def _taken_out(document: Document, entry: Entry) -> list[Splice]:
+def _taken_out(document: Document, entry: Entry) -> list[TextEdit]:
     part = document.part_of(entry)
     at = part.entries.index(entry)
     following = part.entries[at + 1] if at + 1 < len(part.entries) else None
-    words = entry.stretch
-    splices = [removal(words, document.behind(words))]
+    words = entry.token_range
+    text_edits = [removal(words, document.behind(words))]
     if at > 0 and following is not None and _takes_in(part.entries[at - 1], following.statement):
-        splices.append(_end_if(part.entries[at - 1], first_line_end(document.text)))
-    return splices
+        text_edits.append(_end_if(part.entries[at - 1], first_line_end(document.text)))
+    return text_edits
 
 
 def _takes_in(before: Entry, following: Statement | str | None) -> bool:
@@ -215,14 +222,16 @@ def _takes_in(before: Entry, following: Statement | str | None) -> bool:
     return is_open and following is not None and not isinstance(following, Block | str)
 
 
-def _end_if(entry: Entry, line_end: str) -> Splice:
-    stretch = entry.stretch
-    behind = line_end if stretch.after.strip() else ""
-    return Splice(stretch.own_end, stretch.own_end, f"{line_end}{stretch.indent or ''}{_END_IF}{behind}")
+def _end_if(entry: Entry, line_end: str) -> TextEdit:
+    token_range = entry.token_range
+    behind = line_end if token_range.after.strip() else ""
+    return TextEdit(
+        token_range.own_end, token_range.own_end, f"{line_end}{token_range.indent or ''}{_END_IF}{behind}"
+    )
 
 
-def _comments_above(stretch: Stretch, comments: Sequence[str], line_end: str) -> Splice:
-    indent = stretch.indent
+def _comments_above(token_range: TokenRange, comments: Sequence[str], line_end: str) -> TextEdit:
+    indent = token_range.indent
     lines = "".join(f"{line}{line_end}{indent or ''}" for line in comment_lines(comments))
     opening = line_end if indent is None and lines else ""
-    return Splice(stretch.own_start, stretch.start, opening + lines)
+    return TextEdit(token_range.own_start, token_range.start, opening + lines)

@@ -1,30 +1,108 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""One statement in the place of another, with as few changes of the text as there are changes of meaning."""
+"""Statements rewritten, with their comments kept."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import TypeVar
 
+from smarttestudo.adirf.comments import Comment, Trivia
 from smarttestudo.adirf.document.document import Entry
-from smarttestudo.adirf.document.grafting import grafted, grafted_condition
-from smarttestudo.adirf.document.meaning import condition_meaning, meaning, shape
-from smarttestudo.adirf.document.splices import Splice, addition, removal
-from smarttestudo.adirf.document.stretch import Stretch
+from smarttestudo.adirf.document.meaning import Meaning, condition_meaning, meaning, shape
+from smarttestudo.adirf.document.text_edit import TextEdit, addition, removal
+from smarttestudo.adirf.document.token_range import TokenRange
 from smarttestudo.adirf.formatter import format_condition, format_heading, format_statement
-from smarttestudo.adirf.formatter.values import number_text, rate_text
+from smarttestudo.adirf.formatter.text import number_text, rate_text
 from smarttestudo.adirf.parser.headings import quoted
 from smarttestudo.adirf.parser.tokens import TokenKind
-from smarttestudo.adirf.syntax import Block, Check, Condition, KeepAtLeast, SetFrequency, Statement, checks_in
+from smarttestudo.adirf.syntax import (
+    And,
+    Block,
+    Check,
+    Condition,
+    Group,
+    KeepAtLeast,
+    Not,
+    Or,
+    SetFrequency,
+    Statement,
+    checks_in,
+)
+
+
+def with_comments(old: Block, new: Block, *, inside: TokenRange) -> Block:
+    """``new`` with the comments of ``old`` that stand ``inside`` its words, and its way to end."""
+    above = tuple(
+        comment for comment in old.trivia.above if inside.places.range(comment.span)[0] >= inside.start
+    )
+    sets = {one.topic.text: one.trivia for one in (*old.then, *old.otherwise)}
+    written = {meaning(one): one for one in (*old.then, *old.otherwise)}
+    return replace(
+        new,
+        condition=with_comments_preserved(old.condition, new.condition),
+        then=tuple(_with_comments(one, sets, written) for one in new.then),
+        otherwise=tuple(_with_comments(one, sets, written) for one in new.otherwise),
+        has_end_if=old.has_end_if,
+        trivia=replace(old.trivia, above=above, blank_above=False),
+        if_trivia=old.if_trivia,
+        then_trivia=old.then_trivia,
+        else_trivia=old.else_trivia,
+        end_if_trivia=old.end_if_trivia,
+    )
+
+
+def with_comments_preserved(old: Condition, new: Condition, *, beside: Comment | None = None) -> Condition:
+    """``new`` with the comments and spellings of the checks that it has in common with ``old``.
+
+    The comment ``beside`` stays where it is and is left out.
+    """
+    checks = {condition_meaning(one): _without(one, beside) for one in checks_in(old)}
+    found = _with_checks(new, checks)
+    if isinstance(old, Group) and isinstance(found, And | Or):
+        found = Group(operand=found, span=found.span)
+    if isinstance(old, Group) and isinstance(found, Group):
+        return replace(found, trivia=_without(old, beside).trivia, closing=old.closing)
+    return found
+
+
+_Commented = TypeVar("_Commented", Check, Group)
+
+
+def _without(condition: _Commented, beside: Comment | None) -> _Commented:
+    if beside is None or condition.trivia.beside != beside:
+        return condition
+    return replace(condition, trivia=replace(condition.trivia, beside=None))
+
+
+def _with_checks(condition: Condition, checks: Mapping[Meaning, Check]) -> Condition:
+    match condition:
+        case Check():
+            return checks.get(condition_meaning(condition), condition)
+        case Not() | Group():
+            return replace(condition, operand=_with_checks(condition.operand, checks))
+        case And() | Or():
+            operands = tuple(_with_checks(one, checks) for one in condition.operands)
+            return replace(condition, operands=operands)
+
+
+def _with_comments(
+    new: SetFrequency, sets: Mapping[str, Trivia], written: Mapping[Meaning, SetFrequency]
+) -> SetFrequency:
+    same = written.get(meaning(new))
+    if same is not None:
+        return same
+    return replace(new, trivia=sets.get(new.topic.text, new.trivia))
+
 
 _TOPIC, _PROPERTY, _OPERATOR, _NUMBER = 1, 2, 3, 4
 """Which word of a check is what."""
 
 
-def rewritten(entry: Entry, new: Statement | str, line_end: str) -> list[Splice]:
+def rewritten(entry: Entry, new: Statement | str, line_end: str) -> list[TextEdit]:
     """The changes that make ``entry`` say ``new``; none where it does."""
-    old, words = entry.statement, entry.stretch
+    old, words = entry.statement, entry.token_range
     match old, new:
         case (_, str(text)):
             return _as_text(words, text)
@@ -35,17 +113,17 @@ def rewritten(entry: Entry, new: Statement | str, line_end: str) -> list[Splice]
         case (KeepAtLeast(), KeepAtLeast()):
             return _set(old, new, words)
         case (_, statement):
-            return [Splice(words.start, words.end, _lines(statement, words, line_end))]
+            return [TextEdit(words.start, words.end, _lines(statement, words, line_end))]
 
 
-def _as_text(words: Stretch, new: str) -> list[Splice]:
+def _as_text(words: TokenRange, new: str) -> list[TextEdit]:
     if words.text[words.start : words.end] == new:
         return []
     hides_next = "//" in new.rpartition("\n")[2] and words.after.strip()
-    return [Splice(words.start, words.end, f"{new}\n" if hides_next else new)]
+    return [TextEdit(words.start, words.end, f"{new}\n" if hides_next else new)]
 
 
-def _lines(statement: Statement, words: Stretch, line_end: str) -> str:
+def _lines(statement: Statement, words: TokenRange, line_end: str) -> str:
     return _indented(format_statement(statement), words.indent or "", line_end)
 
 
@@ -54,17 +132,19 @@ def _indented(lines: str, indent: str, line_end: str) -> str:
     return f"{line_end}{indent}".join(lines.rstrip("\n").split("\n"))
 
 
-def _set(old: SetFrequency | KeepAtLeast, new: SetFrequency | KeepAtLeast, words: Stretch) -> list[Splice]:
-    splices = []
+def _set(
+    old: SetFrequency | KeepAtLeast, new: SetFrequency | KeepAtLeast, words: TokenRange
+) -> list[TextEdit]:
+    text_edits = []
     if old.topic.text != new.topic.text:
-        splices.append(Splice(*words.places.range(old.topic.span), new.topic.text))
+        text_edits.append(TextEdit(*words.places.range(old.topic.span), new.topic.text))
     if old.rate.value != new.rate.value:
         rate = replace(new.rate, has_unit=old.rate.has_unit)
-        splices.append(Splice(*words.places.range(old.rate.span), rate_text(rate)))
-    return splices
+        text_edits.append(TextEdit(*words.places.range(old.rate.span), rate_text(rate)))
+    return text_edits
 
 
-def _block(old: Block, new: Block, words: Stretch, line_end: str) -> list[Splice]:
+def _block(old: Block, new: Block, words: TokenRange, line_end: str) -> list[TextEdit]:
     if meaning(old) == meaning(new):
         return []
     parts = (
@@ -73,52 +153,52 @@ def _block(old: Block, new: Block, words: Stretch, line_end: str) -> list[Splice
         _sets(old.then, new.then, words, line_end),
         _sets(old.otherwise, new.otherwise, words, line_end),
     )
-    splices: list[Splice] = []
+    text_edits: list[TextEdit] = []
     for part in parts:
         if part is None:
-            whole = grafted(old, new, inside=words)
-            return [Splice(words.start, words.own_end, _lines(whole, words, line_end))]
-        splices += part
-    return splices
+            whole = with_comments(old, new, inside=words)
+            return [TextEdit(words.start, words.own_end, _lines(whole, words, line_end))]
+        text_edits += part
+    return text_edits
 
 
-def _heading(old: Block, new: Block, words: Stretch, line_end: str) -> list[Splice] | None:
+def _heading(old: Block, new: Block, words: TokenRange, line_end: str) -> list[TextEdit] | None:
     """The changes of ``Rule "name" Priority n``; ``None`` where comments stand in it."""
     if (old.name, old.priority or 0) == (new.name, new.priority or 0):
         return []
     at = next(index for index, token in enumerate(words.tokens) if token.kind is TokenKind.IF)
     text = format_heading(new)
     if at == 0:
-        return [Splice(words.start, words.start, f"{text}{line_end}{words.indent or ''}")]
+        return [TextEdit(words.start, words.start, f"{text}{line_end}{words.indent or ''}")]
     heading, start_of_if = words[:at], words[at]
     if any(token.above for token in heading.tokens[1:]) or any(token.beside for token in heading.tokens[:-1]):
         return None
     if text and old.name != new.name and (old.priority or 0) == (new.priority or 0) and new.name is not None:
-        return [Splice(heading.offsets[1], heading[1].end, quoted(new.name))]
+        return [TextEdit(heading.offsets[1], heading[1].end, quoted(new.name))]
     keeps_line = bool(text or start_of_if.tokens[0].above or heading.tokens[-1].beside)
     if text and heading.end == start_of_if.start:
         text += " "
-    return [Splice(heading.start, heading.end if keeps_line else start_of_if.start, text)]
+    return [TextEdit(heading.start, heading.end if keeps_line else start_of_if.start, text)]
 
 
-def _condition(old: Condition, new: Condition, words: Stretch, line_end: str) -> list[Splice]:
+def _condition(old: Condition, new: Condition, words: TokenRange, line_end: str) -> list[TextEdit]:
     if condition_meaning(old) == condition_meaning(new):
         return []
     if shape(old) == shape(new):
         pairs = zip(checks_in(old), checks_in(new), strict=True)
-        return [splice for before, after in pairs for splice in _check(before, after, words)]
+        return [text_edit for before, after in pairs for text_edit in _check(before, after, words)]
     start, end = words.places.range(old.span)
     place = words.between(start, end)
-    lines = format_condition(grafted_condition(old, new, beside=place.tokens[-1].beside)).rstrip("\n")
+    lines = format_condition(with_comments_preserved(old, new, beside=place.tokens[-1].beside)).rstrip("\n")
     text = _indented(lines, words.indent or "", line_end)
     # A comment at the end would hide what stands behind it.
     is_hiding = (
         "//" in lines.rpartition("\n")[2] and words.text[end : words.places.line_range(end)[1]].strip()
     )
-    return [Splice(start, end, f"{text}{line_end}" if is_hiding else text)]
+    return [TextEdit(start, end, f"{text}{line_end}" if is_hiding else text)]
 
 
-def _check(old: Check, new: Check, words: Stretch) -> list[Splice]:
+def _check(old: Check, new: Check, words: TokenRange) -> list[TextEdit]:
     first = words.index_at(words.places.range(old.span)[0])
     changes = (
         (_TOPIC, old.topic.text != new.topic.text, new.topic.text),
@@ -127,25 +207,25 @@ def _check(old: Check, new: Check, words: Stretch) -> list[Splice]:
         (_NUMBER, old.value != new.value, number_text(new.value)),
     )
     return [
-        Splice(words.offsets[first + word], words[first + word].end, text)
+        TextEdit(words.offsets[first + word], words[first + word].end, text)
         for word, differs, text in changes
         if differs
     ]
 
 
 def _sets(
-    old: Sequence[SetFrequency], new: Sequence[SetFrequency], words: Stretch, line_end: str
-) -> list[Splice] | None:
+    old: Sequence[SetFrequency], new: Sequence[SetFrequency], words: TokenRange, line_end: str
+) -> list[TextEdit] | None:
     """The changes of the statements of a branch; ``None`` where a branch comes, goes or is reordered."""
     before, after = [meaning(one) for one in old], [meaning(one) for one in new]
     if len(old) == len(new):
         pairs = zip(old, new, strict=True)
-        return [splice for one, other in pairs for splice in _set(one, other, words)]
+        return [text_edit for one, other in pairs for text_edit in _set(one, other, words)]
     if not old or not new:
         return None
-    stretches = [words.between(*words.places.range(one.span)) for one in old]
+    token_ranges = [words.between(*words.places.range(one.span)) for one in old]
     if after[: len(before)] == before:
-        last = stretches[-1]
+        last = token_ranges[-1]
         indent = last.indent if last.indent is not None else words.indent or ""
         added = [format_statement(one).rstrip("\n") for one in new[len(old) :]]
         return [addition(last, line_end.join(f"{indent}{line}" for line in added), line_end)]
@@ -153,5 +233,7 @@ def _sets(
     if kept != after:
         return None
     return [
-        removal(stretch, None) for stretch, one in zip(stretches, before, strict=True) if one not in after
+        removal(token_range, None)
+        for token_range, one in zip(token_ranges, before, strict=True)
+        if one not in after
     ]

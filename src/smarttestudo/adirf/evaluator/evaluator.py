@@ -6,13 +6,11 @@ from __future__ import annotations
 
 from collections.abc import Set as AbstractSet
 
-from smarttestudo.adirf.evaluator.contest import Contest, Wish
-from smarttestudo.adirf.evaluator.graph import Graph
-from smarttestudo.adirf.evaluator.literal import Literal
-from smarttestudo.adirf.evaluator.propagation import Propagation
-from smarttestudo.adirf.evaluator.thresholds import Thresholds
+from smarttestudo.adirf.evaluator.graph import Graph, Propagation
+from smarttestudo.adirf.evaluator.literal import Literal, Thresholds
+from smarttestudo.adirf.evaluator.rate_arbiter import RateArbiter, RequestedRate
 from smarttestudo.adirf.normal_form import signals_of
-from smarttestudo.adirf.region import Bound, Region
+from smarttestudo.adirf.region import Bound
 from smarttestudo.adirf.rule_set import RuleBlock, RuleSet
 from smarttestudo.domain.decision import PlannedRate
 from smarttestudo.domain.signal import Signal, Truth
@@ -30,15 +28,15 @@ class Evaluator:
         self._blocks = rule_set.blocks
         self._literals = [_literal(graph, block) for block in rule_set.blocks]
         self._thresholds = {signal: Thresholds(leaves.values()) for signal, leaves in graph.leaves.items()}
-        self._contests = _contests(rule_set)
+        self._arbiters = _arbiters(rule_set)
         self._entries = [
             [
-                (topic, self._contests[topic], self._contests[topic].rank_of[block.order])
+                (topic, self._arbiters[topic], self._arbiters[topic].rank_of[block.order])
                 for topic in block.rates
             ]
             for block in rule_set.blocks
         ]
-        self._changed_topics = set(self._contests)
+        self._changed_topics = set(self._arbiters)
         self._changed_blocks: set[int] = set()
         self._propagation = Propagation(graph, self._block_changed)
 
@@ -56,7 +54,7 @@ class Evaluator:
             self._propagation.change(leaf, thresholds.truth(leaf))
 
     def take_changed_topics(self) -> AbstractSet[str]:
-        """The topics whose wish may have changed since the last call; at first all that are relayed."""
+        """The topics whose request may have changed since the last call; at first all that are relayed."""
         self._propagation.settle()
         changed, self._changed_topics = self._changed_topics, set()
         return changed
@@ -67,23 +65,19 @@ class Evaluator:
         changed, self._changed_blocks = self._changed_blocks, set()
         return changed
 
-    def wish(self, topic: str) -> PlannedRate:
+    def request(self, topic: str) -> PlannedRate:
         """The rate that the rules ask for now; ``topic`` is one of the rule set's relayed topics."""
         return self.decide(topic).planned
 
-    def decide(self, topic: str) -> Wish:
-        """Like ``wish``, with the order of the deciding block."""
+    def decide(self, topic: str) -> RequestedRate:
+        """Like ``request``, with the order of the deciding block."""
         self._propagation.settle()
-        return self._contests[topic].wish()
+        return self._arbiters[topic].request()
 
     def truth(self, block_order: int) -> Truth:
         """Whether the condition of a block holds."""
         self._propagation.settle()
         return Truth(self._literals[block_order].truth)
-
-    def check_truth(self, signal: Signal, region: Region) -> Truth:
-        """Whether the value of ``signal``, which a check reads, lies in ``region``."""
-        return Truth(self._thresholds[signal].truth_in(region))
 
     def reads(self, block_order: int) -> list[Signal]:
         """The signals that the condition of a block reads, sorted."""
@@ -99,8 +93,8 @@ class Evaluator:
 
     def _block_changed(self, order: int, before: int, after: int) -> None:
         self._changed_blocks.add(order)
-        for topic, contest, rank in self._entries[order]:
-            contest.move(rank, before, after)
+        for topic, arbiter, rank in self._entries[order]:
+            arbiter.move(rank, before, after)
             self._changed_topics.add(topic)
 
 
@@ -110,9 +104,9 @@ def _literal(graph: Graph, block: RuleBlock) -> Literal:
     return literal
 
 
-def _contests(rule_set: RuleSet) -> dict[str, Contest]:
+def _arbiters(rule_set: RuleSet) -> dict[str, RateArbiter]:
     blocks: dict[str, list[RuleBlock]] = {topic: [] for topic in rule_set.relayed}
     for block in rule_set.blocks:
         for topic in block.rates:
             blocks[topic].append(block)
-    return {topic: Contest(topic, setting, rule_set) for topic, setting in blocks.items()}
+    return {topic: RateArbiter(topic, setting, rule_set) for topic, setting in blocks.items()}

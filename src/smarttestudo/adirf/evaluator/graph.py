@@ -1,14 +1,16 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Conditions as one graph of leaves and joins in which equal parts are one node."""
+"""Conditions as one graph, and changes of values carried through it."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Iterable
+from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Mapping
 from functools import reduce
+from heapq import heappop, heappush
+from typing import TypeVar
 
-from smarttestudo.adirf.evaluator.literal import Group, Join, Leaf, Literal, Node
+from smarttestudo.adirf.evaluator.literal import FALSE, TRUE, Join, Leaf, Literal, LiteralGroup, Node
 from smarttestudo.adirf.normal_form import Form, Some, Within
 from smarttestudo.adirf.region import Region
 from smarttestudo.domain.signal import Signal
@@ -25,10 +27,10 @@ class Graph:
         self.nodes: list[Node] = []
         self.leaves: dict[Signal, dict[Region, Leaf]] = {}
         self._joins: dict[tuple[Literal, Literal], Join] = {}
-        self._groups: dict[tuple[Hashable, bool], Group] = {}
+        self._groups: dict[tuple[Hashable, bool], LiteralGroup] = {}
 
     @property
-    def groups(self) -> Iterable[Group]:
+    def groups(self) -> Iterable[LiteralGroup]:
         """All groups of literals."""
         return self._groups.values()
 
@@ -85,7 +87,92 @@ class Graph:
         for literal in node.literals:
             if literal.inverted == inverted:
                 return literal
-        group = self._groups.setdefault((node.shape, inverted), Group())
+        group = self._groups.setdefault((node.shape, inverted), LiteralGroup())
         literal = Literal(node, group, inverted=inverted)
         node.literals.append(literal)
         return literal
+
+
+_Key = TypeVar("_Key")
+_Item = TypeVar("_Item")
+
+BlockChanged = Callable[[int, int, int], None]
+"""Told of a block's new truth: its order, the truth before, the truth after."""
+
+
+class Propagation:
+    """Carries changed leaves to the blocks whose condition changes."""
+
+    def __init__(self, graph: Graph, block_changed: BlockChanged) -> None:
+        self.touched = 0
+        """Nodes, groups and blocks looked at so far: what a step's cost is proportional to."""
+        self._nodes = graph.nodes
+        self._live_groups: set[LiteralGroup] = set(graph.groups)
+        self._block_changed = block_changed
+        self._queue: list[int] = []
+
+    def change(self, node: Node, truth: int) -> None:
+        """Give ``node`` its new truth and queue the joins that it can reach."""
+        self.touched += 1
+        if node.truth == truth:
+            return
+        node.truth = truth
+        for literal in node.literals:
+            self._turn(literal, TRUE - truth if literal.inverted else truth)
+
+    def settle(self) -> None:
+        """Bring all queued joins up to date, each once, in the order of the graph."""
+        while self._queue:
+            join = self._nodes[heappop(self._queue)]
+            if isinstance(join, Join):
+                self._update(join)
+
+    def _update(self, join: Join) -> None:
+        join.queued = False
+        truth = min(join.left.truth, join.right.truth)
+        if truth == FALSE:
+            join.drop_live()
+        elif join.truth == FALSE:
+            join.keep_live()
+        self.change(join, truth)
+
+    def _turn(self, literal: Literal, truth: int) -> None:
+        before, literal.truth = literal.truth, truth
+        if before == FALSE:
+            self._enter(literal)
+        else:
+            for join in literal.live_joins:
+                self._enqueue(join)
+            if truth == FALSE:
+                self._leave(literal)
+        self.touched += len(literal.blocks)
+        for block in literal.blocks:
+            self._block_changed(block, before, truth)
+
+    def _enter(self, literal: Literal) -> None:
+        live = literal.group.live
+        if not live:
+            self._live_groups.add(literal.group)
+        live.add(literal)
+        for group, joins in self._common(literal.joins, self._live_groups):
+            for _, join in self._common(joins, group.live):
+                self._enqueue(join)
+
+    def _leave(self, literal: Literal) -> None:
+        live = literal.group.live
+        live.discard(literal)
+        if not live:
+            self._live_groups.discard(literal.group)
+
+    def _enqueue(self, join: Join) -> None:
+        self.touched += 1
+        if not join.queued:
+            join.queued = True
+            heappush(self._queue, join.number)
+
+    def _common(self, items: Mapping[_Key, _Item], keys: Collection[_Key]) -> Iterator[tuple[_Key, _Item]]:
+        """The items whose key is among ``keys``, in time proportional to the smaller of the two."""
+        self.touched += min(len(items), len(keys))
+        if len(items) <= len(keys):
+            return ((key, item) for key, item in items.items() if key in keys)
+        return ((key, items[key]) for key in keys if key in items)

@@ -7,8 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from smarttestudo.adirf.comments import Comment
-from smarttestudo.adirf.formatter.lines import INDENT, LineWriter
-from smarttestudo.adirf.formatter.values import number_text
+from smarttestudo.adirf.formatter.text import INDENT, LineWriter, number_text
 from smarttestudo.adirf.syntax import And, Check, Condition, Group, Not, Or
 
 MAX_WIDTH = 100

@@ -5,8 +5,7 @@
 from __future__ import annotations
 
 from smarttestudo.adirf.formatter.conditions import write_condition
-from smarttestudo.adirf.formatter.lines import LineWriter
-from smarttestudo.adirf.formatter.values import rate_text
+from smarttestudo.adirf.formatter.text import LineWriter, rate_text
 from smarttestudo.adirf.parser import parse
 from smarttestudo.adirf.parser.headings import quoted
 from smarttestudo.adirf.syntax import (

@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Text to syntax tree: recursive descent with one token of lookahead, recovering at statement keywords."""
 
-from smarttestudo.adirf.parser.result import ParseResult
-from smarttestudo.adirf.parser.rule_file import MAX_FILE_BYTES, parse
+from smarttestudo.adirf.parser.rule_file import MAX_FILE_BYTES, ParseResult, parse
 
 __all__ = ["MAX_FILE_BYTES", "ParseResult", "parse"]

@@ -11,7 +11,7 @@ from smarttestudo.adirf.parser.cursor import BrokenStatementError, Cursor
 from smarttestudo.adirf.parser.suggestions import closest, did_you_mean
 from smarttestudo.adirf.parser.tokens import CONNECTIVES, Token, TokenKind
 from smarttestudo.adirf.parser.values import parse_number, parse_topic
-from smarttestudo.adirf.properties.field_path import is_field_path
+from smarttestudo.adirf.properties.field_path import is_property
 from smarttestudo.adirf.syntax import And, Check, Condition, Group, Not, Operator, Or
 from smarttestudo.domain.finding import Fix
 
@@ -127,7 +127,7 @@ def _check(cursor: Cursor) -> Check:
 
 def _property(cursor: Cursor, topic: str) -> Token:
     token = cursor.token
-    if token.kind is not _WORD or not is_field_path(token.text):
+    if token.kind is not _WORD or not is_property(token.text):
         _refuse_property(cursor, token, topic)
     return cursor.advance()
 
@@ -137,11 +137,6 @@ def _refuse_property(cursor: Cursor, token: Token, topic: str) -> NoReturn:
     if token.kind in (TokenKind.OPERATOR, TokenKind.NUMBER):
         hint = f"for instance {topic} age"
         raise cursor.failure("expected-property", expected, hint=hint)
-    if token.kind in (TokenKind.BEGIN, TokenKind.END) and not token.starts_line:
-        hint = f"a field of this name is reached by msg.{token.text}"
-        cursor.report_found("expected-property", expected, hint=hint)
-        cursor.advance()
-        raise BrokenStatementError
     if token.kind is not _WORD:
         raise cursor.failure("expected-property", expected)
     hint = "a property is a name such as speed or a field such as pose.pose.position.x or ranges[0]"

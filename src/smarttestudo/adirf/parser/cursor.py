@@ -1,17 +1,71 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The parser's place in the tokens, with its findings and the comments that no node has taken yet."""
+"""A place among the tokens, and what is found wrong there."""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 
 from smarttestudo.adirf.comments import NO_TRIVIA, Comment, Trivia
-from smarttestudo.adirf.parser.finding_log import FindingLog
 from smarttestudo.adirf.parser.suggestions import closest, described, did_you_mean, hint_on
 from smarttestudo.adirf.parser.tokens import KEYWORDS, Token, TokenKind
-from smarttestudo.domain.finding import Fix
+from smarttestudo.domain.finding import Finding, Fix, Severity
 from smarttestudo.domain.source import Span
+
+MAX_FINDINGS = 1000
+
+
+class FindingLog:
+    """The errors of one file; a second one in the same statement is mostly an echo of the first."""
+
+    def __init__(self, path: str) -> None:
+        self._path = path
+        self._findings: list[Finding] = []
+        self._is_reported = False
+        self._left_out = 0
+
+    def begin_statement(self) -> None:
+        """What is reported next is about another statement."""
+        self._is_reported = False
+
+    def report(self, code: str, message: str, *, span: Span, hint: str = "", fix: Fix | None = None) -> None:
+        """Keep an error, unless its statement has one."""
+        if self._is_reported:
+            return
+        self._is_reported = True
+        if len(self._findings) == MAX_FINDINGS:
+            self._left_out += 1
+            return
+        self._findings.append(
+            Finding(
+                code=code,
+                severity=Severity.ERROR,
+                message=message,
+                path=self._path,
+                span=span,
+                hint=hint,
+                fix=fix,
+            )
+        )
+
+    def findings(self) -> tuple[Finding, ...]:
+        """Everything reported, in the order of the file."""
+        found = sorted(self._findings, key=lambda finding: (finding.span.line, finding.span.column))
+        if self._left_out:
+            last = found[-1]
+            message = f"{self._left_out} more errors are not shown"
+            found.append(
+                Finding(
+                    code="too-many-errors",
+                    severity=Severity.ERROR,
+                    message=message,
+                    path=self._path,
+                    span=last.span,
+                    hint="is this a rule file?",
+                )
+            )
+        return tuple(found)
+
 
 STATEMENT_STARTS = (TokenKind.SET_FREQUENCY, TokenKind.KEEP_AT_LEAST, TokenKind.RULE, TokenKind.IF)
 SAFE_PLACES = frozenset(

@@ -82,7 +82,7 @@ def _plain_name(cursor: Cursor, token: Token) -> str:
     name = _ESCAPE.sub(r"\1", text)
     if not name.strip():
         cursor.report("invalid-name", "the name is empty", hint="leave out 'Rule' for a block without a name")
-    elif not (name.isprintable() or all(_can_be_shown(character) for character in name)):
+    elif not all(_can_be_shown(character) for character in name):
         cursor.report("invalid-name", "the name holds a tab or a character that cannot be seen")
     cursor.advance()
     return name

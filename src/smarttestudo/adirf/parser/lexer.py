@@ -7,6 +7,7 @@ from __future__ import annotations
 import re
 
 from smarttestudo.adirf.comments import Comment
+from smarttestudo.adirf.parser.glued_words import told_apart
 from smarttestudo.adirf.parser.tokens import CONNECTIVES, KEYWORDS, Token, TokenKind
 from smarttestudo.domain.source import Span
 
@@ -86,7 +87,7 @@ def tokenize(text: str) -> list[Token]:
     tokens.append(
         Token(TokenKind.END_OF_FILE, "", line, column, newlines != 0, newlines > 1, tuple(comments))
     )
-    return tokens
+    return told_apart(tokens)
 
 
 def _put_beside(tokens: list[Token], comment: Comment) -> None:

@@ -1,25 +1,132 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Rule files to syntax trees: recursive descent with one token of lookahead.
-
-Every error of a file is reported at once. After one, parsing goes on at the next keyword that starts or ends
-a statement; a misspelt keyword counts as what it should be. Time and depth are bounded for any text.
-"""
+"""A rule file, parsed; after an error the parser goes on at the next statement."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from smarttestudo.adirf.comments import COMMENT_START, NO_TRIVIA, Comment
-from smarttestudo.adirf.parser.cursor import STATEMENT_STARTS, Cursor
-from smarttestudo.adirf.parser.finding_log import FindingLog
+from smarttestudo.adirf.parser.blocks import parse_block, parse_set, parse_sets
+from smarttestudo.adirf.parser.cursor import (
+    SAFE_PLACES,
+    STATEMENT_STARTS,
+    BrokenStatementError,
+    Cursor,
+    FindingLog,
+)
 from smarttestudo.adirf.parser.lexer import tokenize
-from smarttestudo.adirf.parser.result import ParseResult
-from smarttestudo.adirf.parser.statements import parse_statements
 from smarttestudo.adirf.parser.tokens import Token, TokenKind
-from smarttestudo.adirf.syntax import Collection, RuleFile
-from smarttestudo.domain.finding import Fix
+from smarttestudo.adirf.parser.values import parse_hertz, parse_topic
+from smarttestudo.adirf.syntax import Collection, KeepAtLeast, RuleFile, Statement
+from smarttestudo.domain.finding import Finding, Fix
 from smarttestudo.domain.source import Span
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ParseResult:
+    """The statements of ``file`` that are whole, and an error for each that is not, in the order of the file.
+
+    ``tokens`` end with the one that stands for the file's end; their comments are all comments of the file.
+    ``steps`` is how often the parser looked at a token.
+    """
+
+    file: RuleFile
+    findings: tuple[Finding, ...]
+    tokens: tuple[Token, ...]
+    steps: int
+
+    @property
+    def is_valid(self) -> bool:
+        """Whether the file has no error of syntax."""
+        return not self.findings
+
+
+_ENDS = frozenset({TokenKind.END, TokenKind.BEGIN, TokenKind.END_OF_FILE})
+_EXPECTED = frozenset({*STATEMENT_STARTS, TokenKind.END})
+_EXPECTED_TEXT = "a statement ('SetFrequency', 'KeepAtLeast', 'Rule' or 'If') or 'end'"
+
+
+def parse_statements(cursor: Cursor) -> tuple[Statement, ...]:
+    """The whole statements up to ``end``, the next ``begin`` or the end of the file."""
+    statements: list[Statement] = []
+    cursor.is_block_open = False
+    while cursor.kind not in _ENDS:
+        cursor.begin_statement()
+        if cursor.is_block_open and cursor.kind is TokenKind.KEEP_AT_LEAST:
+            _report_open_block(cursor)
+        cursor.is_block_open = False
+        try:
+            statement = _statement(cursor)
+        except BrokenStatementError:
+            cursor.skip_to(SAFE_PLACES)
+        else:
+            statements.extend([statement] if statement is not None else [])
+    return tuple(statements)
+
+
+def _report_open_block(cursor: Cursor) -> None:
+    fix = Fix(span=cursor.previous.end, replacement="\nEndIf", title="put EndIf before it")
+    message = "'KeepAtLeast' cannot follow a block that has no 'EndIf'"
+    cursor.report("missing-end-if", message, hint="put EndIf before it", fix=fix)
+
+
+def _statement(cursor: Cursor) -> Statement | None:
+    match cursor.kind:
+        case TokenKind.SET_FREQUENCY:
+            return parse_set(cursor)
+        case TokenKind.KEEP_AT_LEAST:
+            return _keep(cursor)
+        case TokenKind.RULE | TokenKind.IF:
+            return parse_block(cursor)
+        case TokenKind.THEN | TokenKind.ELSE | TokenKind.END_IF:
+            _refuse_part_of_block(cursor)
+        case _:
+            _refuse_unknown(cursor)
+    return None
+
+
+def _keep(cursor: Cursor) -> KeepAtLeast:
+    first = cursor.advance()
+    topic = parse_topic(cursor)
+    rate = parse_hertz(cursor, "expected-rate", "a number of Hz")
+    return KeepAtLeast(topic=topic, rate=rate, span=cursor.span_from(first), trivia=cursor.take_trivia(first))
+
+
+def _refuse_part_of_block(cursor: Cursor) -> None:
+    token = cursor.token
+    is_end = token.kind is TokenKind.END_IF
+    fix = Fix(span=token.span, replacement="", title="delete it") if is_end else None
+    cursor.report("stray-keyword", f"no 'If' is open for this '{token.text}'", fix=fix)
+    if is_end:
+        cursor.advance()
+    else:
+        _skip_body(cursor)
+
+
+def _refuse_unknown(cursor: Cursor) -> None:
+    if cursor.mend("expected-statement", _EXPECTED_TEXT, _EXPECTED):
+        return
+    is_condition = cursor.kind in (TokenKind.CHECK_VALUE, TokenKind.OPEN, TokenKind.NOT)
+    fix = Fix(span=cursor.token.start, replacement="If ", title="put 'If' here") if is_condition else None
+    hint = "a condition stands behind 'If'" if is_condition else ""
+    cursor.report_found("expected-statement", _EXPECTED_TEXT, hint=hint, fix=fix)
+    cursor.advance()
+    cursor.skip_to(SAFE_PLACES)
+    cursor.mend("expected-then", "'Then'", (TokenKind.THEN,))
+    if cursor.kind is TokenKind.THEN:
+        _skip_body(cursor)
+
+
+def _skip_body(cursor: Cursor) -> None:
+    """Check the statements of a block whose head is lost."""
+    while cursor.kind in (TokenKind.THEN, TokenKind.ELSE):
+        cursor.advance()
+        parse_sets(cursor, after_error=True)
+    if cursor.take(TokenKind.END_IF):
+        cursor.is_block_open = False
+
 
 MAX_FILE_BYTES = 1_000_000
 _COLLECTION_STARTS = frozenset({*STATEMENT_STARTS, TokenKind.BEGIN, TokenKind.END_OF_FILE})
@@ -42,7 +149,12 @@ def parse(text: str, path: str) -> ParseResult:
     if "#" in text or "/*" in text:
         _report_foreign_comments(tokens, log)
     return ParseResult(
-        file=RuleFile(path=path, collections=tuple(collections), footer=cursor.token.above),
+        file=RuleFile(
+            path=path,
+            collections=tuple(collections),
+            footer=cursor.token.above,
+            glued=tuple(token.span for token in tokens if token.is_glued),
+        ),
         findings=log.findings(),
         tokens=tuple(tokens),
         steps=cursor.steps,

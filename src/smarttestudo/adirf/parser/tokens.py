@@ -65,7 +65,7 @@ class Token(NamedTuple):
 
     ``starts_line`` is whether it is the first of its line, ``blank_above`` whether an empty line is directly
     above it. ``above`` are the comments on lines of their own since the token before, ``beside`` is the one
-    on the rest of its line.
+    on the rest of its line. ``is_glued`` is whether the keyword before it is written without a blank behind.
     """
 
     kind: TokenKind
@@ -76,6 +76,7 @@ class Token(NamedTuple):
     blank_above: bool = False
     above: tuple[Comment, ...] = ()
     beside: Comment | None = None
+    is_glued: bool = False
 
     @property
     def span(self) -> Span:

@@ -14,8 +14,7 @@ from smarttestudo.adirf.parser.tokens import Token, TokenKind
 from smarttestudo.adirf.syntax import RateExpression, RateWord, TopicName
 from smarttestudo.domain.finding import Fix
 from smarttestudo.domain.names import MAX_NAME_LENGTH, is_topic_name
-from smarttestudo.domain.rate import MAX_RATE_HZ
-from smarttestudo.domain.tier import Tier
+from smarttestudo.domain.rate import MAX_RATE_HZ, Tier
 
 UNIT = "Hz"
 # Below Python 3.12, looking a member up in its enum costs as much as a call.

@@ -2,8 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a check can read of a message: names for the common types, any numeric field by its path."""
 
-from smarttestudo.adirf.properties.field_path import is_field_path
-from smarttestudo.adirf.properties.spec import PropertySpec, Reader
+from smarttestudo.adirf.properties.field_path import PropertySpec, Reader, is_field_path, part_reader
 from smarttestudo.adirf.properties.table import (
     ARRIVAL_PROPERTIES,
     known_types,
@@ -11,6 +10,7 @@ from smarttestudo.adirf.properties.table import (
     property_spec,
     value_reader,
 )
+from smarttestudo.adirf.properties.usual_types import usual_types
 
 __all__ = [
     "ARRIVAL_PROPERTIES",
@@ -18,7 +18,9 @@ __all__ = [
     "Reader",
     "is_field_path",
     "known_types",
+    "part_reader",
     "properties_of",
     "property_spec",
+    "usual_types",
     "value_reader",
 ]

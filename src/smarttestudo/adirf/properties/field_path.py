@@ -1,18 +1,38 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Any numeric field of a message by its path, for instance ``pose.pose.position.x`` or ``ranges[0]``."""
+"""What a property is, and fields of messages as properties."""
 
 from __future__ import annotations
 
 import math
 import re
+from collections.abc import Callable
+from dataclasses import dataclass
 
-from smarttestudo.adirf.properties.spec import Reader
+Reader = Callable[[object], float]
+"""Reads a decoded message; NaN stands for unknown."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PropertySpec:
+    """A named property: its unit, what it means, and the least and greatest value it can take, if any.
+
+    ``includes_minimum`` is false where the least value itself cannot occur: an angle lies in (−180, 180].
+    """
+
+    name: str
+    unit: str
+    meaning: str
+    minimum: float | None = None
+    maximum: float | None = None
+    includes_minimum: bool = True
+
 
 MESSAGE_PREFIX = "msg."
 _FIELD = r"[A-Za-z][A-Za-z0-9_]*"
 _PATH = re.compile(rf"{_FIELD}(?:\[\d{{1,9}}\])*(?:\.{_FIELD}(?:\[\d{{1,9}}\])*)*\Z")
 _STEP = re.compile(rf"({_FIELD})|\[(\d+)\]")
+_NAME = re.compile(r"[^\W\d]\w*\Z")
 
 
 def is_field_path(text: str) -> bool:
@@ -20,18 +40,31 @@ def is_field_path(text: str) -> bool:
     return _PATH.match(text) is not None
 
 
+def is_property(text: str) -> bool:
+    """Whether a rule may write ``text`` as a property: a field path, or a name that no message has."""
+    return is_field_path(text) or _NAME.match(text) is not None
+
+
 def field_reader(path: str) -> Reader:
     """Read the field at ``path``; missing, not numeric or beyond the end of an array is NaN.
 
     A leading ``msg.`` stands for the message itself, so that ``msg.rate`` reaches a field called ``rate``.
     """
+    if not is_field_path(path):
+        return lambda _message: math.nan  # The class of a message may have such an attribute all the same.
+    read_part = part_reader(path)
+    return lambda message: _number(read_part(message))
+
+
+def part_reader(path: str) -> Callable[[object], object]:
+    """Read the part of a message at ``path``, of any type; missing or beyond an array's end is ``None``."""
     steps = _steps(path.removeprefix(MESSAGE_PREFIX))
 
-    def read(message: object) -> float:
-        value: object = message
+    def read(message: object) -> object:
+        value = message
         for step in steps:
             value = _item(value, step) if isinstance(step, int) else getattr(value, step, None)
-        return _number(value)
+        return value
 
     return read
 

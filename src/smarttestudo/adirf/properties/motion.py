@@ -8,10 +8,10 @@ import math
 from collections.abc import Iterable
 from typing import Protocol
 
-from smarttestudo.adirf.properties.spec import Reader
+from smarttestudo.adirf.properties.field_path import Reader
 
 
-class Vector(Protocol):
+class VectorMessage(Protocol):
     """A geometry_msgs Vector3 or Point."""
 
     x: float
@@ -19,23 +19,23 @@ class Vector(Protocol):
     z: float
 
 
-class Quaternion(Vector, Protocol):
-    """A geometry_msgs Quaternion."""
+class QuaternionMessage(VectorMessage, Protocol):
+    """A geometry_msgs QuaternionMessage."""
 
     w: float
 
 
-def length(vector: Vector) -> float:
+def length(vector: VectorMessage) -> float:
     """The Euclidean length."""
     return math.sqrt(vector.x * vector.x + vector.y * vector.y + vector.z * vector.z)
 
 
-def roll_degrees(q: Quaternion) -> float:
+def roll_degrees(q: QuaternionMessage) -> float:
     """Rotation about x of the intrinsic z-y-x angles, in (−180, 180]; NaN for the zero quaternion."""
     return _degrees(q, 2 * (q.w * q.x + q.y * q.z), q.w * q.w - q.x * q.x - q.y * q.y + q.z * q.z)
 
 
-def pitch_degrees(q: Quaternion) -> float:
+def pitch_degrees(q: QuaternionMessage) -> float:
     """Rotation about y, in [−90, 90]; NaN for the zero quaternion."""
     norm = _squared_norm(q)
     if not norm > 0:
@@ -44,19 +44,19 @@ def pitch_degrees(q: Quaternion) -> float:
     return math.degrees(math.asin(max(-1.0, min(1.0, sine))))
 
 
-def yaw_degrees(q: Quaternion) -> float:
+def yaw_degrees(q: QuaternionMessage) -> float:
     """Rotation about z, in (−180, 180]; NaN for the zero quaternion."""
     return _degrees(q, 2 * (q.w * q.z + q.x * q.y), q.w * q.w + q.x * q.x - q.y * q.y - q.z * q.z)
 
 
-def _degrees(q: Quaternion, sine: float, cosine: float) -> float:
+def _degrees(q: QuaternionMessage, sine: float, cosine: float) -> float:
     if not _squared_norm(q) > 0:
         return math.nan
     degrees = math.degrees(math.atan2(sine, cosine))
     return 180.0 if degrees <= -180.0 else degrees
 
 
-def _squared_norm(q: Quaternion) -> float:
+def _squared_norm(q: QuaternionMessage) -> float:
     return q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z
 
 

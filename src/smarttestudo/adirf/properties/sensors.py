@@ -11,7 +11,7 @@ from typing import Protocol
 from smarttestudo.domain.profile import LevelUnit
 
 
-class Scan(Protocol):
+class ScanMessage(Protocol):
     """A sensor_msgs LaserScan."""
 
     range_min: float
@@ -25,7 +25,7 @@ class Battery(Protocol):
     percentage: float
 
 
-def nearest_distance_m(scan: Scan) -> float:
+def nearest_distance_m(scan: ScanMessage) -> float:
     """The smallest range in m.
 
     −inf (too near, REP 117) counts as range_min, +inf (nothing there) as range_max; NaN, 0 and values

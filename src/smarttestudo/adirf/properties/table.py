@@ -10,11 +10,12 @@ from types import MappingProxyType
 from typing import Any
 
 from smarttestudo.adirf.properties import motion, sensors
-from smarttestudo.adirf.properties.field_path import field_reader
-from smarttestudo.adirf.properties.spec import PropertySpec, Reader
+from smarttestudo.adirf.properties.field_path import PropertySpec, Reader, field_reader
 from smarttestudo.domain.profile import LevelUnit
 
 _ODOMETRY = "nav_msgs/msg/Odometry"
+_POSE_STAMPED = "geometry_msgs/msg/PoseStamped"
+_POSE_WITH_COVARIANCE_STAMPED = "geometry_msgs/msg/PoseWithCovarianceStamped"
 _TWIST = "geometry_msgs/msg/Twist"
 _TWIST_STAMPED = "geometry_msgs/msg/TwistStamped"
 _SCAN = "sensor_msgs/msg/LaserScan"
@@ -71,9 +72,12 @@ def _twist_entries(twist: Callable[[Any], Any]) -> tuple[_Entry, ...]:
     )
 
 
-def _position(axis: str) -> _Entry:
-    return _entry(
-        f"pose_{axis}", "m", f"position along {axis}", lambda m: getattr(m.pose.pose.position, axis)
+def _pose_entries(pose: Callable[[Any], Any]) -> tuple[_Entry, ...]:
+    return (
+        _entry("pose_x", "m", "position along x", lambda m: pose(m).position.x),
+        _entry("pose_y", "m", "position along y", lambda m: pose(m).position.y),
+        _entry("pose_z", "m", "position along z", lambda m: pose(m).position.z),
+        _angle("yaw", "heading", lambda m: motion.yaw_degrees(pose(m).orientation)),
     )
 
 
@@ -85,10 +89,11 @@ _LEVEL: _Entry = (
 _TABLE: Mapping[str, tuple[_Entry, ...]] = MappingProxyType(
     {
         _ODOMETRY: (
-            *(_position(axis) for axis in "xyz"),
-            _angle("yaw", "heading", lambda m: motion.yaw_degrees(m.pose.pose.orientation)),
+            *_pose_entries(lambda m: m.pose.pose),
             *_twist_entries(lambda m: m.twist.twist),
         ),
+        _POSE_STAMPED: _pose_entries(lambda m: m.pose),
+        _POSE_WITH_COVARIANCE_STAMPED: _pose_entries(lambda m: m.pose.pose),
         _TWIST: _twist_entries(lambda m: m),
         _TWIST_STAMPED: _twist_entries(lambda m: m.twist),
         _SCAN: (_entry("distance", "m", "smallest range in sight", sensors.nearest_distance_m, minimum=0.0),),

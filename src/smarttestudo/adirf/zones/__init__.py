@@ -3,8 +3,7 @@
 """Zones: the rectangles of the floor that conditions on ``pose_x`` and ``pose_y`` mean."""
 
 from smarttestudo.adirf.zones.cover import Cover, PolygonError, covering_rectangles
-from smarttestudo.adirf.zones.reading import Zone, ZoneReading, zones_in
-from smarttestudo.adirf.zones.rectangle import ZoneRectangle
+from smarttestudo.adirf.zones.reading import Zone, ZoneReading, ZoneRectangle, zones_in
 from smarttestudo.adirf.zones.writing import moved_zone, resized_zone, with_zone, zone_condition
 
 __all__ = [

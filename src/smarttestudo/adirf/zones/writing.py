@@ -22,8 +22,7 @@ from smarttestudo.adirf.syntax import (
     TopicName,
     checks_in,
 )
-from smarttestudo.adirf.zones.reading import Side, ZoneReading, axis_of, zones_in
-from smarttestudo.adirf.zones.rectangle import ZoneRectangle
+from smarttestudo.adirf.zones.reading import Side, ZoneReading, ZoneRectangle, axis_of, zones_in
 from smarttestudo.domain.source import Span
 
 _NOWHERE = Span(line=1, column=1, end_line=1, end_column=1)

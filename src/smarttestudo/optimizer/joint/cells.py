@@ -1,24 +1,56 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Which blocks of a cluster can hold together.
-
-The thresholds of each signal cut its values into intervals, and the signals' intervals into cells in which
-every check keeps its truth. Each block is a set of boxes of cells; one bit a box, and the boxes around a
-cell are the bits left when the masks of its intervals are joined.
-"""
+"""Situations in which rules hold together, as cells of the signals' values."""
 
 from __future__ import annotations
 
 import bisect
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from smarttestudo.adirf.boxes import Box, Domain, Effort, boxes_where
-from smarttestudo.adirf.normal_form import Form, Within
+from smarttestudo.adirf.normal_form import Form, Within, signals_of
 from smarttestudo.adirf.region import Bound, Region
+from smarttestudo.adirf.rule_set import RuleBlock
 from smarttestudo.domain.signal import Signal
-from smarttestudo.optimizer.joint.clusters import Cluster
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cluster:
+    """Blocks with all signals that they read and all topics that they set, sorted."""
+
+    blocks: tuple[RuleBlock, ...]
+    signals: tuple[Signal, ...]
+    topics: tuple[str, ...]
+
+
+def clusters_of(blocks: Sequence[RuleBlock]) -> list[Cluster]:
+    """The clusters of ``blocks``, in the order of their first blocks."""
+    parents: dict[Hashable, Hashable] = {}
+
+    def root(node: Hashable) -> Hashable:
+        while parents.setdefault(node, node) != node:
+            parents[node] = parents[parents[node]]
+            node = parents[node]
+        return node
+
+    for block in blocks:
+        for node in (*signals_of(block.form), *block.rates):
+            parents[root(node)] = root(block.order)
+    members: dict[Hashable, list[RuleBlock]] = {}
+    for block in blocks:
+        members.setdefault(root(block.order), []).append(block)
+    return [_cluster(group) for group in members.values()]
+
+
+def _cluster(blocks: Sequence[RuleBlock]) -> Cluster:
+    return Cluster(
+        blocks=tuple(blocks),
+        signals=tuple(sorted({signal for block in blocks for signal in signals_of(block.form)})),
+        topics=tuple(sorted({topic for block in blocks for topic in block.rates})),
+    )
+
 
 State = Mapping[Signal, float]
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Whether rules fit a budget in every situation that they allow."""
+"""Whether every situation in which rules hold together fits the budget."""
 
 from __future__ import annotations
 
@@ -13,11 +13,47 @@ from dataclasses import dataclass
 from smarttestudo.adirf.boxes import Domain, Effort, TooComplexError
 from smarttestudo.adirf.evaluator import Evaluator
 from smarttestudo.adirf.rule_set import RuleBlock, RuleSet
+from smarttestudo.domain.profile import Profile
+from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.signal import ArrivalProperty, Signal
-from smarttestudo.optimizer.joint.cells import axes_of, cell_count, holding_together
-from smarttestudo.optimizer.joint.clusters import Cluster, clusters_of
-from smarttestudo.optimizer.joint.loads import Loads
+from smarttestudo.optimizer.joint.cells import Cluster, axes_of, cell_count, clusters_of, holding_together
 from smarttestudo.optimizer.problem import fits
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Loads:
+    """KB for each message and the source's Hz, which Full passes on, by topic."""
+
+    size_kb: Mapping[str, float]
+    source_hz: Mapping[str, float]
+
+    def kb_per_s(self, topic: str, rate: Rate) -> float:
+        """``topic`` at ``rate``."""
+        return self.size_kb[topic] * (self.source_hz[topic] if rate.is_full else rate.hz)
+
+
+def loads_of(rule_set: RuleSet, profile: Profile) -> Loads:
+    """What ``profile`` says of the relayed topics that it knows."""
+    entries = {topic: profile.topic(topic) for topic in rule_set.relayed}
+    return Loads(
+        size_kb={t: entry.message_kb for t, entry in entries.items() if entry.message_kb is not None},
+        source_hz={t: entry.source_hz for t, entry in entries.items() if entry.source_hz is not None},
+    )
+
+
+def missing_entries(rule_set: RuleSet, loads: Loads) -> list[tuple[str, str]]:
+    """The topics whose load is not known, with the key that the profile lacks."""
+    can_be_full = set(_full_topics(rule_set))
+    missing = [(topic, "message_kb") for topic in rule_set.relayed if topic not in loads.size_kb]
+    missing += [(t, "source_hz") for t in rule_set.relayed if t in can_be_full and t not in loads.source_hz]
+    return missing
+
+
+def _full_topics(rule_set: RuleSet) -> Iterable[str]:
+    yield from (topic for topic in rule_set.relayed if topic not in rule_set.defaults)
+    for rates in (rule_set.defaults, *(block.rates for block in rule_set.blocks)):
+        yield from (topic for topic, rate in rates.items() if rate.is_full)
+
 
 MAX_CELLS = 100_000
 MAX_SITUATIONS = 100
@@ -142,7 +178,7 @@ class _Meter:
         return self._sum(topic for topic in self._rule_set.relayed if topic not in conditional)
 
     def _sum(self, topics: Iterable[str]) -> float:
-        return math.fsum(self._loads.kb_per_s(topic, self._evaluator.wish(topic).rate) for topic in topics)
+        return math.fsum(self._loads.kb_per_s(topic, self._evaluator.request(topic).rate) for topic in topics)
 
 
 def _worst_first(

@@ -1,13 +1,13 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The one state of the loop."""
+"""The loop's state: one instance, owned by the loop."""
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Mapping
+from collections import Counter, deque
+from collections.abc import Callable, Mapping
 
-from smarttestudo.adirf.evaluator import Evaluator, Wish
+from smarttestudo.adirf.evaluator import Evaluator, RequestedRate
 from smarttestudo.adirf.rule_set import RuleSet
 from smarttestudo.domain.decision import PlannedRate
 from smarttestudo.domain.profile import Profile
@@ -15,18 +15,88 @@ from smarttestudo.domain.signal import Signal
 from smarttestudo.domain.units import ns_from_s
 from smarttestudo.runtime.knowledge.alarm_clock import AlarmClock
 from smarttestudo.runtime.knowledge.link_use import LinkUse
-from smarttestudo.runtime.knowledge.settling import Settling
-from smarttestudo.runtime.knowledge.steady_time import SteadyTime
 from smarttestudo.runtime.knowledge.watched_topic import WatchedTopic
+
+
+class SteadyTime:
+    """The clock's time, where a clock that jumps back counts as one that stood still meanwhile.
+
+    What is remembered (arrivals, waiting requests, held messages) so keeps its age across a jump: nothing
+    waits for the clock to catch up, and nothing expires early. A jump forward is time that passed.
+    """
+
+    __slots__ = ("_behind_ns", "now_ns")
+
+    def __init__(self, start_ns: int) -> None:
+        self.now_ns = start_ns
+        self._behind_ns = 0
+
+    def advance(self, clock_ns: int) -> int:
+        """The steady time when the clock shows ``clock_ns``."""
+        steady_ns = clock_ns + self._behind_ns
+        if steady_ns < self.now_ns:
+            self._behind_ns += self.now_ns - steady_ns
+            return self.now_ns
+        self.now_ns = steady_ns
+        return steady_ns
+
+    def at(self, clock_ns: int) -> int:
+        """What ``advance`` would return; nothing changes."""
+        return max(self.now_ns, clock_ns + self._behind_ns)
+
+    def on_clock(self, steady_ns: int) -> int:
+        """What the clock will show at ``steady_ns``, unless it jumps again."""
+        return steady_ns - self._behind_ns
+
+
+class Settling:
+    """The effective request of a topic: the one with the greatest rate of the last ``settle_ns``.
+
+    A request that another one replaces keeps counting for ``settle_ns``, and so a lower rate takes effect
+    when nothing higher was requested for so long. Among equal rates the latest request counts, with its
+    reason. It is a sliding-window maximum by a monotonic queue: rates fall from the front, the effective
+    request, to the back, the current one.
+    """
+
+    __slots__ = ("_replaced", "_request", "_settle_ns")
+
+    def __init__(self, request: RequestedRate, settle_ns: int) -> None:
+        self._settle_ns = settle_ns
+        self._request = request
+        self._replaced: deque[tuple[int, RequestedRate]] = deque()
+
+    def take(self, request: RequestedRate, now_ns: int) -> None:
+        """The rules now ask for ``request``."""
+        self._replaced.append((now_ns + self._settle_ns, self._request))
+        self._request = request
+        while self._replaced and self._replaced[-1][1].planned.rate <= request.planned.rate:
+            self._replaced.pop()
+
+    def effective(self, now_ns: int) -> RequestedRate:
+        """The request that counts at ``now_ns``, which never goes back."""
+        while self._replaced and self._replaced[0][0] <= now_ns:
+            self._replaced.popleft()
+        return self._replaced[0][1] if self._replaced else self._request
+
+    def carried_on(self, rename: Callable[[RequestedRate], RequestedRate], settle_ns: int) -> Settling:
+        """The same requests by other names, where lower rates wait for ``settle_ns`` from now on."""
+        settling = Settling(rename(self._request), settle_ns)
+        settling._replaced.extend((end_ns, rename(request)) for end_ns, request in self._replaced)
+        return settling
+
+    @property
+    def next_change_ns(self) -> int | None:
+        """When the effective request ends by itself; ``None`` if it is the current one."""
+        return self._replaced[0][0] if self._replaced else None
 
 
 class Knowledge:
     """Rules, profile and everything remembered about the robot; the loop owns one and changes it in ``step``.
 
     Times inside are steady times. ``effective`` and ``plan`` hold the relayed topics, ``watched`` those that
-    checks read; ``settled`` are the wishes that settled, before ``link`` cuts them to a budget, if there is
-    one. ``unknown_values`` counts messages that left a signal unknown, ``undecodable`` those that
-    could not be decoded, by topic.
+    checks read; ``settled`` are the requests that settled, before ``link`` cuts them to a budget, if there is
+    one; ``unheard`` are the relayed topics that nobody listens to. ``unknown_values`` counts messages that
+    left a signal unknown, ``undecodable`` those that could not be decoded, by topic.
     """
 
     def __init__(
@@ -48,11 +118,12 @@ class Knowledge:
             self.watch_alarms.set(topic, start_ns)
         self.settling: dict[str, Settling] = {}
         self.settle_alarms = AlarmClock()
-        self.settled: dict[str, Wish] = {}
+        self.settled: dict[str, RequestedRate] = {}
         self.link: LinkUse | None = None
+        self.unheard: set[str] = set()
         if budget_kb_per_s is not None:
             self.set_budget(budget_kb_per_s)
-        self.effective: dict[str, Wish] = {}
+        self.effective: dict[str, RequestedRate] = {}
         self.plan: dict[str, PlannedRate] = {}
         self.order_of = {topic: place for place, topic in enumerate(rule_set.relayed)}
         self.unknown_values: Counter[Signal] = Counter()
@@ -64,6 +135,26 @@ class Knowledge:
             self.link = LinkUse(self.rule_set, self.profile, budget_kb_per_s)
         else:
             self.link.set_budget(budget_kb_per_s)
+
+    @property
+    def budget_kb_per_s(self) -> float | None:
+        """What all relayed topics together may take; ``None`` without a budget."""
+        return None if self.link is None else self.link.budget_kb_per_s
+
+    @property
+    def floors_broke_budget(self) -> bool:
+        """Whether the floors alone were ever more than the budget; they won."""
+        return self.link is not None and self.link.floors_broke_budget
+
+    @property
+    def floors_break_budget(self) -> bool:
+        """Whether the floors alone are more than the budget now."""
+        return self.link is not None and self.link.floors_break_budget
+
+    def reads(self, topic: str) -> bool:
+        """Whether a check reads fields of ``topic``, so that its messages must be decoded."""
+        watched = self.watched.get(topic)
+        return watched is not None and bool(watched.fields)
 
     def values_of(self, block: int | None, now_ns: int) -> dict[str, float | None]:
         """What the condition of the block of that order reads at ``now_ns``, by signal name."""

@@ -1,27 +1,146 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the loop knows about the link: its budget, what sources send, and what had to be cut."""
+"""What each topic takes of the link, and the rates that fit the budget."""
 
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
-from smarttestudo.adirf.evaluator import Wish
+from smarttestudo.adirf.evaluator import RequestedRate
 from smarttestudo.adirf.rule_set import RuleSet
 from smarttestudo.domain.decision import Reason
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.rate import Rate
-from smarttestudo.optimizer.run_time import BudgetKeeper, TopicLoad
-from smarttestudo.runtime.knowledge.source_load import SourceLoad
+from smarttestudo.domain.rate_meter import mean_hz
+from smarttestudo.domain.source_period import INTERVALS_NEEDED, STALE_AT_LEAST_NS, silence_limit_ns
+from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S, ns_from_s
+from smarttestudo.optimizer.run_time import REPLAN_AFTER_NS, BudgetKeeper, TopicRequest
+
+WINDOW_S = 10
+WINDOW_NS = WINDOW_S * NS_PER_S
+MEASURED_OVER_NS = NS_PER_S // 4
+"""What a few messages say of a rate means little before they span so much."""
+MEASURED_AFTER_NS = NS_PER_S
+"""By then even a slow source counts by what came of it."""
+
+
+class Measure(NamedTuple):
+    """The mean size of a source's messages in KB, and its rate."""
+
+    message_kb: float
+    source_hz: float
+
+
+@dataclass(slots=True)
+class _Second:
+    """The messages of one second: when the first came, how many, how many bytes."""
+
+    first_ns: int
+    messages: int = 0
+    size_bytes: int = 0
+
+
+class SourceLoad:
+    """Mean message size and rate of a source over ten seconds, in steps of a second.
+
+    A source asks from a message on until it is silent: for ``stale_after_ns``, else for as long as makes the
+    values of a topic stale (``SourcePeriod.stale_from_ns``), and for ten seconds in any case. After that it
+    begins anew. Memory and time do not depend on how many messages there are.
+    """
+
+    __slots__ = ("_began_ns", "_last_ns", "_seconds", "before", "stale_after_ns")
+
+    def __init__(self, stale_after_ns: int | None = None) -> None:
+        self.stale_after_ns = stale_after_ns
+        self.before: Measure | None = None
+        """What was measured last, for when the source begins anew."""
+        self._seconds: deque[_Second] = deque()
+        self._began_ns = 0
+        self._last_ns = 0
+
+    def record(self, now_ns: int, size_bytes: int) -> bool:
+        """Count a message; whether the source begins with it. Times never fall."""
+        begins = self.is_silent(now_ns)
+        if begins:
+            self.end()
+            self._began_ns = now_ns
+        if begins or now_ns - self._seconds[-1].first_ns >= NS_PER_S:
+            self._seconds.append(_Second(now_ns))
+            self.forget(now_ns)
+        second = self._seconds[-1]
+        second.messages += 1
+        second.size_bytes += size_bytes
+        self._last_ns = now_ns
+        return begins
+
+    def end(self) -> None:
+        """The source is heard no more: its next message begins anew."""
+        self._seconds.clear()
+
+    def forget(self, now_ns: int) -> None:
+        """Drop the seconds that began before the window."""
+        while self._seconds and self._seconds[0].first_ns <= now_ns - WINDOW_NS:
+            self._seconds.popleft()
+
+    def is_silent(self, now_ns: int) -> bool:
+        """Whether the source asks for nothing."""
+        if not self._seconds:
+            return True
+        silent_ns = now_ns - self._last_ns
+        # Nearly every message comes soon after the one before it.
+        if silent_ns <= STALE_AT_LEAST_NS and self.stale_after_ns is None:
+            return False
+        self.forget(now_ns)
+        return not self._seconds or silent_ns > self._limit_ns
+
+    def is_measured(self, now_ns: int) -> bool:
+        """Whether what came since the source began says how much it sends."""
+        return now_ns - self._began_ns >= MEASURED_AFTER_NS or self._span_ns >= MEASURED_OVER_NS
+
+    def began_after(self, at_ns: int) -> bool:
+        """Whether the source asks for less long."""
+        return self._began_ns > at_ns
+
+    @property
+    def measure(self) -> Measure:
+        """Size and rate: (n - 1) / (last - first) in the window; one message counts as one in ten seconds.
+
+        There must be a message.
+        """
+        messages = self._messages
+        size_bytes = sum(second.size_bytes for second in self._seconds)
+        rate_hz = mean_hz(messages, max(self._span_ns, MEASURED_OVER_NS)) or 1 / WINDOW_S
+        return Measure(size_bytes / BYTES_PER_KB / messages, rate_hz)
+
+    @property
+    def _limit_ns(self) -> int:
+        intervals = self._messages - 1
+        if self.stale_after_ns is not None:
+            return self.stale_after_ns
+        return WINDOW_NS if intervals < INTERVALS_NEEDED else silence_limit_ns(self._span_ns, intervals)
+
+    @property
+    def _span_ns(self) -> int:
+        return self._last_ns - self._seconds[0].first_ns if self._seconds else 0
+
+    @property
+    def _messages(self) -> int:
+        return sum(second.messages for second in self._seconds)
+
+
+_SOON_NS = REPLAN_AFTER_NS // 2
 
 
 class LinkUse:
     """Keeps the relayed topics within a budget by the sizes that are really measured.
 
-    Until a topic's first message, the profile's size and rate stand in; a topic of which nothing is known
-    counts as nothing, and so does one that fell silent. ``floors_broke_budget`` says whether the floors alone
+    A topic asks for a part of it from a message on until its source is silent or heard no more
+    (``SourceLoad``); any other takes nothing. Until a source that began is measured, what was measured of it
+    before stands in, or the profile's size and rate. ``floors_broke_budget`` says whether the floors alone
     were ever too much.
     """
 
@@ -30,9 +149,17 @@ class LinkUse:
         self._keeper = BudgetKeeper(budget_kb_per_s)
         self._sources: dict[str, SourceLoad] = {}
         self._unmeasured = _unmeasured(rule_set, profile)
+        self._stale_after_ns = _stale_after_ns(rule_set, profile)
+        self._asking: dict[str, bool] = {}
+        """The topics that asked when it was planned last, and whether they were measured."""
+        self._changed_ns: int | None = None
+        """Since when another topic asks than was planned with."""
 
     def change_rules(self, rule_set: RuleSet, profile: Profile) -> None:
         """Other rules and another profile hold; what was measured stays."""
+        self._stale_after_ns = _stale_after_ns(rule_set, profile)
+        for topic, source in self._sources.items():
+            source.stale_after_ns = self._stale_after_ns.get(topic)
         before, self._unmeasured = self._unmeasured, _unmeasured(rule_set, profile)
         if self._unmeasured != before:
             self._sources = {
@@ -54,59 +181,104 @@ class LinkUse:
         """Whether the floors alone are too much now."""
         return not self._keeper.plan.floors_fit
 
-    def record(self, topic: str, now_ns: int, size_bytes: int) -> None:
-        """A source sent a message; topics without a relay do not count."""
+    def record(self, topic: str, now_ns: int, size_bytes: int) -> bool:
+        """A source sent a message; whether it asks from now on. Topics without a relay do not count."""
         source = self._sources.get(topic)
         if source is None:
             if topic not in self._unmeasured:
-                return
-            source = self._sources[topic] = SourceLoad()
-        source.record(now_ns, size_bytes)
+                return False
+            source = self._sources[topic] = SourceLoad(self._stale_after_ns[topic])
+        begins = source.record(now_ns, size_bytes)
+        if begins:
+            self._changed_ns = now_ns
+        return begins
+
+    def end(self, topic: str, now_ns: int) -> None:
+        """The source of a topic is heard no more."""
+        source = self._sources.get(topic)
+        if source is not None and not source.is_silent(now_ns):
+            source.end()
+            self._changed_ns = now_ns
 
     @property
     def next_check_ns(self) -> int | None:
-        """When the use of the link is next looked at."""
-        return self._keeper.next_check_ns
+        """When the use of the link is next looked at; ``None`` while nobody asks for any of it."""
+        if self._changed_ns is not None:
+            return self._changed_ns
+        return self._keeper.next_check_ns if self._asking else None
 
-    def update(self, wishes: Mapping[str, Wish], now_ns: int, *, wishes_changed: bool) -> set[str]:
-        """Plan anew if it is time or wishes changed; the topics whose cut is another one now."""
-        if not wishes_changed and not self._keeper.is_due(now_ns):
+    def update(
+        self, requests: Mapping[str, RequestedRate], now_ns: int, *, requests_changed: bool
+    ) -> set[str]:
+        """Plan anew if it is time or requests changed; the topics whose cut is another one now."""
+        if not (requests_changed or self._changed_ns is not None or self._keeper.is_due(now_ns)):
             return set()
-        before = self._keeper.plan
-        loads = [self._load(topic, wish, now_ns) for topic, wish in wishes.items()]
-        after = self._keeper.update(loads, now_ns, wishes_changed=wishes_changed)
+        before, asked = self._keeper.plan, self._asking
+        self._changed_ns = None
+        self._asking = self._asking_at(now_ns)
+        loads = [self._load(topic, request) for topic, request in requests.items()]
+        after = self._keeper.update(
+            loads,
+            now_ns,
+            requests_changed=requests_changed or self._asking != asked,
+            check_after_ns=self._check_after_ns(now_ns),
+        )
         if after is before:
             return set()
         self.floors_broke_budget |= not after.floors_fit
         topics = {*before.cut_hz, *after.cut_hz}
         return {topic for topic in topics if before.cut_hz.get(topic) != after.cut_hz.get(topic)}
 
-    def within(self, topic: str, wish: Wish) -> Wish:
-        """``wish``, cut if the budget asks for it; the deciding block stays named."""
+    def within(self, topic: str, request: RequestedRate) -> RequestedRate:
+        """``request``, cut if the budget asks for it; the deciding block stays named."""
         cut_hz = self._keeper.plan.cut_hz.get(topic)
         if cut_hz is None:
-            return wish
-        return replace(wish, planned=replace(wish.planned, rate=Rate(cut_hz), reason=Reason.BUDGET))
+            return request
+        return replace(request, planned=replace(request.planned, rate=Rate(cut_hz), reason=Reason.BUDGET))
 
-    def _load(self, topic: str, wish: Wish, now_ns: int) -> TopicLoad:
-        load = replace(self._unmeasured[topic], wish_hz=wish.planned.rate.hz)
-        source = self._sources.get(topic)
-        if source is not None:
+    def _asking_at(self, now_ns: int) -> dict[str, bool]:
+        for source in self._sources.values():
             source.forget(now_ns)
-            load.source_hz = 0.0 if source.is_empty else source.source_hz
-            load.size_kb = 0.0 if source.is_empty else source.message_kb
-        elif math.isinf(load.wanted_hz):
-            load.source_hz = 0.0
+        return {
+            topic: source.is_measured(now_ns)
+            for topic, source in self._sources.items()
+            if not source.is_silent(now_ns)
+        }
+
+    def _check_after_ns(self, now_ns: int) -> int:
+        """So soon that a topic has been measured and has its place a second after it began."""
+        just_began = any(self._sources[topic].began_after(now_ns - _SOON_NS) for topic in self._asking)
+        return _SOON_NS if just_began else REPLAN_AFTER_NS
+
+    def _load(self, topic: str, request: RequestedRate) -> TopicRequest:
+        load = replace(self._unmeasured[topic], requested_hz=request.planned.rate.hz)
+        if topic not in self._asking:
+            load.size_kb = load.source_hz = 0.0
+            return load
+        source = self._sources[topic]
+        measure = source.measure
+        if self._asking[topic]:
+            source.before = measure
+        elif source.before is not None:
+            measure = source.before
+        elif load.size_kb and not math.isinf(load.wanted_hz):
+            return load
+        load.size_kb, load.source_hz = measure
         return load
 
 
-def _unmeasured(rule_set: RuleSet, profile: Profile) -> dict[str, TopicLoad]:
+def _stale_after_ns(rule_set: RuleSet, profile: Profile) -> dict[str, int | None]:
+    after_s = {topic: profile.topic(topic).stale_after_s for topic in rule_set.relayed}
+    return {topic: None if one is None else ns_from_s(one) for topic, one in after_s.items()}
+
+
+def _unmeasured(rule_set: RuleSet, profile: Profile) -> dict[str, TopicRequest]:
     loads = {}
     for topic in rule_set.relayed:
         entry = profile.topic(topic)
-        loads[topic] = TopicLoad(
+        loads[topic] = TopicRequest(
             topic=topic,
-            wish_hz=0.0,
+            requested_hz=0.0,
             floor_hz=max(rule_set.floors_hz.get(topic, 0.0), entry.min_hz or 0.0),
             priority=entry.priority,
             size_kb=entry.message_kb or 0.0,

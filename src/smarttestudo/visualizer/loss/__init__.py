@@ -2,11 +2,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """What an operator loses when topics are thinned: errors of fields, ages, crossings, images, by rate too."""
 
-from smarttestudo.visualizer.loss.errors import ErrorSize, FieldError
 from smarttestudo.visualizer.loss.report import (
     Age,
     Carried,
     CrossingLoss,
+    ErrorSize,
+    FieldError,
     FieldLoss,
     Frames,
     ImageLoss,

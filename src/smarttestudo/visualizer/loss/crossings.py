@@ -14,7 +14,7 @@ from smarttestudo.adirf.syntax import Operator
 from smarttestudo.domain.signal import ArrivalProperty, Signal
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.visualizer.loss.report import CrossingLoss, Sightings
-from smarttestudo.visualizer.loss.series import Series
+from smarttestudo.visualizer.loss.samples import Series
 
 Change = tuple[int, bool]
 """A stamp in ns, and whether the check holds from then on."""

@@ -13,7 +13,7 @@ from smarttestudo.domain.units import BYTES_PER_KB
 from smarttestudo.optimizer.allocation import round_down
 from smarttestudo.optimizer.greedy import allocate
 from smarttestudo.optimizer.problem import Demand, Piece
-from smarttestudo.optimizer.profiling.text import proposed_tiers_hz
+from smarttestudo.optimizer.profiling import proposed_tiers_hz
 from smarttestudo.optimizer.quality import envelope_pieces
 
 _WHOLE = 1 - 1e-9

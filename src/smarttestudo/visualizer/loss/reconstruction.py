@@ -19,12 +19,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator
 
-from smarttestudo.visualizer.loss.errors import ErrorSize, FieldError
-from smarttestudo.visualizer.loss.series import Series, turn
+from smarttestudo.pacing.grid import NEVER_NS
+from smarttestudo.visualizer.loss.report import ErrorSize, FieldError
+from smarttestudo.visualizer.loss.samples import Series, turn
 
-_NEVER_NS = 1 << 62
-
-Stretch = tuple[int, float, float]
+Step = tuple[int, float, float]
 """ns that it lasts, the true value, the operator's."""
 
 
@@ -39,8 +38,8 @@ def field_error(sent: Series, received: Series, end_ns: int) -> FieldError | Non
     return FieldError(hold=hold, interpolated=interpolated or hold) if hold else None
 
 
-def held(sent: Series, received: Series, end_ns: int) -> Iterator[Stretch]:
-    """Both step functions beside each other; the last stretch, at ``end_ns``, has no length."""
+def held(sent: Series, received: Series, end_ns: int) -> Iterator[Step]:
+    """Both step functions beside each other; the last step, at ``end_ns``, has no length."""
     now_ns = max(sent.stamps_ns[0], received.stamps_ns[0])
     if now_ns > end_ns:
         return
@@ -54,13 +53,13 @@ def held(sent: Series, received: Series, end_ns: int) -> Iterator[Stretch]:
         now_ns = next_ns
 
 
-def between(sent: Series, received: Series, end_ns: int) -> Iterator[Stretch]:
+def between(sent: Series, received: Series, end_ns: int) -> Iterator[Step]:
     """The samples sent from the first one received on, each with the line's value at its stamp."""
     stamps_ns, values = sent.stamps_ns, sent.values
     line = _Line(received)
     first_ns = received.stamps_ns[0]
     for index, stamp_ns in enumerate(stamps_ns):
-        next_ns = stamps_ns[index + 1] if index + 1 < len(stamps_ns) else _NEVER_NS
+        next_ns = stamps_ns[index + 1] if index + 1 < len(stamps_ns) else NEVER_NS
         if stamp_ns > end_ns:
             return
         if first_ns <= stamp_ns < next_ns:
@@ -87,7 +86,7 @@ class _Steps:
         while self.next_ns <= now_ns:
             self._index += 1
             following = self._index + 1
-            self.next_ns = stamps_ns[following] if following < len(stamps_ns) else _NEVER_NS
+            self.next_ns = stamps_ns[following] if following < len(stamps_ns) else NEVER_NS
         return self._series.values[self._index]
 
 
@@ -113,11 +112,11 @@ class _Line:
         return start + share * (turn(start, end) if self._series.wraps else end - start)
 
 
-def _error_size(stretches: Iterable[Stretch], value_range: float, *, wraps: bool) -> ErrorSize | None:
+def _error_size(steps: Iterable[Step], value_range: float, *, wraps: bool) -> ErrorSize | None:
     squares = maximum = 0.0
     total_ns = 0
     is_known = False
-    for lasts_ns, true_value, shown_value in stretches:
+    for lasts_ns, true_value, shown_value in steps:
         error = distance(true_value, shown_value, wraps=wraps)
         if math.isnan(error):
             continue

@@ -1,10 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the operator lost between two recordings of one run: A as sent, B as received.
-
-Beside B stands a third arm, *fixed*: A thinned to the best fixed rates that carry the bytes of B. Its entries
-are ``None`` where it has nothing, and so are those of B for a topic of which B received nothing.
-"""
+"""What an operator lost, in numbers."""
 
 from __future__ import annotations
 
@@ -12,7 +8,53 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from smarttestudo.visualizer.loss.errors import FieldError, error_columns
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ErrorSize:
+    """How large an error was over time, in the field's unit.
+
+    ``rmse`` is the root of the mean square over time, ``maximum`` the largest magnitude. The relative ones
+    are shares of the field's range (0.02 is 2 %), ``None`` where the field never changed.
+    """
+
+    rmse: float
+    maximum: float
+    relative_rmse: float | None
+    relative_maximum: float | None
+
+    def to_json(self) -> dict[str, object]:
+        """The entry in ``--json``."""
+        return {
+            "rmse": self.rmse,
+            "max": self.maximum,
+            "relative_rmse": self.relative_rmse,
+            "relative_max": self.relative_maximum,
+        }
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FieldError:
+    """The error of who holds the last value received, and of who interpolates between those received."""
+
+    hold: ErrorSize
+    interpolated: ErrorSize
+
+    def to_json(self) -> dict[str, object]:
+        """The entry in ``--json``."""
+        return {"hold": self.hold.to_json(), "interpolated": self.interpolated.to_json()}
+
+
+def error_columns(error: FieldError | None) -> dict[str, object]:
+    """The columns of an error in ``--csv``, empty where there is none."""
+    return {
+        f"{way}_{key}": size.to_json()[key] if size else None
+        for way, size in (
+            ("hold", error.hold if error else None),
+            ("interpolated", error.interpolated if error else None),
+        )
+        for key in ("rmse", "max", "relative_rmse", "relative_max")
+    }
+
 
 _POSITION = ("pose_x", "pose_y", "pose_z")
 
@@ -220,11 +262,6 @@ class LossReport:
     images: tuple[ImageLoss, ...]
     carried: Carried
     notices: tuple[str, ...] = ()
-
-    @property
-    def fixed_rates_hz(self) -> Mapping[str, float]:
-        """The third arm's rate of each topic; infinite where every message passes."""
-        return {topic.topic: topic.fixed_hz for topic in self.topics}
 
     def fields_of(self, topic: str) -> tuple[FieldLoss, ...]:
         """The fields of one topic."""

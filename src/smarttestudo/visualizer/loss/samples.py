@@ -1,21 +1,144 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What is kept of a topic of a recording: stamps and numbers, not messages."""
+"""The values of a topic's fields over time."""
 
 from __future__ import annotations
 
+import dataclasses
+import itertools
 import math
 from array import array
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from numbers import Real
 
-from smarttestudo.adirf.properties import Reader, value_reader
+from smarttestudo.adirf.properties import Reader, properties_of, value_reader
+from smarttestudo.adirf.properties.field_path import PropertySpec
 from smarttestudo.domain.profile import LevelUnit
+from smarttestudo.domain.rate_meter import mean_hz
 from smarttestudo.domain.recording import Channel
-from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.pacing.sample import StreamKind
-from smarttestudo.visualizer.loss.fields import Field
-from smarttestudo.visualizer.loss.series import Series, usable
 from smarttestudo.visualizer.loss.thinning import Thinned, thinned
+
+FULL_TURN = 360.0
+MOST = 1e100
+"""Numbers beyond this are no measurements, and their squares would overflow."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Series:
+    """Values with their stamps, which never fall; a value that is not known is NaN.
+
+    The field has a value from its sample on until the next one. Of several samples with one stamp the last
+    counts. ``wraps`` says that the values are degrees in (−180, 180] that go round.
+    """
+
+    stamps_ns: array[int]
+    values: array[float]
+    wraps: bool = False
+
+    @property
+    def unknown(self) -> int:
+        """How many samples are not known."""
+        return sum(map(math.isnan, self.values))
+
+    @property
+    def value_range(self) -> float:
+        """Greatest minus least known value; of a field that wraps, of its continuous course, up to 360."""
+        known: Iterable[float] = itertools.filterfalse(math.isnan, self.values)
+        if self.wraps:
+            known = itertools.accumulate(known, lambda course, value: course + turn(course, value))
+        listed = list(known)
+        spread = max(listed) - min(listed) if listed else 0.0
+        return min(spread, FULL_TURN) if self.wraps else spread
+
+    def known(self) -> Series:
+        """The samples that are known."""
+        if not self.unknown:
+            return self
+        kept = [not math.isnan(value) for value in self.values]
+        return Series(
+            stamps_ns=array("q", itertools.compress(self.stamps_ns, kept)),
+            values=array("d", itertools.compress(self.values, kept)),
+            wraps=self.wraps,
+        )
+
+    def taken(self, stamps_ns: array[int], indices: array[int]) -> Series:
+        """The samples at ``indices``, which were received at ``stamps_ns``."""
+        values = self.values
+        return Series(
+            stamps_ns=stamps_ns, values=array("d", [values[index] for index in indices]), wraps=self.wraps
+        )
+
+
+def usable(value: float) -> float:
+    """``value``, or NaN where it is infinite or absurd."""
+    return value if -MOST < value < MOST else math.nan
+
+
+def turn(before: float, after: float) -> float:
+    """The shorter way from one angle to another, in degrees of [−180, 180]."""
+    return math.remainder(after - before, FULL_TURN)
+
+
+MOST_FIELDS = 12
+"""Fields of one topic that are looked at unasked, of a type without named properties."""
+
+IMAGE_TYPES = frozenset({"sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"})
+BULK_TYPES = IMAGE_TYPES | {"sensor_msgs/msg/PointCloud2", "nav_msgs/msg/OccupancyGrid"}
+"""Types whose numbers are not in their scalar fields: not decoded unless a field is asked for."""
+
+_DEEPEST = 8
+_NO_MEASUREMENTS = frozenset({"header", "covariance"})
+_TIME = frozenset({"sec", "nanosec"})
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Field:
+    """A property or field path; ``unit`` is empty where unknown, ``wraps`` true of degrees that go round."""
+
+    name: str
+    unit: str = ""
+    wraps: bool = False
+    is_asked: bool = False
+
+
+def fields_of(
+    type_name: str, message: object, *, asked: Sequence[str] = (), needed: Sequence[str] = ()
+) -> tuple[Field, ...]:
+    """The fields to look at of a topic of ``type_name``, of which ``message`` is one.
+
+    Of a type with named properties those, else the first ``MOST_FIELDS`` scalar numbers; then what is
+    ``asked`` for or ``needed`` beside them.
+    """
+    specs = properties_of(type_name)
+    names = [*specs] if specs else [*scalar_paths(message)][:MOST_FIELDS]
+    if type_name in BULK_TYPES:
+        names = []
+    chosen = dict.fromkeys([*names, *asked, *needed])
+    return tuple(_field(name, specs.get(name), is_asked=name in asked) for name in chosen)
+
+
+def scalar_paths(message: object, *, deepest: int = _DEEPEST) -> Iterator[str]:
+    """The paths of the numbers in a decoded message, without arrays, headers and times."""
+    if not dataclasses.is_dataclass(message) or not deepest:
+        return
+    names = [field.name for field in dataclasses.fields(message) if not field.name.startswith("_")]
+    if _TIME.issuperset(names):
+        return
+    for name in names:
+        value = getattr(message, name)
+        if isinstance(value, Real):
+            yield name
+        elif name not in _NO_MEASUREMENTS:
+            yield from (f"{name}.{path}" for path in scalar_paths(value, deepest=deepest - 1))
+
+
+def _field(name: str, spec: PropertySpec | None, *, is_asked: bool) -> Field:
+    if spec is None:
+        return Field(name=name, is_asked=is_asked)
+    wraps = spec.unit == "°" and (spec.minimum, spec.maximum) == (-FULL_TURN / 2, FULL_TURN / 2)
+    return Field(name=name, unit=spec.unit, wraps=wraps, is_asked=is_asked)
 
 
 class TopicSamples:
@@ -56,7 +179,7 @@ class TopicSamples:
     def mean_hz(self) -> float | None:
         """(n − 1) / (last − first); ``None`` where that is not defined."""
         lasted_ns = self.stamps_ns[-1] - self.stamps_ns[0] if self.stamps_ns else 0
-        return (len(self.stamps_ns) - 1) * NS_PER_S / lasted_ns if lasted_ns else None
+        return mean_hz(len(self.stamps_ns), lasted_ns)
 
     @property
     def kind(self) -> StreamKind:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What was lost, as tables."""
+"""What an operator lost, as tables."""
 
 from __future__ import annotations
 
@@ -8,17 +8,18 @@ import math
 from collections.abc import Iterator
 
 from smarttestudo.domain.units import BYTES_PER_KB
-from smarttestudo.visualizer.loss.errors import ErrorSize
+from smarttestudo.visualizer.loss.curve import CurvePoint, LossCurve
 from smarttestudo.visualizer.loss.report import (
     Age,
     CrossingLoss,
+    ErrorSize,
     FieldLoss,
     ImageLoss,
     LossReport,
     Sightings,
     TopicLoss,
 )
-from smarttestudo.visualizer.table import Align, Cell, Column, Number, Row, Table, Text
+from smarttestudo.visualizer.table import Align, Cell, Column, Number, Row, Table, Text, printable
 
 _SMALL = 0.01
 _NOISE = 1e-9
@@ -64,12 +65,12 @@ def error_table(report: LossReport) -> Table:
         columns=(
             Column(heading="Field", align=Align.LEFT),
             Column(heading="Unit", align=Align.LEFT),
-            Column(heading="Range"),
+            Column(heading="Range", heads_group=True),
             Column(heading="Hold", unit="RMSE"),
             Column(heading="Hold", unit="max"),
             Column(heading="Hold", unit="%"),
             Column(heading="Interp.", unit="RMSE"),
-            Column(heading="Fixed", unit="hold"),
+            Column(heading="Fixed", unit="hold", heads_group=True),
             Column(heading="Fixed", unit="hold %"),
             Column(heading="Fixed", unit="interp."),
         ),
@@ -84,11 +85,11 @@ def age_table(report: LossReport) -> Table:
         title="Age of information",
         columns=(
             Column(heading="Topic", align=Align.LEFT),
-            Column(heading="B", unit="Hz"),
+            Column(heading="B", unit="Hz", heads_group=True),
             Column(heading="Mean", unit="s"),
             Column(heading="p95", unit="s"),
             Column(heading="Max", unit="s"),
-            Column(heading="Fixed", unit="Hz"),
+            Column(heading="Fixed", unit="Hz", heads_group=True),
             Column(heading="Mean", unit="s"),
             Column(heading="p95", unit="s"),
             Column(heading="Max", unit="s"),
@@ -107,13 +108,13 @@ def crossing_table(report: LossReport) -> Table:
         title="Threshold crossings",
         columns=(
             Column(heading="Check", align=Align.LEFT),
-            Column(heading="Crossed"),
+            Column(heading="Crossed", heads_group=True),
             Column(heading="In time"),
             Column(heading="Missed"),
             Column(heading="Late"),
             Column(heading="mean", unit="s"),
             Column(heading="max", unit="s"),
-            Column(heading="In time", unit="fixed"),
+            Column(heading="In time", unit="fixed", heads_group=True),
             Column(heading="Missed", unit="fixed"),
             Column(heading="Late", unit="fixed"),
             Column(heading="max", unit="s"),
@@ -129,11 +130,11 @@ def image_table(report: LossReport) -> Table:
         title="Images",
         columns=(
             Column(heading="Topic", align=Align.LEFT),
-            Column(heading="Sent", unit="frames"),
+            Column(heading="Sent", unit="frames", heads_group=True),
             Column(heading="Blind", unit="s"),
-            Column(heading="Received", unit="frames"),
+            Column(heading="Received", unit="frames", heads_group=True),
             Column(heading="Blind", unit="s"),
-            Column(heading="Fixed", unit="frames"),
+            Column(heading="Fixed", unit="frames", heads_group=True),
             Column(heading="Blind", unit="s"),
         ),
         rows=tuple(_image_row(loss) for loss in report.images),
@@ -227,3 +228,38 @@ def _excluded_note(report: LossReport) -> tuple[str, ...]:
         if loss.excluded_sent or loss.excluded_received
     ]
     return (f"Left out, because not a finite number: {'; '.join(parts)}.",) if parts else ()
+
+
+_MOST_FIELDS = 7
+
+
+def curve_table(curve: LossCurve) -> Table:
+    """The error of each field at rising rates; of many fields the first, all are in ``--json``."""
+    shown = curve.fields[:_MOST_FIELDS]
+    hidden = len(curve.fields) - len(shown)
+    title = f"{printable(curve.topic)}: RMSE over time of who holds the last value received, by rate"
+    if curve.breakpoints:
+        tiers = ", ".join(f"{rate_hz:g}" for rate_hz in curve.breakpoints.tiers_hz)
+        title += f"\nProposed tiers: {tiers} Hz\n({curve.breakpoints.origin})"
+    return Table(
+        title=title,
+        columns=(
+            Column(heading="Rate", unit="Hz"),
+            Column(heading="Volume", unit="KB/s"),
+            Column(heading="Age", unit="s"),
+            *(Column(heading=field.name, unit=field.unit) for field in shown),
+        ),
+        rows=tuple(_row(point, len(shown)) for point in curve.points),
+        footnotes=(f"{hidden} more fields are in --json.",) if hidden else (),
+    )
+
+
+def _row(point: CurvePoint, fields: int) -> Row:
+    return Row(
+        cells=(
+            measured(point.rate_hz),
+            measured(point.kb_per_s),
+            Number(point.age.mean_s if point.age else None, decimals=3),
+            *(measured(error.hold.rmse if error else None) for error in point.errors[:fields]),
+        )
+    )

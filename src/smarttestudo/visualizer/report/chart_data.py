@@ -4,22 +4,20 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Sequence
 
+from smarttestudo.domain.json_text import json_text
 from smarttestudo.visualizer.floor import PathPoint
 from smarttestudo.visualizer.report.bandwidth_chart import (
     highest_stacked_kb_per_s,
     highest_total_kb_per_s,
+    layers,
 )
 from smarttestudo.visualizer.report.decision_chart import Lane
 from smarttestudo.visualizer.report.map_frame import MapFrame
 from smarttestudo.visualizer.report.rate_chart import rate_scale, rate_ticks
 from smarttestudo.visualizer.report.run_report import RunReport, TopicSeries
-from smarttestudo.visualizer.report.scale import Scale
-from smarttestudo.visualizer.report.spans import long_enough
-from smarttestudo.visualizer.report.stack import layers
-from smarttestudo.visualizer.report.wide_chart import value_scale
+from smarttestudo.visualizer.report.scale import Scale, long_enough, value_scale
 from smarttestudo.visualizer.rule_timeline import by_topic
 from smarttestudo.visualizer.series import Series, coarser
 from smarttestudo.visualizer.table import printable
@@ -66,7 +64,7 @@ def chart_data(
         "lanes": [_lane(row) for row in rows],
         "path": [] if frame is None else [_place(point, frame) for point in path],
     }
-    text = json.dumps(numbers, allow_nan=False, separators=(",", ":"), ensure_ascii=True)
+    text = json_text(numbers, compact=True)
     return text.replace("<", "\\u003c")
 
 
@@ -136,11 +134,11 @@ def _course(series: Series, max_points: int, *, mean: bool = False) -> dict[str,
         return {"start": 0, "step": 1, "high": []}
     highest = [_round(point.mean if mean else point.highest) for point in points]
     step_s = points[1].t_s - points[0].t_s if len(points) > 1 else 1
-    course: dict[str, object] = {"start": _s(points[0].t_s), "step": _s(step_s), "high": highest}
+    drawn: dict[str, object] = {"start": _s(points[0].t_s), "step": _s(step_s), "high": highest}
     lowest = [_round(point.lowest) for point in points]
     if not mean and lowest != highest:
-        course["low"] = lowest
-    return course
+        drawn["low"] = lowest
+    return drawn
 
 
 def _round(value: float) -> float:

@@ -10,9 +10,15 @@ from dataclasses import dataclass, replace
 from smarttestudo.domain.decision import Decision
 from smarttestudo.visualizer.report.markup import Markup, tag
 from smarttestudo.visualizer.report.rule_styles import RuleStyles
-from smarttestudo.visualizer.report.scale import Scale
-from smarttestudo.visualizer.report.spans import LaneSpan, long_enough
-from smarttestudo.visualizer.report.wide_chart import BOTTOM, time_axis, time_scale, wide_svg
+from smarttestudo.visualizer.report.scale import (
+    BOTTOM,
+    LaneSpan,
+    Scale,
+    long_enough,
+    time_axis,
+    time_scale,
+    wide_svg,
+)
 from smarttestudo.visualizer.rule_timeline import RuleSpan, block_at, by_topic, deciding_spans
 from smarttestudo.visualizer.targets import target_spans
 

@@ -1,17 +1,92 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the rules decided: over time, one by one, and the rules themselves."""
+"""The decisions of a run, as a list and a section."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from smarttestudo.domain.decision import Decision, Reason
 from smarttestudo.visualizer.report.decision_chart import Lane, decision_chart
-from smarttestudo.visualizer.report.decision_list import decision_list
-from smarttestudo.visualizer.report.markup import Markup, tag
+from smarttestudo.visualizer.report.markup import Markup, name_parts, tag
 from smarttestudo.visualizer.report.rule_styles import RuleStyles
 from smarttestudo.visualizer.report.run_report import RuleText, RunReport
+from smarttestudo.visualizer.report.scale import label
 from smarttestudo.visualizer.report.sections import section
+from smarttestudo.visualizer.rule_timeline import deciding_block
+from smarttestudo.visualizer.table import format_number
+
+MAX_DECISIONS = 200
+_DIGITS = 5
+_HEADINGS = ("Time", "Topic", "Rate", "Decided by, and what it read")
+_NOTES = {
+    Reason.UNKNOWN: "unknown",
+    Reason.FLOOR: "KeepAtLeast",
+    Reason.BUDGET: "budget",
+    Reason.FALLBACK: "fallback",
+    Reason.RELOAD: "reload",
+}
+
+
+def decision_list(decisions: Sequence[Decision], styles: RuleStyles) -> Markup:
+    """The first ``MAX_DECISIONS`` decisions, and how many more there are."""
+    shown = decisions[:MAX_DECISIONS]
+    more = len(decisions) - len(shown)
+    note = [tag("p", f"… and {more:,} more in the decisions file.", class_="note")] if more else []
+    head = (
+        tag("th", heading, *_unit(heading), class_="right" if heading == "Time" else "left", scope="col")
+        for heading in _HEADINGS
+    )
+    rows = (
+        _row(decision, styles, is_first=before is None or before.t_s != decision.t_s)
+        for before, decision in zip((None, *shown), shown, strict=False)
+    )
+    caption = tag("caption", "Decisions in the order of time", class_="unseen")
+    table = tag("table", caption, tag("thead", tag("tr", *head)), tag("tbody", *rows))
+    return tag("figure", table, *note, class_="wide decisions")
+
+
+def _unit(heading: str) -> list[Markup]:
+    return [tag("span", "s", class_="unit")] if heading == "Time" else []
+
+
+def _row(decision: Decision, styles: RuleStyles, *, is_first: bool) -> Markup:
+    planned = decision.planned
+    before = "start" if decision.from_rate is None else str(decision.from_rate)
+    return tag(
+        "tr",
+        tag("td", format_number(decision.t_s, 1), class_="right"),
+        tag("td", *name_parts(decision.topic), class_="left words name"),
+        tag("td", before, tag("span", " → ", class_="quiet"), str(planned.rate), class_="left steady"),
+        tag("td", *_decider(decision, styles), *_values(decision), class_="left words"),
+        class_="first" if is_first else "again",
+        data_time=f"{decision.t_s:.3f}",
+    )
+
+
+def _values(decision: Decision) -> list[Markup]:
+    """What the condition read; a topic is named once for all its properties in a row."""
+    parts: list[str] = []
+    last_topic = ""
+    for signal, value in decision.values.items():
+        topic, _, property_name = signal.partition(" ")
+        shown = property_name if topic == last_topic else signal
+        last_topic = topic
+        parts.append(f"{shown} = {'unknown' if value is None else label(value, _DIGITS)}")
+    return [tag("span", ", ".join(parts), class_="values quiet")] if parts else []
+
+
+def _decider(decision: Decision, styles: RuleStyles) -> list[Markup | str]:
+    """The block with its line and its colour, else the reason."""
+    planned = decision.planned
+    block = deciding_block(decision)
+    parts: list[Markup | str] = [tag("span", class_=f"dot {styles.of(block).css_class}")]
+    parts.append("Default" if block is None else block.rule)
+    notes = [f"line {planned.line}"] if planned.line is not None else []
+    if planned.reason in _NOTES:
+        notes.append(_NOTES[planned.reason])
+    return [*parts, tag("span", " · " + " · ".join(notes), class_="quiet")] if notes else parts
+
 
 MAX_RULE_LINES = 400
 MAX_RULE_CHARACTERS = 30_000

@@ -8,19 +8,17 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from smarttestudo.visualizer.report.chart_data import chart_data
-from smarttestudo.visualizer.report.charted import charted_series
 from smarttestudo.visualizer.report.decision_chart import Lane, lanes
 from smarttestudo.visualizer.report.decision_section import decision_section
 from smarttestudo.visualizer.report.floor_map import FloorMap, floor_map
-from smarttestudo.visualizer.report.html_table import html_table
-from smarttestudo.visualizer.report.loss_section import loss_section
-from smarttestudo.visualizer.report.markup import Markup, tag
-from smarttestudo.visualizer.report.opening import opening
+from smarttestudo.visualizer.report.headline import opening
+from smarttestudo.visualizer.report.markup import Markup, html_table, tag
 from smarttestudo.visualizer.report.rule_styles import RuleStyles, styles_of
-from smarttestudo.visualizer.report.run_report import RunReport, TopicSeries
+from smarttestudo.visualizer.report.run_report import RunReport, TopicSeries, charted_series
 from smarttestudo.visualizer.report.scripts import content_policy, script_elements, style
 from smarttestudo.visualizer.report.sections import (
     bandwidth_section,
+    loss_section,
     notices_section,
     provenance_section,
     rates_section,

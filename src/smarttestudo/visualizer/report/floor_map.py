@@ -1,20 +1,114 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The floor plan with the robot's path in the colours of the deciding blocks."""
+"""The floor with the robot's path in the colours of the deciding rules."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import math
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import groupby, pairwise
 
-from smarttestudo.visualizer.floor import FloorPlan, PathPoint
-from smarttestudo.visualizer.report.map_frame import MapFrame, axes, map_frame
-from smarttestudo.visualizer.report.map_labels import markers, zone_names
+from smarttestudo.domain.floor_plan import FloorPlan, OccupancyMap
+from smarttestudo.visualizer.floor import PathPoint
+from smarttestudo.visualizer.report.map_frame import MapFrame, axes, map_frame, markers, zone_names
 from smarttestudo.visualizer.report.markup import Markup, coordinate, tag
-from smarttestudo.visualizer.report.occupancy import occupied_cells
-from smarttestudo.visualizer.report.path_line import known_places, path_pieces, thinned
 from smarttestudo.visualizer.report.rule_styles import RuleStyles
-from smarttestudo.visualizer.rule_timeline import RuleSpan
+from smarttestudo.visualizer.rule_timeline import DecidingBlock, RuleSpan, block_at
+
+MAX_POINTS = 1000
+_FARTHEST_M = 1e7
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PathPiece:
+    """A stretch of the path over which one block decided; ``None`` stands for the defaults."""
+
+    block: DecidingBlock | None
+    points: tuple[PathPoint, ...]
+
+
+def known_places(path: Iterable[PathPoint]) -> list[PathPoint]:
+    """``path`` without the points whose place is unknown or beyond any map."""
+    return [one for one in path if abs(one.x_m) < _FARTHEST_M and abs(one.y_m) < _FARTHEST_M]
+
+
+def thinned(path: Sequence[PathPoint], max_points: int = MAX_POINTS) -> list[PathPoint]:
+    """``path`` with points left out that lie within a thousandth of its length of the last kept one."""
+    if len(path) <= max_points:
+        return list(path)
+    spacing_m = sum(_distance_m(a, b) for a, b in pairwise(path)) / max_points
+    kept = [path[0]]
+    for point in path[1:-1]:
+        if _distance_m(kept[-1], point) > spacing_m:
+            kept.append(point)
+    return [*kept, path[-1]]
+
+
+def path_pieces(path: Sequence[PathPoint], spans: Sequence[RuleSpan]) -> Iterator[PathPiece]:
+    """``path`` cut where another block begins to decide; each piece starts where the last one ended."""
+    points: list[PathPoint] = []
+    block: DecidingBlock | None = None
+    for point in path:
+        now = block_at(spans, point.t_s)
+        if points and now != block:
+            yield PathPiece(block=block, points=(*points, point))
+            points = []
+        block = now
+        points.append(point)
+    if points:
+        yield PathPiece(block=block, points=tuple(points))
+
+
+def _distance_m(a: PathPoint, b: PathPoint) -> float:
+    return math.hypot(b.x_m - a.x_m, b.y_m - a.y_m)
+
+
+MOST_STRIPS = 5000
+
+
+def occupied_cells(occupancy: OccupancyMap, frame: MapFrame) -> Markup:
+    """The occupied cells as a path of strips; neighbouring cells are joined until it is short enough."""
+    joined = 1
+    while len(strips := list(_strips(_coarser(occupancy.rows, joined)))) > MOST_STRIPS:
+        joined *= 2
+    outline = "".join(f"M{start} {row}h{length}v1h-{length}z" for row, start, length in strips)
+    return tag("path", class_="occupied", d=outline, transform=_from_cells(occupancy, joined, frame))
+
+
+def _from_cells(occupancy: OccupancyMap, joined: int, frame: MapFrame) -> str:
+    """From cells, counted from the lower left, to places on the map."""
+    per_m = frame.per_m
+    left, bottom = frame.x(occupancy.origin_x_m), frame.y(occupancy.origin_y_m)
+    cell = occupancy.cell_m * joined * per_m
+    turn = -math.degrees(occupancy.yaw_rad)
+    return (
+        f"translate({coordinate(left)} {coordinate(bottom)}) rotate({turn:.3f}) scale({cell:.4f} {-cell:.4f})"
+    )
+
+
+def _coarser(rows: Sequence[Sequence[bool]], joined: int) -> list[list[bool]]:
+    """Squares of ``joined`` cells as one, occupied if any of them is."""
+    if joined == 1:
+        return [list(row) for row in rows]
+    return [
+        [
+            any(any(row[left : left + joined]) for row in rows[top : top + joined])
+            for left in range(0, len(rows[top]), joined)
+        ]
+        for top in range(0, len(rows), joined)
+    ]
+
+
+def _strips(rows: Sequence[Sequence[bool]]) -> Iterator[tuple[int, int, int]]:
+    """Row, start and length of each run of occupied cells."""
+    for number, row in enumerate(rows):
+        start = 0
+        for is_occupied, run in groupby(row):
+            length = sum(1 for _ in run)
+            if is_occupied:
+                yield number, start, length
+            start += length
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -6,10 +6,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from smarttestudo.visualizer.report.bandwidth_chart import Layer
 from smarttestudo.visualizer.report.markup import Markup, tag
 from smarttestudo.visualizer.report.rule_styles import RuleStyle, RuleStyles
 from smarttestudo.visualizer.report.run_report import RunReport
-from smarttestudo.visualizer.report.stack import Layer
 from smarttestudo.visualizer.rule_timeline import RuleSpan
 from smarttestudo.visualizer.summary import bandwidth_text
 

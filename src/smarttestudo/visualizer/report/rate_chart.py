@@ -10,8 +10,7 @@ from statistics import median
 from smarttestudo.visualizer.report.markup import Markup, coordinate, tag
 from smarttestudo.visualizer.report.rule_styles import RuleStyles
 from smarttestudo.visualizer.report.run_report import TopicHistory, TopicSeries
-from smarttestudo.visualizer.report.scale import Scale, label, linear, multiples, round_step
-from smarttestudo.visualizer.report.spans import long_enough
+from smarttestudo.visualizer.report.scale import Scale, label, linear, long_enough, multiples, round_step
 from smarttestudo.visualizer.rule_timeline import RuleSpan
 from smarttestudo.visualizer.series import SeriesPoint, coarser
 from smarttestudo.visualizer.targets import TargetSpan

@@ -1,19 +1,35 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Everything that the report of one run shows."""
+"""What a report is about: one run, or two beside each other."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 
 from smarttestudo.domain.decision import Decision
+from smarttestudo.domain.floor_plan import FloorPlan
 from smarttestudo.visualizer.comparison import Comparison
 from smarttestudo.visualizer.comparison_tables import RunNames, bandwidth_table, frequency_table
-from smarttestudo.visualizer.floor import FloorPlan, PathPoint
-from smarttestudo.visualizer.interval_histogram import IntervalBin
+from smarttestudo.visualizer.floor import PathPoint
 from smarttestudo.visualizer.loss.report import LossReport
+from smarttestudo.visualizer.rule_timeline import by_topic
 from smarttestudo.visualizer.series import Series
+from smarttestudo.visualizer.statistics import IntervalBin
 from smarttestudo.visualizer.table import Table
+
+MAX_CHARTS = 24
+
+
+def charted_series(report: RunReport) -> list[TopicSeries]:
+    """At most ``MAX_CHARTS`` topics: those with decisions, then those that carry most."""
+    decided = by_topic(report.decisions)
+
+    def rank(series: TopicSeries) -> tuple[bool, float]:
+        points = (*series.before.kb_per_s, *series.after.kb_per_s)
+        return series.topic not in decided, -sum(point.mean for point in points)
+
+    chosen = {series.topic for series in sorted(report.series, key=rank)[:MAX_CHARTS]}
+    return [series for series in report.series if series.topic in chosen]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

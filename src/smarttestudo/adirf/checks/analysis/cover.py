@@ -10,7 +10,7 @@ from functools import cache
 
 from smarttestudo.adirf.boxes import Box, Domain, Effort, TooComplexError, find_box
 from smarttestudo.adirf.boxes.index import Interval
-from smarttestudo.adirf.checks.analysis.atlas import Atlas
+from smarttestudo.adirf.checks.analysis.branch_index import BranchIndex
 from smarttestudo.adirf.checks.analysis.results import State
 from smarttestudo.adirf.checks.written import Branch
 from smarttestudo.adirf.normal_form import holds, negation
@@ -35,8 +35,8 @@ class Covers:
     good, so that of many branches few are looked at.
     """
 
-    def __init__(self, atlas: Atlas, domain: Domain) -> None:
-        self._atlas = atlas
+    def __init__(self, index: BranchIndex, domain: Domain) -> None:
+        self._index = index
         self._domain = domain
         self._usual_value = cache(lambda signal: domain(signal).sample())
 
@@ -54,7 +54,7 @@ class Covers:
             if box is None:
                 return Coverage(gap=None, branches=self._needed(excluded, covered, effort))
             state = _FullState(box, self._usual_value)
-            nearby = self._atlas.setters_near(topic, _Points(state).__getitem__, effort)
+            nearby = self._index.setters_near(topic, _Points(state).__getitem__, effort)
             counted = (branch for branch in nearby if is_counted(branch))
             applying = next((branch for branch in counted if holds(branch.form, state)), None)
             if applying is None:
@@ -78,7 +78,7 @@ class Covers:
         """A box of ``covered`` in which none of ``branches`` applies."""
         forms = [negation(branch.form) for branch in branches]
         if covered is not None:
-            sure_box = self._atlas.territory(covered).sure_box
+            sure_box = self._index.boxes(covered).sure_box
             if sure_box is not None and not branches:
                 return sure_box
             forms.insert(0, covered.form)

@@ -9,12 +9,12 @@ from functools import cache, partial
 from typing import TypeVar
 
 from smarttestudo.adirf.boxes import Domain, Effort, TooComplexError, find_box
-from smarttestudo.adirf.checks.analysis.atlas import Atlas, Territory, territory_of
+from smarttestudo.adirf.checks.analysis.branch_index import BranchIndex, ConditionBoxes, boxes_of
+from smarttestudo.adirf.checks.analysis.conflict_finder import ConflictFinder
 from smarttestudo.adirf.checks.analysis.cover import Covers
-from smarttestudo.adirf.checks.analysis.encounters import Encounters
-from smarttestudo.adirf.checks.analysis.results import Analysis, Clash, Gap, Meeting, Shadow
+from smarttestudo.adirf.checks.analysis.results import Analysis, Clash, Gap, Shadow, SharedBorder
 from smarttestudo.adirf.checks.context import CheckContext
-from smarttestudo.adirf.checks.written import Branch, WrittenBlock
+from smarttestudo.adirf.checks.written import BlockSite, Branch
 from smarttestudo.adirf.normal_form import Form, negation
 from smarttestudo.domain.signal import Signal, Truth
 
@@ -26,32 +26,32 @@ MAX_CLASHES_SHOWN = 3
 
 
 def analyse(
-    blocks: Sequence[WrittenBlock],
+    blocks: Sequence[BlockSite],
     branches: Sequence[Branch],
     defaults: Collection[str],
     context: CheckContext,
 ) -> Analysis:
     """What the conditions of ``blocks`` mean; ``defaults`` are the topics that have one.
 
-    Of each branch the first clashes with branches before it are found, or else the first meeting.
+    Of each branch the first clashes with branches before it are found, or else the first shared.
     """
     analyst = _Analyst(blocks, domain=cache(context.domain), wavers=cache(context.wavers))
-    where_true = {block.order: analyst.territory(block.form) for block in blocks}
+    where_true = {block.order: analyst.boxes(block.form) for block in blocks}
     truths = {block.order: analyst.truth(block, where_true[block.order]) for block in blocks}
-    territories = {
-        branch.order: analyst.territory(branch.form) if branch.is_else else where_true[branch.block.order]
+    boxes_by_block = {
+        branch.order: analyst.boxes(branch.form) if branch.is_else else where_true[branch.block.order]
         for branch in branches
     }
-    possible = [branch for branch in branches if territories[branch.order].boxes]
-    atlas = Atlas(branches, territories)
-    covers = Covers(atlas, analyst.domain)
+    possible = [branch for branch in branches if boxes_by_block[branch.order].boxes]
+    index = BranchIndex(branches, boxes_by_block)
+    covers = Covers(index, analyst.domain)
     without_default = {topic for branch in branches for topic in branch.settings}.difference(defaults)
     gaps = (analyst.gap(topic, covers) for topic in sorted(without_default))
-    encounters = [found for branch in possible for found in analyst.encounters(branch, atlas)]
+    conflicts = [found for branch in possible for found in analyst.conflicts(branch, index)]
     return Analysis(
         truths=truths,
-        clashes=tuple(found for found in encounters if isinstance(found, Clash)),
-        meetings=tuple(found for found in encounters if isinstance(found, Meeting)),
+        clashes=tuple(found for found in conflicts if isinstance(found, Clash)),
+        shared_borders=tuple(found for found in conflicts if isinstance(found, SharedBorder)),
         shadows=tuple(shadow for branch in possible for shadow in analyst.shadows(branch, covers)),
         gaps=tuple(gap for gap in gaps if gap is not None),
         unfinished=analyst.unfinished,
@@ -62,7 +62,7 @@ class _Analyst:
     """Asks one question at a time, and notes the blocks about which one was given up."""
 
     def __init__(
-        self, blocks: Sequence[WrittenBlock], *, domain: Domain, wavers: Callable[[Signal], bool]
+        self, blocks: Sequence[BlockSite], *, domain: Domain, wavers: Callable[[Signal], bool]
     ) -> None:
         self._blocks = blocks
         self.domain = domain
@@ -71,10 +71,10 @@ class _Analyst:
         self._unfinished: set[int] = set()
 
     @property
-    def unfinished(self) -> tuple[WrittenBlock, ...]:
+    def unfinished(self) -> tuple[BlockSite, ...]:
         return tuple(self._blocks[order] for order in sorted(self._unfinished))
 
-    def truth(self, block: WrittenBlock, where_true: Territory) -> Truth:
+    def truth(self, block: BlockSite, where_true: ConditionBoxes) -> Truth:
         if where_true.is_exact and not where_true.boxes:
             return Truth.FALSE
         try:
@@ -85,14 +85,14 @@ class _Analyst:
         self._unfinished.add(block.order)
         return Truth.UNKNOWN
 
-    def territory(self, form: Form) -> Territory:
-        return territory_of(form, self.domain, self._question())
+    def boxes(self, form: Form) -> ConditionBoxes:
+        return boxes_of(form, self.domain, self._question())
 
-    def encounters(self, branch: Branch, atlas: Atlas) -> Iterator[Clash | Meeting]:
-        encounters = Encounters(atlas, domain=self.domain, wavers=self._wavers, effort=self._question())
-        for count, found in enumerate(self._until_too_complex(branch, encounters.of(branch)), start=1):
+    def conflicts(self, branch: Branch, index: BranchIndex) -> Iterator[Clash | SharedBorder]:
+        conflicts = ConflictFinder(index, domain=self.domain, wavers=self._wavers, effort=self._question())
+        for count, found in enumerate(self._until_too_complex(branch, conflicts.of(branch)), start=1):
             yield found
-            if isinstance(found, Meeting) or count == MAX_CLASHES_SHOWN:
+            if isinstance(found, SharedBorder) or count == MAX_CLASHES_SHOWN:
                 return
 
     def shadows(self, branch: Branch, covers: Covers) -> Iterator[Shadow]:
@@ -105,7 +105,7 @@ class _Analyst:
             return Gap(topic=topic, state=None)
         return None if cover.gap is None else Gap(topic=topic, state=dict(sorted(cover.gap.items())))
 
-    def _is_everywhere(self, where_true: Territory, block: WrittenBlock) -> bool:
+    def _is_everywhere(self, where_true: ConditionBoxes, block: BlockSite) -> bool:
         if where_true.is_exact and len(where_true.boxes) == 1:
             return all(
                 self.domain(signal).is_within(region) for signal, region in where_true.boxes[0].items()

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from smarttestudo.adirf.boxes import Border
-from smarttestudo.adirf.checks.written import Branch, WrittenBlock
+from smarttestudo.adirf.checks.written import BlockSite, Branch
 from smarttestudo.domain.signal import Signal, Truth
 
 State = Mapping[Signal, float]
@@ -26,7 +26,7 @@ class Clash:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Meeting:
+class SharedBorder:
     """Two branches that never apply together, meet at ``border`` and set ``topics`` to different rates."""
 
     first: Branch
@@ -61,7 +61,7 @@ class Analysis:
 
     truths: Mapping[int, Truth]
     clashes: tuple[Clash, ...]
-    meetings: tuple[Meeting, ...]
+    shared_borders: tuple[SharedBorder, ...]
     shadows: tuple[Shadow, ...]
     gaps: tuple[Gap, ...]
-    unfinished: tuple[WrittenBlock, ...]
+    unfinished: tuple[BlockSite, ...]

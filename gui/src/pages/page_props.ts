@@ -1,0 +1,17 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import type { Api } from "../api/client";
+import type { Project } from "../api/types";
+import type { OpenEditors } from "../state/open_editors";
+
+/** What every page gets. */
+export interface PageProps {
+  api: Api;
+  project: Project;
+  /** The file of the page, if it is about one. */
+  name: string;
+  /** Files with what was changed in them. */
+  editors: OpenEditors;
+  /** Reads the list of files again. */
+  refresh: () => Promise<void>;
+}

@@ -1,0 +1,150 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import { useEffect, useRef } from "preact/hooks";
+import type { Problem } from "../api/types";
+import { RULES_WORDS } from "../state/connection";
+import type { RuleEditor } from "../state/rule_editor";
+import type { RulePush, Stage } from "../state/rule_push";
+
+type Trying = Extract<Stage, { kind: "trying" }>;
+
+/** How far sent rules are: checked by the robot, tried there, kept; or why they are not. */
+export function RulePushSteps({ rulePush, editor }: { rulePush: RulePush; editor: RuleEditor }) {
+  const host = useRef<HTMLDivElement>(null);
+  const { kind } = rulePush.stage.value;
+  const isShown = kind !== "idle" && kind !== "asking" && kind !== "asked";
+  // From the dialog on, the keyboard goes on here; not on a button, which a second Enter would press.
+  useEffect(() => {
+    if (isShown) host.current?.focus();
+  }, [isShown]);
+  return (
+    <div ref={host} tabIndex={-1} class="rule-push-host">
+      <StageView rulePush={rulePush} editor={editor} />
+    </div>
+  );
+}
+
+function StageView({ rulePush, editor }: { rulePush: RulePush; editor: RuleEditor }) {
+  const stage = rulePush.stage.value;
+  switch (stage.kind) {
+    case "sending":
+      return <Steps done={0} words={`Sent to ${stage.node}, which is checking the rules …`} leftS={null} />;
+    case "trying":
+      return <TryingSteps rulePush={rulePush} stage={stage} />;
+    case "kept":
+      if (!rulePush.isHeard.value) return <Unheard words={`${stage.node} kept the rules that were sent to it`} />;
+      return <Steps done={3} words={`${stage.node} keeps these rules.`} leftS={null} />;
+    case "replaced":
+      return (
+        <p class="notice warning" role="status">
+          {stage.node} no longer follows the rules that were sent to it. {RULES_WORDS[stage.by]}
+        </p>
+      );
+    case "gone":
+      return (
+        <p class="notice warning" role="status">
+          Nobody kept the rules in time: {stage.node} went back to the rules from before by itself.
+        </p>
+      );
+    case "refused":
+      return <Refusal problem={stage.problem} editor={editor} />;
+    default:
+      return null;
+  }
+}
+
+function TryingSteps({ rulePush, stage }: { rulePush: RulePush; stage: Trying }) {
+  const leftS = rulePush.leftS.value;
+  if (!rulePush.isHeard.value) {
+    return <Unheard words={`${stage.node} tried the rules, and goes back by itself unless it was told to keep them`} />;
+  }
+  if (stage.isLetGo) {
+    return (
+      <p role="status">
+        {stage.node} goes back to the rules from before within {stage.withinS} s.
+      </p>
+    );
+  }
+  return (
+    <div class="rule-push">
+      <Steps
+        done={1}
+        words={`${stage.node} follows these rules. Keep them, or it goes back by itself.`}
+        leftS={leftS}
+      />
+      <button type="button" class="primary" onClick={() => void rulePush.keep()}>
+        Keep these rules
+      </button>
+      <button type="button" onClick={() => rulePush.letGo()}>
+        Let them go back
+      </button>
+      <progress aria-label="Time left to keep the rules" max={stage.withinS} value={leftS} />
+    </div>
+  );
+}
+
+/** What is known of rules on a robot that is not heard. */
+function Unheard({ words }: { words: string }) {
+  return (
+    <p class="notice warning" role="status">
+      {words}. What it follows now is not known: it is not heard.
+    </p>
+  );
+}
+
+function Steps({ done, words, leftS }: { done: number; words: string; leftS: number | null }) {
+  const names = ["Checked by the robot", leftS === null ? "Holds now" : `Holds now, for ${leftS} s`, "Kept"];
+  return (
+    <>
+      <ol class="steps" aria-label="Sending the rules">
+        {names.map((name, at) => (
+          <li key={at} class={at < done ? "done" : ""} aria-current={at === done ? "step" : undefined}>
+            <span aria-hidden="true">{at < done ? "✓" : at + 1}</span> {name}
+            {at < done && <span class="visually-hidden">, done</span>}
+          </li>
+        ))}
+      </ol>
+      <p role="status">{words}</p>
+    </>
+  );
+}
+
+/** Why rules were not sent, or not taken; the places in the text are links. */
+export function Refusal({ problem, editor }: { problem: Problem; editor: RuleEditor }) {
+  const line = lineOf(problem);
+  return (
+    <div class="notice error column" role="alert">
+      <p>
+        <strong>Nothing was changed on the robot.</strong> {problem.message}
+        {problem.remedy && `. ${problem.remedy}`}
+      </p>
+      {problem.findings.map((finding) => (
+        <p key={`${finding.line} ${finding.column} ${finding.code}`}>
+          <LineLink line={finding.line} editor={editor} /> {finding.message}
+        </p>
+      ))}
+      {problem.findings.length === 0 && line !== null && <LineLink line={line} editor={editor} />}
+    </div>
+  );
+}
+
+function LineLink({ line, editor }: { line: number; editor: RuleEditor }) {
+  return (
+    <button type="button" class="link" onClick={() => showLine(editor, line)}>
+      line {line}
+    </button>
+  );
+}
+
+/** The line that a robot's own words name, as in `rules_text:2:5`. */
+function lineOf({ place, message }: Problem): number | null {
+  const named = /:(\d+):\d+/.exec(`${place} ${message}`)?.[1];
+  return named === undefined ? null : Number(named);
+}
+
+function showLine(editor: RuleEditor, line: number): void {
+  const lines = editor.text.peek().split("\n");
+  const offset = lines.slice(0, line - 1).reduce((sum, each) => sum + each.length + 1, 0);
+  const end = offset + (lines[line - 1]?.length ?? 0);
+  editor.spot.value = { offset, end_offset: end, from: "findings" };
+}

@@ -1,0 +1,54 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import type { Signal } from "@preact/signals";
+import { type Api, ApiError } from "../api/client";
+
+/** A text that was not saved, since somebody else changed the file; `theirs` and `hash` are null where it is gone. */
+export interface Conflict {
+  mine: string;
+  theirs: string | null;
+  hash: string | null;
+}
+
+/** An open file that can meet a conflict; each way out fails with an ApiError and then changes nothing. */
+export interface Contested {
+  readonly name: string;
+  readonly conflict: Signal<Conflict | null>;
+  /** Takes what is on disk; undo brings the own text back. */
+  readAgain(): Promise<void>;
+  /** Replaces what is on disk. */
+  saveAnyway(): Promise<void>;
+  /** Saves the own text as a new file and leaves this one as it is on disk. */
+  saveAs(name: string): Promise<void>;
+}
+
+/** Saves a text where the file still has this hash; else nothing is written, and what is on disk is told. */
+export async function saveOver(
+  api: Api,
+  name: string,
+  text: string,
+  baseHash: string | null,
+): Promise<{ hash: string } | Conflict> {
+  try {
+    return await api.save(name, text, baseHash);
+  } catch (error) {
+    if (!isStatus(error, 409)) throw error;
+  }
+  const onDisk = await readIfThere(api, name);
+  // The same text, as after a save whose answer got lost, is saved.
+  return onDisk?.text === text ? onDisk : { mine: text, theirs: onDisk?.text ?? null, hash: onDisk?.hash ?? null };
+}
+
+/** Whether the server answered with this status. */
+export function isStatus(error: unknown, status: number): boolean {
+  return error instanceof ApiError && error.status === status;
+}
+
+async function readIfThere(api: Api, name: string): Promise<{ text: string; hash: string } | null> {
+  try {
+    return await api.read(name);
+  } catch (error) {
+    if (!isStatus(error, 404)) throw error;
+    return null;
+  }
+}

@@ -1,0 +1,138 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import { computed, effect, signal } from "@preact/signals";
+import { type Api, ApiError } from "../api/client";
+import type { Problem, PushPreview, RobotSummary } from "../api/types";
+import type { RobotLink } from "./robot_link";
+import type { RuleEditor } from "./rule_editor";
+
+/** Where rules are on their way to a robot. */
+export type Stage =
+  | { kind: "idle" }
+  | { kind: "asking"; node: string }
+  | { kind: "asked"; node: string; preview: PushPreview }
+  | { kind: "sending"; node: string }
+  | { kind: "trying"; node: string; hash: string; withinS: number; isSeen: boolean; isLetGo: boolean }
+  | { kind: "kept"; node: string; hash: string; isSeen: boolean }
+  | { kind: "replaced"; node: string; by: RobotSummary["rules"] }
+  | { kind: "gone"; node: string }
+  | { kind: "refused"; problem: Problem };
+
+/** Sends the open rules to a robot: compared, tried there for some seconds, and kept only when somebody says so. */
+export class RulePush {
+  readonly stage = signal<Stage>({ kind: "idle" });
+  /** For how long the tried rules still hold, in whole seconds. */
+  readonly leftS = computed(() => {
+    const stage = this.stage.value;
+    if (stage.kind !== "trying") return 0;
+    const waitsS = (this.link.live.value ?? this.link.robot.value)?.waits_s;
+    return Math.max(0, Math.ceil(waitsS ?? stage.withinS));
+  });
+
+  /** Whether the robot that the rules went to is heard now; without that nobody knows what it follows. */
+  readonly isHeard = computed(() => {
+    const stage = this.stage.value;
+    if (!("node" in stage)) return false;
+    const isChosen = stage.node === this.link.node.value;
+    return isChosen ? this.link.connection.value.kind === "connected" : (this.robotAt(stage.node)?.is_heard ?? false);
+  });
+
+  constructor(
+    private readonly api: Api,
+    private readonly editor: RuleEditor,
+    private readonly link: RobotLink,
+  ) {}
+
+  /** Notices what the robot does with the rules, until the returned function is called. */
+  follow(): () => void {
+    return effect(() => {
+      const stage = this.stage.value;
+      if (stage.kind !== "trying" && stage.kind !== "kept") return;
+      const robot = this.robotAt(stage.node);
+      if (robot !== undefined) this.stage.value = seen(stage, robot);
+    });
+  }
+
+  /** Asks what would change on the robot. */
+  async ask(): Promise<void> {
+    const node = this.link.node.peek();
+    const { kind, why } = this.link.connection.peek();
+    if (node === null || kind !== "connected") return this.refuse({ message: why });
+    this.stage.value = { kind: "asking", node };
+    if (!(await this.editor.isSound())) {
+      const findings = this.editor.errors.peek();
+      return this.refuse({ message: "Rules with errors are not sent.", findings });
+    }
+    await this.guarded(async () => {
+      const preview = await this.api.previewPush(this.editor.rules, node);
+      this.stage.value = { kind: "asked", node, preview };
+    });
+  }
+
+  /** Sends what was compared. */
+  async send(): Promise<void> {
+    const stage = this.stage.peek();
+    if (stage.kind !== "asked") return;
+    const { node } = stage;
+    this.stage.value = { kind: "sending", node };
+    await this.guarded(async () => {
+      const staged = await this.api.push(this.editor.rules, node);
+      const withinS = staged.confirm_within_s;
+      this.stage.value =
+        staged.state === "same"
+          ? { kind: "kept", node, hash: staged.hash, isSeen: false }
+          : { kind: "trying", node, hash: staged.hash, withinS, isSeen: false, isLetGo: false };
+    });
+  }
+
+  /** Lets the robot follow the tried rules for good. */
+  async keep(): Promise<void> {
+    const stage = this.stage.peek();
+    if (stage.kind !== "trying") return;
+    await this.guarded(async () => {
+      await this.api.confirmPush(stage.node, stage.hash);
+      const { node, hash, isSeen } = stage;
+      this.stage.value = { kind: "kept", node, hash, isSeen };
+    });
+  }
+
+  /** Leaves the tried rules unconfirmed, so that the robot goes back by itself. */
+  letGo(): void {
+    const stage = this.stage.peek();
+    if (stage.kind === "trying") this.stage.value = { ...stage, isLetGo: true };
+  }
+
+  close(): void {
+    this.stage.value = { kind: "idle" };
+  }
+
+  private robotAt(node: string): RobotSummary | undefined {
+    return this.link.robots.value?.robots.find((each) => each.node === node);
+  }
+
+  private refuse(problem: Partial<Problem> & { message: string }): void {
+    this.stage.value = { kind: "refused", problem: { place: "", remedy: "", findings: [], ...problem } };
+  }
+
+  private async guarded(work: () => Promise<void>): Promise<void> {
+    try {
+      await work();
+    } catch (error) {
+      if (!(error instanceof ApiError)) throw error;
+      this.refuse(error.problem);
+    }
+  }
+}
+
+/** The stage after `robot` was heard. What it says may be from before the rules came, until it has told of them. */
+function seen(stage: Extract<Stage, { kind: "trying" | "kept" }>, robot: RobotSummary): Stage {
+  const { node, hash, isSeen } = stage;
+  const isThere = robot.rules_hash === hash;
+  if (stage.kind === "kept") {
+    if (!isThere && isSeen) return { kind: "replaced", node, by: robot.rules };
+    return isThere && !isSeen ? { ...stage, isSeen: true } : stage;
+  }
+  if (!isThere) return isSeen ? { kind: "gone", node } : stage;
+  if (isSeen && robot.rules !== "waiting") return { kind: "kept", node, hash, isSeen };
+  return !isSeen && robot.rules === "waiting" ? { ...stage, isSeen: true } : stage;
+}

@@ -1,0 +1,36 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import { expect, test } from "vitest";
+import type { CheckCondition, RuleDocument, SetStatement, Statement } from "../../src/api/types";
+import { topicsIn } from "../../src/state/topics_in";
+
+const check = (topic: string): CheckCondition => ({ kind: "check", topic, property: "rate", op: ">", value: 1 });
+const set = (topic: string): SetStatement => ({ kind: "set", topic, rate: { kind: "full", value: null } });
+
+function documentOf(...statements: Statement[]): Pick<RuleDocument, "collections"> {
+  return { collections: [{ id: "c", is_written: true, offset: 0, end_offset: 0, line: 1, comments: [], statements }] };
+}
+
+test("a topic counts where rules set it, keep it or check it, however deep", () => {
+  const document = documentOf(
+    set("/default"),
+    { kind: "keep", topic: "/floor", hz: 1 },
+    {
+      kind: "rule",
+      name: null,
+      priority: 0,
+      condition: {
+        kind: "and",
+        terms: [check("/first"), { kind: "not", term: { kind: "or", terms: [check("/deep"), check("/first")] } }],
+      },
+      // biome-ignore lint/suspicious/noThenProperty: a rule's THEN, never awaited
+      then: [set("/then")],
+      else: [set("/else")],
+    },
+  );
+  expect([...topicsIn(document)].sort()).toEqual(["/deep", "/default", "/else", "/first", "/floor", "/then"]);
+});
+
+test("text that is no rule yet names no topic", () => {
+  expect(topicsIn(documentOf({ kind: "raw", text: "SetFrequency /odom" })).size).toBe(0);
+});

@@ -1,0 +1,270 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""A runtime's status as JSON, there and back: in few bytes, since it goes over the robot's radio."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Mapping
+from typing import TypeVar
+
+from smarttestudo.domain.decision import Reason
+from smarttestudo.domain.signal import Truth
+from smarttestudo.domain.status import (
+    BlockStatus,
+    CheckStatus,
+    RulesInForce,
+    RulesOrigin,
+    RuntimeStatus,
+    Silence,
+    TopicCounts,
+    TopicStatus,
+)
+
+_NAMES = {Truth.FALSE: "false", Truth.UNKNOWN: "unknown", Truth.TRUE: "true"}
+_TRUTHS = {name: truth for truth, name in _NAMES.items()}
+_DIGITS = 6
+_CHECK_ENTRIES = 4
+
+
+def block_to_json(block: BlockStatus) -> dict[str, object]:
+    """An object whose ``checks`` are ``[line, column, state, value]`` each."""
+    return {
+        "file": block.file,
+        "line": block.line,
+        "column": block.column,
+        "state": _NAMES[block.state],
+        "checks": [
+            [check.line, check.column, _NAMES[check.state], _shortened(check.value)] for check in block.checks
+        ],
+    }
+
+
+def blocks_from_json(record: object) -> tuple[BlockStatus, ...]:
+    """The blocks of a stranger's JSON, without those that are not understood."""
+    blocks = (_block(entry) for entry in record) if isinstance(record, list) else ()
+    return tuple(block for block in blocks if block is not None)
+
+
+def _block(record: object) -> BlockStatus | None:
+    if not isinstance(record, dict):
+        return None
+    file, line, column = (_count(record.get(name)) for name in ("file", "line", "column"))
+    state, checks = _truth(record.get("state")), record.get("checks")
+    if file is None or line is None or column is None or state is None or not isinstance(checks, list):
+        return None
+    read = [_check(check) for check in checks]
+    known = tuple(check for check in read if check is not None)
+    return BlockStatus(file=file, line=line, column=column, state=state, checks=known)
+
+
+def _check(record: object) -> CheckStatus | None:
+    if not isinstance(record, list) or len(record) < _CHECK_ENTRIES:
+        return None
+    line, column, state = _count(record[0]), _count(record[1]), _truth(record[2])
+    value = record[3]
+    if line is None or column is None or state is None:
+        return None
+    return CheckStatus(line=line, column=column, state=state, value=_number(value))
+
+
+def _number(value: object) -> float | None:
+    if not isinstance(value, int | float) or isinstance(value, bool):
+        return None
+    try:
+        return float(value)
+    except OverflowError:
+        return None
+
+
+def _truth(name: object) -> Truth | None:
+    return _TRUTHS.get(name) if isinstance(name, str) else None
+
+
+def _count(number: object) -> int | None:
+    return number if isinstance(number, int) and not isinstance(number, bool) else None
+
+
+def _shortened(value: float | None) -> float | None:
+    """For reading; infinite values are none that JSON has."""
+    return None if value is None or not math.isfinite(value) else float(f"{value:.{_DIGITS}g}")
+
+
+_Read = TypeVar("_Read")
+
+
+def status_to_json(status: RuntimeStatus) -> dict[str, object]:
+    """The object on ``/testudo/status``. Rates of Full are ``null``, as in decisions."""
+    return {
+        "node": status.node,
+        "stamp_ns": status.stamp_ns,
+        "uptime_s": round(status.uptime_s, 3),
+        "status_hz": _rounded(status.status_hz),
+        "rules": _rules_to_json(status.rules),
+        "fallback": status.is_fallback,
+        "budget_kb_per_s": status.budget_kb_per_s,
+        "floors_break_budget": status.floors_break_budget,
+        "in_kb_per_s": _rounded(status.in_kb_per_s),
+        "out_kb_per_s": _rounded(status.out_kb_per_s),
+        "cpu_percent": _rounded(status.cpu_percent),
+        "memory_mb": _rounded(status.memory_mb),
+        "topics": {source: _topic_to_json(topic) for source, topic in status.topics.items()},
+        "blocks": [block_to_json(block) for block in status.blocks],
+    }
+
+
+def status_from_text(text: str) -> RuntimeStatus:
+    """The status that ``text`` holds; ``ValueError`` where it is none, or one of another version.
+
+    What an older version does not say is as it was then; what a newer one adds is left out.
+    """
+    try:
+        record = _Record(json.loads(text))
+        return RuntimeStatus(
+            node=record.text("node"),
+            stamp_ns=record.integer("stamp_ns"),
+            uptime_s=record.number("uptime_s"),
+            rules=_rules(record.record("rules")),
+            budget_kb_per_s=record.optional(record.number, "budget_kb_per_s"),
+            floors_break_budget=record.flag("floors_break_budget"),
+            cpu_percent=record.optional(record.number, "cpu_percent"),
+            memory_mb=record.optional(record.number, "memory_mb"),
+            topics={
+                source: _topic(_Record(topic)) for source, topic in record.record("topics").entries.items()
+            },
+            status_hz=record.optional(record.number, "status_hz") or 1.0,
+            blocks=blocks_from_json(record.entries.get("blocks")),
+        )
+    except (TypeError, RecursionError) as error:
+        raise ValueError(str(error)) from error
+
+
+def _rules_to_json(rules: RulesInForce) -> dict[str, object]:
+    return {
+        "files": list(rules.paths),
+        "sha256": rules.sha256,
+        "origin": rules.origin.value,
+        "waits_s": _rounded(rules.waits_s),
+    }
+
+
+def _topic_to_json(topic: TopicStatus) -> dict[str, object]:
+    counts = topic.counts
+    return {
+        "output": topic.output,
+        "type": topic.type_name,
+        "source_hz": _rounded(topic.source_hz),
+        "target_hz": None if math.isinf(topic.target_hz) else topic.target_hz,
+        "expected_hz": _rounded(topic.expected_hz),
+        "actual_hz": _rounded(topic.actual_hz),
+        "error_percent": _rounded(topic.error_percent),
+        "keeps_rate": topic.keeps_rate,
+        "stamped_hz": _rounded(topic.stamped_hz),
+        "delay_ms": _rounded(topic.delay_ms),
+        "in_kb_per_s": _rounded(topic.in_kb_per_s),
+        "out_kb_per_s": _rounded(topic.out_kb_per_s),
+        "reason": topic.reason.value,
+        "rule": topic.rule,
+        "line": topic.line,
+        "publishers": topic.publishers,
+        "subscribers": topic.subscribers,
+        "incompatible": list(topic.incompatible),
+        "problem": topic.problem,
+        "silent": None if topic.silence is None else topic.silence.value,
+        "received": counts.received,
+        "relayed": counts.relayed,
+        "dropped": counts.dropped,
+        "repeated": counts.repeated,
+        "discarded": counts.discarded,
+        "undecodable": counts.undecodable,
+        **({} if topic.frames is None else {"frames": topic.frames}),
+    }
+
+
+def _rounded(number: float | None) -> float | None:
+    return None if number is None else round(number, 3)
+
+
+class _Record:
+    """An object of a stranger's JSON; ``TypeError`` where it or an entry is not what was asked for."""
+
+    def __init__(self, record: object) -> None:
+        if not isinstance(record, dict):
+            raise TypeError("not an object")
+        self.entries: Mapping[str, object] = record
+
+    def optional(self, read: Callable[[str], _Read], name: str) -> _Read | None:
+        return None if self.entries.get(name) is None else read(name)
+
+    def number(self, name: str) -> float:
+        return self.integer(name) if isinstance(self.entries.get(name), int) else self._entry(name, float)
+
+    def integer(self, name: str) -> int:
+        return self._entry(name, int)
+
+    def text(self, name: str) -> str:
+        return self._entry(name, str)
+
+    def flag(self, name: str) -> bool:
+        return self._entry(name, bool)
+
+    def texts(self, name: str) -> tuple[str, ...]:
+        return tuple(str(entry) for entry in self._entry(name, list))
+
+    def record(self, name: str) -> _Record:
+        return _Record(self.entries.get(name))
+
+    def _entry(self, name: str, kind: type[_Read]) -> _Read:
+        entry = self.entries.get(name)
+        # True and False are integers to Python.
+        if not isinstance(entry, kind) or (isinstance(entry, bool) and kind is not bool):
+            raise TypeError(f"{name} is not as it should be")
+        return entry
+
+
+def _rules(record: _Record) -> RulesInForce:
+    named = record.entries.get("origin")
+    return RulesInForce(
+        paths=record.texts("files"),
+        sha256=record.text("sha256"),
+        origin=next((origin for origin in RulesOrigin if origin.value == named), RulesOrigin.FILES),
+        waits_s=record.optional(record.number, "waits_s"),
+    )
+
+
+def _topic(record: _Record) -> TopicStatus:
+    def optional_number(name: str) -> float | None:
+        return record.optional(record.number, name)
+
+    target_hz, silence = optional_number("target_hz"), record.optional(record.text, "silent")
+    return TopicStatus(
+        output=record.text("output"),
+        type_name=record.optional(record.text, "type"),
+        reason=Reason(record.text("reason")),
+        rule=record.optional(record.text, "rule"),
+        line=record.optional(record.integer, "line"),
+        target_hz=math.inf if target_hz is None else target_hz,
+        source_hz=optional_number("source_hz"),
+        expected_hz=optional_number("expected_hz"),
+        actual_hz=optional_number("actual_hz"),
+        error_percent=optional_number("error_percent"),
+        keeps_rate=record.flag("keeps_rate"),
+        stamped_hz=optional_number("stamped_hz"),
+        delay_ms=optional_number("delay_ms"),
+        in_kb_per_s=record.number("in_kb_per_s"),
+        out_kb_per_s=record.number("out_kb_per_s"),
+        publishers=record.integer("publishers"),
+        subscribers=record.integer("subscribers"),
+        incompatible=record.texts("incompatible"),
+        problem=record.optional(record.text, "problem"),
+        silence=None if silence is None else Silence(silence),
+        counts=TopicCounts(
+            received=record.integer("received"),
+            relayed=record.integer("relayed"),
+            repeated=record.integer("repeated"),
+            discarded=record.integer("discarded"),
+            undecodable=record.integer("undecodable"),
+        ),
+        frames=record.optional(record.integer, "frames"),
+    )

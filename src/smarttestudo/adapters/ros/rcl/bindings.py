@@ -1,0 +1,176 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The functions of librcl that rclpy does not offer, and what they say beside a message's bytes."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import struct
+from ctypes import c_char, c_int, c_size_t, c_void_p
+from dataclasses import dataclass
+
+from smarttestudo.domain.errors import RosError
+
+RCL_RET_OK = 0
+RCL_RET_ERROR = 1
+RCL_RET_SUBSCRIPTION_TAKE_FAILED = 401
+
+MESSAGE_INFO_BYTES = 256
+"""More than an rmw_message_info_t has in any distribution."""
+
+_ERROR_BYTES = 4096
+"""At least what an rcutils_error_string_t has in any distribution: librcl writes all that it has there."""
+
+
+class Allocator(ctypes.Structure):
+    """An rcutils_allocator_t."""
+
+    _fields_ = tuple((name, c_void_p) for name in ("allocate", "deallocate", "reallocate", "zero", "state"))
+
+
+class SerializedMessage(ctypes.Structure):
+    """An rcutils_uint8_array_t; the middleware makes its buffer as large as a message needs."""
+
+    _fields_ = (
+        ("buffer", c_void_p),
+        ("length", c_size_t),
+        ("capacity", c_size_t),
+        ("allocator", Allocator),
+    )
+
+
+class _ErrorString(ctypes.Structure):
+    _fields_ = (("text", c_char * _ERROR_BYTES),)
+
+
+class RclLibrary:
+    """The librcl that rclpy has loaded. Pointers are addresses; ``take`` and ``publish`` return a code.
+
+    Raises ``RosError`` where this machine has no such library, or not all that is needed of it.
+    """
+
+    def __init__(self) -> None:
+        if ctypes.sizeof(c_void_p) != ctypes.sizeof(ctypes.c_uint64):
+            raise RosError("the direct way to librcl needs a 64-bit machine")
+        try:
+            library = loaded_librcl()
+            self.take = rcl_function(library, "rcl_take_serialized_message", 4)
+            self.publish = rcl_function(library, "rcl_publish_serialized_message", 3)
+            self._on_new_message = rcl_function(library, "rcl_subscription_set_on_new_message_callback", 3)
+            self._on_new_request = rcl_function(library, "rcl_service_set_on_new_request_callback", 3)
+            self._graph_guard_condition = rcl_function(library, "rcl_node_get_graph_guard_condition", 1)
+            self._free = rcl_function(library, "rcutils_uint8_array_fini", 1)
+            default_allocator = library.rcutils_get_default_allocator
+            self._error_string = library.rcutils_get_error_string
+            self._reset_error = library.rcutils_reset_error
+            # What the middleware calls on its own threads must not need Python: a function of libc.
+            self._eventfd_write = ctypes.cast(ctypes.CDLL(None).eventfd_write, c_void_p)
+        except (OSError, AttributeError) as error:
+            raise RosError(f"librcl cannot be used directly: {error}") from error
+        default_allocator.restype = Allocator
+        self._graph_guard_condition.restype = c_void_p
+        self._error_string.restype = _ErrorString
+        self.allocator = default_allocator()
+
+    def new_message(self) -> SerializedMessage:
+        """A message without a buffer, which the middleware allocates; ``free`` it at the end."""
+        return SerializedMessage(None, 0, 0, self.allocator)
+
+    def free(self, message: SerializedMessage) -> None:
+        """Give the buffer of ``message`` back to the system."""
+        if message.buffer:
+            self._free(ctypes.addressof(message))
+
+    def wake_on_message(self, subscription: int, event_fd: int | None) -> None:
+        """Have each new message counted up on ``event_fd``, or on nothing any more. Raises ``RosError``."""
+        self._set_callback(self._on_new_message, subscription, event_fd)
+
+    def wake_on_request(self, service: int, event_fd: int | None) -> None:
+        """Have each new request counted up on ``event_fd``, or on nothing any more. Raises ``RosError``."""
+        self._set_callback(self._on_new_request, service, event_fd)
+
+    def graph_guard_condition(self, node: int) -> int:
+        """What is triggered when the graph changes as ``node`` sees it. Raises ``RosError``."""
+        condition: int | None = self._graph_guard_condition(node)
+        if condition is None:
+            raise self.error(RCL_RET_ERROR)
+        return condition
+
+    def error(self, code: int, place: str | None = None) -> RosError:
+        """What rcl says of the last failure, which returned ``code``; only the first line is for people."""
+        text = self._error_string().text.decode("utf-8", "replace")
+        self._reset_error()
+        cause = text.partition("\n")[0] or "an error that it does not explain"
+        return RosError(f"librcl: {cause} (code {code})", place=place)
+
+    def reset_error(self) -> None:
+        """Forget the last failure, which is none."""
+        self._reset_error()
+
+    def _set_callback(self, setter: ctypes._NamedFuncPointer, entity: int, event_fd: int | None) -> None:
+        # The callback gets its user data and a count: the very arguments of eventfd_write.
+        callback = None if event_fd is None else self._eventfd_write
+        code = setter(entity, callback, event_fd)
+        if code != RCL_RET_OK:
+            raise self.error(code)
+
+
+def loaded_librcl() -> ctypes.CDLL:
+    """The librcl that rclpy has loaded. Raises ``OSError`` where there is none."""
+    return ctypes.CDLL("librcl.so", mode=os.RTLD_NOLOAD | os.RTLD_LAZY)
+
+
+def rcl_function(library: ctypes.CDLL, name: str, pointers: int) -> ctypes._NamedFuncPointer:
+    """The function of that name, which takes so many pointers and returns a code."""
+    function: ctypes._NamedFuncPointer = getattr(library, name)
+    function.argtypes = [c_void_p] * pointers
+    function.restype = c_int
+    return function
+
+
+_NUMBER_AT = 16
+_GID_AT = 40
+_UNNUMBERED = 2**64 - 1
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class InfoLayout:
+    """Where an rmw_message_info_t has the publisher's GID and its number of the message, if it has them.
+
+    From Humble on it begins with two times of 8 bytes, two sequence numbers (all ones: not supported) and,
+    behind a pointer, the GID of ``gid_bytes``: 24, later 16. 0 says that GIDs are not to be found there.
+    """
+
+    gid_bytes: int
+    is_numbered: bool
+
+    @staticmethod
+    def found_in(raw_info: bytes, gid: bytes) -> InfoLayout:
+        """The layout, by the info of the first message of the publisher ``gid``."""
+        if not gid or raw_info[_GID_AT : _GID_AT + len(gid)] != gid:
+            return InfoLayout(gid_bytes=0, is_numbered=False)
+        (number,) = struct.unpack_from("=Q", raw_info, _NUMBER_AT)
+        return InfoLayout(gid_bytes=len(gid), is_numbered=number == 1)
+
+
+class MessageInfo:
+    """The rmw_message_info_t of the message that was taken last."""
+
+    __slots__ = ("_buffer", "_read", "address", "layout")
+
+    def __init__(self, layout: InfoLayout) -> None:
+        self.layout = layout
+        self._buffer = ctypes.create_string_buffer(MESSAGE_INFO_BYTES)
+        self._read = struct.Struct(f"=Q{_GID_AT - _NUMBER_AT - 8}x{layout.gid_bytes}s").unpack_from
+        self.address = ctypes.addressof(self._buffer)
+
+    def read(self) -> tuple[int, bytes]:
+        """The publisher's number of the message, and the publisher's GID."""
+        number, gid = self._read(self._buffer, _NUMBER_AT)
+        return number, gid
+
+    @property
+    def raw(self) -> bytes:
+        """All of it."""
+        return self._buffer.raw

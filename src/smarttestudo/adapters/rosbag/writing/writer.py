@@ -1,0 +1,130 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Writes rosbag2 recordings that appear under their name only when they are whole."""
+
+from __future__ import annotations
+
+import errno
+import shutil
+import sqlite3
+import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Literal, cast
+
+from rosbags.interfaces import Connection, Qos
+from rosbags.rosbag2 import StoragePlugin, WriterError
+
+from smarttestudo.adapters.rosbag.definitions import TypeLibrary
+from smarttestudo.adapters.rosbag.recording import ChannelKey, key_of, with_declared_bytes
+from smarttestudo.adapters.rosbag.writing.storage_writers import RosbagWriter
+from smarttestudo.domain.errors import RecordingError
+from smarttestudo.domain.recording import Channel, RecordingWriter, Storage
+
+_PLUGINS = {Storage.SQLITE3: StoragePlugin.SQLITE3, Storage.MCAP: StoragePlugin.MCAP}
+_SQLITE_FULL = "database or disk is full"
+
+
+@contextmanager
+def create_recording(
+    path: Path,
+    *,
+    storage: Storage = Storage.SQLITE3,
+    declared_bytes: Mapping[str, int] | None = None,
+    custom_data: Mapping[str, str] | None = None,
+    version: Literal[8, 9] = 8,
+) -> Iterator[RecordingWriter]:
+    """A new rosbag2 folder at ``path``, in place once the block ends well, and gone if it does not.
+
+    ``declared_bytes`` are the sizes that messages of a topic stand for, and go into ``custom_data``.
+    Version 8 of the metadata is what ``ros2 bag play`` reads from Humble on.
+
+    Raises:
+        RecordingError: ``path`` exists, cannot be written, or the disk is full.
+    """
+    _require_new(path)
+    with _errors_at(path):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        workshop = Path(tempfile.mkdtemp(prefix=f".{path.name}-", suffix=".partial", dir=path.parent))
+    try:
+        with _errors_at(path):
+            writer = RosbagWriter(workshop / path.name, version=version, storage_plugin=_PLUGINS[storage])
+            for key, value in with_declared_bytes(custom_data or {}, declared_bytes or {}).items():
+                writer.set_custom_data(key, value)
+            writer.open()
+        try:
+            yield _RosbagRecordingWriter(path, writer)
+            with _errors_at(path):
+                writer.close()
+                _require_new(path)
+                (workshop / path.name).rename(path)
+        except BaseException:
+            with suppress(Exception):
+                writer.abort()
+            raise
+    finally:
+        shutil.rmtree(workshop, ignore_errors=True)
+
+
+class _RosbagRecordingWriter:
+    def __init__(self, path: Path, writer: RosbagWriter) -> None:
+        self._path = path
+        self._writer = writer
+        self._types = TypeLibrary()
+        self._connections: dict[ChannelKey, Connection] = {}
+
+    def add(self, channel: Channel) -> None:
+        """Announce ``channel``, so that it is listed even if no message of it follows."""
+        if key_of(channel) in self._connections:
+            return
+        definition, digest = self._types.definition_and_digest(channel)
+        with _errors_at(self._path):
+            self._connections[key_of(channel)] = self._writer.add_channel(
+                channel.topic,
+                channel.type_name,
+                definition=definition,
+                digest=digest,
+                serialization_format=channel.serialization_format,
+                qos=cast("list[Qos]", list(channel.qos)),
+            )
+
+    def write(self, channel: Channel, stamp_ns: int, payload: bytes) -> None:
+        """Append one message, adding its channel on first use."""
+        connection = self._connections.get((channel.topic, channel.type_name))
+        if connection is None:
+            self.add(channel)
+            connection = self._connections[key_of(channel)]
+        try:
+            self._writer.write(connection, stamp_ns, payload)
+        except (OSError, sqlite3.Error, WriterError) as error:
+            raise write_error(self._path, error) from error
+        except OverflowError as error:
+            cause = f"a message at {stamp_ns} ns is from a time that the file cannot hold"
+            remedy = "write to SQLite (--storage sqlite3), which holds times before 1970 too"
+            raise RecordingError(cause, place=str(self._path), remedy=remedy) from error
+
+
+def _require_new(path: Path) -> None:
+    if path.exists() or path.is_symlink():
+        raise RecordingError("exists already", place=str(path), remedy="remove it or name another output")
+
+
+@contextmanager
+def _errors_at(path: Path) -> Iterator[None]:
+    try:
+        yield
+    except (OSError, sqlite3.Error, WriterError) as error:
+        raise write_error(path, error) from error
+
+
+def write_error(path: Path, error: Exception) -> RecordingError:
+    """``error``, raised while writing at ``path``, as one line."""
+    if isinstance(error, OSError):
+        is_full, cause = error.errno in (errno.ENOSPC, errno.EDQUOT), error.strerror or str(error)
+    else:
+        is_full, cause = _SQLITE_FULL in str(error), str(error)
+    if is_full:
+        remedy = "free some space or write to another disk"
+        return RecordingError("the disk is full", place=str(path), remedy=remedy)
+    return RecordingError(f"cannot be written: {cause}", place=str(path))

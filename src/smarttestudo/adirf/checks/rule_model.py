@@ -1,0 +1,165 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Rule files as the checks read them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+
+from smarttestudo.adirf.checks.analysis import Analysis, analyse
+from smarttestudo.adirf.checks.context import CheckContext
+from smarttestudo.adirf.checks.written import (
+    BlockSite,
+    Branch,
+    CheckSite,
+    Mention,
+    WrittenRate,
+    conditions_in,
+    rate_of,
+)
+from smarttestudo.adirf.normal_form import merged, negation, normal_form
+from smarttestudo.adirf.region import Region
+from smarttestudo.adirf.syntax import Block, Check, KeepAtLeast, RuleFile, SetFrequency, Statement, TopicName
+from smarttestudo.domain.signal import Signal, Truth
+from smarttestudo.domain.source import Span
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RuleModel:
+    """The rule files of one set with what is known beside them; everything in the order of the files.
+
+    ``settings`` is every SetFrequency, ``written_defaults`` the unconditional ones and ``defaults`` those of
+    them that count; ``floors`` are the KeepAtLeast that count; ``relayed`` has the first SetFrequency or
+    KeepAtLeast of each relayed topic, ``mentions`` the first mention of each topic at all; ``glued`` are,
+    by file, the words that follow a keyword without a blank between.
+    """
+
+    context: CheckContext
+    settings: tuple[WrittenRate, ...]
+    written_defaults: tuple[WrittenRate, ...]
+    defaults: Mapping[str, WrittenRate]
+    floors: Mapping[str, WrittenRate]
+    relayed: Mapping[str, WrittenRate]
+    mentions: Mapping[str, Mention]
+    checks: tuple[CheckSite, ...]
+    blocks: tuple[BlockSite, ...]
+    branches: tuple[Branch, ...]
+    analysis: Analysis
+    glued: Mapping[str, tuple[Span, ...]]
+
+
+def read_rule_model(files: Sequence[RuleFile], context: CheckContext) -> RuleModel:
+    """The statements of ``files``, with the interval analysis of their conditions."""
+    reader = _Reader(context)
+    for file in files:
+        if file.glued:
+            reader.glued[file.path] = file.glued
+        for statement in file.statements:
+            reader.add(file.path, statement)
+    return reader.rule_model()
+
+
+class _Reader:
+    def __init__(self, context: CheckContext) -> None:
+        self._context = context
+        self._full_name = cache(context.resolve)
+        self._spec_of = cache(context.spec_of)
+        self._values_of = cache(context.domain)
+        self._settings: list[WrittenRate] = []
+        self._defaults: list[WrittenRate] = []
+        self._floors: dict[str, WrittenRate] = {}
+        self._relayed: dict[str, WrittenRate] = {}
+        self._mentions: dict[str, Mention] = {}
+        self._checks: list[CheckSite] = []
+        self._blocks: list[BlockSite] = []
+        self._branches: list[Branch] = []
+        self.glued: dict[str, tuple[Span, ...]] = {}
+
+    def add(self, path: str, statement: Statement) -> None:
+        match statement:
+            case Block():
+                self._add_block(path, statement)
+            case SetFrequency():
+                self._defaults.append(self._setting(path, statement))
+            case KeepAtLeast():
+                floor = self._rate(path, statement)
+                highest = self._floors.setdefault(floor.topic, floor)
+                if highest.rate is not None and floor.rate is not None and highest.rate < floor.rate:
+                    self._floors[floor.topic] = floor
+
+    def rule_model(self) -> RuleModel:
+        defaults = {one.topic: one for one in self._defaults}
+        return RuleModel(
+            context=self._context,
+            settings=tuple(self._settings),
+            written_defaults=tuple(self._defaults),
+            defaults=defaults,
+            floors=self._floors,
+            relayed=self._relayed,
+            mentions=self._mentions,
+            checks=tuple(self._checks),
+            blocks=tuple(self._blocks),
+            branches=tuple(self._branches),
+            analysis=analyse(self._blocks, self._branches, defaults, self._context),
+            glued=self.glued,
+        )
+
+    def _add_block(self, path: str, block: Block) -> None:
+        form = merged(normal_form(block.condition, self._full_name))
+        written = BlockSite(order=len(self._blocks), path=path, block=block, form=form)
+        self._blocks.append(written)
+        for part in conditions_in(block.condition):
+            if isinstance(part, Check):
+                self._checks.append(self._check(path, part))
+        self._add_branch(written, block.then, is_else=False)
+        self._add_branch(written, block.otherwise, is_else=True)
+
+    def _check(self, path: str, check: Check) -> CheckSite:
+        signal = Signal(self._resolve(path, check.topic), check.property)
+        return CheckSite(
+            path=path,
+            signal=signal,
+            spec=self._spec_of(signal),
+            truth=_truth(check, self._values_of(signal)),
+            check=check,
+        )
+
+    def _add_branch(self, block: BlockSite, statements: Iterable[SetFrequency], *, is_else: bool) -> None:
+        written = tuple(self._setting(block.path, statement) for statement in statements)
+        if not written:
+            return
+        branch = Branch(
+            order=len(self._branches),
+            block=block,
+            is_else=is_else,
+            form=negation(block.form) if is_else else block.form,
+            written=written,
+            settings={one.topic: one for one in written},
+        )
+        self._branches.append(branch)
+
+    def _setting(self, path: str, statement: SetFrequency) -> WrittenRate:
+        setting = self._rate(path, statement)
+        self._settings.append(setting)
+        return setting
+
+    def _rate(self, path: str, statement: SetFrequency | KeepAtLeast) -> WrittenRate:
+        topic = self._resolve(path, statement.topic)
+        written = WrittenRate(path=path, topic=topic, statement=statement, rate=rate_of(statement.rate))
+        self._relayed.setdefault(topic, written)
+        return written
+
+    def _resolve(self, path: str, name: TopicName) -> str:
+        topic = self._full_name(name.text)
+        if topic not in self._mentions:
+            self._mentions[topic] = Mention(path=path, name=name)
+        return topic
+
+
+def _truth(check: Check, values: Region) -> Truth:
+    region = Region.where(check.operator, check.value)
+    if region.intersection(values).is_empty:
+        return Truth.FALSE
+    return Truth.TRUE if values.is_within(region) else Truth.UNKNOWN

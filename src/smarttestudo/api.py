@@ -1,0 +1,151 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What scripts and notebooks call; ``from smarttestudo import replay`` and the like.
+
+Whatever goes wrong is a ``TestudoError`` with place, cause and remedy.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import ExitStack
+from os import PathLike
+from pathlib import Path
+from typing import Protocol, runtime_checkable
+
+from smarttestudo.adapters.files import decision_log
+from smarttestudo.adapters.files.outputs import require_separate
+from smarttestudo.adapters.files.profile import load_profile
+from smarttestudo.adapters.files.rule_files import find_rule_files, read_rule_text
+from smarttestudo.adapters.rosbag import open_recording
+from smarttestudo.adirf.checks import CheckContext
+from smarttestudo.adirf.parser import parse
+from smarttestudo.adirf.rule_set import RuleSet
+from smarttestudo.domain.decision import Decision
+from smarttestudo.domain.finding import Finding
+from smarttestudo.domain.profile import Profile
+from smarttestudo.pacing.sample import WhenSlow
+from smarttestudo.use_cases.bags import loss, measure
+from smarttestudo.use_cases.replay import replay as replaying
+from smarttestudo.use_cases.replay.outcome import ReplayOutcome
+from smarttestudo.use_cases.rules.budget_findings import all_findings
+from smarttestudo.use_cases.rules.rule_sets import load_rules
+from smarttestudo.visualizer.bag_summary import BagSummary
+from smarttestudo.visualizer.loss.report import LossReport
+
+AnyPath = str | PathLike[str]
+
+
+@runtime_checkable
+class Tabular(Protocol):
+    """A result that is a table."""
+
+    def rows(self) -> Iterable[Mapping[str, object]]:
+        """Its rows, by column."""
+
+
+class Record(Protocol):
+    """A result that is one row of a table."""
+
+    def to_json(self) -> dict[str, object]:
+        """The row, by column."""
+
+
+def check_rules(*rules: AnyPath, profile: AnyPath | None = None) -> tuple[Finding, ...]:
+    """What is wrong or doubtful in the rule files, or folders of them, ``rules``, which form one set.
+
+    With a ``profile`` (TOML) also what breaks its budget. Raises ``TestudoError`` for what cannot be read.
+    """
+    context = CheckContext(profile=None if profile is None else load_profile(Path(profile)))
+    files = find_rule_files(map(Path, rules))
+    return tuple(all_findings([parse(read_rule_text(file), str(file)) for file in files], context))
+
+
+def read_rules(*rules: AnyPath, profile: AnyPath | None = None) -> RuleSet:
+    """The rule set that the rule files, or folders of them, ``rules`` are together.
+
+    Quality levels need a ``profile`` (TOML). Raises ``TestudoError`` for what cannot be read, and with the
+    first error where there is one.
+    """
+    loaded = load_rules([*map(Path, rules)], profile=None if profile is None else load_profile(Path(profile)))
+    loaded.refuse_errors()
+    return loaded.rule_set
+
+
+def replay(
+    bag: AnyPath,
+    rules: RuleSet,
+    output: AnyPath,
+    *,
+    profile: AnyPath | None = None,
+    budget_kb_per_s: float | None = None,
+    repeat_slow: bool = False,
+    decisions: AnyPath | None = None,
+) -> ReplayOutcome:
+    """Write into the new folder ``output`` what an operator would have received of ``bag`` under ``rules``.
+
+    A source below its target is repeated where ``repeat_slow``, else passed as it comes. ``decisions`` names
+    a file for the decisions (JSON Lines). Raises ``TestudoError`` for what cannot be read or written.
+    """
+    log = None if decisions is None else Path(decisions)
+    inputs = (Path(bag), None if profile is None else Path(profile))
+    require_separate({"output": Path(output), "decisions": log}, inputs)
+    with ExitStack() as opened:
+        request = replaying.ReplayRequest(
+            recording=opened.enter_context(open_recording(Path(bag))),
+            rule_set=rules,
+            output=Path(output),
+            profile=Profile() if profile is None else load_profile(Path(profile)),
+            when_slow=WhenSlow.REPEAT if repeat_slow else WhenSlow.PASS,
+            budget_kb_per_s=budget_kb_per_s,
+            decided=_ignore if log is None else opened.enter_context(decision_log.decision_log(log)),
+        )
+        return replaying.replay(request)
+
+
+def measure_bag(bag: AnyPath, *, latency: bool = False) -> BagSummary:
+    """How fast each topic of ``bag`` came and how much it carried, and how late with ``latency``.
+
+    Raises ``TestudoError`` where it cannot be read.
+    """
+    return measure.measure_bag(Path(bag), _ignore, with_latency=latency)
+
+
+def measure_loss(
+    sent: AnyPath,
+    received: AnyPath,
+    *,
+    rules: RuleSet | None = None,
+    profile: AnyPath | None = None,
+    topics: Sequence[str] = (),
+) -> LossReport:
+    """What the operator lost between the recordings ``sent`` by the robot and ``received``.
+
+    ``rules`` give the thresholds whose crossings count, ``topics`` are names or patterns, empty for all.
+    Raises ``TestudoError`` where one cannot be read, or they share nothing.
+    """
+    question = loss.LossQuestion(
+        topics=topics,
+        rule_set=rules,
+        profile=Profile() if profile is None else load_profile(Path(profile)),
+    )
+    return loss.measure_loss(Path(sent), Path(received), question)
+
+
+def read_decisions(path: AnyPath) -> list[Decision]:
+    """The decisions in the file at ``path``. Raises ``TestudoError`` for one that holds anything else."""
+    return decision_log.read_decisions(Path(path))
+
+
+def rows(result: Tabular | Iterable[Record]) -> list[dict[str, object]]:
+    """A result of this module as rows by column, as ``pandas.DataFrame`` takes them.
+
+    One for each topic of a recording or replay, each field of a loss, each decision, each finding.
+    """
+    if isinstance(result, Tabular):
+        return [dict(row) for row in result.rows()]
+    return [one.to_json() for one in result]
+
+
+def _ignore(_: object) -> None:
+    """Nobody wants to know."""

@@ -1,0 +1,210 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""``testudo echo``: what a subscriber hears on topics."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import os
+import sys
+import time
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+
+from smarttestudo.adapters.ros import open_robot
+from smarttestudo.adirf.properties import is_field_path
+from smarttestudo.cli.echo_text import echo_block, echo_json, echo_line, message_block
+from smarttestudo.cli.live_lines import live_lines
+from smarttestudo.cli.loop_options import add_ros_arguments
+from smarttestudo.cli.tables import write_text
+from smarttestudo.cli.terminal import duration_s, stop_signals
+from smarttestudo.domain.errors import UsageError
+from smarttestudo.domain.names import is_topic_name
+from smarttestudo.domain.robot import Robot
+from smarttestudo.use_cases.live.echo import Bounds, Echo, EchoedTopic, unheard_error
+
+_SHOW_PERIOD_S = 1.0
+_LOOK_PERIOD_S = 0.2
+_WAIT_S = 0.1
+
+
+def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add ``echo`` to the subcommands."""
+    parser = commands.add_parser(
+        "echo",
+        help="subscribe to topics: their rates, bandwidth and last values",
+        description="Subscribe to topics, with the QoS of their publishers, and show once a second how fast "
+        "and how large their messages come, and what the last one holds. Ctrl-C ends it.",
+    )
+    parser.add_argument("topics", metavar="TOPIC", nargs="+", help="such as /testudo/odom")
+    parser.add_argument(
+        "--fields",
+        metavar="FIELD",
+        nargs="+",
+        action="extend",
+        default=[],
+        help="only these values, by property or path: pose_x pose.pose.position.x 'ranges[0]'",
+    )
+    length = parser.add_mutually_exclusive_group()
+    length.add_argument("--once", action="store_const", const=1, dest="count", help="the same as --count 1")
+    length.add_argument(
+        "--count", metavar="N", type=_count, help="print the next N messages of each topic, and end"
+    )
+    length.add_argument(
+        "--seconds", metavar="S", type=duration_s, default=math.inf, help="end after S seconds"
+    )
+    parser.add_argument(
+        "--timeout",
+        metavar="S",
+        type=duration_s,
+        help="fail if a topic has no message within S seconds (default: wait)",
+    )
+    parser.add_argument(
+        "--full-length", action="store_true", help="show all of long arrays and texts, not their beginning"
+    )
+    parser.add_argument("--json", action="store_true", help="one JSON object a line instead of text")
+    add_ros_arguments(parser)
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Show until all is shown that was asked for, or a signal comes."""
+    _require(arguments.topics, arguments.fields)
+    bounds = Bounds(items=None, characters=None) if arguments.full_length else Bounds()
+    with ExitStack() as opened:
+        stopped = opened.enter_context(stop_signals())
+        robot = opened.enter_context(open_robot(arguments.ros_args, name=f"testudo_echo_{os.getpid()}"))
+        topics = [
+            EchoedTopic(robot, topic, fields=arguments.fields, bounds=bounds, keep=arguments.count or 0)
+            for topic in dict.fromkeys(map(robot.resolve, arguments.topics))
+        ]
+        wait = _Listening(robot, topics, stopped, arguments.timeout, arguments.seconds)
+        if arguments.count is None:
+            _show_rates(wait, topics, _shower(arguments))
+        else:
+            _print_messages(wait, topics, arguments)
+    return 0
+
+
+class _Listening:
+    """Hears the topics, for as long as nothing ends it."""
+
+    def __init__(
+        self,
+        robot: Robot,
+        topics: Sequence[EchoedTopic],
+        stopped: Callable[[], bool],
+        timeout_s: float | None,
+        seconds: float,
+    ) -> None:
+        self.is_over = self.is_time_up = False
+        self._robot = robot
+        self._topics = topics
+        self._stopped = stopped
+        self._timeout_s = timeout_s
+        self._start_s = self._look_s = time.monotonic()
+        self._end_s = self._start_s + seconds
+
+    def go_on(self) -> None:
+        """Hear what comes next. Raises ``RosError`` where a topic cannot be heard, or not in time."""
+        now_s = time.monotonic()
+        if now_s >= self._look_s:
+            self._look_s = now_s + _LOOK_PERIOD_S
+            for topic in self._topics:
+                topic.look()
+        errors = [topic.error for topic in self._topics if topic.error is not None]
+        if len(errors) == len(self._topics):
+            raise errors[0]
+        if self._timeout_s is not None and now_s >= self._start_s + self._timeout_s:
+            for topic in self._topics:
+                if not topic.messages:
+                    raise unheard_error(self._robot, topic, self._timeout_s)
+        self._robot.wait(None, max(min(_WAIT_S, self._end_s - now_s), 0.0))
+        self.is_time_up = time.monotonic() >= self._end_s
+        self.is_over = self.is_time_up or self._stopped()
+
+
+def _show_rates(
+    wait: _Listening, topics: Sequence[EchoedTopic], show: Callable[[Sequence[Echo]], None]
+) -> None:
+    show_s = time.monotonic() + _SHOW_PERIOD_S
+    while not wait.is_over:
+        wait.go_on()
+        if time.monotonic() >= show_s:
+            show_s += _SHOW_PERIOD_S
+            show([topic.echo() for topic in topics])
+    # The last second may not have been whole.
+    if wait.is_time_up and time.monotonic() > show_s - _SHOW_PERIOD_S / 2:
+        show([topic.echo() for topic in topics])
+
+
+def _shower(arguments: argparse.Namespace) -> Callable[[Sequence[Echo]], None]:
+    """What shows the topics: in place on a terminal, line by line in a pipe."""
+    if arguments.json:
+        return lambda echoes: _write([_json_line(echo) for echo in echoes])
+    if sys.stdout.isatty():
+        show = live_lines(sys.stdout)
+        return lambda echoes: show([line for echo in echoes for line in echo_block(echo)])
+    note = _Notes()
+
+    def show_lines(echoes: Sequence[Echo]) -> None:
+        note.all(echoes)
+        _write([echo_line(echo, with_all=bool(arguments.fields)) for echo in echoes if echo.messages])
+
+    return show_lines
+
+
+def _print_messages(wait: _Listening, topics: Sequence[EchoedTopic], arguments: argparse.Namespace) -> None:
+    note, note_s = _Notes(), time.monotonic() + _SHOW_PERIOD_S
+    left = arguments.count * len(topics)
+    while left and not wait.is_over:
+        wait.go_on()
+        if time.monotonic() >= note_s:
+            note_s += _SHOW_PERIOD_S
+            note.all([topic.echo() for topic in topics])
+        for echo in (echo for topic in topics for echo in topic.take_kept()):
+            _write([_json_line(echo)] if arguments.json else [*message_block(echo), ""])
+            left -= 1
+
+
+class _Notes:
+    """Says on standard error why a topic is not heard, each reason once."""
+
+    def __init__(self) -> None:
+        self._said: dict[str, str] = {}
+
+    def all(self, echoes: Sequence[Echo]) -> None:
+        for echo in echoes:
+            if echo.state != self._said.get(echo.topic, ""):
+                self._said[echo.topic] = echo.state
+                if echo.state:
+                    print(f"note: {echo.topic}: {echo.state}", file=sys.stderr)  # noqa: T201
+
+
+def _json_line(echo: Echo) -> str:
+    return json.dumps(echo_json(echo), ensure_ascii=False, allow_nan=False)
+
+
+def _write(lines: Sequence[str]) -> None:
+    for line in lines:
+        write_text(line, sys.stdout)
+    sys.stdout.flush()
+
+
+def _require(topics: Sequence[str], fields: Sequence[str]) -> None:
+    for topic in topics:
+        if not is_topic_name(topic):
+            raise UsageError(f"{topic!r} is not a topic's name", remedy="write it as in /testudo/odom")
+    for field in fields:
+        if not is_field_path(field):
+            remedy = "write it as in pose.pose.position.x or ranges[0]"
+            raise UsageError(f"{field!r} is not a field", place="--fields", remedy=remedy)
+
+
+def _count(text: str) -> int:
+    """A number of messages; ``ArgumentTypeError`` for anything but a whole number above 0."""
+    if not text.isdecimal() or not int(text):
+        raise argparse.ArgumentTypeError(f"a number of messages is a whole number above 0, not {text!r}")
+    return int(text)

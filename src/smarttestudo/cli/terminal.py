@@ -1,0 +1,120 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Keys, durations and signals of a terminal."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import os
+import select
+import signal
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import FrameType
+
+_LONGEST = 64
+
+
+@contextmanager
+def key_presses() -> Iterator[Callable[[], str]]:
+    """The keys pressed since the last call; never any where standard input is no terminal."""
+    if not sys.stdin.isatty():
+        yield str
+        return
+    import termios  # noqa: PLC0415  not on every laptop
+    import tty  # noqa: PLC0415
+
+    terminal = sys.stdin.fileno()
+    before = termios.tcgetattr(terminal)
+    tty.setcbreak(terminal)
+    try:
+        yield lambda: _read(terminal) if select.select([terminal], [], [], 0)[0] else ""
+    finally:
+        termios.tcsetattr(terminal, termios.TCSADRAIN, before)
+
+
+def _read(terminal: int) -> str:
+    return os.read(terminal, _LONGEST).decode("utf-8", "replace")
+
+
+DEFAULT_TIMEOUT_S = 5.0
+
+
+def duration_s(text: str) -> float:
+    """A duration from the command line; ``ArgumentTypeError`` for anything but a positive number."""
+    try:
+        number = float(text)
+    except ValueError:
+        number = math.nan
+    if not 0 < number < math.inf:
+        raise argparse.ArgumentTypeError(f"a duration is a number of seconds above 0, not {text!r}")
+    return number
+
+
+def add_timeout(parser: argparse.ArgumentParser, meaning: str) -> None:
+    """Add ``--timeout``, which means ``meaning``."""
+    parser.add_argument(
+        "--timeout",
+        metavar="SECONDS",
+        type=duration_s,
+        default=DEFAULT_TIMEOUT_S,
+        help=f"{meaning} (default: %(default)g)",
+    )
+
+
+STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM)
+_TERMINATING_SIGNALS = (signal.SIGTERM, signal.SIGHUP)
+
+
+class Terminated(KeyboardInterrupt):
+    """The signal ``number`` asked the process to end, as Ctrl-C does."""
+
+    def __init__(self, number: int) -> None:
+        super().__init__()
+        self.number = number
+
+
+@contextmanager
+def terminating_signals() -> Iterator[None]:
+    """SIGTERM and SIGHUP raise ``Terminated`` in the block, so that unfinished files are removed.
+
+    A signal that the process was told to ignore stays ignored.
+    """
+    is_main = threading.current_thread() is threading.main_thread()
+    ours = [one for one in _TERMINATING_SIGNALS if is_main and signal.getsignal(one) is signal.SIG_DFL]
+
+    def end(number: int, _frame: FrameType | None) -> None:
+        raise Terminated(number)
+
+    for number in ours:
+        signal.signal(number, end)
+    try:
+        yield
+    finally:
+        for number in ours:
+            signal.signal(number, signal.SIG_DFL)
+
+
+@contextmanager
+def stop_signals() -> Iterator[Callable[[], bool]]:
+    """Whether one came, for the block; a second one ends the process at once."""
+    came = False
+    before = {number: signal.getsignal(number) for number in STOP_SIGNALS}
+
+    def stop(_number: int, _frame: FrameType | None) -> None:
+        nonlocal came
+        came = True
+        signal.signal(signal.SIGINT, before[signal.SIGINT])
+        # Python may not come to raise anything where it is stuck in a library.
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
+
+    for number in STOP_SIGNALS:
+        signal.signal(number, stop)
+    try:
+        yield lambda: came
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

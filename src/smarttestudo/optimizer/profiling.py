@@ -1,0 +1,169 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Profiles from what was measured."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from smarttestudo.domain.intervals import Intervals
+from smarttestudo.domain.rate import RATE_STEP_HZ
+from smarttestudo.domain.rate_meter import Flow
+from smarttestudo.domain.units import BYTES_PER_KB
+from smarttestudo.optimizer.wording import kb_text
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TierProposal:
+    """τ0 … τ5 in Hz, and where they come from, as a comment in a profile says it."""
+
+    tiers_hz: tuple[float, ...]
+    origin: str
+
+
+class TopicMeasure:
+    """Sizes and intervals of one topic's messages, counted one by one in constant memory.
+
+    ``is_declared`` says that the sizes are not those of the messages but what the recording declares.
+    """
+
+    __slots__ = (
+        "_flow",
+        "_intervals",
+        "is_declared",
+        "largest_bytes",
+        "type_name",
+    )
+
+    def __init__(self, type_name: str, *, is_declared: bool = False) -> None:
+        self.type_name = type_name
+        self.is_declared = is_declared
+        self.largest_bytes = 0
+        self._flow = Flow()
+        self._intervals = Intervals()
+
+    def record(self, stamp_ns: int, size_bytes: int) -> None:
+        """Count a message."""
+        self._flow.record(stamp_ns, size_bytes)
+        self.largest_bytes = max(self.largest_bytes, size_bytes)
+        self._intervals.record(stamp_ns)
+
+    @property
+    def messages(self) -> int:
+        """How many there were."""
+        return self._flow.messages
+
+    @property
+    def message_kb(self) -> float | None:
+        """The mean size in KB; ``None`` without messages."""
+        return self._flow.size_bytes / self.messages / BYTES_PER_KB if self.messages else None
+
+    @property
+    def largest_kb(self) -> float:
+        """The largest size in KB."""
+        return self.largest_bytes / BYTES_PER_KB
+
+    @property
+    def kb(self) -> float:
+        """All messages together, in KB."""
+        return self._flow.size_bytes / BYTES_PER_KB
+
+    @property
+    def source_hz(self) -> float | None:
+        """(n − 1) / (last − first); ``None`` where that is not defined."""
+        return self._flow.mean_hz
+
+    @property
+    def jitter_s(self) -> float | None:
+        """The standard deviation of the intervals in seconds; ``None`` below two intervals."""
+        return self._intervals.jitter_s
+
+
+TIER_SHARES = (0.05, 0.1, 0.25, 0.5, 0.8, 1.0)
+"""τ0 … τ5 as shares of the source's rate: a first guess that only an engineer can replace by a better one."""
+
+_TIERS_GUESSED = "# The tiers are guesses from the rates; docs/quality-levels.md says how to choose them."
+_TIERS_FROM_LOSS = (
+    "# The tiers come from the loss at each rate (docs/loss.md), those in % of source_hz from the rate alone."
+)
+_DIGITS = 3
+_MS_PER_S = 1000.0
+
+
+def proposed_tiers_hz(source_hz: float) -> tuple[float, ...]:
+    """Six rising thresholds for a source of ``source_hz``, in three significant digits."""
+    return tuple(rounded(share * source_hz) for share in TIER_SHARES)
+
+
+def profile_text(
+    measures: Mapping[str, TopicMeasure],
+    *,
+    duration_s: float,
+    measured_in: str,
+    proposals: Mapping[str, TierProposal] | None = None,
+) -> str:
+    """A profile in TOML of the topics measured in ``duration_s`` seconds.
+
+    Topics in ``proposals`` get those tiers, the others shares of their rate.
+    """
+    proposals = proposals or {}
+    total_kb_per_s = sum(one.kb for one in measures.values()) / duration_s if duration_s > 0 else 0.0
+    lines = [
+        f"# Measured by testudo profile in {measured_in}: {duration_s:.1f} s, {len(measures)} topics,"
+        f" {kb_text(total_kb_per_s)} KB/s in all.",
+        _TIERS_FROM_LOSS if proposals else _TIERS_GUESSED,
+        "# budget_kb_per_s = 1000.0  # what your link carries; the optimizer needs it",
+    ]
+    for topic, measure in measures.items():
+        lines += ["", f"[topics.{json.dumps(topic)}]", *_entries(measure, proposals.get(topic))]
+    return "\n".join([*lines, ""])
+
+
+def _entries(measure: TopicMeasure, proposal: TierProposal | None) -> Iterator[str]:
+    yield f"type = {json.dumps(measure.type_name)}"
+    if not measure.message_kb:
+        yield "# no messages, or empty ones: no size, no rate"
+        return
+    plural = "message" if measure.messages == 1 else "messages"
+    declared = ", declared by the recording" if measure.is_declared else ""
+    yield (
+        f"message_kb = {_number(measure.message_kb)}  # mean of {measure.messages} {plural}, "
+        f"the largest {_number(measure.largest_kb)}{declared}"
+    )
+    if measure.source_hz is None:
+        yield "# one message or one stamp only: no rate, no tiers"
+        return
+    source_hz = rounded(measure.source_hz)
+    yield f"source_hz = {_number(source_hz)}  # {_intervals(measure)}"
+    proposal = proposal or _by_shares(source_hz)
+    if min(proposal.tiers_hz) < RATE_STEP_HZ:
+        yield f"# too slow for tiers: a rate has at least {RATE_STEP_HZ} Hz"
+        return
+    tiers = ", ".join(_number(rate) for rate in proposal.tiers_hz)
+    yield f"tiers_hz = [{tiers}]  # {proposal.origin}"
+
+
+def _by_shares(source_hz: float) -> TierProposal:
+    shares = ", ".join(f"{100 * share:g}" for share in TIER_SHARES)
+    return TierProposal(tiers_hz=proposed_tiers_hz(source_hz), origin=f"{shares} % of source_hz")
+
+
+def _intervals(measure: TopicMeasure) -> str:
+    mean_s = 1 / measure.source_hz if measure.source_hz else 0.0
+    text = f"(n - 1) / (last - first); intervals of {_MS_PER_S * mean_s:.1f} ms"
+    return (
+        text
+        if measure.jitter_s is None
+        else f"{text}, jitter (standard deviation) {_MS_PER_S * measure.jitter_s:.1f} ms"
+    )
+
+
+def rounded(number: float) -> float:
+    """``number`` in three significant digits."""
+    return float(f"{number:.{_DIGITS}g}")
+
+
+def _number(number: float) -> str:
+    return f"{round(number, 6)!r}"

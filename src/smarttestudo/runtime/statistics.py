@@ -1,0 +1,87 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a relay did. Where the clock jumps back, time stands still."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Callable, Iterable
+
+from smarttestudo.domain.rate_meter import Flow
+
+MAX_FRAMES = 4096
+
+
+class TargetRate:
+    """The target rate of a relay over time, in Hz; infinite while Full, as it is at first."""
+
+    __slots__ = ("_ns_at", "_since_ns", "rate_hz")
+
+    def __init__(self, now_ns: int) -> None:
+        self.rate_hz = math.inf
+        self._since_ns = now_ns
+        self._ns_at: Counter[float] = Counter()
+
+    def change(self, rate_hz: float, now_ns: int) -> None:
+        """Aim at ``rate_hz`` from ``now_ns`` on."""
+        self.account(now_ns)
+        self.rate_hz = rate_hz
+
+    def account(self, now_ns: int) -> None:
+        """Count the time up to ``now_ns``."""
+        self._ns_at[self.rate_hz] += max(now_ns - self._since_ns, 0)
+        self._since_ns = now_ns
+
+    def mean_hz(self, source_hz: float) -> float | None:
+        """The mean over the counted time, where Full counts as ``source_hz``; ``None`` over no time."""
+        return self._mean_hz(lambda rate_hz: source_hz if math.isinf(rate_hz) else rate_hz)
+
+    def attainable_hz(self, source_hz: float) -> float | None:
+        """The mean over the counted time of the lesser of target and source; ``None`` over no time."""
+        return self._mean_hz(lambda rate_hz: min(rate_hz, source_hz))
+
+    def _mean_hz(self, counts_as: Callable[[float], float]) -> float | None:
+        total_ns = self._ns_at.total()
+        messages = sum(counts_as(rate_hz) * passed_ns for rate_hz, passed_ns in self._ns_at.items())
+        return messages / total_ns if total_ns else None
+
+
+class FrameFlows:
+    """What came and what went of each child frame of a topic of transforms, of the first 4096."""
+
+    __slots__ = ("arrived", "relayed")
+
+    def __init__(self) -> None:
+        self.arrived: dict[str, Flow] = {}
+        self.relayed: dict[str, Flow] = {}
+
+    def __len__(self) -> int:
+        """How many frames came."""
+        return len(self.arrived)
+
+    def record(self, flows: dict[str, Flow], frames: Iterable[str], now_ns: int) -> None:
+        """Count, in ``arrived`` or ``relayed``, a message that holds ``frames``."""
+        for frame in frames:
+            flow = flows.get(frame)
+            if flow is None:
+                if len(flows) == MAX_FRAMES:
+                    continue
+                flow = flows[frame] = Flow()
+            flow.record(now_ns, 0)
+
+
+class RelayStatistics:
+    """The flows into and out of one relay, how many of the latter were repeated, and the target.
+
+    ``frames`` are those of each child frame, which the target is about on a topic of transforms.
+    """
+
+    __slots__ = ("arrived", "frames", "relayed", "repeated", "target")
+
+    def __init__(self, now_ns: int) -> None:
+        self.frames = FrameFlows()
+        self.arrived = Flow()
+        self.relayed = Flow()
+        self.repeated = 0
+        self.target = TargetRate(now_ns)

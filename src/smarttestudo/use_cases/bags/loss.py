@@ -1,0 +1,226 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What the operator lost between two recordings of one run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+
+from smarttestudo.adapters.rosbag import open_recording
+from smarttestudo.adirf.rule_set import RuleSet
+from smarttestudo.domain.errors import RecordingError
+from smarttestudo.domain.profile import Profile
+from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.use_cases.bags.measure import measure_bag
+from smarttestudo.use_cases.bags.samples import (
+    RecordedSamples,
+    TopicReading,
+    read_samples,
+    require_numbers,
+)
+from smarttestudo.visualizer.bag_comparison import BagComparison, compare_bags
+from smarttestudo.visualizer.bag_summary import BagSummary
+from smarttestudo.visualizer.loss.crossings import thresholds_of
+from smarttestudo.visualizer.loss.fixed_rates import Source, best_fixed_rates
+from smarttestudo.visualizer.loss.measure import (
+    SharedTopic,
+    crossing_losses,
+    field_losses,
+    image_losses,
+    topic_loss,
+)
+from smarttestudo.visualizer.loss.report import Carried, LossReport
+from smarttestudo.visualizer.loss.samples import BULK_TYPES, Field, TopicSamples, fields_of
+from smarttestudo.visualizer.topic_selection import select_topics
+
+_ENDS_EARLY_S = 2.0
+
+
+def _ignore(_: float) -> None:
+    """Nobody wants to know."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LossQuestion:
+    """What is asked of two recordings.
+
+    ``mapping`` pairs topics as for ``compare_bags``. ``topics`` are names or patterns, empty for all;
+    ``fields`` are more fields than the default ones, by topic of A. ``rule_set`` gives the thresholds,
+    ``profile`` tiers and priorities for the third arm. ``report`` is told the share done, 0 … 1.
+    """
+
+    mapping: Mapping[str, str] = field(default_factory=dict)
+    topics: Sequence[str] = ()
+    fields: Mapping[str, Sequence[str]] = field(default_factory=dict)
+    rule_set: RuleSet | None = None
+    profile: Profile = field(default_factory=Profile)
+    report: Callable[[float], None] = _ignore
+
+
+def measure_loss(a: Path, b: Path, question: LossQuestion | None = None) -> LossReport:
+    """The loss between ``a``, as sent, and ``b``, as received, in the time of ``a``.
+
+    Each recording is read twice: once for its sizes, which costs little, once for its payloads.
+
+    Raises:
+        RecordingError: one cannot be read or is empty; they share no topic or no time; a field or topic that
+            was asked for does not exist.
+    """
+    question = question or LossQuestion()
+    sent, received = measure_bag(a, _ignore), measure_bag(b, _ignore)
+    select_topics(tuple(question.mapping), sent.statistics, place=sent.name)
+    select_topics(tuple(question.mapping.values()), received.statistics, place=received.name)
+    compared = compare_bags(sent, received, question.mapping)
+    _require_common_time(sent, received)
+    return _Measurement(a, b, compared, question).report()
+
+
+class _Measurement:
+    """The reading of two recordings whose topics are paired."""
+
+    def __init__(self, a: Path, b: Path, compared: BagComparison, question: LossQuestion) -> None:
+        self._paths = a, b
+        self._a, self._b = compared.a, compared.b
+        self._question = question
+        self._partners = {
+            pair.topic: pair.after_topic
+            for pair in compared.comparison.topics
+            if pair.before and pair.before.messages and pair.after_topic
+        }
+        self._asked = self._topics_asked()
+        rule_set = question.rule_set
+        self._thresholds = thresholds_of(rule_set) if rule_set else ()
+
+    def report(self) -> LossReport:
+        """Read both, and count what was lost."""
+        path_a, path_b = self._paths
+        sent = self._read(path_a, self._sent_readings(), share=(0.0, 0.7))
+        require_numbers(sent.topics, self._question.fields)
+        received = self._read(path_b, self._received_readings(sent.topics), share=(0.7, 1.0))
+        topics = self._shared(sent.topics, received.topics)
+        shown = [shared for shared in topics if shared.topic in self._asked]
+        return LossReport(
+            a=self._a.name,
+            b=self._b.name,
+            duration_s=self._a.span.duration_s,
+            topics=tuple(topic_loss(shared) for shared in shown),
+            fields=tuple(loss for shared in shown for loss in field_losses(shared)),
+            crossings=tuple(loss for shared in shown for loss in crossing_losses(shared, self._thresholds)),
+            images=tuple(loss for shared in shown for loss in image_losses(shared)),
+            carried=Carried(
+                sent_bytes=sum(shared.sent.size_bytes for shared in topics),
+                received_bytes=sum(shared.received.size_bytes for shared in topics),
+                fixed_bytes=sum(shared.fixed_bytes for shared in topics),
+            ),
+            notices=(*sent.notices, *received.notices, *self._notices(topics)),
+        )
+
+    def _topics_asked(self) -> frozenset[str]:
+        """The shared topics, by A's name, that are to be shown."""
+        partners = self._partners
+        asked = select_topics(tuple(self._question.fields), partners, place=self._a.name)
+        if not self._question.topics:
+            return frozenset(partners)
+        place = f"{self._a.name}, {self._b.name}"
+        chosen = select_topics(self._question.topics, {*partners, *partners.values()}, place=place)
+        return asked | {topic for topic, partner in partners.items() if {topic, partner} & chosen}
+
+    def _sent_readings(self) -> dict[str, TopicReading]:
+        return {
+            topic: self._sent_reading(topic) if topic in self._asked else TopicReading()
+            for topic in self._partners
+        }
+
+    def _sent_reading(self, topic: str) -> TopicReading:
+        asked = tuple(self._question.fields.get(topic, ()))
+        needed = tuple(one.signal.property for one in self._thresholds if one.signal.topic == topic)
+        return TopicReading(
+            choose_fields=partial(_choose_fields, asked=asked, needed=needed),
+            undecoded_types=frozenset() if asked or needed else BULK_TYPES,
+            level_unit=self._question.profile.topic(topic).level_unit,
+        )
+
+    def _received_readings(self, sent: Mapping[str, TopicSamples]) -> dict[str, TopicReading]:
+        """Only fields that were found in A, and only of the same type, are read."""
+        return {
+            partner: TopicReading(
+                choose_fields=partial(_same_fields, sent[topic]) if sent[topic].fields else None,
+                level_unit=self._question.profile.topic(topic).level_unit,
+            )
+            for topic, partner in self._partners.items()
+        }
+
+    def _read(
+        self, path: Path, readings: Mapping[str, TopicReading], share: tuple[float, float]
+    ) -> RecordedSamples:
+        def report(done: float) -> None:
+            self._question.report(share[0] + (share[1] - share[0]) * done)
+
+        span = self._a.span
+        with open_recording(path) as recording:
+            return read_samples(
+                recording, readings, start_ns=span.start_ns, end_ns=span.end_ns, report=report
+            )
+
+    def _shared(
+        self, sent: Mapping[str, TopicSamples], received: Mapping[str, TopicSamples]
+    ) -> list[SharedTopic]:
+        partners = {topic: name for topic, name in self._partners.items() if sent[topic].stamps_ns}
+        sources = [
+            Source(
+                topic=topic,
+                size_bytes=sent[topic].size_bytes,
+                mean_hz=sent[topic].mean_hz,
+                entry=self._question.profile.topic(topic),
+            )
+            for topic in partners
+        ]
+        budget_bytes = sum(samples.size_bytes for samples in received.values())
+        rates_hz = best_fixed_rates(sources, budget_bytes)
+        end_ns = self._a.span.end_ns
+        return [
+            SharedTopic(
+                sent=sent[topic],
+                received=received[partner],
+                fixed=sent[topic].at_rate(rates_hz[topic], end_ns),
+                fixed_hz=rates_hz[topic],
+                end_ns=end_ns,
+            )
+            for topic, partner in partners.items()
+        ]
+
+    def _notices(self, topics: Sequence[SharedTopic]) -> Iterator[str]:
+        for shared in topics:
+            sent, received = shared.sent.channel.type_name, shared.received.channel.type_name
+            if sent != received:
+                yield (
+                    f"{shared.topic}: {sent} in {self._a.name} and {received} in {self._b.name}; "
+                    "its fields are not compared"
+                )
+        early_s = (self._a.span.end_ns - self._b.span.end_ns) / NS_PER_S
+        if early_s > _ENDS_EARLY_S:
+            yield f"{self._b.name}: ends {early_s:.1f} s before {self._a.name}; nothing came in that time"
+        for topic in sorted({one.signal.topic for one in self._thresholds}.difference(self._partners)):
+            yield f"{topic}: a check reads it, which {self._b.name} lacks; its crossings are left out"
+
+
+def _choose_fields(
+    type_name: str, message: object, *, asked: Sequence[str], needed: Sequence[str]
+) -> Sequence[Field]:
+    return fields_of(type_name, message, asked=asked, needed=needed)
+
+
+def _same_fields(sent: TopicSamples, type_name: str, _: object) -> Sequence[Field]:
+    return sent.fields if type_name == sent.channel.type_name else ()
+
+
+def _require_common_time(a: BagSummary, b: BagSummary) -> None:
+    if b.span.end_ns < a.span.start_ns or a.span.end_ns < b.span.start_ns:
+        raise RecordingError(
+            f"it has no time in common with {a.name}",
+            place=b.name,
+            remedy="give two recordings of one run; `testudo replay` makes the second from the first",
+        )

@@ -1,0 +1,157 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What the report of one recording, or of two beside each other, shows; and the same as figures."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+from contextlib import AbstractContextManager
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from smarttestudo.adapters.figures import FigureKind, draw_figures
+from smarttestudo.adirf.rule_set import RuleSet
+from smarttestudo.domain.decision import Decision
+from smarttestudo.domain.errors import RecordingError
+from smarttestudo.domain.floor_plan import FloorPlan
+from smarttestudo.domain.profile import Profile
+from smarttestudo.use_cases.bags.loss import LossQuestion, measure_loss
+from smarttestudo.use_cases.bags.measure import measure_run
+from smarttestudo.use_cases.bags.paired_runs import PairedRuns
+from smarttestudo.visualizer.bag_tables import bandwidth_table, rates_table
+from smarttestudo.visualizer.comparison_tables import RunNames
+from smarttestudo.visualizer.floor import rule_zones
+from smarttestudo.visualizer.loss.report import LossReport
+from smarttestudo.visualizer.report import Fact, RuleText, RunReport
+from smarttestudo.visualizer.table import Table
+
+Progress = Callable[[str], AbstractContextManager[Callable[[float], None]]]
+"""Shows how far the work of the given name is while its block lasts, told as a share of 0 … 1."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReportRequest:
+    """A recording ``a``, if there is one also ``b``, and what is known about how ``b`` came from it.
+
+    ``mapping`` pairs topics as ``compare_bags`` does, ``topics`` are the names or patterns to show, empty
+    for all. ``decisions`` may be timed from any start; their stamps count. Zones of ``rule_set`` are added
+    to the ``floor_plan``. ``called`` is what the user calls a recording that lies elsewhere for now.
+    """
+
+    a: Path
+    b: Path | None = None
+    title: str
+    explanation: str = ""
+    names: RunNames = field(default_factory=RunNames)
+    mapping: Mapping[str, str] = field(default_factory=dict)
+    topics: Sequence[str] = ()
+    rule_set: RuleSet | None = None
+    rule_texts: Mapping[str, str] = field(default_factory=dict)
+    decisions: Sequence[Decision] = ()
+    profile: Profile = field(default_factory=Profile)
+    budget_kb_per_s: float | None = None
+    floor_plan: FloorPlan = field(default_factory=FloorPlan)
+    provenance: tuple[Fact, ...] = ()
+    progress: Progress
+    called: Callable[[Path], str] = str
+
+
+def bag_report(request: ReportRequest) -> RunReport:
+    """Read the recordings and put together what their report shows.
+
+    Raises:
+        RecordingError: one cannot be read or is empty; they share no topic; a topic asked for is in neither.
+    """
+    runs = _measure(request, with_places=True)
+    loss, notices = (None, ()) if request.b is None else _loss(request, request.b)
+    report = _report(request, runs)
+    return replace(report, loss=loss, notices=tuple(dict.fromkeys((*report.notices, *notices))))
+
+
+def series_over_time(request: ReportRequest) -> RunReport:
+    """The part of ``bag_report`` for which no payload is read: rates and bandwidth over time.
+
+    Raises:
+        RecordingError: as ``bag_report``.
+    """
+    return _report(request, _measure(request, with_places=False))
+
+
+def _measure(request: ReportRequest, *, with_places: bool) -> PairedRuns:
+    by_transforms = request.floor_plan.occupancy is not None
+    with request.progress(f"Reading {request.called(request.a)}") as report:
+        a = measure_run(request.a, report, with_places=with_places, by_transforms=by_transforms)
+    b = None
+    if request.b is not None:
+        with request.progress(f"Reading {request.called(request.b)}") as report:
+            b = measure_run(request.b, report, with_places=False)
+    return PairedRuns.of(a, b, mapping=request.mapping, topics=request.topics)
+
+
+def _report(request: ReportRequest, runs: PairedRuns) -> RunReport:
+    decisions, decision_notices = runs.timed(request.decisions)
+    return RunReport(
+        title=request.title,
+        explanation=request.explanation,
+        duration_s=runs.a.summary.span.duration_s,
+        comparison=runs.comparison(decisions),
+        series=runs.series(),
+        total=runs.total(),
+        decisions=decisions,
+        names=request.names,
+        tables=() if runs.b else _tables_of_one(runs),
+        budget_kb_per_s=request.budget_kb_per_s,
+        rules=tuple(RuleText(path=path, text=text) for path, text in request.rule_texts.items()),
+        provenance=request.provenance,
+        notices=(*runs.notices(), *decision_notices),
+        floor_plan=_floor_plan(request),
+        path=runs.a.path,
+    )
+
+
+def _loss(request: ReportRequest, b: Path) -> tuple[LossReport | None, tuple[str, ...]]:
+    """What B lost of A, or why that cannot be said."""
+    with request.progress("Measuring what was lost") as report:
+        question = LossQuestion(
+            mapping=request.mapping,
+            topics=request.topics,
+            rule_set=request.rule_set,
+            profile=request.profile,
+            report=report,
+        )
+        try:
+            loss = measure_loss(request.a, b, question)
+        except RecordingError as error:
+            return None, (f"what was lost is not known: {error.cause}",)
+    return loss, loss.notices
+
+
+def _floor_plan(request: ReportRequest) -> FloorPlan:
+    zones = () if request.rule_set is None else rule_zones(request.rule_set)
+    return replace(request.floor_plan, zones=(*request.floor_plan.zones, *zones))
+
+
+def _tables_of_one(runs: PairedRuns) -> tuple[Table, ...]:
+    """What the actions ``rates`` and ``bandwidth`` show of a recording."""
+    summary = runs.a.summary.only({pair.topic for pair in runs.pairs})
+    return replace(rates_table(summary), title="Rates"), replace(bandwidth_table(summary), title="Bandwidth")
+
+
+RATES = frozenset({FigureKind.RATES, FigureKind.INTERVALS})
+BANDWIDTH = frozenset({FigureKind.BANDWIDTH, FigureKind.TOTAL})
+EVERYTHING = frozenset(FigureKind)
+
+
+def draw_over_time(request: ReportRequest, kinds: Collection[FigureKind], folder: Path) -> list[Path]:
+    """Measure the recordings, without their payloads, and draw what came when.
+
+    Raises:
+        RecordingError: one cannot be read or is empty, or they share no topic.
+        OutputFileError: a figure cannot be written.
+    """
+    return draw_figures(series_over_time(request), kinds, folder)
+
+
+def draw_report(report: RunReport, folder: Path) -> list[Path]:
+    """Draw everything that ``report`` shows over time or on the floor. Raises ``OutputFileError``."""
+    return draw_figures(report, EVERYTHING, folder)

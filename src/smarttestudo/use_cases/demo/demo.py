@@ -1,0 +1,222 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The demo: a simulated mission, recorded, replayed under rules, and shown."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from smarttestudo import __version__
+from smarttestudo.adapters.files.decision_log import decision_log, read_decisions
+from smarttestudo.adapters.rosbag import open_recording
+from smarttestudo.domain.decision import Decision
+from smarttestudo.domain.robot import Robot
+from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.pacing.sample import WhenSlow
+from smarttestudo.simulation.warehouse import warehouse
+from smarttestudo.use_cases.bags.report import Progress, ReportRequest, bag_report
+from smarttestudo.use_cases.demo.folder import MARKER, demo_folder
+from smarttestudo.use_cases.demo.live import LOGS, LiveDemoRequest, record_live
+from smarttestudo.use_cases.demo.mission import bytes_per_second, record_mission
+from smarttestudo.use_cases.demo.rules import RULES, DemoRules, put_rules
+from smarttestudo.use_cases.replay.outcome import ReplayOutcome
+from smarttestudo.use_cases.replay.replay import ReplayRequest, replay
+from smarttestudo.visualizer.comparison import Comparison
+from smarttestudo.visualizer.loss.report import LossReport
+from smarttestudo.visualizer.report import Fact, RunReport, render_report
+
+BASELINE = "baseline"
+ADAPTIVE = "adaptive"
+DECISIONS = "decisions.jsonl"
+REPORT = "report.html"
+_MADE = frozenset({BASELINE, ADAPTIVE, DECISIONS, REPORT, RULES, MARKER, *LOGS})
+_TITLE = "A TurtleBot3 patrols a warehouse"
+_EXPLANATION = (
+    "Default is everything that the robot published. SmartTestudo is what an operator received of it while "
+    "rules about the robot's own state gave each topic its rate."
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DemoRequest:
+    """How long a mission, with which noise, and into which folder.
+
+    ``full_images`` asks for whole camera frames, about 0.2 GB each second, instead of small ones. With a
+    ``robot``, the node that records, the mission takes place in real time on a real ROS graph.
+    """
+
+    out: Path
+    seconds: float
+    seed: int
+    full_images: bool
+    when_slow: WhenSlow
+    progress: Progress
+    robot: Robot | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DemoOutcome:
+    """Both runs compared, what the operator lost, the number of decisions, and what was odd, a line each."""
+
+    comparison: Comparison
+    loss: LossReport | None
+    decisions: int
+    notices: tuple[str, ...]
+
+
+def run_demo(request: DemoRequest) -> DemoOutcome:
+    """Write both recordings, the rules, the decisions and the report into a new ``request.out``.
+
+    Rules that somebody edited there after a former demo stay, and are those of this one; so does whatever
+    else no demo made.
+
+    Raises:
+        DemoFolderError: the folder may not be replaced or cannot be written.
+        RuleFileError: the edited rules cannot be used.
+        RecordingError: a recording cannot be written.
+    """
+    needed_bytes = round(bytes_per_second(full_images=request.full_images) * request.seconds)
+    with demo_folder(request.out, needed_bytes=needed_bytes, made=_MADE) as folder:
+        rules = put_rules(folder, request.out)
+        if request.robot is None:
+            decisions, notices = _in_virtual_time(request, folder, rules)
+        else:
+            decisions, notices = _in_real_time(request, folder, request.robot)
+        report = _write_report(request, folder, rules, decisions)
+        (folder / MARKER).write_text(json.dumps(_settings(request), indent=2) + "\n", "utf-8")
+    return DemoOutcome(
+        comparison=report.comparison,
+        loss=report.loss,
+        decisions=len(decisions),
+        notices=(*_rule_notices(request, rules), *notices),
+    )
+
+
+def _rule_notices(request: DemoRequest, rules: DemoRules) -> tuple[str, ...]:
+    """Where the rules are not the demo's own, that they are not."""
+    if not rules.are_edited:
+        return ()
+    return (f"{request.out / RULES} was edited: kept and used; without it the demo takes its own rules",)
+
+
+def _in_virtual_time(
+    request: DemoRequest, folder: Path, rules: DemoRules
+) -> tuple[Sequence[Decision], tuple[str, ...]]:
+    """Record the mission, and replay it under the rules; decisions and what was lost or odd."""
+    with request.progress("Driving the patrol") as report:
+        record_mission(
+            folder / BASELINE,
+            seconds=request.seconds,
+            seed=request.seed,
+            full_images=request.full_images,
+            report=report,
+        )
+    outcome, decisions = _replay(request, folder, rules)
+    return decisions, outcome.notices
+
+
+def _in_real_time(
+    request: DemoRequest, folder: Path, robot: Robot
+) -> tuple[Sequence[Decision], tuple[str, ...]]:
+    """Record the mission while it is driven under the runtime; decisions and what was left out."""
+    with request.progress("Driving the patrol") as report:
+        notices = record_live(
+            LiveDemoRequest(
+                baseline=folder / BASELINE,
+                adaptive=folder / ADAPTIVE,
+                rules=folder / RULES,
+                decisions=folder / DECISIONS,
+                logs=folder,
+                seconds=request.seconds,
+                seed=request.seed,
+                full_images=request.full_images,
+                when_slow=request.when_slow,
+            ),
+            robot,
+            report,
+        )
+    with open_recording(folder / BASELINE) as recording:
+        start_ns = recording.start_ns
+    return [_since(start_ns, decision) for decision in read_decisions(folder / DECISIONS)], notices
+
+
+def _since(start_ns: int, decision: Decision) -> Decision:
+    """The decision timed from the recording's start; what the runtime planned before held then already."""
+    return replace(decision, t_s=max(decision.stamp_ns - start_ns, 0) / NS_PER_S)
+
+
+def _replay(request: DemoRequest, folder: Path, rules: DemoRules) -> tuple[ReplayOutcome, Sequence[Decision]]:
+    """The baseline under the rules."""
+    decisions: list[Decision] = []
+    with (
+        request.progress("Replaying it under the rules") as report,
+        decision_log(folder / DECISIONS) as log,
+        open_recording(folder / BASELINE) as recording,
+    ):
+
+        def decided(new: Sequence[Decision]) -> None:
+            decisions.extend(new)
+            log(new)
+
+        outcome = replay(
+            ReplayRequest(
+                recording=recording,
+                rule_set=rules.rule_set,
+                output=folder / ADAPTIVE,
+                when_slow=request.when_slow,
+                decided=decided,
+                report=report,
+            )
+        )
+    return outcome, decisions
+
+
+def _write_report(
+    request: DemoRequest, folder: Path, rules: DemoRules, decisions: Sequence[Decision]
+) -> RunReport:
+    """Measure both recordings as they lie on disk, and show them."""
+    report = bag_report(
+        ReportRequest(
+            a=folder / BASELINE,
+            b=folder / ADAPTIVE,
+            title=_TITLE,
+            explanation=_EXPLANATION,
+            rule_set=rules.rule_set,
+            rule_texts={RULES: rules.text},
+            decisions=decisions,
+            # The zones that the report shows are those of the rules.
+            floor_plan=replace(warehouse(), zones=()),
+            provenance=tuple(_provenance(request)),
+            progress=request.progress,
+            called=lambda path: str(request.out / path.name),
+        )
+    )
+    (folder / REPORT).write_text(render_report(report), "utf-8")
+    return report
+
+
+def _provenance(request: DemoRequest) -> list[Fact]:
+    return [
+        Fact(label="SmartTestudo", value=__version__),
+        Fact(label="Default recording", value=BASELINE),
+        Fact(label="SmartTestudo recording", value=ADAPTIVE),
+        Fact(label="Length", value=f"{request.seconds:g} s"),
+        Fact(label="Time", value="virtual" if request.robot is None else "real, over ROS 2"),
+        Fact(label="Seed", value=str(request.seed)),
+        Fact(label="Camera frames", value="whole" if request.full_images else "small, with declared sizes"),
+        Fact(label="Where a target is above its source", value=request.when_slow.value),
+    ]
+
+
+def _settings(request: DemoRequest) -> dict[str, object]:
+    return {
+        "smarttestudo": __version__,
+        "seconds": request.seconds,
+        "seed": request.seed,
+        "full_images": request.full_images,
+        "when_slow": request.when_slow.value,
+        "live": request.robot is not None,
+    }

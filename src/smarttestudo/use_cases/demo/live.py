@@ -1,0 +1,198 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The demo in real time: robot and runtime are processes of their own, and this one records both."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from smarttestudo.adapters.rosbag import create_recording
+from smarttestudo.adapters.simulated_robot.messages import RobotMessages
+from smarttestudo.domain.errors import RosError, TestudoError
+from smarttestudo.domain.names import output_name
+from smarttestudo.domain.payload import Payload
+from smarttestudo.domain.recording import Channel, RecordingWriter
+from smarttestudo.domain.robot import Qos, Robot, Subscription
+from smarttestudo.domain.units import NS_PER_S, ns_from_s
+from smarttestudo.pacing.sample import WhenSlow
+from smarttestudo.simulation.readings import Topic
+from smarttestudo.use_cases.demo.mission import DECLARED_BYTES
+from smarttestudo.use_cases.live.decisions import DECISIONS_TOPIC
+from smarttestudo.use_cases.live.output_topics import DEFAULT_OUTPUT_TOPIC
+
+_END_TIMEOUT_S = 10.0
+
+
+class ChildProcess:
+    """A running ``testudo``, whose output goes to the file ``log``."""
+
+    def __init__(self, name: str, process: subprocess.Popen[bytes], log: Path) -> None:
+        self._name = name
+        self._process = process
+        self._log = log
+
+    def is_running(self) -> bool:
+        """Whether it still runs. Raises ``TestudoError`` with the last line of its log where it failed."""
+        code = self._process.poll()
+        if code in (None, 0):
+            return code is None
+        lines = self._log.read_text(encoding="utf-8", errors="replace").splitlines()
+        said = lines[-1] if lines else f"exit code {code}"
+        raise TestudoError(f"the {self._name} failed: {said}")
+
+    def end(self) -> None:
+        """Ask it to end as by Ctrl-C, and make it if it does not."""
+        self._process.send_signal(signal.SIGINT)
+        try:
+            self._process.wait(_END_TIMEOUT_S)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+
+
+@contextmanager
+def child_process(name: str, arguments: Sequence[str], log: Path) -> Iterator[ChildProcess]:
+    """``testudo`` with ``arguments`` while the block lasts, then ended."""
+    with log.open("wb") as output:
+        process = subprocess.Popen(  # noqa: S603  our own program, with arguments that we make
+            [sys.executable, "-m", "smarttestudo", *arguments],
+            stdin=subprocess.DEVNULL,
+            stdout=output,
+            stderr=subprocess.STDOUT,
+            # Ctrl-C in the terminal ends this process, which ends the others in order.
+            start_new_session=True,
+        )
+        child = ChildProcess(name, process, log)
+        try:
+            yield child
+        finally:
+            child.end()
+
+
+_QOS = Qos(reliable=True, transient_local=False, depth=100)
+
+
+@contextmanager
+def recorded(
+    robot: Robot,
+    folder: Path,
+    channels: Iterable[Channel],
+    declared_bytes: Mapping[str, int],
+    heard_as: Callable[[str], str] = str,
+) -> Iterator[None]:
+    """Record the topics of ``channels`` into a new recording ``folder`` while the block handles messages.
+
+    They are recorded by their own name, and heard by that which ``heard_as`` makes of it. Stamps are the
+    node's time at which messages came.
+
+    Raises:
+        RecordingError: it cannot be written.
+        RosError: a topic cannot be heard.
+    """
+    with create_recording(folder, declared_bytes=declared_bytes) as recording, ExitStack() as subscriptions:
+        for channel in channels:
+            recording.add(channel)
+            subscriptions.callback(_heard(robot, channel, heard_as(channel.topic), recording).close)
+        yield
+
+
+def _heard(robot: Robot, channel: Channel, topic: str, recording: RecordingWriter) -> Subscription:
+    def receive(payload: Payload, _publisher: Hashable) -> None:
+        recording.write(channel, robot.now_ns(), payload[:])
+
+    return robot.data_path.subscribe(topic, channel.type_name, _QOS, receive)
+
+
+LOGS = ("runtime.log", "robot.log")
+_LOOK_S = 0.1
+_START_TIMEOUT_S = 40.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LiveDemoRequest:
+    """How long a mission, with which noise, under which rules, and where everything goes.
+
+    Without ``full_images`` the robot has no raw camera.
+    """
+
+    baseline: Path
+    adaptive: Path
+    rules: Path
+    decisions: Path
+    logs: Path
+    seconds: float
+    seed: int
+    full_images: bool
+    when_slow: WhenSlow
+
+
+def record_live(request: LiveDemoRequest, robot: Robot, report: Callable[[float], None]) -> tuple[str, ...]:
+    """Let the robot drive under the runtime, and record both. What was left out, a line for each topic.
+
+    Raises:
+        TestudoError: one of the processes failed.
+        RecordingError: a recording cannot be written.
+    """
+    channels, left_out = _channels(robot, full_images=request.full_images)
+    declared_bytes = {} if request.full_images else DECLARED_BYTES
+    runtime_log, robot_log = (request.logs / name for name in LOGS)
+    with (
+        recorded(robot, request.baseline, channels, declared_bytes),
+        recorded(robot, request.adaptive, channels, declared_bytes, _monitored),
+        child_process("runtime", _run_arguments(request), runtime_log) as runtime,
+    ):
+        _await_publisher(robot, DECISIONS_TOPIC, runtime)
+        with child_process("simulated robot", _simulate_arguments(request), robot_log) as driver:
+            _await_publisher(robot, Topic.ODOM.value, driver)
+            end_ns = robot.now_ns() + ns_from_s(request.seconds)
+            while (left_ns := end_ns - robot.now_ns()) > 0 and runtime.is_running() and driver.is_running():
+                robot.wait(end_ns, _LOOK_S)
+                report(1 - left_ns / NS_PER_S / request.seconds)
+            # It ends before the robot does, which would be a change of plans of its own.
+            runtime.end()
+    return left_out
+
+
+def _channels(robot: Robot, *, full_images: bool) -> tuple[list[Channel], tuple[str, ...]]:
+    """The topics that the robot will publish, and why it will not publish the others."""
+    channels, left_out = [], []
+    for topic, channel in RobotMessages().channels.items():
+        if topic is Topic.IMAGE and not full_images:
+            left_out.append(f"{topic.value}: off without --full-images")
+        elif not robot.data_path.knows(channel.type_name):
+            left_out.append(f"{topic.value}: the message type {channel.type_name} is not installed")
+        else:
+            channels.append(channel)
+    return channels, tuple(left_out)
+
+
+def _await_publisher(robot: Robot, topic: str, process: ChildProcess) -> None:
+    deadline_ns = robot.now_ns() + ns_from_s(_START_TIMEOUT_S)
+    while not robot.publishers(topic):
+        if not process.is_running() or robot.now_ns() > deadline_ns:
+            raise RosError(f"nobody published {topic}", remedy="try again with another ROS_DOMAIN_ID")
+        robot.wait(None, _LOOK_S)
+
+
+def _monitored(topic: str) -> str:
+    return output_name(topic, DEFAULT_OUTPUT_TOPIC)
+
+
+def _run_arguments(request: LiveDemoRequest) -> list[str]:
+    return [
+        "run",
+        *("--rules", str(request.rules)),
+        *("--decisions", str(request.decisions)),
+        *("--when-slow", request.when_slow.value),
+    ]
+
+
+def _simulate_arguments(request: LiveDemoRequest) -> list[str]:
+    arguments = ["simulate", "--seed", str(request.seed)]
+    return [*arguments, "--full-images"] if request.full_images else arguments

@@ -1,0 +1,48 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The rules of a demo: its own, or those that somebody made of them after a former demo."""
+
+from __future__ import annotations
+
+import shutil
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+
+from smarttestudo.adapters.files.rule_files import read_rule_text
+from smarttestudo.adirf.rule_set import RuleSet
+from smarttestudo.domain.errors import RuleFileError
+from smarttestudo.use_cases.rules.rule_sets import check_texts
+
+RULES = "warehouse.adirf"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DemoRules:
+    """The rules to drive under; ````are_edited`` where they are not the demo's own."""
+
+    text: str
+    rule_set: RuleSet
+    are_edited: bool
+
+
+def put_rules(folder: Path, former: Path) -> DemoRules:
+    """Put the rules into a new demo's ``folder``: those in ``former`` where somebody edited them.
+
+    Raises:
+        RuleFileError: the edited rules cannot be read or have an error.
+    """
+    own = files("smarttestudo.simulation").joinpath(RULES).read_bytes()
+    kept, path = former / RULES, folder / RULES
+    are_edited = kept.is_file() and kept.read_bytes() != own
+    if are_edited:
+        shutil.copy(kept, path)
+    else:
+        path.write_bytes(own)
+    text = read_rule_text(path)
+    loaded = check_texts({RULES: text})
+    for error in loaded.errors:
+        place = f"{kept}:{error.span.line}:{error.span.column}"
+        remedy = "mend it, or move the file away to have the demo's own rules"
+        raise RuleFileError(error.message, place=place, remedy=remedy)
+    return DemoRules(text=text, rule_set=loaded.rule_set, are_edited=are_edited)

@@ -1,0 +1,85 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The simulated robot on a real ROS graph, in real time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from smarttestudo.adapters.simulated_robot.messages import RobotMessages
+from smarttestudo.domain.robot import Publisher, Qos, Robot
+from smarttestudo.domain.units import ns_from_s
+from smarttestudo.simulation.mission import MissionRequest, drive_mission
+from smarttestudo.simulation.readings import TimedReading, Topic
+from smarttestudo.simulation.warehouse import patrol, warehouse
+from smarttestudo.use_cases.demo.mission import JPEG_BYTES
+
+_QOS = Qos(reliable=True, transient_local=False)
+_LONGEST_WAIT_S = 0.2
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SimulateRequest:
+    """How long the robot drives (``None``: until stopped), and with which noise.
+
+    Without ``full_images`` it has no raw camera, and its compressed frames are small.
+    """
+
+    seconds: float | None
+    seed: int
+    full_images: bool
+
+
+def simulate(request: SimulateRequest, robot: Robot, stopped: Callable[[], bool]) -> None:
+    """Publish what the robot's devices say, each reading when its time comes, until it drove or ``stopped``.
+
+    Topics whose message type is not installed are left out, and the log says so in passing.
+    """
+    messages = RobotMessages(jpeg_bytes=JPEG_BYTES if request.full_images else None)
+    publishers = _publishers(robot, messages, full_images=request.full_images)
+    start_ns = robot.now_ns()
+    end_ns = None if request.seconds is None else start_ns + ns_from_s(request.seconds)
+    robot.log.info(f"Driving the patrol with {len(publishers)} topics{_left_out(robot, messages)}")
+    mission = MissionRequest(
+        plan=warehouse(),
+        route=patrol(),
+        seed=request.seed,
+        start_ns=start_ns,
+        full_images=request.full_images,
+    )
+    for timed in drive_mission(mission):
+        if (end_ns is not None and timed.time_ns >= end_ns) or not _await(timed, robot, stopped):
+            return
+        publisher = publishers.get(timed.topic)
+        if publisher is not None:
+            publisher.publish(messages.payload(timed.topic, timed.reading))
+
+
+def _await(timed: TimedReading, robot: Robot, stopped: Callable[[], bool]) -> bool:
+    """Wait for the reading's time; whether to go on."""
+    while robot.now_ns() < timed.time_ns and not stopped():
+        robot.wait(timed.time_ns, _LONGEST_WAIT_S)
+    return not stopped()
+
+
+def _publishers(robot: Robot, messages: RobotMessages, *, full_images: bool) -> Mapping[Topic, Publisher]:
+    publishers = {}
+    for topic, channel in messages.channels.items():
+        if topic is Topic.IMAGE and not full_images:
+            continue
+        if robot.data_path.knows(channel.type_name):
+            publishers[topic] = robot.data_path.advertise(topic.value, channel.type_name, _QOS)
+    return publishers
+
+
+def _left_out(robot: Robot, messages: RobotMessages) -> str:
+    """Nobody who asks for a robot asked for every one of its topics, so this is no warning."""
+    missing = {
+        topic.value: channel.type_name
+        for topic, channel in messages.channels.items()
+        if not robot.data_path.knows(channel.type_name)
+    }
+    if not missing:
+        return ""
+    return f", without {', '.join(missing)} ({', '.join(sorted(set(missing.values())))} is not installed)"

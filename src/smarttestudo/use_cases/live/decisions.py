@@ -1,0 +1,59 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Where the decisions of a live run go."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from smarttestudo.domain.decision import Decision
+from smarttestudo.domain.errors import said
+from smarttestudo.domain.json_text import json_text
+from smarttestudo.domain.robot import Qos, Robot
+
+DECISIONS_TOPIC = "/testudo/decisions"
+# Late subscribers get the last decisions, so that they see which plan holds.
+DECISIONS_QOS = Qos(reliable=True, transient_local=True, depth=100)
+
+Decided = Callable[[Sequence[Decision]], None]
+"""Takes decisions in order. One that raises is given no more."""
+
+
+class LiveDecisions:
+    """Gives decisions to ``decided``, the node's log and ``DECISIONS_TOPIC``. May raise ``RosError``."""
+
+    def __init__(self, robot: Robot, decided: Sequence[Decided]) -> None:
+        self._robot = robot
+        self._announce = robot.text_publisher(DECISIONS_TOPIC, DECISIONS_QOS)
+        self._decided: list[Decided] = [*decided, self._log, self._announce_all]
+
+    def report(self, decisions: Sequence[Decision]) -> None:
+        """Tell everyone who still takes them."""
+        if decisions:
+            self._decided = [decided for decided in self._decided if self._took(decided, decisions)]
+
+    def _took(self, decided: Decided, decisions: Sequence[Decision]) -> bool:
+        try:
+            decided(decisions)
+        except Exception as error:  # noqa: BLE001 - whatever telling fails of, relaying goes on
+            self._robot.log.warning(f"{said(error)}; no further decisions go there")
+            return False
+        return True
+
+    def _log(self, decisions: Sequence[Decision]) -> None:
+        for decision in decisions:
+            self._robot.log.info(decision_line(decision))
+
+    def _announce_all(self, decisions: Sequence[Decision]) -> None:
+        for decision in decisions:
+            self._announce(json_text(decision.to_json(), ascii_only=False))
+
+
+def decision_line(decision: Decision) -> str:
+    """A decision for the log: what changed, and why."""
+    planned = decision.planned
+    if decision.is_end:
+        return f"{decision.topic}: no longer relayed ({planned.reason.value})"
+    before = "" if decision.from_rate is None else f"{decision.from_rate} → "
+    why = planned.reason.value if planned.rule is None else f"{planned.reason.value}: {planned.rule}"
+    return f"{decision.topic}: {before}{planned.rate} ({why})"

@@ -1,0 +1,151 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The loop, driven by what arrives, what the graph shows and the time between."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable
+
+from smarttestudo.adapters.files.own_process import read_own_process
+from smarttestudo.domain.errors import said
+from smarttestudo.domain.observation import LinkBudget
+from smarttestudo.domain.payload import Payload
+from smarttestudo.domain.robot import Robot
+from smarttestudo.domain.status import RulesInForce
+from smarttestudo.runtime.inputs import ChangeInput, LoopInput, MessageInput, RulesInput, WakeInput
+from smarttestudo.use_cases.live.decisions import LiveDecisions
+from smarttestudo.use_cases.live.input_recorder import InputRecorder
+from smarttestudo.use_cases.live.losses import LiveLosses
+from smarttestudo.use_cases.live.rules import LiveRules
+from smarttestudo.use_cases.live.sampling import LiveSampling
+from smarttestudo.use_cases.live.status import LiveStatus
+from smarttestudo.use_cases.live.status_topics import StatusPublisher, StatusTimer
+from smarttestudo.use_cases.live.topics import LiveTopics
+
+LOOK_PERIOD_S = 0.2
+"""How often to look whether to stop, and whether other rules are to hold."""
+
+
+class LiveRun:
+    """Drives a loop, which follows ``rules``, in the node's time."""
+
+    def __init__(
+        self, robot: Robot, inputs: InputRecorder, rules: LiveRules, decisions: LiveDecisions
+    ) -> None:
+        self._robot = robot
+        self._inputs = inputs
+        self._loop = loop = inputs.loop(rules, robot.now_ns())
+        self._decisions = decisions
+        self._rules = rules
+        self._topics = LiveTopics(robot, self._receive, self._priority_of, is_lazy=not inputs.is_recording)
+        self._topics.follow(rules.monitored, loop.knowledge.watched, loop.relays.leaders)
+        robot.log.info(f"Data path: {robot.data_path.description}")
+        self._losses = LiveLosses(robot.log)
+        self._sampling = LiveSampling(loop, may_rest=not inputs.is_recording)
+        self._status = LiveStatus(robot.name, read_own_process())
+        self._publisher = StatusPublisher(robot)
+        self._timer = StatusTimer(robot)
+        self._has_failed_to_tell = False
+        self._standing: Callable[[], RulesInForce] = lambda: self._rules.in_force
+
+    def drive(self, stopped: Callable[[], bool]) -> None:
+        """Until ``stopped``."""
+        self._robot.look_at_graph(self._look)
+        self._robot.every(self._timer.period_s, self._tell)
+        while not stopped():
+            self._report()
+            self._robot.wait(self._wake_ns, LOOK_PERIOD_S)
+            self._wake()
+        self._report()
+
+    def reload(self, rules: LiveRules) -> None:
+        """Let other rules hold; to be called between two messages, that is, within ``Robot.wait``."""
+        self._rules, now_ns = rules, self._robot.now_ns()
+        self._take(RulesInput(stamp_ns=now_ns, rule_set=rules.rule_set, profile=rules.profile))
+        self._topics.follow(rules.monitored, self._loop.knowledge.watched, self._loop.relays.leaders)
+        self._look(has_changed=True)
+
+    def set_budget(self, budget_kb_per_s: float) -> None:
+        """The relayed topics may take so much from now on."""
+        budget = LinkBudget(link_kb_per_s=budget_kb_per_s)
+        self._take(ChangeInput(stamp_ns=self._robot.now_ns(), change=budget))
+
+    def set_status_hz(self, status_hz: float) -> None:
+        """Tell what goes on so often from now on, as long as somebody listens."""
+        self._timer.asked_hz = status_hz
+
+    def ask_standing(self, standing: Callable[[], RulesInForce]) -> None:
+        """Have ``standing`` say how the rules came to hold."""
+        self._standing = standing
+
+    def _priority_of(self, topic: str) -> float:
+        return self._loop.knowledge.profile.topic(topic).priority
+
+    @property
+    def _wake_ns(self) -> int | None:
+        loop_ns, sampling_ns = self._loop.next_wake_ns, self._sampling.wake_ns
+        if loop_ns is None or sampling_ns is None:
+            return sampling_ns if loop_ns is None else loop_ns
+        return min(loop_ns, sampling_ns)
+
+    def _wake(self) -> None:
+        now_ns = self._robot.now_ns()
+        wake_ns = self._loop.next_wake_ns
+        if wake_ns is not None and wake_ns <= now_ns:
+            self._take(WakeInput(stamp_ns=now_ns))
+        wake_ns = self._sampling.wake_ns
+        if wake_ns is not None and wake_ns <= now_ns:
+            self._sampling.on_wake(now_ns)
+
+    def _receive(self, topic: str, payload: Payload, publisher: Hashable) -> None:
+        message = self._topics.decoded(topic, payload) if self._loop.knowledge.reads(topic) else None
+        self._sampling.received(topic, len(payload))
+        now_ns = self._robot.now_ns()
+        self._take(MessageInput(now_ns, topic, payload, len(payload), message, publisher))
+
+    def _look(self, has_changed: bool) -> None:  # noqa: FBT001 - what a robot calls
+        # What is due goes out before a topic is opened anew, perhaps with another type.
+        now_ns = self._robot.now_ns()
+        self._take(WakeInput(stamp_ns=now_ns))
+        for change in self._topics.look(has_changed=has_changed):
+            self._take(ChangeInput(stamp_ns=now_ns, change=change))
+        for heard in self._topics.listeners():
+            self._take(ChangeInput(stamp_ns=now_ns, change=heard))
+        self._sampling.look(self._topics.lone_subscriptions(), now_ns)
+        self._losses.look(self._topics.subscriptions(), now_ns)
+
+    def _take(self, given: LoopInput) -> None:
+        self._inputs.record(given, self._rules)
+        for one in self._loop.take(given):
+            self._topics.publish(one)
+            self._status.note(one)
+
+    def _tell(self) -> float:
+        self._take(WakeInput(stamp_ns=self._robot.now_ns()))
+        try:
+            return self._told()
+        except Exception as error:  # noqa: BLE001 - whatever telling fails of, relaying goes on
+            if not self._has_failed_to_tell:
+                self._has_failed_to_tell = True
+                self._robot.log.warning(f"{said(error)}; some statuses are missing")
+            return self._timer.period_s
+
+    def _told(self) -> float:
+        """Tell what goes on; in how many seconds to do so again."""
+        process, now_ns = read_own_process(), self._robot.now_ns()
+        status = self._status.look(
+            self._loop,
+            self._topics.links(),
+            self._standing(),
+            process,
+            now_ns,
+            status_hz=self._timer.status_hz,
+        )
+        self._publisher.announce(status, diagnostics_too=self._timer.is_diagnosis_due(process.steady_ns))
+        return self._timer.next_s(read_own_process().cpu_ns - process.cpu_ns)
+
+    def _report(self) -> None:
+        decisions = self._loop.take_decisions()
+        if decisions:
+            self._decisions.report(decisions)
+            self._sampling.look(self._topics.lone_subscriptions(), self._robot.now_ns())

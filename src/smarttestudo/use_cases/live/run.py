@@ -1,0 +1,60 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The runtime beside a robot's ROS graph."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+
+from smarttestudo.domain.robot import Robot
+from smarttestudo.use_cases.live.decisions import Decided, LiveDecisions
+from smarttestudo.use_cases.live.fallback import Fallback
+from smarttestudo.use_cases.live.input_recorder import InputRecorder, Note
+from smarttestudo.use_cases.live.live_run import LOOK_PERIOD_S, LiveRun
+from smarttestudo.use_cases.live.output_topics import OutputTopic
+from smarttestudo.use_cases.live.rule_manager import RuleManager, first_rules
+from smarttestudo.use_cases.live.rules import LiveRuleFiles
+from smarttestudo.use_cases.live.run_parameters import RunParameters
+
+
+def run_live(
+    parameters: RunParameters,
+    robot: Robot,
+    stopped: Callable[[], bool],
+    decided: Sequence[Decided] = (),
+    note: Note | None = None,
+) -> None:
+    """Relay until ``stopped``; ``decided`` are given the decisions, ``note`` what the loop is given.
+
+    Raises:
+        RosError: decisions cannot be published at all.
+        UsageError: the names of monitored topics are invalid, or those of other topics.
+    """
+    request = parameters.request
+    resolve = partial(_resolved, robot.resolve, request.topic_prefix)
+    output_topic = OutputTopic(pattern=request.output_topic, is_elsewhere=robot.has_output_domain)
+    files = LiveRuleFiles(request.rules, request.profile, resolve=resolve, output_topic=output_topic)
+    fallback = Fallback(robot, output_topic=output_topic, topic_prefix=request.topic_prefix)
+    first = first_rules(robot, files, request.rules_text)
+    decisions = LiveDecisions(robot, decided)
+    if robot.now_ns() == 0:
+        robot.log.info("Waiting for simulated time on /clock")
+    while robot.now_ns() == 0 and not stopped():
+        robot.wait(None, LOOK_PERIOD_S)
+    if stopped():
+        return
+    if first.rules is None:
+        fallback.look()
+    rules = first.rules or fallback.rules()
+    live = LiveRun(robot, InputRecorder(robot, request, note), rules, decisions)
+    live.set_status_hz(request.status_hz)
+    keeper = RuleManager(robot, live, files, fallback, first)
+    with keeper.keep():
+        parameters.serve(keeper.accept)
+        robot.log.info(f"Relaying {len(rules.monitored)} topics as {request.output_topic}")
+        live.drive(stopped)
+
+
+def _resolved(resolve: Callable[[str], str], prefix: str, topic: str) -> str:
+    return f"{prefix}{resolve(topic)}"

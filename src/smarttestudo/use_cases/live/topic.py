@@ -1,0 +1,276 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""One topic of a robot while it runs: its source, its publishers, and the relay between them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+
+from smarttestudo.domain.errors import RosError
+from smarttestudo.domain.payload import Payload
+from smarttestudo.domain.robot import DataPath, Endpoint, Publisher, Qos, Receive, Robot, Subscription
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TopicLink:
+    """What a relayed topic is connected to on the graph.
+
+    ``incompatible`` are the nodes among the ``subscribers`` of the output that its QoS cannot serve.
+    """
+
+    output: str
+    type_name: str | None = None
+    publishers: int = 0
+    transient_local: bool = False
+    has_header: bool = False
+    subscribers: int = 0
+    incompatible: tuple[str, ...] = ()
+    problem: str | None = None
+
+
+def topic_link(
+    robot: Robot,
+    output: str,
+    source: LiveSource | None,
+    subscribers: Sequence[Endpoint],
+    problem: str | None,
+) -> TopicLink:
+    """The links of a topic whose publishers make ``source``, relayed to ``output``.
+
+    ``problem`` says why it cannot be relayed.
+    """
+    if source is None:
+        return TopicLink(output=output, subscribers=len(subscribers), problem=problem)
+    return TopicLink(
+        output=output,
+        type_name=source.type_name,
+        publishers=source.publishers,
+        transient_local=source.qos.transient_local,
+        has_header=robot.begins_with_header(source.type_name),
+        subscribers=len(subscribers),
+        incompatible=tuple(sorted({one.node for one in subscribers if not_offered(source.qos, one)})),
+        problem=problem,
+    )
+
+
+DEPTH = 10
+# The last messages of all publishers come at once, and one may keep more of them than ten others.
+LATCHED_SUBSCRIPTION_DEPTH = 100
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LiveSource:
+    """What the publishers of a topic have in common.
+
+    ``other_types`` are types that some publish beside ``type_name``; those publishers do not count. ``gids``
+    are those of the publishers, of the last ones where none is left; a source with others is still the same.
+    """
+
+    type_name: str
+    publishers: int
+    qos: Qos
+    other_types: tuple[str, ...] = ()
+    gids: frozenset[bytes] = field(default=frozenset(), compare=False)
+
+    @property
+    def subscription_qos(self) -> Qos:
+        """What a subscription asks for, ``qos`` being what a publisher offers."""
+        if not self.qos.transient_local:
+            return self.qos
+        return replace(self.qos, depth=max(LATCHED_SUBSCRIPTION_DEPTH, self.qos.depth))
+
+
+def live_source(endpoints: Sequence[Endpoint], before: LiveSource | None) -> LiveSource | None:
+    """The source that ``endpoints`` make, after ``before``; ``None`` while nobody ever published.
+
+    A subscriber may ask only for what every publisher offers, and its output promises no more.
+    A source without publishers keeps its type and QoS, so that it is heard at once when it comes back.
+    """
+    types = sorted({endpoint.type_name for endpoint in endpoints})
+    if not types:
+        return None if before is None else replace(before, publishers=0, other_types=())
+    type_name = before.type_name if before is not None and before.type_name in types else types[0]
+    counted = [endpoint for endpoint in endpoints if endpoint.type_name == type_name]
+    transient_local = all(endpoint.transient_local for endpoint in counted)
+    return LiveSource(
+        type_name=type_name,
+        publishers=len(counted),
+        qos=Qos(
+            reliable=all(endpoint.reliable for endpoint in counted),
+            transient_local=transient_local,
+            depth=max(DEPTH, 2 * len(counted)) if transient_local else DEPTH,
+        ),
+        other_types=tuple(other for other in types if other != type_name),
+        gids=frozenset(endpoint.gid for endpoint in counted),
+    )
+
+
+def suits(had: LiveSource, now: LiveSource) -> bool:
+    """Whether what was opened for ``had`` does for ``now``: latched messages are lost with what held them."""
+    return (
+        had.type_name == now.type_name
+        and replace(had.qos, depth=0) == replace(now.qos, depth=0)
+        and had.qos.depth >= now.qos.depth
+    )
+
+
+def not_offered(offered: Qos, subscriber: Endpoint) -> tuple[str, ...]:
+    """What ``subscriber`` asks for beyond ``offered``; if there is anything, it receives nothing."""
+    unmet = {
+        "reliable delivery": subscriber.reliable and not offered.reliable,
+        "transient local durability": subscriber.transient_local and not offered.transient_local,
+    }
+    return (*(policy for policy, is_unmet in unmet.items() if is_unmet), *subscriber.asks)
+
+
+MAX_PUBLISHERS = 64
+
+
+class PublisherPool:
+    """One publisher for all, or with ``one_each`` one for each publisher of the source.
+
+    The latter is for latched topics: a publisher keeps the last messages only, so that a source's publisher
+    that often says something would push out what another one said once. ``advertise`` may raise ``RosError``.
+    """
+
+    def __init__(self, advertise: Callable[[], Publisher], *, one_each: bool) -> None:
+        self._advertise = advertise
+        self._one_each = one_each
+        self._of: dict[Hashable, Publisher] = {}
+        # One is there before the first message, so that subscribers find it in time.
+        self._spare: Publisher | None = advertise()
+
+    def publish(self, payload: Payload, publisher: Hashable) -> None:
+        """Send a message of ``publisher``. Raises ``RosError``."""
+        key = publisher if self._one_each else None
+        open_publisher = self._of.get(key)
+        if open_publisher is None:
+            open_publisher = self._open(key)
+        open_publisher.publish(payload)
+
+    def forget(self, publishers: Iterable[Hashable]) -> None:
+        """These are gone, and what they latched goes with them. Raises ``RosError``."""
+        gone = [self._of.pop(publisher) for publisher in publishers if publisher in self._of]
+        if gone and not self._of and self._spare is None:
+            self._spare = self._advertise()
+        for open_publisher in gone:
+            open_publisher.close()
+
+    def close(self) -> None:
+        """Send nothing more."""
+        for open_publisher in (*self._of.values(), self._spare):
+            if open_publisher is not None:
+                open_publisher.close()
+
+    def _open(self, key: Hashable) -> Publisher:
+        if len(self._of) >= MAX_PUBLISHERS:
+            key = None
+        if key not in self._of:
+            self._of[key] = self._spare or self._advertise()
+            self._spare = None
+        return self._of[key]
+
+
+class OpenTopic:
+    """What is open for one topic, following its source.
+
+    ``output`` is its monitored topic, ``None`` if it is only watched. ``unheard`` are publishers whose
+    messages are dropped. ``problem`` says why nothing is open: what opens something may raise ``RosError``;
+    it is not tried again until the source changes.
+    """
+
+    def __init__(
+        self, topic: str, output: str | None, path: DataPath, receive: Receive, priority: float = 0.0
+    ) -> None:
+        self.topic = topic
+        self.output = output
+        self.source: LiveSource | None = None
+        self.unheard: frozenset[Hashable] = frozenset()
+        self.problem: str | None = None
+        self._path = path
+        self._receive = receive
+        self._priority = priority
+        self.is_wanted = False
+        self._opened_for: LiveSource | None = None
+        self.subscription: Subscription | None = None
+        self._publishers: PublisherPool | None = None
+
+    def follow(self, source: LiveSource) -> None:
+        """Open what ``source`` needs, anew where what is open does not suit it. Raises ``RosError``."""
+        before, self.source = self.source, source
+        if self._opened_for is None or not suits(self._opened_for, source):
+            self._open()
+        elif before is not None and self._publishers is not None and source.publishers:
+            self._publishers.forget(before.gids - source.gids)
+
+    def want(self, *, is_wanted: bool) -> bool:
+        """Subscribe, or do so no longer; whether that is a change. Raises ``RosError``."""
+        if is_wanted == self.is_wanted:
+            return False
+        self.is_wanted = is_wanted
+        if self._opened_for is None:
+            return False
+        if is_wanted:
+            with self._closed_on_error():
+                self._subscribe(self._opened_for)
+        elif self._opened_for.qos.transient_local:
+            # What is latched comes anew with the next subscription, and must not be there twice.
+            self._open()
+        else:
+            self._unsubscribe()
+        return True
+
+    def publish(self, payload: Payload, publisher: Hashable) -> None:
+        """Send a message on the monitored topic. Raises ``RosError``."""
+        if self._publishers is not None:
+            self._publishers.publish(payload, publisher)
+
+    def close(self) -> None:
+        """Receive and send nothing more."""
+        self._opened_for = None
+        self._unsubscribe()
+        if self._publishers is not None:
+            self._publishers.close()
+            self._publishers = None
+
+    def _open(self) -> None:
+        self.close()
+        source = self.source
+        assert source is not None
+        with self._closed_on_error():
+            if self.output is not None:
+                self._publishers = self._publishers_to(self.output, source)
+            if self.is_wanted:
+                self._subscribe(source)
+        self._opened_for, self.problem = source, None
+
+    @contextmanager
+    def _closed_on_error(self) -> Iterator[None]:
+        try:
+            yield
+        except RosError as error:
+            self.close()
+            self.problem = error.cause
+            raise
+
+    def _publishers_to(self, output: str, source: LiveSource) -> PublisherPool:
+        return PublisherPool(
+            lambda: self._path.advertise(output, source.type_name, source.qos),
+            one_each=source.qos.transient_local and self._path.tells_publishers,
+        )
+
+    def _subscribe(self, source: LiveSource) -> None:
+        self.subscription = self._path.subscribe(
+            self.topic, source.type_name, source.subscription_qos, self._received, priority=self._priority
+        )
+
+    def _unsubscribe(self) -> None:
+        if self.subscription is not None:
+            self.subscription.close()
+            self.subscription = None
+
+    def _received(self, payload: Payload, publisher: Hashable) -> None:
+        if publisher not in self.unheard:
+            self._receive(payload, publisher)

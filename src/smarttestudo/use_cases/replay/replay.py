@@ -1,0 +1,231 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The loop over a recording, in virtual time: what the operator would have received."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from smarttestudo.adapters.rosbag import RosbagDecoder, create_recording
+from smarttestudo.adirf.rule_set import RuleSet
+from smarttestudo.domain.decision import Decision
+from smarttestudo.domain.errors import RecordingError
+from smarttestudo.domain.names import TOPIC_PLACEHOLDER
+from smarttestudo.domain.observation import SourceChanged, Undecodable
+from smarttestudo.domain.profile import Profile
+from smarttestudo.domain.recording import (
+    Channel,
+    MessageDecoder,
+    RecordingReader,
+    RecordingWriter,
+    Storage,
+)
+from smarttestudo.domain.units import LAST_STAMP_NS, NS_PER_S, counted
+from smarttestudo.pacing.sample import WhenSlow
+from smarttestudo.runtime.inputs import ChangeInput, MessageInput, WakeInput
+from smarttestudo.runtime.relay import Relayed
+from smarttestudo.runtime.relay_loop import RelayLoop
+from smarttestudo.use_cases.replay.outcome import ReplayOutcome, topic_outcome
+from smarttestudo.use_cases.replay.topics import ReplayTopics, absent_topics, replay_topics, require_decodable
+
+_REPORTS = 200
+
+
+def _ignore(_: object) -> None:
+    """Nobody wants to know."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReplayRequest:
+    """An opened recording, the rules, and where the monitored recording goes.
+
+    ``output_topic`` names monitored topics, with ``{topic}`` for the source's full name. ``decided`` is given
+    decisions in order, some at a time, ``report`` the share of the recording that is done, 0 … 1. Where there
+    is a ``writer``, it takes what is relayed, and no recording is made; ``arrived`` is shown every message,
+    ``stepped`` the time and the loop whenever that may have changed.
+    """
+
+    recording: RecordingReader
+    rule_set: RuleSet
+    output: Path
+    profile: Profile = field(default_factory=Profile)
+    when_slow: WhenSlow = WhenSlow.PASS
+    storage: Storage = Storage.SQLITE3
+    output_topic: str = TOPIC_PLACEHOLDER
+    budget_kb_per_s: float | None = None
+    decided: Callable[[Sequence[Decision]], None] = _ignore
+    report: Callable[[float], None] = _ignore
+    writer: RecordingWriter | None = None
+    arrived: Callable[[Channel, int, bytes], None] | None = None
+    stepped: Callable[[int, RelayLoop], None] | None = None
+
+
+def replay(request: ReplayRequest) -> ReplayOutcome:
+    """Run the loop over the recording and write what it relays.
+
+    Raises:
+        RecordingError: a check reads a topic whose type nobody knows; the output exists or cannot be written.
+        UsageError: ``output_topic`` gives no valid names.
+    """
+    started_s = time.perf_counter()
+    recording, rule_set = request.recording, request.rule_set
+    decoder = RosbagDecoder()
+    require_decodable(recording.channels, rule_set, decoder)
+    topics = replay_topics(recording.channels, rule_set, request.output_topic)
+    loop = RelayLoop(
+        rule_set, request.profile, recording.start_ns, request.when_slow, request.budget_kb_per_s
+    )
+    declared_bytes = {
+        topics.outputs[topic].topic: size
+        for topic, size in recording.declared_bytes.items()
+        if topic in topics.outputs
+    }
+    with _output(request, declared_bytes) as writer:
+        for channel in topics.outputs.values():
+            writer.add(channel)
+        run = _Run(request, loop, decoder, writer, topics)
+        run.drive()
+    return ReplayOutcome(
+        topics={
+            topic: topic_outcome(
+                statistics,
+                monitored_topic=topics.monitored[topic],
+                declared=topic in recording.declared_bytes,
+            )
+            for topic, statistics in loop.relays.statistics.items()
+        },
+        decisions=run.decisions,
+        notices=(*absent_topics(rule_set, topics.sources), *recording.notices(), *run.notices()),
+        duration_s=(recording.end_ns - recording.start_ns) / NS_PER_S,
+        wall_seconds=time.perf_counter() - started_s,
+    )
+
+
+def _output(
+    request: ReplayRequest, declared_bytes: Mapping[str, int]
+) -> AbstractContextManager[RecordingWriter]:
+    if request.writer is not None:
+        return nullcontext(request.writer)
+    return create_recording(
+        request.output,
+        storage=request.storage,
+        declared_bytes=declared_bytes,
+        custom_data=request.recording.custom_data,
+    )
+
+
+class _Run:
+    """Drives the loop with the messages of the recording and the time between them."""
+
+    def __init__(
+        self,
+        request: ReplayRequest,
+        loop: RelayLoop,
+        decoder: MessageDecoder,
+        writer: RecordingWriter,
+        topics: ReplayTopics,
+    ) -> None:
+        self.decisions = 0
+        self._request = request
+        self._loop = loop
+        self._decoder = decoder
+        self._writer = writer
+        self._sources = topics.sources
+        self._outputs = topics.outputs
+        self._second_types: Counter[str] = Counter()
+
+    def drive(self) -> None:
+        """From the first message to the last one that was held back."""
+        recording, loop = self._request.recording, self._loop
+        for topic, channel in self._sources.items():
+            change = SourceChanged(
+                topic=topic,
+                publishers=1,
+                transient_local=channel.transient_local,
+                type_name=channel.type_name,
+            )
+            self._write(loop.take(ChangeInput(stamp_ns=recording.start_ns, change=change)))
+        self._pass_messages()
+        self._wake_before(recording.end_ns + 1)
+        self._write(loop.finish(recording.end_ns))
+        self._report(recording.end_ns)
+
+    def notices(self) -> Iterator[str]:
+        """What was lost or odd, one line each."""
+        if self._loop.knowledge.floors_broke_budget:
+            yield "the floors alone took more than the budget at times; floors win"
+        for topic, count in self._second_types.items():
+            yield f"{topic}: recorded with two types; left out of the second: {counted(count, 'message')}"
+        for topic, count in self._loop.knowledge.undecodable.items():
+            yield f"{topic}: {counted(count, 'message')} could not be decoded; what checks read was unknown"
+        for signal, count in self._loop.knowledge.unknown_values.items():
+            yield f"{signal}: unknown in {counted(count, 'message')} (NaN, or no such field)"
+        for topic, count in self._loop.relays.discarded.items():
+            if count:
+                yield f"{topic}: {counted(count, 'message')} met none of the topic it is paced with"
+
+    def _pass_messages(self) -> None:
+        loop, declared_bytes = self._loop, self._request.recording.declared_bytes
+        sources = self._sources_needed()
+        decoded = frozenset(topic for topic in sources if loop.knowledge.reads(topic))
+        report_ns, arrived, stepped = 0, self._request.arrived, self._request.stepped
+        for channel, stamp_ns, payload in self._request.recording.messages():
+            topic = channel.topic
+            if arrived is not None:
+                arrived(channel, stamp_ns, payload)
+            if sources.get(topic) is not channel:
+                if topic in sources:
+                    self._second_types[topic] += 1
+                continue
+            if stamp_ns >= report_ns:
+                report_ns = stamp_ns + self._report(stamp_ns)
+            wake_ns = loop.next_wake_ns
+            if wake_ns is not None and wake_ns < stamp_ns:
+                self._wake_before(stamp_ns)
+            message = self._decoded(channel, payload) if topic in decoded else None
+            size_bytes = declared_bytes[topic] if topic in declared_bytes else len(payload)
+            relayed = loop.take(MessageInput(stamp_ns, topic, payload, size_bytes, message))
+            if relayed:
+                self._write(relayed)
+            if stepped is not None:
+                stepped(stamp_ns, loop)
+
+    def _sources_needed(self) -> dict[str, Channel]:
+        """The sources that are relayed or that checks read; the loop need not know of the others."""
+        rule_set = self._request.rule_set
+        needed = {*rule_set.relayed, *(signal.topic for signal in rule_set.signals)}
+        return {topic: channel for topic, channel in self._sources.items() if topic in needed}
+
+    def _decoded(self, channel: Channel, payload: bytes) -> object:
+        try:
+            return self._decoder.decode(channel, payload)
+        except RecordingError:
+            return Undecodable()
+
+    def _wake_before(self, stamp_ns: int) -> None:
+        """Let the loop do, each at its time, what it has to do before ``stamp_ns``."""
+        while (wake_ns := self._loop.next_wake_ns) is not None and wake_ns < stamp_ns:
+            self._write(self._loop.take(WakeInput(stamp_ns=wake_ns)))
+            if self._request.stepped is not None:
+                self._request.stepped(wake_ns, self._loop)
+
+    def _write(self, relayed: Iterable[Relayed]) -> None:
+        for topic, stamp_ns, payload, *_ in relayed:
+            # What was held back goes out after the last message, where there may be no time left.
+            self._writer.write(self._outputs[topic], min(stamp_ns, LAST_STAMP_NS), payload[:])
+
+    def _report(self, stamp_ns: int) -> int:
+        """Hand on decisions and progress; how many ns of the recording to go until the next time."""
+        decisions = self._loop.take_decisions()
+        if decisions:
+            self.decisions += len(decisions)
+            self._request.decided(decisions)
+        recording = self._request.recording
+        duration_ns = max(recording.end_ns - recording.start_ns, 1)
+        self._request.report((stamp_ns - recording.start_ns) / duration_ns)
+        return duration_ns // _REPORTS

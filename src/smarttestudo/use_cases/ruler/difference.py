@@ -1,0 +1,110 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What differs between two rule files for a robot, in words; nothing where only the layout does."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+
+from smarttestudo.adirf.document.meaning import condition_meaning, meaning
+from smarttestudo.adirf.formatter.text import number_text
+from smarttestudo.adirf.parser import ParseResult
+from smarttestudo.adirf.syntax import Block, KeepAtLeast, RateExpression, SetFrequency
+from smarttestudo.domain.rate import Tier
+
+_Rates = Mapping[str, str]
+
+
+def differences(old: ParseResult, new: ParseResult) -> tuple[str, ...]:
+    """Sentences such as ``Corridor: /scan 4 → 6 Hz``, defaults first, then rules in the new file's order."""
+    return tuple(_differences(old, new))
+
+
+def mean_the_same(old: ParseResult, new: ParseResult) -> bool:
+    """Whether a robot could not tell one from the other but by a rule's place.
+
+    Neither the order of blocks nor comments, layout and spellings matter.
+    """
+    return _meaning(old) == _meaning(new)
+
+
+def _meaning(result: ParseResult) -> object:
+    statements = result.file.statements
+    defaults = {one.topic.text: one.rate.value for one in statements if isinstance(one, SetFrequency)}
+    floors_hz: dict[str, float] = {}
+    for one in statements:
+        if isinstance(one, KeepAtLeast) and isinstance(one.rate.value, int | float):
+            floors_hz[one.topic.text] = max(one.rate.value, floors_hz.get(one.topic.text, 0.0))
+    blocks = Counter(meaning(one) for one in statements if isinstance(one, Block))
+    return result.is_valid, defaults, floors_hz, blocks
+
+
+def _differences(old: ParseResult, new: ParseResult) -> Iterator[str]:
+    yield from _rates("default", _settings(old, SetFrequency), _settings(new, SetFrequency))
+    yield from _rates("floor", _settings(old, KeepAtLeast), _settings(new, KeepAtLeast))
+    before, after = _blocks(old), _blocks(new)
+    yield from (f"{name}: removed" for name in before if name not in after)
+    for name, block in after.items():
+        if name in before:
+            yield from _block(name, before[name], block)
+        else:
+            yield f"{name}: added"
+
+
+def _settings(result: ParseResult, kind: type[SetFrequency | KeepAtLeast]) -> _Rates:
+    statements = (one for one in result.file.statements if isinstance(one, kind))
+    return {one.topic.text: _text(one.rate) for one in statements if not isinstance(one, Block)}
+
+
+def _blocks(result: ParseResult) -> dict[str, Block]:
+    """Blocks by what they are called; of several with one name, the later ones are numbered."""
+    blocks: dict[str, Block] = {}
+    unnamed = 0
+    for statement in result.file.statements:
+        if not isinstance(statement, Block):
+            continue
+        name, number = statement.label, 1
+        if statement.label == f"block at line {statement.span.line}":
+            # A line number moves with the layout, the place among such blocks does not.
+            unnamed += 1
+            name = f"unnamed rule {unnamed}"
+        while (key := name if number == 1 else f"{name} ({number})") in blocks:
+            number += 1
+        blocks[key] = statement
+    return blocks
+
+
+def _block(name: str, old: Block, new: Block) -> Iterator[str]:
+    if condition_meaning(old.condition) != condition_meaning(new.condition):
+        yield f"{name}: another condition"
+    if (old.priority or 0) != (new.priority or 0):
+        yield f"{name}: Priority {old.priority or 0} → {new.priority or 0}"
+    yield from _rates(name, _branch(old.then), _branch(new.then))
+    yield from _rates(f"{name}, Else", _branch(old.otherwise), _branch(new.otherwise))
+
+
+def _branch(statements: Sequence[SetFrequency]) -> _Rates:
+    return {one.topic.text: _text(one.rate) for one in statements}
+
+
+def _rates(name: str, old: _Rates, new: _Rates) -> Iterator[str]:
+    for topic in dict.fromkeys([*old, *new]):
+        before, after = old.get(topic), new.get(topic)
+        if before != after:
+            yield f"{name}: {topic} {_change(before, after)}"
+
+
+def _change(before: str | None, after: str | None) -> str:
+    if before is None or after is None:
+        return f"{after}, new" if before is None else f"{before}, removed"
+    if before.endswith(" Hz") and after.endswith(" Hz"):
+        before = before.removesuffix(" Hz")
+    return f"{before} → {after}"
+
+
+def _text(rate: RateExpression) -> str:
+    value = rate.value
+    if isinstance(value, int | float):
+        return f"{number_text(value)} Hz"
+    return value.value if isinstance(value, Tier) else str(value.value)

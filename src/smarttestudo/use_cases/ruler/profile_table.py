@@ -1,0 +1,130 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""A profile as a table of topics, and back into its text."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from msgspec import Struct, structs
+
+from smarttestudo.adapters.files.profile import parse_profile
+from smarttestudo.adapters.files.profile_edit import edited_profile
+from smarttestudo.adapters.files.toml_text import parse_toml
+from smarttestudo.domain.errors import ProfileError
+from smarttestudo.domain.names import is_topic_name
+
+SixRates = tuple[float, float, float, float, float, float]
+
+
+class ProfileRow(Struct, frozen=True, kw_only=True):
+    """One topic by the name that the text has for it; null stands for a key that is not written.
+
+    Sizes are in KB of 1000 B, rates in Hz.
+    """
+
+    topic: str
+    type: str | None = None
+    message_kb: float | None = None
+    source_hz: float | None = None
+    tiers_hz: SixRates | None = None
+    priority: float | None = None
+    min_hz: float | None = None
+    max_hz: float | None = None
+
+    def keys(self) -> dict[str, str | float | Sequence[float] | None]:
+        """The keys of the topic's table."""
+        return {key: value for key, value in structs.asdict(self).items() if key != "topic"}
+
+
+class ProfileParseRequest(Struct, frozen=True, kw_only=True):
+    """``POST /api/profile/parse`` → ``ProfileTable``."""
+
+    text: str
+    name: str = "profile.toml"
+
+
+class ProfileTable(Struct, frozen=True, kw_only=True):
+    """The topics of a profile in the order of the text, and its budget in KB/s."""
+
+    rows: tuple[ProfileRow, ...]
+    budget_kb_per_s: float | None = None
+
+
+class ProfileWriteRequest(ProfileTable, frozen=True, kw_only=True):
+    """``POST /api/profile/write`` → ``TextAnswer``: ``base_text`` with the values of the table.
+
+    Comments, order and keys that the table does not show stay. Topics that are not in ``rows`` are removed.
+    ``POST /api/profile/check`` → ``ProfileCheckAnswer``: whether that can be done.
+    """
+
+    base_text: str = ""
+    name: str = "profile.toml"
+
+
+class ProfileCheckAnswer(Struct, frozen=True, kw_only=True):
+    """Why a table cannot be written; empty if it can."""
+
+    problem: str
+
+
+def read_table(text: str, path: Path) -> ProfileTable:
+    """The table of the profile ``text``; ``ProfileError`` for one that has errors."""
+    budget_kb_per_s = parse_profile(text, path).budget_kb_per_s
+    values, _ = parse_toml(text, path)
+    topics = values.get("topics", {})
+    tables: Mapping[str, Mapping[str, object]] = topics if isinstance(topics, Mapping) else {}
+    return ProfileTable(
+        rows=tuple(_row(topic, table) for topic, table in tables.items()), budget_kb_per_s=budget_kb_per_s
+    )
+
+
+def write_table(table: ProfileTable, base_text: str, path: Path) -> str:
+    """``base_text`` with the values of ``table``.
+
+    Raises ``ProfileError`` for a row that no profile can hold, and for a text that cannot be edited so.
+    """
+    names = [row.topic for row in table.rows]
+    for name in names:
+        if not is_topic_name(name):
+            raise ProfileError(f"{name!r} is not a valid ROS 2 topic name", place=str(path))
+        if names.count(name) > 1:
+            raise ProfileError(
+                f"{name} is in the table twice", place=str(path), remedy="remove one of the rows"
+            )
+    text = edited_profile(
+        base_text,
+        path,
+        {"budget_kb_per_s": table.budget_kb_per_s},
+        {row.topic: row.keys() for row in table.rows},
+    )
+    parse_profile(text, path)
+    return text
+
+
+def six_rates(rates_hz: Sequence[float]) -> SixRates:
+    """The rates of the six levels, as which a profile that was read has them."""
+    one, two, three, four, five, six = rates_hz
+    return one, two, three, four, five, six
+
+
+def _row(topic: str, table: Mapping[str, object]) -> ProfileRow:
+    tiers = table.get("tiers_hz")
+    return ProfileRow(
+        topic=topic,
+        type=_text(table.get("type")),
+        tiers_hz=six_rates([float(one) for one in tiers]) if isinstance(tiers, list) else None,
+        **{key: _number(table.get(key)) for key in _NUMBERS},
+    )
+
+
+_NUMBERS = ("message_kb", "source_hz", "priority", "min_hz", "max_hz")
+
+
+def _number(value: object) -> float | None:
+    return float(value) if isinstance(value, int | float) else None
+
+
+def _text(value: object) -> str | None:
+    return value if isinstance(value, str) else None

@@ -1,0 +1,68 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What the page asks about running robots, and asks of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from smarttestudo.domain.errors import RosError
+from smarttestudo.use_cases.ruler import pushing
+from smarttestudo.use_cases.ruler.pushing import (
+    ConfirmAnswer,
+    ConfirmRequest,
+    PushAnswer,
+    PushPreview,
+    PushRequest,
+)
+from smarttestudo.use_cases.ruler.robot_link import RobotLink
+
+
+class UnknownRobotError(RosError):
+    """A robot that was never heard."""
+
+
+class WatchedRobots:
+    """The robots that ``link`` hears."""
+
+    def __init__(self, link: RobotLink) -> None:
+        self._link = link
+
+    def preview(self, request: PushRequest) -> PushPreview:
+        """What a push would change. Raises ``UnknownRobotError`` and what ``pushing.preview`` does."""
+        self._require_known(request.node)
+        return pushing.preview(self._link, request)
+
+    def push(self, request: PushRequest) -> PushAnswer:
+        """Let a robot follow the rules until they are confirmed; raises like ``preview``."""
+        self._require_known(request.node)
+        return pushing.push(self._link, request)
+
+    def confirm(self, request: ConfirmRequest) -> ConfirmAnswer:
+        """Let pushed rules hold for good. Raises ``UnknownRobotError`` and ``RosError``."""
+        self._require_known(request.node)
+        return pushing.confirm(self._link, request)
+
+    def topics(self) -> Mapping[str, str]:
+        """The types of what robots publish, as far as they can be known now."""
+        if not self._link.is_up:
+            return {}
+        relayed = {
+            topic: status.type_name
+            for seen in self._link.seen.values()
+            for topic, status in seen.status.topics.items()
+            if status.type_name is not None
+        }
+        try:
+            return {**relayed, **self._link.topics()}
+        except RosError:
+            # Words to suggest come from the files, too.
+            return relayed
+
+    def _require_known(self, node: str) -> None:
+        """Nothing is asked of a robot that never spoke."""
+        if node not in self._link.seen:
+            raise UnknownRobotError(
+                f"no SmartTestudo {node} was heard",
+                remedy=self._link.problem or "start `testudo run` in the same ROS domain",
+            )

@@ -1,0 +1,184 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The graph is looked at when it changes, and seldom while it does not."""
+
+from __future__ import annotations
+
+import importlib.util
+import time
+from collections.abc import Callable, Iterator
+
+import pytest
+
+from smarttestudo.adapters.ros import graph_looks, open_robot
+from smarttestudo.adapters.ros.graph_looks import GraphLooks
+from smarttestudo.adapters.ros.real_timers import RealTimers
+from smarttestudo.domain.robot import DataPathKind, OutputDomain, Qos, Robot
+
+# An old lark, which rclpy imports, uses a module of Python that is deprecated.
+pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
+
+TIMEOUT_S = 120.0
+QUIET_S = 2.0
+TEXT = "std_msgs/msg/String"
+PLAIN = Qos(reliable=True, transient_local=False)
+
+
+class Looks:
+    """Looks in virtual time, with whether the graph was known to have changed at each."""
+
+    def __init__(self, *, is_told: bool) -> None:
+        self.is_told = is_told
+        self.now_s = 0.0
+        self.seen: list[bool] = []
+        self._timers = RealTimers()
+        self.looks = GraphLooks(self._timers, self.seen.append, lambda: self.is_told, lambda: self.now_s)
+
+    def during(self, seconds: float) -> list[bool]:
+        """The looks of so many seconds."""
+        self.seen.clear()
+        end_s = self.now_s + seconds
+        while self._timers.due_s <= end_s:
+            self.now_s = self._timers.due_s
+            self._timers.act(self.now_s)
+        self.now_s = end_s
+        return [*self.seen]
+
+
+def test_a_quiet_graph_is_looked_at_once_a_second() -> None:
+    looks = Looks(is_told=True)
+    looks.during(1.0)
+    assert looks.during(60.0) == [False] * 60
+
+
+def test_a_graph_that_nobody_tells_of_is_looked_at_five_times_a_second() -> None:
+    looks = Looks(is_told=False)
+    assert looks.during(10.1) == [False] * 50
+
+
+def test_when_changes_are_told_no_more_it_is_looked_at_five_times_a_second_again() -> None:
+    looks = Looks(is_told=True)
+    looks.during(10.0)
+    looks.is_told = False
+    looks.looks.changed()
+    assert looks.during(10.1) == [True] + [False] * 50
+
+
+def test_a_change_is_looked_at_without_delay() -> None:
+    looks = Looks(is_told=True)
+    looks.during(10.5)
+    looks.looks.changed()
+    assert looks.during(0.0) == [True]
+
+
+def test_changes_one_after_the_other_are_looked_at_five_times_a_second_at_most_and_the_last_one_too() -> None:
+    looks = Looks(is_told=True)
+    looks.during(10.5)
+    seen: list[bool] = []
+    for _ in range(100):
+        looks.looks.changed()
+        seen += looks.during(0.01)
+    seen += looks.during(0.3)
+    assert seen == [True] * 6
+
+
+@pytest.fixture(params=[DataPathKind.RCL])
+def robot(request: pytest.FixtureRequest, domain: int, monkeypatch: pytest.MonkeyPatch) -> Iterator[Robot]:
+    """A robot that looks at its graph only when that is told to have changed, wherever changes are told."""
+    if importlib.util.find_spec("rclpy") is None:
+        pytest.skip("ROS 2 (rclpy) is not installed")
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    monkeypatch.setattr(graph_looks, "NET_PERIOD_S", 10 * TIMEOUT_S)
+    with open_robot(data_path=request.param) as opened:
+        yield opened
+
+
+def wait_until(robot: Robot, condition: Callable[[], bool]) -> None:
+    end_s = time.monotonic() + TIMEOUT_S
+    while not condition():
+        assert time.monotonic() < end_s, "nothing came in time"
+        robot.wait(None, 0.1)
+
+
+def wait_for_quiet(robot: Robot, looks: list[bool]) -> None:
+    """Wait until nothing was looked at for some seconds."""
+    count, since_s = len(looks), time.monotonic()
+
+    def is_quiet() -> bool:
+        nonlocal count, since_s
+        if len(looks) != count:
+            count, since_s = len(looks), time.monotonic()
+        return time.monotonic() >= since_s + QUIET_S
+
+    wait_until(robot, is_quiet)
+
+
+def test_publishers_and_subscribers_that_come_and_go_are_looked_at_and_nothing_else_is(robot: Robot) -> None:
+    looks: list[bool] = []
+    counts: list[tuple[int, int]] = []
+
+    def look(has_changed: bool) -> None:
+        looks.append(has_changed)
+        counts.append((robot.publisher_count("/words"), robot.subscriber_count("/words")))
+
+    robot.look_at_graph(look)
+    wait_for_quiet(robot, looks)
+    with open_robot(name="other") as other:
+        publisher = other.data_path.advertise("/words", TEXT, PLAIN)
+        wait_until(robot, lambda: counts[-1] == (1, 0))
+        subscription = other.data_path.subscribe("/words", TEXT, PLAIN, lambda *_: None)
+        wait_until(robot, lambda: counts[-1] == (1, 1))
+        wait_for_quiet(robot, looks)
+        publisher.close()
+        wait_until(robot, lambda: counts[-1] == (0, 1))
+        subscription.close()
+        wait_until(robot, lambda: counts[-1] == (0, 0))
+    assert all(looks[1:]), "only the first look is not one at a change"
+
+
+@pytest.mark.usefixtures("robot")
+def test_an_operator_in_another_domain_is_looked_at_when_it_comes(
+    other_domain: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    looks: list[bool] = []
+    counts: list[int] = []
+
+    with open_robot(name="relay", output_domain=OutputDomain(number=other_domain)) as relay:
+
+        def look(has_changed: bool) -> None:
+            looks.append(has_changed)
+            counts.append(relay.subscriber_count("/words"))
+
+        relay.look_at_graph(look)
+        wait_for_quiet(relay, looks)
+        monkeypatch.setenv("ROS_DOMAIN_ID", str(other_domain))
+        with open_robot(name="operator") as operator:
+            operator.data_path.subscribe("/words", TEXT, PLAIN, lambda *_: None)
+            wait_until(relay, lambda: counts[-1] == 1)
+
+
+@pytest.mark.parametrize("robot", [DataPathKind.RCLPY], indirect=True)
+def test_through_rclpy_the_graph_is_looked_at_though_nobody_tells_of_changes(robot: Robot) -> None:
+    looks: list[bool] = []
+    robot.look_at_graph(looks.append)
+    wait_until(robot, lambda: len(looks) >= 3)
+    assert not any(looks)
+
+
+def test_where_librcl_does_not_tell_of_changes_it_says_why_and_the_graph_is_looked_at(
+    domain: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rclpy_node = pytest.importorskip("rclpy.node", reason="ROS 2 (rclpy) is not installed")
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    monkeypatch.delattr(rclpy_node.Node, "create_guard_condition")
+    with open_robot(data_path=DataPathKind.RCL) as robot:
+        said = robot.data_path.description
+        assert said.startswith("librcl, ")
+        assert "the graph looked at five times a second, because " in said
+        assert "create_guard_condition" in said
+        looks: list[bool] = []
+        robot.look_at_graph(looks.append)
+        wait_until(robot, lambda: len(looks) >= 3)
+        assert not any(looks)

@@ -1,0 +1,110 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What scripts may call. What it gives is shown, and run, in docs/api.md."""
+
+from __future__ import annotations
+
+import inspect
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import smarttestudo
+from smarttestudo.domain.errors import ProfileError, RuleFileError, UsageError
+
+SIGNATURES = {
+    "check_rules": "(*rules, profile=None)",
+    "measure_bag": "(bag, *, latency=False)",
+    "measure_loss": "(sent, received, *, rules=None, profile=None, topics=())",
+    "read_decisions": "(path)",
+    "read_rules": "(*rules, profile=None)",
+    "replay": (
+        "(bag, rules, output, *, profile=None, budget_kb_per_s=None, repeat_slow=False, decisions=None)"
+    ),
+    "rows": "(result)",
+}
+RULES = "begin\n    SetFrequency /odom 10\nend\n"
+
+
+def run(code: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([sys.executable, "-c", code], capture_output=True, encoding="utf-8", check=False)
+
+
+def without_types(signature: inspect.Signature) -> str:
+    parameters = [one.replace(annotation=one.empty) for one in signature.parameters.values()]
+    return str(signature.replace(parameters=parameters, return_annotation=signature.empty))
+
+
+def rule_file(folder: Path, text: str) -> Path:
+    path = folder / "rules.adirf"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_what_scripts_call_stays_as_it_is() -> None:
+    assert sorted(smarttestudo.__all__) == ["__version__", *SIGNATURES]
+    functions = {name: getattr(smarttestudo, name) for name in SIGNATURES}
+    found = {name: without_types(inspect.signature(function)) for name, function in functions.items()}
+    assert found == SIGNATURES
+    assert all(inspect.getdoc(function) for function in functions.values())
+    assert set(smarttestudo.__all__) <= set(dir(smarttestudo))
+
+
+def test_importing_the_package_alone_imports_nothing_else() -> None:
+    code = """
+import sys
+before = set(sys.modules)
+import smarttestudo
+new = {name.partition(".")[0] for name in set(sys.modules) - before} - sys.stdlib_module_names
+assert new == {"smarttestudo"}, new
+assert "smarttestudo.api" not in sys.modules
+"""
+    assert run(code).stderr == ""
+
+
+def test_a_missing_package_is_told_with_its_remedy() -> None:
+    code = """
+import sys
+sys.modules["apsw"] = None
+try:
+    from smarttestudo import replay
+except Exception as error:
+    print(type(error).__name__, error)
+"""
+    assert run(code).stdout == (
+        "MissingPackageError error: smarttestudo.replay needs the package apsw; "
+        "pip install '.[studio]' in the checkout of SmartTestudo\n"
+    )
+
+
+def test_a_name_that_is_not_there_is_an_attribute_error() -> None:
+    with pytest.raises(AttributeError, match="module 'smarttestudo' has no attribute 'reply'"):
+        smarttestudo.reply  # noqa: B018  what is tested
+
+
+def test_an_error_in_rules_is_a_finding_and_stops_them_from_being_read(tmp_path: Path) -> None:
+    path = rule_file(tmp_path, "SetDefaultFrequency /odom fast\n")
+    (row,) = smarttestudo.rows(smarttestudo.check_rules(path))
+    assert (row["path"], row["line"], row["severity"]) == (str(path), 1, "error")
+    with pytest.raises(RuleFileError, match=re.escape(str(row["message"]))):
+        smarttestudo.read_rules(path)
+
+
+def test_rules_without_an_error_are_checked_against_the_budget_too(tmp_path: Path) -> None:
+    path, profile = rule_file(tmp_path, RULES), tmp_path / "profile.toml"
+    profile.write_text('budget_kb_per_s = 5\n[topics."/odom"]\nmessage_kb = 1.0\n', encoding="utf-8")
+    assert smarttestudo.check_rules(path) == ()
+    found = [finding.code for finding in smarttestudo.check_rules(path, profile=profile)]
+    assert found == ["situation-over-budget", "start-up-over-budget"]
+    with pytest.raises(ProfileError, match="cannot be read"):
+        smarttestudo.check_rules(path, profile=tmp_path / "none.toml")
+
+
+def test_a_replay_does_not_write_over_what_it_reads(tmp_path: Path) -> None:
+    rules = smarttestudo.read_rules(rule_file(tmp_path, RULES))
+    bag = tmp_path / "bag"
+    with pytest.raises(UsageError, match=r"^output: error: .* is read by this command"):
+        smarttestudo.replay(bag, rules, bag)

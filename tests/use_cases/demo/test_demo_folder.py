@@ -1,0 +1,134 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from smarttestudo.pacing.sample import WhenSlow
+from smarttestudo.use_cases.demo.demo import DemoRequest, run_demo
+from smarttestudo.use_cases.demo.folder import MARKER, DemoFolderError, demo_folder
+
+
+def _make(out: Path, text: str) -> None:
+    with demo_folder(out, needed_bytes=0, made={MARKER}) as work:
+        (work / MARKER).write_text(text)
+
+
+def test_the_folder_appears_whole_when_everything_is_written(tmp_path: Path) -> None:
+    out = tmp_path / "deep" / "demo-out"
+
+    with demo_folder(out, needed_bytes=0, made={MARKER}) as work:
+        (work / MARKER).write_text("1")
+        assert not out.exists()
+
+    assert [path.name for path in out.iterdir()] == [MARKER]
+    assert [path.name for path in out.parent.iterdir()] == ["demo-out"]
+
+
+def test_a_failure_leaves_nothing_and_keeps_the_former_demo(tmp_path: Path) -> None:
+    out = tmp_path / "demo-out"
+    _make(out, "former")
+
+    def interrupted() -> None:
+        with demo_folder(out, needed_bytes=0, made={MARKER}) as work:
+            (work / MARKER).write_text("half")
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
+
+    assert (out / MARKER).read_text() == "former"
+    assert [path.name for path in tmp_path.iterdir()] == ["demo-out"]
+
+
+def test_a_former_demo_and_an_empty_folder_are_replaced_and_what_others_put_there_stays(
+    tmp_path: Path,
+) -> None:
+    out = tmp_path / "demo-out"
+    out.mkdir()
+
+    _make(out, "first")
+    (out / "mine").mkdir()
+    (out / "mine" / "notes.txt").write_text("mine")
+    _make(out, "second")
+
+    assert {path.name for path in out.iterdir()} == {MARKER, "mine"}
+    assert (out / MARKER).read_text() == "second"
+    assert (out / "mine" / "notes.txt").read_text() == "mine"
+    assert [path.name for path in tmp_path.iterdir()] == ["demo-out"]
+
+
+@pytest.mark.parametrize("kind", ["folder", "file"])
+def test_what_no_demo_made_is_never_replaced(kind: str, tmp_path: Path) -> None:
+    out = tmp_path / "precious"
+    if kind == "folder":
+        out.mkdir()
+        (out / "thesis.tex").touch()
+    else:
+        out.touch()
+
+    with pytest.raises(DemoFolderError, match=r"was not made by 'testudo demo'.*--out"):
+        _make(out, "new")
+
+    assert [path.name for path in tmp_path.iterdir()] == ["precious"]
+
+
+def test_a_folder_that_cannot_be_made_is_named(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+
+    with pytest.raises(
+        DemoFolderError, match=r"file/demo-out: error: cannot be written: File exists \(.*file\)"
+    ):
+        _make(tmp_path / "file" / "demo-out", "new")
+
+
+def test_a_disk_that_is_too_small_is_refused_before_anything_is_written(tmp_path: Path) -> None:
+    with (
+        pytest.raises(DemoFolderError, match=r"needs 10,000,000,000 MB"),
+        demo_folder(tmp_path / "out", needed_bytes=10**16, made=()),
+    ):
+        pass
+
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_file_that_cannot_be_written_is_one_clear_error(tmp_path: Path) -> None:
+    def fill() -> None:
+        with demo_folder(tmp_path / "demo-out", needed_bytes=0, made={MARKER}) as work:
+            (work / "no-such-folder" / "report.html").write_text("")
+
+    with pytest.raises(
+        DemoFolderError, match=r"demo-out: error: cannot be written: No such file.*report\.html"
+    ):
+        fill()
+
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_progress_names_the_folder_that_was_asked_for_and_not_where_it_is_made(tmp_path: Path) -> None:
+    labels: list[str] = []
+
+    @contextmanager
+    def progress(label: str) -> Iterator[Callable[[float], None]]:
+        labels.append(label)
+        yield lambda _share: None
+
+    out = tmp_path / "demo-out"
+    run_demo(
+        DemoRequest(
+            out=out,
+            seconds=3,
+            seed=0,
+            full_images=False,
+            when_slow=WhenSlow.PASS,
+            progress=progress,
+        )
+    )
+    assert [label for label in labels if label.startswith("Reading")] == [
+        f"Reading {out / 'baseline'}",
+        f"Reading {out / 'adaptive'}",
+    ]

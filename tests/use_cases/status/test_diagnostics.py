@@ -1,0 +1,87 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a runtime says on /diagnostics."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from smarttestudo.domain.decision import Reason
+from smarttestudo.domain.status import Diagnostic, DiagnosticLevel, RuntimeStatus
+from smarttestudo.use_cases.live.diagnostics import diagnostics
+from use_cases.status.statuses import ONE_OF_EACH, RELAYED, STATUS
+
+
+def named(name: str, status: RuntimeStatus = STATUS) -> Diagnostic:
+    (found,) = (one for one in diagnostics(status) if one.name == name)
+    return found
+
+
+def test_there_is_one_for_the_node_and_one_for_each_output() -> None:
+    names = [one.name for one in diagnostics(STATUS)]
+    assert names == ["smarttestudo", *(f"/testudo{source}" for source in ONE_OF_EACH)]
+    assert {one.hardware_id for one in diagnostics(STATUS)} == {"/smarttestudo"}
+
+
+def test_a_topic_has_the_keys_that_greenwave_reads() -> None:
+    values = named("/testudo/imu").values
+    assert values["frame_rate_node"] == "49.990"
+    assert values["frame_rate_msg"] == "50.001"
+    assert values["current_delay_from_realtime_ms"] == "3.250"
+    assert values["expected_frequency"] == "50.000"
+    assert values["tolerance"] == "5.000"
+
+
+def test_what_is_not_known_is_said_as_greenwave_says_it() -> None:
+    values = named("/testudo/estop").values
+    assert values["frame_rate_node"] == values["expected_frequency"] == "N/A"
+    assert values["target"] == "Full"
+
+
+@pytest.mark.parametrize(
+    ("name", "level", "message"),
+    [
+        ("/testudo/imu", DiagnosticLevel.OK, "OK"),
+        ("/testudo/cmd_vel", DiagnosticLevel.OK, "Off"),
+        ("/testudo/odom", DiagnosticLevel.OK, "no subscriber"),
+        ("/testudo/estop", DiagnosticLevel.STALE, "no publisher"),
+        ("/testudo/scan", DiagnosticLevel.STALE, "source is silent"),
+        ("/testudo/map", DiagnosticLevel.WARN, "incompatible QoS: /rviz"),
+        ("/testudo/camera/image_raw/compressed", DiagnosticLevel.WARN, "rate off: -30.0 %"),
+        (
+            "/testudo/lidar",
+            DiagnosticLevel.ERROR,
+            "cannot be relayed: the message type lidar_msgs/msg/Packet is not installed",
+        ),
+    ],
+)
+def test_the_level_says_how_bad_it_is(name: str, level: DiagnosticLevel, message: str) -> None:
+    assert (named(name).level, named(name).message) == (level, message)
+
+
+def test_the_node_is_well_within_its_budget() -> None:
+    node = named("smarttestudo")
+    assert (node.level, node.message) == (DiagnosticLevel.OK, "relaying 8 topics")
+    assert node.values["rules"] == "/etc/testudo/warehouse.adirf"
+    assert node.values["rules_sha256"] == "ab" * 32
+    assert node.values["budget_kb_per_s"] == "1000.000"
+    assert node.values["out_kb_per_s"] == "946.000"
+
+
+def test_floors_above_the_budget_are_an_error_of_the_node() -> None:
+    node = named("smarttestudo", replace(STATUS, floors_break_budget=True))
+    assert (node.level, node.message) == (
+        DiagnosticLevel.ERROR,
+        "the floors alone are more than the budget",
+    )
+
+
+def test_a_fallback_is_a_warning_of_the_node() -> None:
+    status = replace(STATUS, topics={"/imu": replace(RELAYED, reason=Reason.FALLBACK)})
+    assert named("smarttestudo", status).level is DiagnosticLevel.WARN
+
+
+def test_two_robots_are_told_apart() -> None:
+    assert named("tb3_0/smarttestudo", replace(STATUS, node="/tb3_0/smarttestudo")).values

@@ -1,0 +1,60 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""How a status leaves one process and comes to another."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+from smarttestudo.adapters.json.status import status_to_json
+from smarttestudo.use_cases.live.status_topics import STATUS_TOPIC, StatusPublisher, StatusWatch
+from use_cases.status.statuses import STATUS
+from use_cases.status.virtual_robot import Source, VirtualRobot
+
+TEXT = json.dumps(status_to_json(STATUS))
+DIAGNOSTICS = "diagnostic_msgs/msg/DiagnosticArray"
+
+
+def test_a_status_goes_out_as_text_and_as_diagnostics() -> None:
+    robot = VirtualRobot(listeners=1)
+    StatusPublisher(robot).announce(STATUS)
+    ((topic, text),) = robot.texts
+    assert (topic, json.loads(text)) == (STATUS_TOPIC, json.loads(TEXT))
+    ((node, *_),) = robot.diagnostics
+    assert node.name == "smarttestudo"
+
+
+def test_while_nobody_listens_to_diagnostics_none_are_made_and_the_latched_status_still_goes_out() -> None:
+    robot = VirtualRobot(listeners=0)
+    StatusPublisher(robot).announce(STATUS)
+    assert (robot.diagnostics, len(robot.texts)) == ([], 1)
+
+
+def test_without_diagnostic_msgs_that_is_said_once_and_the_text_still_goes_out() -> None:
+    robot = VirtualRobot(missing_types=frozenset({DIAGNOSTICS}))
+    announcer = StatusPublisher(robot)
+    announcer.announce(STATUS)
+    announcer.announce(STATUS)
+    assert robot.log_lines == [f"/diagnostics: error: the message type {DIAGNOSTICS} is not installed"]
+    assert len(robot.texts) == 2
+
+
+def test_several_smarttestudos_are_told_apart() -> None:
+    both = ("/tb3_0/smarttestudo", "/tb3_1/smarttestudo")
+    robot = VirtualRobot(sources={STATUS_TOPIC: Source(nodes=both)})
+    watch = StatusWatch(robot, robot.steady_s)
+    assert not watch.has_heard_all
+    for node in both:
+        robot.say(STATUS_TOPIC, json.dumps(status_to_json(replace(STATUS, node=node))))
+        assert watch.has_heard_all == (node == both[-1])
+    assert [heard.status.node for heard in watch.heard.values()] == list(both)
+
+
+def test_what_is_no_status_is_counted_and_the_rest_is_heard() -> None:
+    robot = VirtualRobot()
+    watch = StatusWatch(robot, robot.steady_s)
+    for text in ('{"version": 9}', "hello", TEXT):
+        robot.say(STATUS_TOPIC, text)
+    assert watch.unreadable == 2
+    assert watch.heard["/smarttestudo"].status == STATUS

@@ -1,0 +1,144 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The Ruler in a real browser, found as a person finds things: by what is written on them."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from playwright.sync_api import Locator, Page, expect
+
+from real_browser import TIMEOUT_MS
+
+EXAMPLES = Path(__file__).parents[3] / "examples"
+GRIP_PX = 9
+"""From the corner of a block to where it is taken: beside its fields."""
+
+
+@contextmanager
+def served(folder: Path) -> Iterator[str]:
+    """``testudo ruler`` on a free port; yields the address that it prints."""
+    command = [sys.executable, "-m", "smarttestudo", "ruler", str(folder), "--port", "0", "--no-browser"]
+    environment = {**os.environ, "PYTHONUNBUFFERED": "1"}
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as process:
+        assert process.stdout is not None
+        line = process.stdout.readline()
+        assert "http://" in line, "the server did not start"
+        try:
+            yield line.split(": ", 1)[1].split()[0]
+        finally:
+            process.terminate()
+
+
+class RulerPage:
+    """One tab with the Ruler, and what somebody does in it."""
+
+    def __init__(self, page: Page, url: str) -> None:
+        self.page = page
+        self.url = url
+        self.complaints: list[str] = []
+        self.requests: list[str] = []
+        page.set_default_timeout(TIMEOUT_MS)
+        page.on("console", lambda message: self._hear(message.type, message.text))
+        page.on("pageerror", lambda error: self.complaints.append(str(error)))
+        page.on("request", lambda request: self.requests.append(request.url))
+
+    def _hear(self, kind: str, text: str) -> None:
+        if kind in {"error", "warning"}:
+            self.complaints.append(text)
+
+    def forgive(self, words: str) -> None:
+        """Drop complaints of the browser that hold ``words``, of which there must be some."""
+        kept = [each for each in self.complaints if words not in each]
+        assert len(kept) < len(self.complaints)
+        self.complaints = kept
+
+    def home(self) -> None:
+        self.page.goto(self.url)
+        self.page.get_by_role("button", name="Create New Project").wait_for()
+
+    def button(self, name: str) -> Locator:
+        return self.page.get_by_role("button", name=name, exact=True)
+
+    @property
+    def text(self) -> Locator:
+        return self.page.get_by_role("textbox", name="Rules as text")
+
+    @property
+    def blocks(self) -> Locator:
+        return self.page.get_by_role("region", name="Blocks", exact=True)
+
+    def open(self, name: str) -> None:
+        """Open a file from the home screen."""
+        self.page.get_by_role("link", name=name, exact=True).click()
+        self.blocks.wait_for()
+
+    def field(self, label: str) -> Locator:
+        """The lowest field or button on the blocks whose label starts so, as in ``Edit value: 0``."""
+        # Playwright takes a plain slash for the end of the pattern.
+        start = re.compile("^" + re.escape(label).replace("/", r"\x2f"))
+        found = self.blocks.get_by_role("button", name=start)
+        found.first.wait_for()
+        boxes = [found.nth(index).bounding_box() for index in range(found.count())]
+        return found.nth(max(range(len(boxes)), key=lambda index: (boxes[index] or {"y": 0.0})["y"]))
+
+    def change(self, label: str, value: str) -> None:
+        """Click the lowest field with this label, type, press Enter, and see the value on the block."""
+        self.field(label).click()
+        self.type_value(value)
+        kind = label.split(":", maxsplit=1)[0]
+        self.blocks.get_by_role("button", name=f"{kind}: {value}", exact=True).first.wait_for()
+
+    def type_value(self, value: str) -> None:
+        """Type into the field that is open."""
+        self.page.keyboard.press("Control+a")
+        self.page.keyboard.type(value)
+        self.page.keyboard.press("Enter")
+
+    def focused(self) -> str:
+        """What a screen reader calls the focused thing."""
+        return str(
+            self.page.evaluate(
+                "(document.activeElement.getAttribute('aria-label') || document.activeElement.textContent)"
+            )
+        )
+
+    def walk(self, key: str, name: str, steps: int = 60) -> None:
+        """Press ``key`` until the focus is on what is called ``name``."""
+        for _ in range(steps):
+            self.page.keyboard.press(key)
+            if name in self.focused():
+                return
+        raise AssertionError(f"{key} does not lead to {name!r}, but to {self.focused()!r}")
+
+    def expect_lines(self, *lines: str) -> None:
+        """The text holds these lines in this order, whatever stands between them."""
+        expect(self.text).to_contain_text(re.compile(r"[\s\S]*".join(re.escape(line) for line in lines)))
+
+    def drag(self, block: Locator, target: Locator, right_px: float, below_px: float) -> None:
+        """Drag ``block`` by its edge to beside the left end of the lower edge of ``target``."""
+        block.scroll_into_view_if_needed()
+        block.hover(position={"x": GRIP_PX, "y": GRIP_PX})
+        box = target.bounding_box()
+        assert box is not None
+        self.page.mouse.down()
+        x, y = box["x"] + GRIP_PX + right_px, box["y"] + box["height"] + GRIP_PX + below_px
+        self.page.mouse.move(x, y, steps=12)
+        self.page.mouse.up()
+
+    def save(self) -> None:
+        self.button("Save").click()
+        expect(self.button("Save")).to_be_disabled()
+
+
+def copied(source: Path, target: Path) -> Path:
+    """A copy of a folder; returns it."""
+    shutil.copytree(source, target)
+    return target

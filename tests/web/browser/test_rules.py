@@ -1,0 +1,90 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Somebody who never programmed builds the rule of the thesis's Figure 6.6."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from playwright.sync_api import expect
+
+from web.browser.ruler_page import RulerPage
+from web.browser.thesis import FIGURE_6_6
+
+
+def test_the_rule_is_built_with_the_mouse(ruler: RulerPage, project: Path) -> None:
+    ruler.button("Create New Project").click()
+    ruler.page.get_by_label("Name").fill("shelf")
+    ruler.button("Create").click()
+    ruler.button("New rule").click()
+    ruler.change("Edit value: 0", "11")
+    for value in ("15", "7", "11"):
+        ruler.field("Add check").click()
+        ruler.change("Edit value: 0", value)
+        if value == "7":
+            ruler.change("Edit property: pose_x", "pose_y")
+    ruler.change("Edit topic to send", "/imu")
+    ruler.change("Edit rate", "Competitive")
+    ruler.field("Add rate").click()
+    ruler.change("Edit topic to send", "/camera/image_raw")
+    ruler.change("Edit rate", "Excessive")
+    ruler.expect_lines("SetFrequency /camera/image_raw Excessive")
+    ruler.save()
+    assert (project / "shelf.adirf").read_text() == FIGURE_6_6
+
+
+def test_the_rule_is_built_with_the_keyboard_alone(ruler: RulerPage, project: Path) -> None:
+    keyboard = ruler.page.keyboard
+    ruler.walk("Tab", "Create New Project")
+    keyboard.press("Enter")
+    expect(ruler.page.get_by_label("Name")).to_be_focused()
+    keyboard.type("shelf")
+    keyboard.press("Enter")
+    expect(ruler.button("New rule")).to_be_enabled()
+    ruler.walk("Tab", "New rule")
+    keyboard.press("Enter")
+    ruler.expect_lines("CheckValue /odom pose_x > 0", "SetFrequency /odom 10")
+
+    ruler.walk("ArrowDown", "/odom, pose_x")
+    _edit(ruler, "ArrowRight", "Edit value", "11")
+    for value in ("15", "7", "11"):
+        _press_add_check(ruler)
+        _edit(ruler, None, "Edit value", value)
+        if value == "7":
+            _edit(ruler, "ArrowLeft", "Edit property", "pose_y")
+    ruler.walk("ArrowDown", "set frequency of")
+    _edit(ruler, "ArrowRight", "Edit topic to send", "/imu")
+    _edit(ruler, "ArrowRight", "Edit rate", "Competitive")
+    ruler.walk("ArrowUp", "Add rate")
+    keyboard.press("Enter")
+    _await_focus(ruler, "Edit topic to send")
+    _edit(ruler, None, "Edit topic to send", "/camera/image_raw")
+    _edit(ruler, "ArrowRight", "Edit rate", "Excessive")
+    ruler.expect_lines("SetFrequency /camera/image_raw Excessive")
+    keyboard.press("Control+s")
+    expect(ruler.page.get_by_text("Saved shelf.adirf")).to_be_visible()
+    assert (project / "shelf.adirf").read_text() == FIGURE_6_6
+
+
+def _press_add_check(ruler: RulerPage) -> None:
+    ruler.walk("ArrowUp", "Begin stack, rule")
+    ruler.walk("ArrowRight", "Add check")
+    ruler.page.keyboard.press("Enter")
+    _await_focus(ruler, "Edit value: 0")
+
+
+def _await_focus(ruler: RulerPage, label: str) -> None:
+    """Wait until the focus is on what a new block asks for first."""
+    ruler.page.wait_for_function(
+        "label => document.activeElement.getAttribute('aria-label')?.startsWith(label)", arg=label
+    )
+
+
+def _edit(ruler: RulerPage, way: str | None, label: str, value: str) -> None:
+    if way is not None:
+        ruler.walk(way, label)
+    ruler.page.keyboard.press("Enter")
+    ruler.type_value(value)
+    ruler.page.wait_for_function(
+        "label => document.activeElement.getAttribute('aria-label')?.endsWith(label)", arg=f": {value}"
+    )

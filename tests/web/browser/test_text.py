@@ -1,0 +1,180 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Text and blocks stay in step, and a file is never rewritten behind its author's back."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Locator, expect
+
+from web.browser.ruler_page import EXAMPLES, RulerPage
+
+RULE_FILES = sorted(path.relative_to(EXAMPLES).as_posix() for path in EXAMPLES.rglob("*.adirf"))
+STATEMENT_STARTS = ("SetFrequency", "KeepAtLeast", "If", "Rule")
+HOSTILE_LINES = (
+    "// <img src=x onerror=alert(1)>",
+    "begin",
+    '  Rule "<script>alert(2)</script>"',
+    "  If (CheckValue",
+    "/odom  pose_x>1) Then",
+    "  SetFrequency /odom 2 //ä 🤖",
+    "end",
+)
+
+SPEED = """\
+begin
+    SetFrequency /scan 3
+
+    Rule "Backwards"
+    If CheckValue /odom speed < -1
+    Then
+        SetFrequency /scan 4
+    EndIf
+end
+"""
+
+
+def test_every_example_opens_as_blocks_and_saves_the_same_bytes(ruler: RulerPage, project: Path) -> None:
+    for name in RULE_FILES:
+        before = (project / name).read_bytes()
+        ruler.home()
+        ruler.open(name)
+        ruler.blocks.get_by_role("button", name="Remove this").first.wait_for()
+        expect(ruler.blocks.get_by_text("as text", exact=True)).to_have_count(0)
+        ruler.button("New rate").click()
+        ruler.button("Undo").click()
+        expect(ruler.button("Undo")).to_be_disabled()
+        ruler.page.keyboard.press("Control+s")
+        expect(ruler.page.get_by_text(f"Saved {name}")).to_be_visible()
+        assert (project / name).read_bytes() == before
+
+
+def test_two_errors_give_two_marks_and_the_last_good_blocks_stay(ruler: RulerPage) -> None:
+    ruler.open("warehouse.adirf")
+    blocks = ruler.blocks.get_by_role("button", name="Edit topic to send")
+    blocks.first.wait_for()
+    before = blocks.count()
+    _replace_in_text(ruler, "SetFrequency /odom 10", "SetFrequenzy /odom 10")
+    _replace_in_text(ruler, "SetFrequency /scan 3", "SetFrequency /scan often")
+    errors = ruler.page.get_by_role("list", name="Findings").get_by_text("Error", exact=True)
+    expect(errors).to_have_count(2)
+    expect(ruler.page.get_by_text("the blocks show how it was before")).to_be_visible()
+    assert blocks.count() == before
+    ruler.page.get_by_role("list", name="Findings").get_by_role("button", name="SetFrequency").first.click()
+    expect(errors).to_have_count(1)
+    ruler.expect_lines("begin", "SetFrequency /odom 10")
+
+
+def test_a_change_on_a_block_changes_one_word_of_the_text(ruler: RulerPage, project: Path) -> None:
+    before = (project / "warehouse.adirf").read_text()
+    ruler.open("warehouse.adirf")
+    ruler.blocks.get_by_role("button", name="Edit rate: 7", exact=True).click()
+    ruler.type_value("Full")
+    ruler.expect_lines("SetFrequency /cmd_vel Full")
+    ruler.save()
+    after = (project / "warehouse.adirf").read_text()
+    assert after == before.replace("/cmd_vel 7", "/cmd_vel Full")
+    ruler.button("Undo").click()
+    ruler.save()
+    assert (project / "warehouse.adirf").read_text() == before
+
+
+@pytest.mark.parametrize("line_end", ["\n", "\r\n"])
+def test_line_ends_and_hostile_words_stay_what_they_are(
+    ruler: RulerPage, project: Path, line_end: str
+) -> None:
+    text = line_end.join(HOSTILE_LINES)
+    (project / "odd.adirf").write_bytes(text.encode())
+    ruler.home()
+    ruler.open("odd.adirf")
+    ruler.field("Edit value: 1").click()
+    ruler.type_value("3")
+    ruler.expect_lines("pose_x>3")
+    ruler.save()
+    assert (project / "odd.adirf").read_bytes() == text.replace("pose_x>1", "pose_x>3").encode()
+
+
+def _replace_in_text(ruler: RulerPage, old: str, new: str) -> None:
+    """Click into the line, select it and type over it."""
+    ruler.text.get_by_text(old, exact=True).first.click()
+    for key in ("End", "Shift+Home"):
+        ruler.page.keyboard.press(key)
+    ruler.page.keyboard.type(new)
+
+
+def test_a_dragged_block_changes_the_layout_file_and_not_the_rules(ruler: RulerPage, project: Path) -> None:
+    before = (project / "warehouse.adirf").read_bytes()
+    ruler.open("warehouse.adirf")
+    block = ruler.field("Edit topic to send: /joint_states")
+    _drag(ruler, block, 400, 40)
+    expect(ruler.button("Undo")).to_be_disabled()
+    ruler.save()
+    assert (project / "warehouse.adirf").read_bytes() == before
+    assert '"blocks"' in (project / ".warehouse.adirf.layout.json").read_text()
+    place = block.bounding_box()
+    ruler.home()
+    ruler.open("warehouse.adirf")
+    assert ruler.field("Edit topic to send: /joint_states").bounding_box() == pytest.approx(place, abs=2)
+
+
+def test_blocks_that_go_together_are_one_request_and_one_step_back(ruler: RulerPage, project: Path) -> None:
+    rules = "begin\n    SetFrequency /a 1\n    SetFrequency /b 2\n    SetFrequency /c 3\nend\n"
+    (project / "stack.adirf").write_text(rules)
+    ruler.home()
+    ruler.open("stack.adirf")
+    ruler.field("Edit topic to send: /b").hover()
+    bin_box = ruler.page.get_by_role("treeitem", name="Rates").bounding_box()
+    assert bin_box is not None
+    ruler.page.mouse.down()
+    ruler.page.mouse.move(bin_box["x"] + 10, bin_box["y"] + 10, steps=12)
+    ruler.page.mouse.up()
+    expect(ruler.text).not_to_contain_text("/c")
+    assert len([url for url in ruler.requests if url.endswith("/api/edit")]) == 1
+    ruler.save()
+    assert (project / "stack.adirf").read_text() == "begin\n    SetFrequency /a 1\nend\n"
+    ruler.button("Undo").click()
+    expect(ruler.text).to_contain_text("SetFrequency /c 3")
+    ruler.save()
+    assert (project / "stack.adirf").read_text() == rules
+
+
+def _drag(ruler: RulerPage, handle: Locator, right_px: float, down_px: float) -> None:
+    handle.hover()
+    box = handle.bounding_box()
+    assert box is not None
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    mouse = ruler.page.mouse
+    mouse.down()
+    mouse.move(x + right_px, y + down_px, steps=10)
+    mouse.up()
+
+
+@pytest.mark.parametrize(("typed", "value"), [("3,5", "3.5"), ("−2", "-2"), ("1.000,5", "1"), ("x", "1")])
+def test_a_threshold_is_what_was_typed_or_what_it_was_before(
+    ruler: RulerPage, project: Path, typed: str, value: str
+) -> None:
+    (project / "speed.adirf").write_text(SPEED.replace("-1", "1"))
+    ruler.home()
+    ruler.open("speed.adirf")
+    ruler.field("Edit value: 1").click()
+    ruler.page.keyboard.press("Control+a")
+    ruler.page.keyboard.press("Delete")
+    ruler.page.keyboard.insert_text(typed)
+    ruler.page.keyboard.press("Enter")
+    expect(ruler.blocks.get_by_role("button", name=f"Edit value: {value}", exact=True)).to_be_visible()
+    ruler.expect_lines(f"speed < {value}", "Then")
+
+
+def test_a_mark_stays_on_its_words_when_a_block_is_added_above(ruler: RulerPage, project: Path) -> None:
+    (project / "speed.adirf").write_text(SPEED)
+    ruler.home()
+    ruler.open("speed.adirf")
+    marked = ruler.text.locator(".cm-lintRange-warning")
+    expect(marked).to_have_text(["CheckValue /odom speed < -1"])
+    ruler.button("New rate").click()
+    ruler.expect_lines("SetFrequency /odom 10", "If CheckValue")
+    expect(marked).to_have_text(["CheckValue /odom speed < -1"])
+    ruler.button("Undo").click()
+    expect(marked).to_have_text(["CheckValue /odom speed < -1"])

@@ -1,0 +1,118 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The table of the thesis's Figure A.2 goes in, the rates of Figure A.3 come out."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+from playwright.sync_api import expect
+
+from web.browser.ruler_page import RulerPage
+from web.browser.thesis import DEFAULT_RATES, enter_table
+
+RULES = """\
+begin
+    Rule "Shelf"
+    If (
+        CheckValue /odom pose_x > 11
+        AND CheckValue /odom pose_x < 15
+        AND CheckValue /odom pose_y > 7
+        AND CheckValue /odom pose_y < 11
+    )
+    Then
+        SetFrequency /imu Competitive
+        SetFrequency /camera/image_raw {level}
+    EndIf
+end
+"""
+BLOCK_RATES = ("SetFrequency /imu 200", "SetFrequency /camera/image_raw 35")
+
+
+def test_the_table_of_the_thesis_gives_its_rates(ruler: RulerPage, project: Path, tmp_path: Path) -> None:
+    enter_table(ruler, "275000", project)
+    (project / "shelf.adirf").write_text(RULES.format(level="Excessive"))
+    ruler.home()
+    ruler.open("shelf.adirf")
+    ruler.button("Optimize and Download").click()
+    expect(ruler.page.get_by_text("Everything fits into 275 000 KB/s")).to_be_visible()
+    expect(ruler.page.get_by_text("219 882 KB/s").first).to_be_visible()
+    with ruler.page.expect_download() as waiting:
+        ruler.button("Download rates").click()
+    downloaded = tmp_path / waiting.value.suggested_filename
+    waiting.value.save_as(downloaded)
+    text = downloaded.read_text()
+    for topic, rate_hz in DEFAULT_RATES.items():
+        assert f"SetFrequency {topic} {rate_hz} Hz\n" in text
+    for line in BLOCK_RATES:
+        assert line in text
+    check = [sys.executable, "-m", "smarttestudo", "check", str(downloaded)]
+    assert subprocess.run(check, check=False).returncode == 0
+
+
+def test_what_does_not_fit_is_explained_and_mended_with_one_click(ruler: RulerPage, project: Path) -> None:
+    enter_table(ruler, "15000", project)
+    (project / "shelf.adirf").write_text(RULES.format(level="Excessive"))
+    ruler.home()
+    ruler.open("shelf.adirf")
+    ruler.button("Optimize and Download").click()
+    expect(ruler.page.get_by_role("alert")).to_contain_text(re.compile(r"needs at least 157\s665\.72 KB/s"))
+    expect(ruler.button("Download rates")).to_be_disabled()
+    ruler.page.get_by_role("alert").get_by_role("button").first.click()
+    expect(ruler.page.get_by_text("Everything fits into")).to_be_visible()
+    expect(ruler.button("Download rates")).to_be_enabled()
+
+
+def test_a_rule_file_opens_with_the_topic_parameters_that_fit_it_or_were_chosen_for_it(
+    ruler: RulerPage, project: Path
+) -> None:
+    (project / "shelf.adirf").write_text(RULES.format(level="Excessive"))
+    entry = '[topics."{}"]\nmessage_kb = 1\ntiers_hz = [1, 2, 3, 4, 5, 6]\n'
+    for name, topics in {"arm": ["/joints"], "base": ["/imu", "/camera/image_raw"]}.items():
+        text = "budget_kb_per_s = 100\n" + "".join(entry.format(topic) for topic in topics)
+        (project / f"{name}.toml").write_text(text)
+    ruler.home()
+    ruler.open("shelf.adirf")
+    choice = ruler.page.get_by_role("combobox", name="Topic parameters")
+    expect(choice).to_have_value("base.toml")
+
+    choice.select_option("arm.toml")
+    ruler.button("Optimize and Download").click()
+    refused = ruler.page.get_by_text("/imu is in the rules but not in the chosen topic parameters")
+    expect(refused).to_contain_text("add a row for /imu to their table")
+    ruler.complaints.clear()
+    ruler.home()
+    ruler.open("shelf.adirf")
+    expect(choice).to_have_value("arm.toml")
+    choice.select_option("none")
+    ruler.home()
+    ruler.open("shelf.adirf")
+    expect(choice).to_have_value("")
+    ruler.page.get_by_role("link", name="Create").click()
+    expect(ruler.page.get_by_text("shelf.toml, saved")).to_be_visible()
+
+
+def test_a_reduction_of_very_many_topics_stays_on_the_page(ruler: RulerPage, project: Path) -> None:
+    topics = [f"/robot/sensors/number_{number:02}/measurements" for number in range(60)]
+    entry = '[topics."{}"]\nmessage_kb = 10\ntiers_hz = [1, 2, 5, 10, 20, 50]\n'
+    (project / "many.toml").write_text("budget_kb_per_s = 700\n" + "".join(map(entry.format, topics)))
+    (project / "many.adirf").write_text(
+        "begin\n" + "".join(f"    SetFrequency {topic} Competitive\n" for topic in topics) + "end\n"
+    )
+    ruler.page.set_viewport_size({"width": 1280, "height": 800})
+    ruler.home()
+    ruler.open("many.adirf")
+    ruler.button("Optimize and Download").click()
+    repair = ruler.page.get_by_role("alert").get_by_role("button").first
+    repair.scroll_into_view_if_needed()
+    box = repair.bounding_box()
+    assert box is not None
+    assert box["x"] + box["width"] <= 1280
+    assert box["height"] < 200
+    width = "document.querySelector('[role=tabpanel]').scrollWidth"
+    assert ruler.page.evaluate(width) <= 1280
+    repair.click()
+    expect(ruler.page.get_by_text("Everything fits into")).to_be_visible()

@@ -1,0 +1,65 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Who installs from a checkout gets the page where it can be built, and everything else in any case.
+
+Node is a stand-in here: the real one fetches what the page is made of from the network.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PAGE = "smarttestudo/web/static/index.html"
+NPM = "#!/bin/sh\ncd ../src/smarttestudo/web && mkdir -p static && echo page > static/index.html\n"
+BROKEN_NPM = "#!/bin/sh\nexit 1\n"
+
+
+@pytest.fixture
+def checkout(tmp_path: Path) -> Path:
+    """A copy of the source as it is checked out, without a built page."""
+    files = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True, check=True)
+    for name in filter(None, files.stdout.split("\0")):
+        if (ROOT / name).is_file():
+            (tmp_path / "checkout" / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(ROOT / name, tmp_path / "checkout" / name)
+    return tmp_path / "checkout"
+
+
+def names_in_wheel(checkout: Path, npm: str) -> set[str]:
+    programs = checkout.parent / "bin"
+    programs.mkdir()
+    for name, text in {"node": "#!/bin/sh\necho v22.0.0\n", "npm": npm}.items():
+        (programs / name).write_text(text)
+        (programs / name).chmod(0o755)
+    environment = {**os.environ, "PATH": f"{programs}{os.pathsep}{os.environ['PATH']}"}
+    code = "from setuptools import build_meta; print(build_meta.build_wheel('dist'))"
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        cwd=checkout,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    (wheel,) = (checkout / "dist").glob("*.whl")
+    with zipfile.ZipFile(wheel) as archive:
+        return set(archive.namelist())
+
+
+def test_a_wheel_built_where_node_is_found_holds_the_page(checkout: Path) -> None:
+    assert PAGE in names_in_wheel(checkout, NPM)
+
+
+def test_a_wheel_is_built_without_the_page_where_that_cannot_be_built(checkout: Path) -> None:
+    names = names_in_wheel(checkout, BROKEN_NPM)
+    assert PAGE not in names
+    assert "smarttestudo/cli/main.py" in names
