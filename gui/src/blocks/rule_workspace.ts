@@ -98,7 +98,7 @@ export class RuleWorkspace {
    * Does nothing while blocks are ahead of the text; it asks for another call then.
    */
   show(document: RuleDocument, layout: Layout): void {
-    if (this.waiting || this.underWay > 0) return;
+    if (this.isAhead()) return;
     this.take(document, layout, saidBy);
   }
 
@@ -118,10 +118,15 @@ export class RuleWorkspace {
 
   /** Shows the page that holds the statement with this number. */
   goTo(index: number): void {
-    if (this.waiting || this.underWay > 0) return;
+    if (this.isAhead()) return;
     this.pages = pageAt(index, this.placed.length);
     this.showPage();
     this.workspace.scroll(0, 0);
+  }
+
+  /** Whether blocks say something that is not in the text yet. Blockly tells of a change a picture or two later. */
+  private isAhead(): boolean {
+    return this.waiting || this.underWay > 0 || this.slots.some((slot) => (saidBy(slot) ?? slot.print) !== slot.print);
   }
 
   private showPage(printOf: PrintOf = saidBy): void {
@@ -215,15 +220,23 @@ export class RuleWorkspace {
   private listen(event: Blockly.Events.Abstract): void {
     if (event.type === Blockly.Events.SELECTED) this.tellSelected();
     if (event.type === Blockly.Events.BLOCK_MOVE) this.remember(event as Blockly.Events.BlockMove);
-    if (event.isUiEvent || this.waiting) return;
+    if (!event.isUiEvent && !this.waiting) this.settleSoon();
+  }
+
+  private settleSoon(): void {
     this.waiting = true;
     requestAnimationFrame(() => this.settle());
   }
 
+  /** Whether somebody drags or types, so that blocks say what is not meant yet. */
+  private isInHand(): boolean {
+    return Blockly.Gesture.inProgress() || this.workspace.isDragging() || Blockly.WidgetDiv.isVisible();
+  }
+
   /** Waits until nobody drags or types, then says what changed. */
   private settle(): void {
-    if (Blockly.Gesture.inProgress() || this.workspace.isDragging() || Blockly.WidgetDiv.isVisible()) {
-      requestAnimationFrame(() => this.settle());
+    if (this.isInHand()) {
+      this.settleSoon();
       return;
     }
     this.waiting = false;
@@ -236,7 +249,12 @@ export class RuleWorkspace {
   private async hand(): Promise<void> {
     const handed = this.tops();
     this.underWay++;
-    await this.owner.changed((document) => editsOf(document, this.pages.first, this.slots, this.tops()));
+    await this.owner.changed((document) => {
+      if (!this.isInHand()) return editsOf(document, this.pages.first, this.slots, this.tops());
+      // Somebody went on while the edits before these were under way.
+      this.settleSoon();
+      return [];
+    });
     this.underWay--;
     this.takeBack(handed);
     this.owner.showAgain();
@@ -244,7 +262,7 @@ export class RuleWorkspace {
 
   /** Removes new blocks that did not come into the text: blocks say what the text says. */
   private takeBack(handed: readonly Blockly.BlockSvg[]): void {
-    if (this.waiting || this.underWay > 0) return;
+    if (this.isAhead()) return;
     const taken = new Set(this.slots.map(({ block }) => block));
     const refused = handed.filter((block) => !block.isDisposed() && isTop(block) && !taken.has(block));
     this.quietly(() => {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import type * as Blockly from "blockly/core";
+import * as Blockly from "blockly/core";
 import type { CheckCondition, PlacedFinding, SetStatement, Statement } from "../api/types";
 import { checksOf } from "./live_states";
 import type { Slot } from "./slots";
@@ -37,13 +37,21 @@ export class Warnings {
 
   private replace(next: Map<Blockly.BlockSvg, string>): void {
     for (const block of this.shown.keys()) {
-      if (!next.has(block) && !block.isDisposed()) block.setWarningText(null);
+      if (!next.has(block) && !block.isDisposed()) take(block);
     }
     for (const [block, text] of next) {
       if (this.shown.get(block) !== text) block.setWarningText(text);
     }
     this.shown = next;
   }
+}
+
+/** Takes the mark off a block; who stands on it with the keyboard stands on the block then. */
+function take(block: Blockly.BlockSvg): void {
+  const focus = Blockly.getFocusManager();
+  const icon = block.getIcon(Blockly.icons.WarningIcon.TYPE);
+  if (icon && focus.getFocusedNode() === (icon as Blockly.icons.WarningIcon)) focus.focusNode(block);
+  block.setWarningText(null);
 }
 
 /** The check or rate that a finding stands in, else the whole statement. */
