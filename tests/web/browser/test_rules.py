@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from playwright.sync_api import expect
+from playwright.sync_api import Route, expect
 
 from web.browser.ruler_page import RulerPage
 from web.browser.thesis import FIGURE_6_6
@@ -64,6 +64,27 @@ def test_the_rule_is_built_with_the_keyboard_alone(ruler: RulerPage, project: Pa
     keyboard.press("Control+s")
     expect(ruler.page.get_by_text("Saved shelf.adirf")).to_be_visible()
     assert (project / "shelf.adirf").read_text() == FIGURE_6_6
+
+
+def test_half_a_topic_is_not_sent_when_an_earlier_edit_is_answered_meanwhile(ruler: RulerPage) -> None:
+    held: list[Route] = []
+    ruler.button("Create New Project").click()
+    ruler.page.get_by_label("Name").fill("shelf")
+    ruler.button("Create").click()
+    ruler.button("New rule").click()
+    ruler.expect_lines("CheckValue /odom pose_x > 0", "SetFrequency /odom 10")
+    ruler.page.route("**/api/edit", lambda route: held.append(route), times=1)  # noqa: PLW0108 - no builtin
+    with ruler.page.expect_request("**/api/edit"):
+        ruler.change("Edit rate", "Competitive")
+    ruler.field("Add rate").click()
+    ruler.field("Edit topic to send").click()
+    ruler.page.keyboard.press("Control+a")
+    ruler.page.keyboard.type("/")
+    with ruler.page.expect_response("**/api/edit"):
+        held[0].continue_()
+    ruler.page.keyboard.type("camera/image_raw")
+    ruler.page.keyboard.press("Enter")
+    ruler.expect_lines("SetFrequency /odom Competitive", "SetFrequency /camera/image_raw Competitive")
 
 
 def _press_add_check(ruler: RulerPage) -> None:
