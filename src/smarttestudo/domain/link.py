@@ -1,0 +1,115 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What the two ends of a link say to each other about a robot's topics."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from smarttestudo.domain.robot import Publisher, Qos
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StreamInfo:
+    """One stream of a link: the messages of one publisher of a topic on the robot.
+
+    ``publisher`` numbers the publishers of the topic that are kept apart. ``definition`` is the message
+    definition as rosbag2 stores it (concatenated .msg texts), empty where the robot does not know it.
+    """
+
+    topic: str
+    type_name: str
+    qos: Qos
+    publisher: int = 0
+    definition: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TopicNeeds:
+    """How a topic is served where the link cannot carry all: ``priority`` is the profile's.
+
+    At least ``floor_hz`` messages a second go before all others. Where ``is_full``, every message is to
+    arrive: they queue, and none is replaced by a newer one.
+    """
+
+    priority: float = 1.0
+    floor_hz: float = 0.0
+    is_full: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReceivedMessage:
+    """A whole message at the operator's end.
+
+    ``offered_ns`` is the robot's clock when its loop relayed the message, ``age_ns`` how long ago that was
+    when it arrived, as far as the clocks of both ends can be compared.
+    """
+
+    robot: str
+    stream: StreamInfo
+    payload: bytes
+    offered_ns: int
+    age_ns: int | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StreamCounts:
+    """Messages of one topic at the robot's end of a link, since the start.
+
+    ``sent`` went out whole. ``replaced`` gave way to newer ones before their first byte was sent;
+    ``overflowed`` were dropped because the queue of the topic was full. ``queued_bytes`` wait now.
+    """
+
+    sent: int = 0
+    replaced: int = 0
+    overflowed: int = 0
+    queued_bytes: int = 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LinkState:
+    """What the robot's end knows of the link; ``None`` for what was not measured yet.
+
+    ``capacity_kb_per_s`` is what the link carries, ``round_trip_ms`` the least of the last seconds,
+    ``outages`` how often the operator's end was silent while something was under way to it.
+    """
+
+    is_connected: bool = False
+    capacity_kb_per_s: float | None = None
+    round_trip_ms: float | None = None
+    outages: int = 0
+
+
+class RobotLink(Protocol):
+    """The robot's end of a link. Calls never wait for the link."""
+
+    def advertise(self, stream: StreamInfo) -> Publisher:
+        """What sends the messages of a stream."""
+
+    @property
+    def state(self) -> LinkState:
+        """What is known of the link now."""
+
+    @property
+    def budget_kb_per_s(self) -> float | None:
+        """What relayed topics may take together now; ``None`` while nothing is known of the link."""
+
+    def counts(self) -> dict[str, StreamCounts]:
+        """Messages by topic."""
+
+    def age_ms(self, topic: str) -> float | None:
+        """How old the last message of ``topic`` was when it arrived at the operator's end."""
+
+
+class Sink(Protocol):
+    """Where the operator's end puts what arrives. Raises ``TestudoError`` only from its constructor."""
+
+    def open(self, robot: str, stream: StreamInfo) -> None:
+        """A robot has this stream; its messages may follow. Said again where a stream changed."""
+
+    def take(self, message: ReceivedMessage) -> None:
+        """A message arrived."""
+
+    def close(self) -> None:
+        """Nothing more comes."""
