@@ -54,5 +54,9 @@ class RosError(TestudoError):
     """Something that ROS 2 refuses or lacks."""
 
 
+class LinkError(TestudoError):
+    """The link to an operator or a robot cannot be opened, or what came over it is not understood."""
+
+
 class UsageError(TestudoError):
     """A command line that does not fit together; the program exits with 2."""

@@ -1,0 +1,133 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Messages cut into chunks, and put together again."""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import dataclass
+
+from smarttestudo.domain.errors import LinkError
+
+MAX_MESSAGE_BYTES = 64 * 1024 * 1024
+MAX_STREAMS = 4096
+MAX_PARTIAL_BYTES = 4 * MAX_MESSAGE_BYTES
+"""What the parts of unfinished messages may take together."""
+CONTROL_STREAM = 0
+"""The stream in which the robot's end says what the others are."""
+
+_VERSION = 1
+# version, flags, stream, session, number, offset, size, offered_ns, sent_ns
+_HEADER = struct.Struct("<BBHIIIIqq")
+HEADER_BYTES = _HEADER.size
+_COMPRESSED = 1
+_KEPT = 2
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Chunk:
+    """A part of a message: ``body`` stands at ``offset`` of the ``size_bytes`` that travel.
+
+    ``session`` counts the connections of the robot's end, ``number`` the messages of the stream. The times
+    are the robot's clock: when the loop relayed the message, and when the chunk was sent. A message that
+    ``is_kept`` is never too old to be delivered.
+    """
+
+    session: int
+    stream: int
+    number: int
+    offset: int
+    size_bytes: int
+    offered_ns: int
+    sent_ns: int
+    is_compressed: bool
+    is_kept: bool
+    body: bytes
+
+    def to_bytes(self) -> bytes:
+        """The chunk as it travels."""
+        flags = _COMPRESSED * self.is_compressed | _KEPT * self.is_kept
+        head = (_VERSION, flags, self.stream, self.session, self.number, self.offset, self.size_bytes)
+        return _HEADER.pack(*head, self.offered_ns, self.sent_ns) + self.body
+
+    @staticmethod
+    def from_bytes(data: bytes) -> Chunk:
+        """The chunk that ``to_bytes`` gave ``data`` for. Raises ``LinkError`` for anything else."""
+        if len(data) < HEADER_BYTES:
+            raise LinkError(f"a chunk of {len(data)} bytes is shorter than its header")
+        version, flags, stream, session, number, offset, size_bytes, *times_ns = _HEADER.unpack_from(data)
+        body = data[HEADER_BYTES:]
+        if version != _VERSION or flags > _COMPRESSED | _KEPT:
+            raise LinkError(
+                f"a chunk has version {version}.{flags}",
+                remedy="use the same version of SmartTestudo at both ends",
+            )
+        if size_bytes > MAX_MESSAGE_BYTES or offset + len(body) > size_bytes or stream >= MAX_STREAMS:
+            raise LinkError("a chunk reaches beyond its message")
+        return Chunk(
+            session=session,
+            stream=stream,
+            number=number,
+            offset=offset,
+            size_bytes=size_bytes,
+            offered_ns=times_ns[0],
+            sent_ns=times_ns[1],
+            is_compressed=bool(flags & _COMPRESSED),
+            is_kept=bool(flags & _KEPT),
+            body=body,
+        )
+
+
+@dataclass(slots=True)
+class _Partial:
+    """A message of which not all has arrived."""
+
+    number: int
+    size_bytes: int
+    data: bytearray
+
+
+class Reassembler:
+    """Puts the messages of one session together; each stream has at most one unfinished message.
+
+    Chunks of a stream come in order. One that does not continue its message costs that message, and is
+    counted in ``broken``.
+    """
+
+    def __init__(self) -> None:
+        self.broken = 0
+        self._partials: dict[int, _Partial] = {}
+        self._bytes = 0
+
+    def add(self, chunk: Chunk) -> bytes | None:
+        """The message that ends with ``chunk``; ``None`` while more is to come, or if it does not fit."""
+        partial = self._partials.get(chunk.stream)
+        if chunk.offset == 0:
+            if partial is not None:
+                self._drop(chunk.stream)
+            if len(chunk.body) == chunk.size_bytes:
+                return chunk.body
+            if self._bytes + chunk.size_bytes > MAX_PARTIAL_BYTES:
+                self.broken += 1
+                return None
+            partial = self._partials[chunk.stream] = _Partial(chunk.number, chunk.size_bytes, bytearray())
+            self._bytes += chunk.size_bytes
+        elif partial is None:
+            # Its beginning was sent in an earlier session, or was refused and counted then.
+            return None
+        expected = (partial.number, partial.size_bytes, len(partial.data))
+        if (chunk.number, chunk.size_bytes, chunk.offset) != expected or not chunk.body:
+            self._drop(chunk.stream)
+            return None
+        partial.data += chunk.body
+        if len(partial.data) < partial.size_bytes:
+            return None
+        self._forget(chunk.stream)
+        return bytes(partial.data)
+
+    def _drop(self, stream: int) -> None:
+        self.broken += 1
+        self._forget(stream)
+
+    def _forget(self, stream: int) -> None:
+        self._bytes -= self._partials.pop(stream).size_bytes

@@ -1,0 +1,264 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What waits to be sent, and which of it goes next: the most important first, the newest of each."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Callable, Hashable, Iterator
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from smarttestudo.domain.link import StreamCounts, TopicNeeds
+from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.link.chunks import CONTROL_STREAM, HEADER_BYTES, Chunk
+
+MAX_QUEUED_BYTES = 1_000_000
+"""What may wait in the queue of a topic that is sent whole."""
+MAX_LANES = 1024
+"""How many messages of one stream may wait at once where each replaces only those of its own kind."""
+
+
+class Encoded(NamedTuple):
+    """A message as it travels."""
+
+    data: bytes
+    is_compressed: bool = False
+
+
+Encode = Callable[[int, bytes], Encoded]
+"""Makes of a message of a stream what travels."""
+
+
+def plain(_stream: int, payload: bytes) -> Encoded:
+    """Every message travels as it is."""
+    return Encoded(payload)
+
+
+@dataclass(slots=True, eq=False)
+class _Message:
+    """A message that waits or is being sent; ``data`` is what travels, from the first chunk on."""
+
+    number: int
+    payload: bytes
+    offered_ns: int
+    is_kept: bool
+    lane: Hashable = None
+    encoded: Encoded | None = None
+    offset: int = 0
+    sent_total: int = 0
+
+
+@dataclass(slots=True, eq=False)
+class _Stream:
+    """One stream: ``slots`` hold the newest message of each lane, ``queue`` those that are never replaced."""
+
+    number: int
+    needs: TopicNeeds
+    latched: deque[_Message] | None
+    slots: dict[Hashable, _Message] = field(default_factory=dict)
+    queue: deque[_Message] = field(default_factory=deque)
+    begun: _Message | None = None
+    unacknowledged: deque[_Message] = field(default_factory=deque)
+    queued_bytes: int = 0
+    began_ns: int | None = None
+    next_number: int = 0
+    sent: int = 0
+    replaced: int = 0
+    overflowed: int = 0
+
+    @property
+    def has_work(self) -> bool:
+        return self.begun is not None or bool(self.queue) or bool(self.slots)
+
+    @property
+    def oldest_ns(self) -> int:
+        """When the message that goes next was offered."""
+        if self.begun is not None:
+            return self.begun.offered_ns
+        waiting = [next(iter(self.slots.values())).offered_ns] if self.slots else []
+        if self.queue:
+            waiting.append(self.queue[0].offered_ns)
+        return min(waiting)
+
+    def is_urgent(self, now_ns: int) -> bool:
+        """Whether it goes before all others: latched, or below its floor."""
+        if self.number == CONTROL_STREAM or self.latched is not None:
+            return True
+        floor_hz = self.needs.floor_hz
+        if floor_hz <= 0:
+            return False
+        if self.began_ns is None or self.begun is not None:
+            return True
+        return now_ns - self.began_ns >= NS_PER_S / floor_hz
+
+    def begin(self, now_ns: int) -> _Message:
+        """Take the message that goes next out of what waits."""
+        if self.queue and (not self.slots or self.queue[0].offered_ns <= self.oldest_ns):
+            message = self.queue.popleft()
+            self.queued_bytes -= len(message.payload)
+        else:
+            message = self.slots.pop(next(iter(self.slots)))
+        self.begun, self.began_ns = message, now_ns
+        return message
+
+    @property
+    def counts(self) -> StreamCounts:
+        waiting = sum(len(message.payload) for message in self.slots.values())
+        return StreamCounts(
+            sent=self.sent,
+            replaced=self.replaced,
+            overflowed=self.overflowed,
+            queued_bytes=self.queued_bytes + waiting,
+        )
+
+
+class Outbox:
+    """Streams with what waits in them. All messages of the control stream arrive.
+
+    A message that has not begun is replaced by a newer one of its stream and lane; one that has begun is
+    finished. Latched messages and those of topics that are sent whole queue instead, up to
+    ``MAX_QUEUED_BYTES`` a stream; what overflows is counted.
+    """
+
+    def __init__(self, encode: Encode) -> None:
+        self._encode = encode
+        self._streams: dict[int, _Stream] = {}
+        self._active: dict[int, _Stream] = {}
+
+    def open(self, stream: int, *, depth: int | None = None) -> None:
+        """Have a stream; one with ``depth`` is latched and keeps so many messages for another session."""
+        latched = None if depth is None else deque[_Message](maxlen=depth)
+        self._streams[stream] = _Stream(stream, TopicNeeds(), latched)
+
+    def close(self, stream: int) -> None:
+        """Forget a stream and what waits in it."""
+        self._streams.pop(stream, None)
+        self._active.pop(stream, None)
+
+    def set_needs(self, stream: int, needs: TopicNeeds) -> None:
+        """Serve a stream so from now on."""
+        self._streams[stream].needs = needs
+
+    def offer(self, stream: int, payload: bytes, now_ns: int, lane: Hashable = None) -> None:
+        """Have a message sent. It replaces only messages of its ``lane``."""
+        open_stream = self._streams[stream]
+        number, open_stream.next_number = open_stream.next_number, (open_stream.next_number + 1) % 2**32
+        is_kept = open_stream.latched is not None or stream == CONTROL_STREAM or open_stream.needs.is_full
+        message = _Message(number, payload, now_ns, is_kept, lane)
+        if open_stream.latched is not None:
+            open_stream.latched.append(message)
+        if is_kept:
+            self._queue(open_stream, message)
+        else:
+            self._replace(open_stream, message)
+        if open_stream.has_work:
+            self._active[stream] = open_stream
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether nothing waits."""
+        return not self._active
+
+    def next_chunk(self, session: int, body_bytes: int, now_ns: int) -> Chunk | None:
+        """The chunk that goes next, with at most ``body_bytes`` of its message."""
+        if not self._active:
+            return None
+        stream = min(self._active.values(), key=lambda each: _rank(each, now_ns))
+        message = stream.begun or stream.begin(now_ns)
+        if message.encoded is None:
+            message.encoded = self._encode(stream.number, message.payload)
+        data = message.encoded.data
+        body = data[message.offset : message.offset + body_bytes]
+        chunk = Chunk(
+            session=session,
+            stream=stream.number,
+            number=message.number,
+            offset=message.offset,
+            size_bytes=len(data),
+            offered_ns=message.offered_ns,
+            sent_ns=now_ns,
+            is_compressed=message.encoded.is_compressed,
+            is_kept=message.is_kept,
+            body=body,
+        )
+        message.offset += len(body)
+        if message.offset >= len(data):
+            self._finish(stream, message)
+        return chunk
+
+    def sent_until(self, chunk: Chunk, total_bytes: int) -> None:
+        """``chunk`` was sent, and with it ``total_bytes`` of the session."""
+        stream = self._streams.get(chunk.stream)
+        if stream is not None and stream.unacknowledged and stream.unacknowledged[-1].number == chunk.number:
+            stream.unacknowledged[-1].sent_total = total_bytes
+
+    def acknowledge(self, total_bytes: int) -> None:
+        """The other end has ``total_bytes`` of the session."""
+        for stream in self._streams.values():
+            while stream.unacknowledged and 0 < stream.unacknowledged[0].sent_total <= total_bytes:
+                stream.unacknowledged.popleft()
+
+    def restart(self) -> None:
+        """Another session begins: latched messages go again, and kept ones that may not have arrived."""
+        for stream in self._streams.values():
+            self._restart(stream)
+            if stream.has_work:
+                self._active[stream.number] = stream
+
+    def counts(self) -> Iterator[tuple[int, StreamCounts]]:
+        """The counts of each stream."""
+        for number, stream in self._streams.items():
+            yield number, stream.counts
+
+    def _queue(self, stream: _Stream, message: _Message) -> None:
+        most_bytes = math.inf if stream.number == CONTROL_STREAM else MAX_QUEUED_BYTES
+        while stream.queue and stream.queued_bytes + len(message.payload) > most_bytes:
+            # The oldest gives way, as in a DDS history with KEEP_LAST.
+            stream.queued_bytes -= len(stream.queue.popleft().payload)
+            stream.overflowed += 1
+        stream.queue.append(message)
+        stream.queued_bytes += len(message.payload)
+
+    def _replace(self, stream: _Stream, message: _Message) -> None:
+        before = stream.slots.pop(message.lane, None)
+        if before is None and len(stream.slots) >= MAX_LANES:
+            before = stream.slots.pop(next(iter(stream.slots)))
+        stream.replaced += before is not None
+        stream.slots[message.lane] = message
+
+    def _finish(self, stream: _Stream, message: _Message) -> None:
+        stream.begun = None
+        stream.sent += 1
+        if message.is_kept:
+            stream.unacknowledged.append(message)
+        if not stream.has_work:
+            del self._active[stream.number]
+
+    def _restart(self, stream: _Stream) -> None:
+        begun, stream.begun = stream.begun, None
+        again = [*stream.unacknowledged]
+        stream.unacknowledged.clear()
+        if begun is not None and begun.is_kept:
+            again.append(begun)
+        elif begun is not None and begun.lane not in stream.slots:
+            stream.slots = {begun.lane: begun, **stream.slots}
+        elif begun is not None:
+            stream.replaced += 1
+        if stream.latched is not None:
+            again, stream.queue, stream.queued_bytes = list(stream.latched), deque(), 0
+        for message in reversed(again):
+            stream.queue.appendleft(message)
+            stream.queued_bytes += len(message.payload)
+        for message in (*stream.queue, *stream.slots.values()):
+            message.offset = message.sent_total = 0
+
+
+def _rank(stream: _Stream, now_ns: int) -> tuple[bool, float, int]:
+    return not stream.is_urgent(now_ns), -stream.needs.priority, stream.oldest_ns
+
+
+def chunk_body_bytes(capacity_bytes_per_s: float) -> int:
+    """How much of a message goes in one chunk: 20 ms of the link, within 1.2 to 16 KB."""
+    return max(1_200, min(16_000, int(capacity_bytes_per_s * 0.02))) - HEADER_BYTES

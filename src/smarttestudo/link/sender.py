@@ -1,0 +1,224 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The robot's end of a link: what to send now, and what the link carries."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Mapping
+from dataclasses import replace
+
+from smarttestudo.domain.link import LinkState, StreamCounts, StreamInfo, TopicNeeds
+from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
+from smarttestudo.link.chunks import CONTROL_STREAM, HEADER_BYTES, MAX_STREAMS, Chunk
+from smarttestudo.link.outbox import Encode, Outbox, chunk_body_bytes, plain
+from smarttestudo.link.reports import Announcement, Report, RoundTrip, control_message
+from smarttestudo.link.window import Window
+
+LOST_AFTER_NS = 3 * NS_PER_S
+"""An operator's end that said nothing for so long is no longer there; it says something twice a second."""
+STALLED_AFTER_NS = NS_PER_S
+"""Bytes that were under way for so long, and four round trips, met an outage."""
+BUDGET_PERIOD_NS = NS_PER_S // 4
+
+_NS_PER_MS = 1_000_000
+_USABLE = 0.95
+"""The share of the capacity that is planned with; the rest carries what nobody planned."""
+_GROWTH = ((0.5, 1.4), (0.15, 1.07), (0.05, 1.0))
+"""Shares of a period in which nothing waited to be sent, and by how much the budget grows after it."""
+_MOST_BYTES_PER_S = 1e10
+
+
+class LinkSender:
+    """Streams, what waits in them and the window of the link, in the time that is passed in.
+
+    The driver gives it messages (``offer``) and reports (``take_report``), and sends what ``next_chunk``
+    gives while that gives something; another look is due at ``wake_ns`` or after a message or a report.
+    It serves one operator's end at a time: the first that reports, until that is silent.
+    """
+
+    def __init__(self, encode: Encode = plain) -> None:
+        self._outbox = Outbox(encode)
+        self._outbox.open(CONTROL_STREAM)
+        self._infos: dict[int, StreamInfo] = {}
+        self._needs: Mapping[str, TopicNeeds] = {}
+        self._window = Window()
+        self._session = 0
+        self._receiver: int | None = None
+        self._heard_ns = 0
+        self._outages = 0
+        self._ages_ms: dict[str, float] = {}
+        self._budget_bytes_per_s: float | None = None
+        self._budget_ns = 0
+        self._idle_ns = 0
+        """For how long nothing waited to be sent, since ``_budget_ns``."""
+        self._idle_since_ns: int | None = None
+        self._trip_said_ns = 0
+        self._payload_bytes = self._wire_bytes = 1.0
+
+    def open(self, info: StreamInfo, now_ns: int) -> int | None:
+        """The number of a new stream; ``None`` where there are too many."""
+        number = next((one for one in range(1, MAX_STREAMS) if one not in self._infos), None)
+        if number is None:
+            return None
+        self._infos[number] = info
+        self._outbox.open(number, depth=info.qos.depth if info.qos.transient_local else None)
+        self._outbox.set_needs(number, self._needs.get(info.topic, TopicNeeds()))
+        self._announce(number, now_ns)
+        return number
+
+    def close(self, stream: int, now_ns: int) -> None:
+        """Send nothing more of a stream."""
+        if self._infos.pop(stream, None) is not None:
+            self._outbox.close(stream)
+            self._announce(stream, now_ns)
+
+    def follow(self, needs: Mapping[str, TopicNeeds]) -> None:
+        """Serve topics so from now on."""
+        self._needs = needs
+        for number, info in self._infos.items():
+            self._outbox.set_needs(number, needs.get(info.topic, TopicNeeds()))
+
+    def offer(self, stream: int, payload: bytes, now_ns: int, lane: Hashable = None) -> None:
+        """Have a message sent; it replaces one of its ``lane`` that has not begun."""
+        if stream in self._infos:
+            self._outbox.offer(stream, payload, now_ns, lane)
+
+    def take_report(self, report: Report, now_ns: int) -> None:
+        """An operator's end says what it has."""
+        is_silent = self._receiver is None or now_ns - self._heard_ns > LOST_AFTER_NS
+        if report.receiver != self._receiver and not is_silent:
+            return
+        must_restart = report.receiver != self._receiver or report.session == 0
+        self._receiver, self._heard_ns = report.receiver, now_ns
+        if not must_restart and report.session == self._session:
+            is_stalled = self.is_stalled(now_ns)
+            if self._window.acknowledge(report.received_bytes, now_ns):
+                self._outbox.acknowledge(report.received_bytes)
+            must_restart = is_stalled and self._window.in_flight_bytes > 0
+            self._outages += is_stalled
+        if must_restart:
+            self._restart(now_ns)
+        for number, age_ms in report.ages_ms.items():
+            info = self._infos.get(number)
+            if info is not None:
+                self._ages_ms[info.topic] = age_ms
+        self._say_round_trip(now_ns)
+        self._look_at_budget(now_ns)
+
+    def next_chunk(self, now_ns: int) -> bytes | None:
+        """What to send now; ``None`` while nothing waits, nobody is there, or enough is under way."""
+        if not self.is_connected(now_ns) or self.is_stalled(now_ns):
+            return None
+        if not self._window.has_room:
+            if not self._outbox.is_empty:
+                self._window.limited()
+            return None
+        body_bytes = chunk_body_bytes(self._window.capacity_bytes_per_s)
+        chunk = self._outbox.next_chunk(self._session, body_bytes, now_ns)
+        if chunk is None:
+            self._window.idle()
+            self._idle_since_ns = self._idle_since_ns or now_ns
+            return None
+        if self._idle_since_ns is not None:
+            self._idle_ns += now_ns - self._idle_since_ns
+            self._idle_since_ns = None
+        data = chunk.to_bytes()
+        self._count(chunk)
+        self._window.sent(len(data), now_ns)
+        self._outbox.sent_until(chunk, self._window.sent_bytes)
+        return data
+
+    def is_connected(self, now_ns: int) -> bool:
+        """Whether an operator's end was heard lately."""
+        return self._receiver is not None and now_ns - self._heard_ns <= LOST_AFTER_NS
+
+    def is_stalled(self, now_ns: int) -> bool:
+        """Whether what is under way should long have arrived."""
+        since_ns = self._window.waiting_since_ns
+        trip_ns = self._window.round_trip_ns or 0
+        return since_ns is not None and now_ns - since_ns > STALLED_AFTER_NS + 4 * trip_ns
+
+    def disconnect(self) -> None:
+        """The operator's end is gone; the next that reports gets a new session."""
+        self._receiver = None
+
+    def state(self, now_ns: int) -> LinkState:
+        """What is known of the link."""
+        window = self._window
+        return LinkState(
+            is_connected=self.is_connected(now_ns),
+            capacity_kb_per_s=window.capacity_bytes_per_s / BYTES_PER_KB if window.is_measured else None,
+            round_trip_ms=None if window.round_trip_ns is None else window.round_trip_ns / _NS_PER_MS,
+            outages=self._outages,
+        )
+
+    @property
+    def budget_kb_per_s(self) -> float | None:
+        """What relayed topics may take together now, before compression; ``None`` while it is not known."""
+        if self._budget_bytes_per_s is None:
+            return None
+        return self._budget_bytes_per_s * self._payload_bytes / self._wire_bytes / BYTES_PER_KB
+
+    def counts(self) -> dict[str, StreamCounts]:
+        """Messages by topic."""
+        counts: dict[str, StreamCounts] = {}
+        for number, one in self._outbox.counts():
+            info = self._infos.get(number)
+            if info is None:
+                continue
+            had = counts.get(info.topic, StreamCounts())
+            counts[info.topic] = replace(
+                had,
+                sent=had.sent + one.sent,
+                replaced=had.replaced + one.replaced,
+                overflowed=had.overflowed + one.overflowed,
+                queued_bytes=had.queued_bytes + one.queued_bytes,
+            )
+        return counts
+
+    def age_ms(self, topic: str) -> float | None:
+        """How old the last message of ``topic`` was when it arrived."""
+        return self._ages_ms.get(topic)
+
+    def _restart(self, now_ns: int) -> None:
+        self._session += 1
+        before, self._window = self._window, Window(self._window.capacity_bytes_per_s)
+        self._window.is_measured = before.is_measured
+        self._outbox.close(CONTROL_STREAM)
+        self._outbox.open(CONTROL_STREAM)
+        self._outbox.restart()
+        for number in self._infos:
+            self._announce(number, now_ns)
+
+    def _announce(self, stream: int, now_ns: int) -> None:
+        said = Announcement(stream=stream, info=self._infos.get(stream))
+        self._outbox.offer(CONTROL_STREAM, control_message(said), now_ns)
+
+    def _count(self, chunk: Chunk) -> None:
+        """Keep the share of bytes that compression saves, over about the last megabyte."""
+        self._wire_bytes = self._wire_bytes * 0.99 + HEADER_BYTES + len(chunk.body)
+        self._payload_bytes = self._payload_bytes * 0.99 + len(chunk.body)
+
+    def _look_at_budget(self, now_ns: int) -> None:
+        """Set the budget to the capacity where the link is the limit, and let it grow where it is not."""
+        span_ns = now_ns - self._budget_ns
+        if span_ns < BUDGET_PERIOD_NS:
+            return
+        if self._idle_since_ns is not None:
+            self._idle_ns += now_ns - self._idle_since_ns
+            self._idle_since_ns = now_ns
+        idle_share, self._idle_ns, self._budget_ns = self._idle_ns / span_ns, 0, now_ns
+        if not self._window.is_measured:
+            return
+        usable = self._window.capacity_bytes_per_s * _USABLE
+        before = usable if self._budget_bytes_per_s is None else self._budget_bytes_per_s
+        growth = next((growth for share, growth in _GROWTH if idle_share > share), None)
+        grown = usable if growth is None else max(usable, before * growth)
+        self._budget_bytes_per_s = min(grown, _MOST_BYTES_PER_S)
+
+    def _say_round_trip(self, now_ns: int) -> None:
+        trip_ns = self._window.round_trip_ns
+        if trip_ns is not None and now_ns - self._trip_said_ns >= NS_PER_S:
+            self._trip_said_ns = now_ns
+            said = RoundTrip(round_trip_ms=trip_ns / _NS_PER_MS)
+            self._outbox.offer(CONTROL_STREAM, control_message(said), now_ns)

@@ -1,0 +1,185 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""How many bytes may be under way: what the link delivers, and its least round trip.
+
+The model is that of BBR (Cardwell et al., "BBR: Congestion-Based Congestion Control", ACM Queue 2016): the
+largest delivered rate and the least round trip, each over a window, with regular phases that look for more
+of the one and less of the other. It differs where the other end acknowledges every 20 ms instead of each
+packet, and where a sender with little to send must not forget what the link carries.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+
+from smarttestudo.domain.units import NS_PER_S
+
+ACKNOWLEDGE_PERIOD_NS = 20_000_000
+"""How often the other end says what it has received, while something comes."""
+START_BYTES_PER_S = 20_000.0
+"""What is assumed of a link of which nothing is known."""
+
+_MS = 1_000_000
+_SAMPLE_NS = 200 * _MS
+"""The length of time over which the delivered rate is measured; all samples are alike."""
+_RATE_WINDOW_NS = 1_500 * _MS
+_TRIP_WINDOW_NS = 10 * NS_PER_S
+_DRAIN_AFTER_NS = 5 * NS_PER_S
+"""A least round trip that was not seen again for so long is looked for with a nearly empty link."""
+_DRAIN_NS = 200 * _MS
+_ALLOWANCE_NS = ACKNOWLEDGE_PERIOD_NS + 5 * _MS
+"""Bytes that have arrived are under way until the next acknowledgement."""
+_LEAST_WINDOW_BYTES = 3_000
+_FALL = 0.7
+"""A link that delivers less than this share of its capacity, with a long round trip, has become slower."""
+_GROW_GAIN = 2.0
+_PROBE_GAIN = 1.25
+_FIRST_TRIP_NS = 50 * _MS
+
+
+@dataclass(slots=True)
+class _Flight:
+    """Bytes under way: they end at ``total`` of the session."""
+
+    total: int
+    sent_ns: int
+
+
+class Window:
+    """The bytes of one session that may be under way. Times never fall.
+
+    The driver says what happens: only while the window is full and something waits (``limited``), never
+    ``idle``, does the delivered rate say what the link carries.
+    """
+
+    def __init__(self, capacity_bytes_per_s: float = START_BYTES_PER_S) -> None:
+        self.capacity_bytes_per_s = capacity_bytes_per_s
+        self.is_measured = False
+        """Whether the capacity was measured, not assumed."""
+        self.sent_bytes = 0
+        self.acknowledged_bytes = 0
+        self._flights: deque[_Flight] = deque()
+        self._trips: deque[tuple[int, int]] = deque()
+        self._last_trip_ns = _FIRST_TRIP_NS
+        self._sample_ns: int | None = None
+        self._sample_bytes = 0
+        self._was_full = False
+        self._was_idle = False
+        self._limited_ns = 0
+        """Time during which the link was the limit; it ages what was measured."""
+        self._rates: deque[tuple[int, float]] = deque()
+        self._least_seen_ns: int | None = None
+        self._drain_until_ns: int | None = None
+
+    @property
+    def in_flight_bytes(self) -> int:
+        """Bytes that were sent and not acknowledged."""
+        return self.sent_bytes - self.acknowledged_bytes
+
+    @property
+    def round_trip_ns(self) -> int | None:
+        """The least round trip of the last ten seconds; ``None`` before the first."""
+        return self._trips[0][1] if self._trips else None
+
+    @property
+    def waiting_since_ns(self) -> int | None:
+        """Since when the oldest bytes are under way; ``None`` while none are."""
+        return self._flights[0].sent_ns if self._flights else None
+
+    @property
+    def size_bytes(self) -> int:
+        """How many bytes may be under way now."""
+        trip_ns = _FIRST_TRIP_NS if self.round_trip_ns is None else self.round_trip_ns
+        if self._drain_until_ns is not None:
+            return max(_LEAST_WINDOW_BYTES, int(self.capacity_bytes_per_s * trip_ns / NS_PER_S / 2))
+        has_room = self._last_trip_ns < trip_ns * 1.25 + 15 * _MS
+        gain = _GROW_GAIN if has_room else _PROBE_GAIN
+        ahead_s = (gain * trip_ns + _ALLOWANCE_NS) / NS_PER_S
+        return max(_LEAST_WINDOW_BYTES, int(self.capacity_bytes_per_s * ahead_s))
+
+    @property
+    def has_room(self) -> bool:
+        """Whether another chunk may be sent."""
+        return self.in_flight_bytes < self.size_bytes
+
+    def limited(self) -> None:
+        """There is more to send than there is room for."""
+        self._was_full = True
+
+    def idle(self) -> None:
+        """Nothing waits to be sent: what is delivered meanwhile says little about the link."""
+        self._was_idle = True
+
+    def sent(self, size_bytes: int, now_ns: int) -> None:
+        """Bytes were sent."""
+        if not self._flights:
+            # A sample does not reach over a pause.
+            self._begin_sample(now_ns)
+        self.sent_bytes += size_bytes
+        self._flights.append(_Flight(self.sent_bytes, now_ns))
+
+    def acknowledge(self, total_bytes: int, now_ns: int) -> bool:
+        """The other end has ``total_bytes`` of the session; whether that can be."""
+        if not self.acknowledged_bytes <= total_bytes <= self.sent_bytes:
+            return False
+        self.acknowledged_bytes = total_bytes
+        newest = None
+        while self._flights and self._flights[0].total <= total_bytes:
+            newest = self._flights.popleft()
+        if newest is not None:
+            self._take_trip(now_ns - newest.sent_ns, now_ns)
+        if self._sample_ns is not None and now_ns - self._sample_ns >= _SAMPLE_NS:
+            self._take_rate(now_ns)
+        return True
+
+    def _take_trip(self, trip_ns: int, now_ns: int) -> None:
+        self._last_trip_ns = trip_ns
+        while self._trips and self._trips[0][0] < now_ns - _TRIP_WINDOW_NS:
+            self._trips.popleft()
+        least_ns = self.round_trip_ns
+        if least_ns is None or trip_ns <= least_ns * 1.1 + 2 * _MS:
+            self._least_seen_ns = now_ns
+        # Increasing in both: the first is the least, and each is the least after those before it are gone.
+        while self._trips and self._trips[-1][1] >= trip_ns:
+            self._trips.pop()
+        self._trips.append((now_ns, trip_ns))
+        if self._drain_until_ns is not None and now_ns >= self._drain_until_ns:
+            self._drain_until_ns, self._least_seen_ns = None, now_ns
+            self._begin_sample(now_ns)
+        elif self._drain_until_ns is None and now_ns - (self._least_seen_ns or now_ns) > _DRAIN_AFTER_NS:
+            self._drain_until_ns = now_ns + _DRAIN_NS + (least_ns or 0)
+            # What stood in the queue made the least of the last seconds.
+            self._trips.clear()
+            self._trips.append((now_ns, trip_ns))
+
+    def _take_rate(self, now_ns: int) -> None:
+        assert self._sample_ns is not None
+        span_ns = now_ns - self._sample_ns
+        rate = (self.acknowledged_bytes - self._sample_bytes) * NS_PER_S / span_ns
+        was_limited = self._was_full and not self._was_idle and self._drain_until_ns is None
+        self._begin_sample(now_ns)
+        if was_limited:
+            self._limited_ns += span_ns
+            self.is_measured = True
+            self._learn(rate)
+        elif rate > self.capacity_bytes_per_s:
+            self._learn(rate)
+
+    def _learn(self, rate: float) -> None:
+        trip_ns = self.round_trip_ns or _FIRST_TRIP_NS
+        has_queue = self._last_trip_ns > 2 * trip_ns + 40 * _MS
+        if has_queue and rate < _FALL * self.capacity_bytes_per_s:
+            # One decision for each time that the link falls: what it carried before is forgotten.
+            self._rates.clear()
+        while self._rates and self._rates[-1][1] <= rate:
+            self._rates.pop()
+        self._rates.append((self._limited_ns, rate))
+        while self._rates[0][0] < self._limited_ns - _RATE_WINDOW_NS:
+            self._rates.popleft()
+        self.capacity_bytes_per_s = max(self._rates[0][1], 1.0)
+
+    def _begin_sample(self, now_ns: int) -> None:
+        self._sample_ns = now_ns
+        self._sample_bytes = self.acknowledged_bytes
+        self._was_full = self._was_idle = False
