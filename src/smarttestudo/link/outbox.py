@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from smarttestudo.domain.link import StreamCounts, TopicNeeds
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.link.chunks import CONTROL_STREAM, HEADER_BYTES, Chunk
+from smarttestudo.link.chunks import CONTROL_STREAM, Chunk
 
 MAX_QUEUED_BYTES = 1_000_000
 """What may wait in the queue of a topic that is sent whole."""
@@ -62,7 +62,8 @@ class _Stream:
     begun: _Message | None = None
     unacknowledged: deque[_Message] = field(default_factory=deque)
     queued_bytes: int = 0
-    began_ns: int | None = None
+    floor_due_ns: int = 0
+    is_floor_begun: bool = False
     next_number: int = 0
     sent: int = 0
     replaced: int = 0
@@ -83,15 +84,10 @@ class _Stream:
         return min(waiting)
 
     def is_urgent(self, now_ns: int) -> bool:
-        """Whether it goes before all others: latched, or below its floor."""
-        if self.number == CONTROL_STREAM or self.latched is not None:
+        """Whether it goes before others: latched, or below its floor."""
+        if self.latched is not None:
             return True
-        floor_hz = self.needs.floor_hz
-        if floor_hz <= 0:
-            return False
-        if self.began_ns is None or self.begun is not None:
-            return True
-        return now_ns - self.began_ns >= NS_PER_S / floor_hz
+        return self.needs.floor_hz > 0 and (self.is_floor_begun or now_ns >= self.floor_due_ns)
 
     def begin(self, now_ns: int) -> _Message:
         """Take the message that goes next out of what waits."""
@@ -100,7 +96,13 @@ class _Stream:
             self.queued_bytes -= len(message.payload)
         else:
             message = self.slots.pop(next(iter(self.slots)))
-        self.begun, self.began_ns = message, now_ns
+        self.begun = message
+        floor_hz = self.needs.floor_hz
+        self.is_floor_begun = floor_hz > 0 and now_ns >= self.floor_due_ns
+        if self.is_floor_begun:
+            # A grid with a credit of one, so that a message that begins late makes no later one too many.
+            period_ns = int(NS_PER_S / floor_hz)
+            self.floor_due_ns = max(self.floor_due_ns, now_ns - period_ns) + period_ns
         return message
 
     @property
@@ -229,7 +231,7 @@ class Outbox:
         stream.slots[message.lane] = message
 
     def _finish(self, stream: _Stream, message: _Message) -> None:
-        stream.begun = None
+        stream.begun, stream.is_floor_begun = None, False
         stream.sent += 1
         if message.is_kept:
             stream.unacknowledged.append(message)
@@ -237,7 +239,7 @@ class Outbox:
             del self._active[stream.number]
 
     def _restart(self, stream: _Stream) -> None:
-        begun, stream.begun = stream.begun, None
+        begun, stream.begun, stream.is_floor_begun = stream.begun, None, False
         again = [*stream.unacknowledged]
         stream.unacknowledged.clear()
         if begun is not None and begun.is_kept:
@@ -255,10 +257,7 @@ class Outbox:
             message.offset = message.sent_total = 0
 
 
-def _rank(stream: _Stream, now_ns: int) -> tuple[bool, float, int]:
-    return not stream.is_urgent(now_ns), -stream.needs.priority, stream.oldest_ns
-
-
-def chunk_body_bytes(capacity_bytes_per_s: float) -> int:
-    """How much of a message goes in one chunk: 20 ms of the link, within 1.2 to 16 KB."""
-    return max(1_200, min(16_000, int(capacity_bytes_per_s * 0.02))) - HEADER_BYTES
+def _rank(stream: _Stream, now_ns: int) -> tuple[bool, bool, float, int]:
+    """What is least goes next. Streams are announced before their messages."""
+    is_control = stream.number == CONTROL_STREAM
+    return not is_control, not stream.is_urgent(now_ns), -stream.needs.priority, stream.oldest_ns

@@ -10,7 +10,7 @@ from dataclasses import replace
 from smarttestudo.domain.link import LinkState, StreamCounts, StreamInfo, TopicNeeds
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
 from smarttestudo.link.chunks import CONTROL_STREAM, HEADER_BYTES, MAX_STREAMS, Chunk
-from smarttestudo.link.outbox import Encode, Outbox, chunk_body_bytes, plain
+from smarttestudo.link.outbox import Encode, Outbox, plain
 from smarttestudo.link.reports import Announcement, Report, RoundTrip, control_message
 from smarttestudo.link.window import Window
 
@@ -109,12 +109,12 @@ class LinkSender:
         """What to send now; ``None`` while nothing waits, nobody is there, or enough is under way."""
         if not self.is_connected(now_ns) or self.is_stalled(now_ns):
             return None
-        if not self._window.has_room:
+        chunk_bytes = self._window.chunk_bytes
+        if not chunk_bytes:
             if not self._outbox.is_empty:
                 self._window.limited()
             return None
-        body_bytes = chunk_body_bytes(self._window.capacity_bytes_per_s)
-        chunk = self._outbox.next_chunk(self._session, body_bytes, now_ns)
+        chunk = self._outbox.next_chunk(self._session, chunk_bytes - HEADER_BYTES, now_ns)
         if chunk is None:
             self._window.idle()
             self._idle_since_ns = self._idle_since_ns or now_ns

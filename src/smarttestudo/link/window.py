@@ -17,7 +17,7 @@ from smarttestudo.domain.units import NS_PER_S
 
 ACKNOWLEDGE_PERIOD_NS = 20_000_000
 """How often the other end says what it has received, while something comes."""
-START_BYTES_PER_S = 20_000.0
+START_BYTES_PER_S = 40_000.0
 """What is assumed of a link of which nothing is known."""
 
 _MS = 1_000_000
@@ -31,8 +31,12 @@ _DRAIN_NS = 200 * _MS
 _ALLOWANCE_NS = ACKNOWLEDGE_PERIOD_NS + 5 * _MS
 """Bytes that have arrived are under way until the next acknowledgement."""
 _LEAST_WINDOW_BYTES = 3_000
+_CHUNK_S = 0.02
+_LEAST_CHUNK_BYTES = 1_200
+_MOST_CHUNK_BYTES = 16_000
 _FALL = 0.7
 """A link that delivers less than this share of its capacity, with a long round trip, has become slower."""
+_RISE = 1.15
 _GROW_GAIN = 2.0
 _PROBE_GAIN = 1.25
 _FIRST_TRIP_NS = 50 * _MS
@@ -69,8 +73,12 @@ class Window:
         self._limited_ns = 0
         """Time during which the link was the limit; it ages what was measured."""
         self._rates: deque[tuple[int, float]] = deque()
-        self._least_seen_ns: int | None = None
+        self._is_growing = True
+        """Whether the last sample found that the link carries clearly more."""
+        self._has_fallen = False
+        self._least_seen_ns = 0
         self._drain_until_ns: int | None = None
+        self._drained_trip_ns = 0
 
     @property
     def in_flight_bytes(self) -> int:
@@ -94,14 +102,23 @@ class Window:
         if self._drain_until_ns is not None:
             return max(_LEAST_WINDOW_BYTES, int(self.capacity_bytes_per_s * trip_ns / NS_PER_S / 2))
         has_room = self._last_trip_ns < trip_ns * 1.25 + 15 * _MS
-        gain = _GROW_GAIN if has_room else _PROBE_GAIN
+        gain = _GROW_GAIN if has_room and self._is_growing else _PROBE_GAIN
         ahead_s = (gain * trip_ns + _ALLOWANCE_NS) / NS_PER_S
         return max(_LEAST_WINDOW_BYTES, int(self.capacity_bytes_per_s * ahead_s))
 
     @property
-    def has_room(self) -> bool:
-        """Whether another chunk may be sent."""
-        return self.in_flight_bytes < self.size_bytes
+    def chunk_bytes(self) -> int:
+        """How long the next chunk may be: 20 ms of the link within 1.2 to 16 KB; 0 while there is no room."""
+        room_bytes = self.size_bytes - self.in_flight_bytes
+        if room_bytes < _LEAST_CHUNK_BYTES:
+            return 0
+        most_bytes = int(self.capacity_bytes_per_s * _CHUNK_S)
+        return max(_LEAST_CHUNK_BYTES, min(_MOST_CHUNK_BYTES, most_bytes, room_bytes))
+
+    @property
+    def _has_queue(self) -> bool:
+        """Whether the last round trip took so long that bytes of ours, or of others, wait on the link."""
+        return self._last_trip_ns > 2 * (self.round_trip_ns or _FIRST_TRIP_NS) + 40 * _MS
 
     def limited(self) -> None:
         """There is more to send than there is room for."""
@@ -113,7 +130,7 @@ class Window:
 
     def sent(self, size_bytes: int, now_ns: int) -> None:
         """Bytes were sent."""
-        if not self._flights:
+        if self._sample_ns is None or (self._was_idle and not self._flights):
             # A sample does not reach over a pause.
             self._begin_sample(now_ns)
         self.sent_bytes += size_bytes
@@ -135,6 +152,11 @@ class Window:
 
     def _take_trip(self, trip_ns: int, now_ns: int) -> None:
         self._last_trip_ns = trip_ns
+        if self._drain_until_ns is not None:
+            self._drained_trip_ns = min(self._drained_trip_ns, trip_ns)
+            if now_ns >= self._drain_until_ns:
+                self._end_drain(now_ns)
+            return
         while self._trips and self._trips[0][0] < now_ns - _TRIP_WINDOW_NS:
             self._trips.popleft()
         least_ns = self.round_trip_ns
@@ -144,20 +166,24 @@ class Window:
         while self._trips and self._trips[-1][1] >= trip_ns:
             self._trips.pop()
         self._trips.append((now_ns, trip_ns))
-        if self._drain_until_ns is not None and now_ns >= self._drain_until_ns:
-            self._drain_until_ns, self._least_seen_ns = None, now_ns
-            self._begin_sample(now_ns)
-        elif self._drain_until_ns is None and now_ns - (self._least_seen_ns or now_ns) > _DRAIN_AFTER_NS:
-            self._drain_until_ns = now_ns + _DRAIN_NS + (least_ns or 0)
-            # What stood in the queue made the least of the last seconds.
-            self._trips.clear()
-            self._trips.append((now_ns, trip_ns))
+        is_due = now_ns - self._least_seen_ns > _DRAIN_AFTER_NS
+        if least_ns is not None and is_due and not self._has_queue:
+            self._drain_until_ns = now_ns + _DRAIN_NS + least_ns
+            self._drained_trip_ns = trip_ns
+
+    def _end_drain(self, now_ns: int) -> None:
+        """What was measured with a nearly empty link holds; before, a queue was part of it."""
+        self._drain_until_ns, self._least_seen_ns = None, now_ns
+        self._trips.clear()
+        self._trips.append((now_ns, self._drained_trip_ns))
+        self._begin_sample(now_ns)
 
     def _take_rate(self, now_ns: int) -> None:
         assert self._sample_ns is not None
         span_ns = now_ns - self._sample_ns
         rate = (self.acknowledged_bytes - self._sample_bytes) * NS_PER_S / span_ns
-        was_limited = self._was_full and not self._was_idle and self._drain_until_ns is None
+        was_limited = (self._was_full and not self._was_idle) or self._has_queue
+        was_limited = was_limited and self._drain_until_ns is None
         self._begin_sample(now_ns)
         if was_limited:
             self._limited_ns += span_ns
@@ -165,13 +191,16 @@ class Window:
             self._learn(rate)
         elif rate > self.capacity_bytes_per_s:
             self._learn(rate)
+        else:
+            self._is_growing = False
 
     def _learn(self, rate: float) -> None:
-        trip_ns = self.round_trip_ns or _FIRST_TRIP_NS
-        has_queue = self._last_trip_ns > 2 * trip_ns + 40 * _MS
-        if has_queue and rate < _FALL * self.capacity_bytes_per_s:
-            # One decision for each time that the link falls: what it carried before is forgotten.
+        falls = self._has_queue and rate < _FALL * self.capacity_bytes_per_s
+        if falls or self._has_fallen:
+            # What the link carried before it fell is forgotten; a part of that is in the sample of the fall.
             self._rates.clear()
+        self._has_fallen = falls
+        self._is_growing = rate > _RISE * self.capacity_bytes_per_s
         while self._rates and self._rates[-1][1] <= rate:
             self._rates.pop()
         self._rates.append((self._limited_ns, rate))
