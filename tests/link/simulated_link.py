@@ -91,7 +91,7 @@ class Ends:
             stream = self.sender.open(info, 0)
             assert stream is not None
             self._streams[source.topic] = stream
-            self.at(int(source.from_s * S), partial(self._publish, source))  # type: ignore[misc]
+            self.at(int(source.from_s * S), partial(self._publish, source))
         self.at(0, self._report)
         end_ns = int(seconds * S)
         while self._events and self._events[0][0] <= end_ns:

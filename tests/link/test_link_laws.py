@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from link.simulated_link import Ends, Link, S, Source
 from smarttestudo.domain.errors import LinkError
-from smarttestudo.domain.link import TopicNeeds
+from smarttestudo.domain.link import LinkNeeds
 from smarttestudo.link.chunks import Chunk
 from smarttestudo.link.receiver import LinkReceiver
 from smarttestudo.link.reports import Report
@@ -45,7 +45,7 @@ def test_all_that_arrives_was_sent_and_in_order_and_the_newest_arrives(
     link: Link, sent: tuple[Source, ...], full: list[bool]
 ) -> None:
     ends = Ends(link, sent)
-    needs = {source.topic: TopicNeeds(is_full=is_full) for source, is_full in zip(sent, full, strict=False)}
+    needs = {source.topic: LinkNeeds(is_full=is_full) for source, is_full in zip(sent, full, strict=False)}
     ends.sender.follow(needs)
     # A slow link may have many seconds of chunks under way when it gets better.
     ends.run(60)

@@ -9,7 +9,7 @@ from itertools import pairwise
 import pytest
 
 from link.simulated_link import Ends, Link, S, Source, quantile
-from smarttestudo.domain.link import TopicNeeds
+from smarttestudo.domain.link import LinkNeeds
 
 # 5 Mbit/s are offered.
 SOURCES = (
@@ -20,10 +20,10 @@ SOURCES = (
 )
 SMALL = ("/odom", "/imu", "/scan")
 NEEDS = {
-    "/odom": TopicNeeds(priority=5),
-    "/imu": TopicNeeds(priority=4),
-    "/scan": TopicNeeds(priority=4),
-    "/image": TopicNeeds(priority=1),
+    "/odom": LinkNeeds(priority=5),
+    "/imu": LinkNeeds(priority=4),
+    "/scan": LinkNeeds(priority=4),
+    "/image": LinkNeeds(priority=1),
 }
 
 
@@ -88,7 +88,7 @@ def test_topics_with_floors_keep_them_under_tenfold_overload() -> None:
         Source(topic="/camera", size_bytes=100_000, rate_hz=25),
     )
     both = Ends(Link(((0, 250_000),)), sources)
-    both.sender.follow({"/battery": TopicNeeds(priority=1, floor_hz=1.0), "/camera": TopicNeeds(priority=9)})
+    both.sender.follow({"/battery": LinkNeeds(priority=1, floor_hz=1.0), "/camera": LinkNeeds(priority=9)})
     both.run(600)
     got = both.arrived["/battery"]
     assert [message.payload for _, message in got] == both.payloads["/battery"][: len(got)]
@@ -104,7 +104,7 @@ def test_a_full_topic_is_never_thinned_while_its_queue_holds() -> None:
         (8, 250_000),
         sources=(Source(topic="/joint_states", size_bytes=400, rate_hz=50),),
     )
-    both.sender.follow({"/joint_states": TopicNeeds(is_full=True)})
+    both.sender.follow({"/joint_states": LinkNeeds(is_full=True)})
     both.run(20)
     got = [message.payload for _, message in both.arrived["/joint_states"]]
     assert got == both.payloads["/joint_states"][: len(got)]
@@ -113,7 +113,7 @@ def test_a_full_topic_is_never_thinned_while_its_queue_holds() -> None:
 
 def test_what_overflows_a_queue_is_counted() -> None:
     both = ends((0, 10_000), sources=(Source(topic="/camera", size_bytes=60_000, rate_hz=10),))
-    both.sender.follow({"/camera": TopicNeeds(is_full=True)})
+    both.sender.follow({"/camera": LinkNeeds(is_full=True)})
     both.run(20)
     counts = both.sender.counts()["/camera"]
     assert counts.overflowed > 0

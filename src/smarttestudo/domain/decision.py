@@ -20,6 +20,7 @@ class Reason(Enum):
     UNKNOWN = "unknown"
     FLOOR = "floor"
     BUDGET = "budget"
+    LINK = "link"
     FALLBACK = "fallback"
     RELOAD = "reload"
 

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -26,7 +27,7 @@ class StreamInfo:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class TopicNeeds:
+class LinkNeeds:
     """How a topic is served where the link cannot carry all: ``priority`` is the profile's.
 
     At least ``floor_hz`` messages a second go before all others. Where ``is_full``, every message is to
@@ -81,11 +82,14 @@ class LinkState:
     outages: int = 0
 
 
-class RobotLink(Protocol):
+class RobotEnd(Protocol):
     """The robot's end of a link. Calls never wait for the link."""
 
     def advertise(self, stream: StreamInfo) -> Publisher:
         """What sends the messages of a stream."""
+
+    def follow(self, needs: Mapping[str, LinkNeeds]) -> None:
+        """Serve topics so from now on."""
 
     @property
     def state(self) -> LinkState:

@@ -49,9 +49,13 @@ class ListenersChanged:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LinkBudget:
-    """The link now carries ``link_kb_per_s`` for the relayed topics together."""
+    """The relayed topics together may now take ``link_kb_per_s``.
+
+    ``is_measured``: so much the link carries; else somebody set it. The lesser of both holds.
+    """
 
     link_kb_per_s: float
+    is_measured: bool = False
 
 
 Observation = Arrival | SourceChanged | ListenersChanged | LinkBudget

@@ -10,7 +10,7 @@ from collections.abc import Callable, Hashable, Iterator
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from smarttestudo.domain.link import StreamCounts, TopicNeeds
+from smarttestudo.domain.link import StreamCounts, LinkNeeds
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.link.chunks import CONTROL_STREAM, Chunk
 
@@ -55,7 +55,7 @@ class _Stream:
     """One stream: ``slots`` hold the newest message of each lane, ``queue`` those that are never replaced."""
 
     number: int
-    needs: TopicNeeds
+    needs: LinkNeeds
     latched: deque[_Message] | None
     slots: dict[Hashable, _Message] = field(default_factory=dict)
     queue: deque[_Message] = field(default_factory=deque)
@@ -132,14 +132,14 @@ class Outbox:
     def open(self, stream: int, *, depth: int | None = None) -> None:
         """Have a stream; one with ``depth`` is latched and keeps so many messages for another session."""
         latched = None if depth is None else deque[_Message](maxlen=depth)
-        self._streams[stream] = _Stream(stream, TopicNeeds(), latched)
+        self._streams[stream] = _Stream(stream, LinkNeeds(), latched)
 
     def close(self, stream: int) -> None:
         """Forget a stream and what waits in it."""
         self._streams.pop(stream, None)
         self._active.pop(stream, None)
 
-    def set_needs(self, stream: int, needs: TopicNeeds) -> None:
+    def set_needs(self, stream: int, needs: LinkNeeds) -> None:
         """Serve a stream so from now on."""
         self._streams[stream].needs = needs
 

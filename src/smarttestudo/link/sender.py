@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Hashable, Mapping
 from dataclasses import replace
 
-from smarttestudo.domain.link import LinkState, StreamCounts, StreamInfo, TopicNeeds
+from smarttestudo.domain.link import LinkState, StreamCounts, StreamInfo, LinkNeeds
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
 from smarttestudo.link.chunks import CONTROL_STREAM, HEADER_BYTES, MAX_STREAMS, Chunk
 from smarttestudo.link.outbox import Encode, Outbox, plain
@@ -40,7 +40,7 @@ class LinkSender:
         self._outbox = Outbox(encode)
         self._outbox.open(CONTROL_STREAM)
         self._infos: dict[int, StreamInfo] = {}
-        self._needs: Mapping[str, TopicNeeds] = {}
+        self._needs: Mapping[str, LinkNeeds] = {}
         self._window = Window()
         self._session = 0
         self._receiver: int | None = None
@@ -62,7 +62,7 @@ class LinkSender:
             return None
         self._infos[number] = info
         self._outbox.open(number, depth=info.qos.depth if info.qos.transient_local else None)
-        self._outbox.set_needs(number, self._needs.get(info.topic, TopicNeeds()))
+        self._outbox.set_needs(number, self._needs.get(info.topic, LinkNeeds()))
         self._announce(number, now_ns)
         return number
 
@@ -72,11 +72,11 @@ class LinkSender:
             self._outbox.close(stream)
             self._announce(stream, now_ns)
 
-    def follow(self, needs: Mapping[str, TopicNeeds]) -> None:
+    def follow(self, needs: Mapping[str, LinkNeeds]) -> None:
         """Serve topics so from now on."""
         self._needs = needs
         for number, info in self._infos.items():
-            self._outbox.set_needs(number, needs.get(info.topic, TopicNeeds()))
+            self._outbox.set_needs(number, needs.get(info.topic, LinkNeeds()))
 
     def offer(self, stream: int, payload: bytes, now_ns: int, lane: Hashable = None) -> None:
         """Have a message sent; it replaces one of its ``lane`` that has not begun."""

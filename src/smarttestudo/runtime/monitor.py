@@ -26,7 +26,7 @@ def monitor(knowledge: Knowledge, observations: Iterable[Observation], now_ns: i
     touched: dict[str, WatchedTopic] = {}
     for observation in observations:
         if isinstance(observation, LinkBudget):
-            knowledge.set_budget(observation.link_kb_per_s)
+            knowledge.set_budget(observation)
             continue
         _meter(knowledge, observation, now_ns)
         if isinstance(observation, ListenersChanged):

@@ -55,8 +55,10 @@ def _change(given: ChangeInput) -> dict[str, object]:
             }
         case ListenersChanged(topic=topic, are_there=are_there):
             return {"event": "listeners", "stamp_ns": stamp_ns, "topic": topic, "are_there": are_there}
-        case LinkBudget(link_kb_per_s=budget_kb_per_s):
-            return {"event": "budget", "stamp_ns": stamp_ns, "budget_kb_per_s": budget_kb_per_s}
+        case LinkBudget(link_kb_per_s=budget_kb_per_s, is_measured=is_measured):
+            record: dict[str, object] = {"event": "budget", "stamp_ns": stamp_ns}
+            record["budget_kb_per_s"] = budget_kb_per_s
+            return record | {"measured": True} if is_measured else record
 
 
 def _message(given: MessageInput) -> dict[str, object]:
@@ -110,7 +112,9 @@ def _read_listeners(record: Mapping[str, Any]) -> ChangeInput:
 
 
 def _read_budget(record: Mapping[str, Any]) -> ChangeInput:
-    budget = LinkBudget(link_kb_per_s=float(record["budget_kb_per_s"]))
+    budget = LinkBudget(
+        link_kb_per_s=float(record["budget_kb_per_s"]), is_measured=bool(record.get("measured", False))
+    )
     return ChangeInput(stamp_ns=int(record["stamp_ns"]), change=budget)
 
 

@@ -9,7 +9,8 @@ from collections.abc import Callable, Mapping
 
 from smarttestudo.adirf.evaluator import Evaluator, RequestedRate
 from smarttestudo.adirf.rule_set import RuleSet
-from smarttestudo.domain.decision import PlannedRate
+from smarttestudo.domain.decision import PlannedRate, Reason
+from smarttestudo.domain.observation import LinkBudget
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.signal import Signal
 from smarttestudo.domain.units import ns_from_s
@@ -120,21 +121,25 @@ class Knowledge:
         self.settle_alarms = AlarmClock()
         self.settled: dict[str, RequestedRate] = {}
         self.link: LinkUse | None = None
+        self._budgets: dict[bool, float] = {}
+        """What the relayed topics may take, by whether it was measured."""
         self.unheard: set[str] = set()
         if budget_kb_per_s is not None:
-            self.set_budget(budget_kb_per_s)
+            self.set_budget(LinkBudget(link_kb_per_s=budget_kb_per_s))
         self.effective: dict[str, RequestedRate] = {}
         self.plan: dict[str, PlannedRate] = {}
         self.order_of = {topic: place for place, topic in enumerate(rule_set.relayed)}
         self.unknown_values: Counter[Signal] = Counter()
         self.undecodable: Counter[str] = Counter()
 
-    def set_budget(self, budget_kb_per_s: float) -> None:
-        """The relayed topics may take ``budget_kb_per_s`` from now on."""
+    def set_budget(self, budget: LinkBudget) -> None:
+        """The relayed topics may take so much from now on; of what was set and what was measured, the lesser."""
+        self._budgets[budget.is_measured] = budget.link_kb_per_s
+        is_measured = min(self._budgets, key=lambda each: (self._budgets[each], each))
+        budget_kb_per_s, reason = self._budgets[is_measured], Reason.LINK if is_measured else Reason.BUDGET
         if self.link is None:
             self.link = LinkUse(self.rule_set, self.profile, budget_kb_per_s)
-        else:
-            self.link.set_budget(budget_kb_per_s)
+        self.link.set_budget(budget_kb_per_s, reason)
 
     @property
     def budget_kb_per_s(self) -> float | None:

@@ -147,6 +147,8 @@ class LinkUse:
     def __init__(self, rule_set: RuleSet, profile: Profile, budget_kb_per_s: float) -> None:
         self.floors_broke_budget = False
         self._keeper = BudgetKeeper(budget_kb_per_s)
+        self._reason = Reason.BUDGET
+        self._is_reason_new = False
         self._sources: dict[str, SourceLoad] = {}
         self._unmeasured = _unmeasured(rule_set, profile)
         self._stale_after_ns = _stale_after_ns(rule_set, profile)
@@ -167,13 +169,15 @@ class LinkUse:
             }
             self._keeper.change_topics(self._unmeasured)
 
-    def set_budget(self, budget_kb_per_s: float) -> None:
-        """The link now carries ``budget_kb_per_s``; the next ``update`` plans anew."""
+    def set_budget(self, budget_kb_per_s: float, reason: Reason) -> None:
+        """The topics may take ``budget_kb_per_s``, for that reason; the next ``update`` plans anew."""
         self._keeper.budget_kb_per_s = budget_kb_per_s
+        self._is_reason_new |= reason is not self._reason
+        self._reason = reason
 
     @property
     def budget_kb_per_s(self) -> float:
-        """What the link carries."""
+        """What the topics may take."""
         return self._keeper.budget_kb_per_s
 
     @property
@@ -223,10 +227,11 @@ class LinkUse:
             requests_changed=requests_changed or self._asking != asked,
             check_after_ns=self._check_after_ns(now_ns),
         )
-        if after is before:
-            return set()
         self.floors_broke_budget |= not after.floors_fit
         topics = {*before.cut_hz, *after.cut_hz}
+        if self._is_reason_new:
+            self._is_reason_new = False
+            return topics
         return {topic for topic in topics if before.cut_hz.get(topic) != after.cut_hz.get(topic)}
 
     def within(self, topic: str, request: RequestedRate) -> RequestedRate:
@@ -234,7 +239,7 @@ class LinkUse:
         cut_hz = self._keeper.plan.cut_hz.get(topic)
         if cut_hz is None:
             return request
-        return replace(request, planned=replace(request.planned, rate=Rate(cut_hz), reason=Reason.BUDGET))
+        return replace(request, planned=replace(request.planned, rate=Rate(cut_hz), reason=self._reason))
 
     def _asking_at(self, now_ns: int) -> dict[str, bool]:
         for source in self._sources.values():

@@ -23,6 +23,7 @@ _NOTES = {
     Reason.UNKNOWN: "unknown",
     Reason.FLOOR: "KeepAtLeast",
     Reason.BUDGET: "budget",
+    Reason.LINK: "link",
     Reason.FALLBACK: "fallback",
     Reason.RELOAD: "reload",
 }
