@@ -12,6 +12,7 @@ _PART = r"[A-Za-z_][A-Za-z0-9_]*"
 _TOPIC = re.compile(rf"(?:~/?|/)?(?:{_PART})(?:/{_PART})*\Z")
 MAX_NAME_LENGTH = 255
 TOPIC_PLACEHOLDER = "{topic}"
+ROBOT_PLACEHOLDER = "{robot}"
 
 
 def is_topic_name(name: str) -> bool:
@@ -36,16 +37,21 @@ def resolve_topic(name: str, *, namespace: str = "/", node: str = "smarttestudo"
     return f"{prefix.rstrip('/')}{full}"
 
 
-def output_name(topic: str, pattern: str) -> str:
-    """The monitored topic of ``topic``.
+def output_name(topic: str, pattern: str, robot: str | None = None) -> str:
+    """What ``topic`` is called by ``pattern``, in which ``{robot}`` stands for a ``robot`` that is given.
 
     Raises ``UsageError`` where ``pattern`` does not hold ``{topic}`` or makes no valid name of it.
     """
     if TOPIC_PLACEHOLDER not in pattern:
         cause = f"{pattern!r} gives all topics the same name"
         raise UsageError(cause, place="--output-topic", remedy="write it with {topic}, as in /testudo{topic}")
-    name = pattern.replace(TOPIC_PLACEHOLDER, topic)
+    of_robot = robot is not None and ROBOT_PLACEHOLDER in pattern
+    named = pattern.replace(ROBOT_PLACEHOLDER, robot or "") if of_robot else pattern
+    name = named.replace(TOPIC_PLACEHOLDER, topic)
     if not name.startswith("/") or not is_topic_name(name):
         cause = f"{name!r} is not a valid ROS 2 topic name"
-        raise UsageError(cause, place="--output-topic", remedy="write it as in /testudo{topic}")
+        remedy = "write it as in /testudo{topic}"
+        if of_robot:
+            remedy = "write it as in /{robot}{topic}, and give the robot a name of letters, digits and _"
+        raise UsageError(cause, place="--output-topic", remedy=remedy)
     return name

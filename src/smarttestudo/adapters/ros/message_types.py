@@ -74,8 +74,11 @@ def has_byte_sequence(type_name: str) -> bool:
     return any(_is_byte_sequence(one) for one in fields.values())
 
 
-def _is_byte_sequence(field_type: str) -> bool:
-    if field_type.startswith("sequence<uint8"):
-        return True
+def nested_types(field_type: str) -> tuple[str, ...]:
+    """The message type in a field of ``field_type``, as rclpy tells it; none for a number or a text."""
     match = _NESTED_TYPE.match(field_type)
-    return match is not None and has_byte_sequence(f"{match[1]}/msg/{match[2]}")
+    return () if match is None else (f"{match[1]}/msg/{match[2]}",)
+
+
+def _is_byte_sequence(field_type: str) -> bool:
+    return field_type.startswith("sequence<uint8") or any(map(has_byte_sequence, nested_types(field_type)))

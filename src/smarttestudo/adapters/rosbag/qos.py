@@ -8,9 +8,28 @@ from collections.abc import Iterable
 from enum import Enum
 from typing import Any
 
-from rosbags.interfaces import Qos, QosDurability, QosHistory
+from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
 from rosbags.rosbag2.errors import ReaderError
 from rosbags.rosbag2.metadata import parse_qos
+
+from smarttestudo.domain import robot
+
+_UNLIMITED = QosTime(9223372036, 854775807)
+
+
+def stored_qos(qos: robot.Qos) -> Qos:
+    """What a bag says of a publisher with ``qos``."""
+    return Qos(
+        history=QosHistory.KEEP_LAST,
+        depth=qos.depth,
+        reliability=QosReliability.RELIABLE if qos.reliable else QosReliability.BEST_EFFORT,
+        durability=QosDurability.TRANSIENT_LOCAL if qos.transient_local else QosDurability.VOLATILE,
+        deadline=_UNLIMITED,
+        lifespan=_UNLIMITED,
+        liveliness=QosLiveliness.AUTOMATIC,
+        liveliness_lease_duration=_UNLIMITED,
+        avoid_ros_namespace_conventions=False,
+    )
 
 
 class QosReader:

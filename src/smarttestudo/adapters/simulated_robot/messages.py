@@ -6,12 +6,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
 from rosbags.typesys import Stores, get_typestore
 
+from smarttestudo.adapters.rosbag.qos import stored_qos
 from smarttestudo.adapters.simulated_robot import motion, sensing
 from smarttestudo.adapters.simulated_robot.sensing import JpegEncoder
 from smarttestudo.domain.recording import Channel
+from smarttestudo.domain.robot import Qos
 from smarttestudo.simulation.readings import CompressedImage, Reading, Topic
 
 _TYPE_NAMES: Mapping[Topic, str] = {
@@ -25,6 +26,7 @@ _TYPE_NAMES: Mapping[Topic, str] = {
     Topic.SCAN: "sensor_msgs/msg/LaserScan",
     Topic.TF: "tf2_msgs/msg/TFMessage",
 }
+_TURTLEBOT3_QOS = Qos(reliable=True, transient_local=False, depth=10)
 
 
 class RobotMessages:
@@ -66,22 +68,6 @@ class RobotMessages:
             type_name=type_name,
             definition=definition,
             digest=self._types.hash_rihs01(type_name),
-            qos=(_reliable(),),
+            qos=(stored_qos(_TURTLEBOT3_QOS),),
             serialization_format="cdr",
         )
-
-
-def _reliable() -> Qos:
-    """What TurtleBot3's nodes offer: the last ten messages, reliable and volatile."""
-    unlimited = QosTime(9223372036, 854775807)
-    return Qos(
-        history=QosHistory.KEEP_LAST,
-        depth=10,
-        reliability=QosReliability.RELIABLE,
-        durability=QosDurability.VOLATILE,
-        deadline=unlimited,
-        lifespan=unlimited,
-        liveliness=QosLiveliness.AUTOMATIC,
-        liveliness_lease_duration=unlimited,
-        avoid_ros_namespace_conventions=False,
-    )

@@ -34,16 +34,18 @@ def create_recording(
     declared_bytes: Mapping[str, int] | None = None,
     custom_data: Mapping[str, str] | None = None,
     version: Literal[8, 9] = 8,
+    keeps_incomplete: bool = False,
 ) -> Iterator[RecordingWriter]:
     """A new rosbag2 folder at ``path``, in place once the block ends well, and gone if it does not.
 
+    With ``keeps_incomplete`` it is in place then, too, with what was written until then and no metadata.
     ``declared_bytes`` are the sizes that messages of a topic stand for, and go into ``custom_data``.
     Version 8 of the metadata is what ``ros2 bag play`` reads from Humble on.
 
     Raises:
         RecordingError: ``path`` exists, cannot be written, or the disk is full.
     """
-    _require_new(path)
+    require_new(path)
     with _errors_at(path):
         path.parent.mkdir(parents=True, exist_ok=True)
         workshop = Path(tempfile.mkdtemp(prefix=f".{path.name}-", suffix=".partial", dir=path.parent))
@@ -57,11 +59,15 @@ def create_recording(
             yield _RosbagRecordingWriter(path, writer)
             with _errors_at(path):
                 writer.close()
-                _require_new(path)
+                require_new(path)
                 (workshop / path.name).rename(path)
         except BaseException:
             with suppress(Exception):
                 writer.abort()
+            if keeps_incomplete:
+                with suppress(OSError, RecordingError):
+                    require_new(path)
+                    (workshop / path.name).rename(path)
             raise
     finally:
         shutil.rmtree(workshop, ignore_errors=True)
@@ -105,7 +111,8 @@ class _RosbagRecordingWriter:
             raise RecordingError(cause, place=str(self._path), remedy=remedy) from error
 
 
-def _require_new(path: Path) -> None:
+def require_new(path: Path) -> None:
+    """Raise ``RecordingError`` where there is something at ``path``."""
     if path.exists() or path.is_symlink():
         raise RecordingError("exists already", place=str(path), remedy="remove it or name another output")
 
