@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Reads the few fields that pacing needs from serialized messages (CDR, little and big endian).
+"""Reads the few fields that pacing needs from serialized messages, and writes texts (CDR, little and big endian).
 
 Plain CDR as ROS 2 writes it: a 4-byte encapsulation header, then the fields, each aligned to its size
 counted from the end of that header (OMG DDS-XTYPES 1.3, 7.4.1 and 7.6.2). Nothing here raises on any bytes.
@@ -41,6 +41,12 @@ def header_stamp_ns(payload: Payload) -> int | None:
     """The same in ns since the epoch; ``None``, too, for one that was never set, which is 0."""
     sec, nanosec = _header_stamp(payload) or (0, 0)
     return sec * NS_PER_S + nanosec or None
+
+
+def string_message(text: str) -> bytes:
+    """A serialized std_msgs/msg/String."""
+    data = text.encode() + b"\0"
+    return _LITTLE_ENDIAN + bytes(2) + struct.pack("<I", len(data)) + data
 
 
 def child_frames(payload: Payload) -> tuple[str, ...]:

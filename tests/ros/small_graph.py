@@ -70,6 +70,7 @@ class SmallGraph(UnaskedRobot):
 
     description = "in memory"
     can_pause = False
+    keeps_newest = False
     has_output_domain = False
 
     def __init__(self, *, tells_publishers: bool = True) -> None:

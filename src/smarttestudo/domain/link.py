@@ -82,7 +82,7 @@ class LinkState:
     outages: int = 0
 
 
-class RobotEnd(Protocol):
+class OutgoingLink(Protocol):
     """The robot's end of a link. Calls never wait for the link."""
 
     def advertise(self, stream: StreamInfo) -> Publisher:

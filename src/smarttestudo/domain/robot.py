@@ -124,6 +124,10 @@ class DataPath(Protocol):
     def can_pause(self) -> bool:
         """Whether subscriptions can rest, and still say how much their source sends."""
 
+    @property
+    def keeps_newest(self) -> bool:
+        """Whether a message that waits to be sent is replaced by a newer one of its publisher."""
+
     def subscribe(
         self, topic: str, type_name: str, qos: Qos, receive: Receive, *, priority: float = 1.0
     ) -> Subscription:

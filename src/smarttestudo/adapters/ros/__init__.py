@@ -6,8 +6,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from typing import Any
 
 from smarttestudo.domain.errors import RosError
+from smarttestudo.domain.link import OutgoingLink
 from smarttestudo.domain.robot import DataPathKind, OutputDomain, Robot
 
 NODE_NAME = "smarttestudo"
@@ -20,10 +22,13 @@ def open_robot(
     name: str = NODE_NAME,
     data_path: DataPathKind = DataPathKind.AUTO,
     output_domain: OutputDomain | None = None,
+    link: OutgoingLink | None = None,
+    is_local: bool = True,
 ) -> Iterator[Robot]:
     """A node ``name`` on the graph; ``ros_arguments`` are what follows ``--ros-args``.
 
-    With an ``output_domain`` all that it publishes goes there.
+    With an ``output_domain`` all that it publishes goes there, with a ``link`` over that; on the graph, too,
+    where that ``is_local``.
 
     Raises:
         RosError: rclpy is missing, the node cannot be made, or the data path does not work here.
@@ -37,7 +42,13 @@ def open_robot(
             remedy="source your ROS setup, or, without a ROS 2 installation, "
             "pip install '.[ros]' in the checkout of SmartTestudo",
         ) from error
-    from smarttestudo.adapters.ros.node import open_node  # noqa: PLC0415  needs rclpy
+    from smarttestudo.adapters.ros.linked_node import LinkedNode  # noqa: PLC0415  needs rclpy
+    from smarttestudo.adapters.ros.node import RosNode, open_node  # noqa: PLC0415  needs rclpy
 
-    with open_node(ros_arguments, name, data_path, output_domain) as node:
+    def make(node: Any, executor: Any, operators: Any) -> RosNode:
+        if link is None:
+            return RosNode(node, executor, operators, data_path)
+        return LinkedNode(node, executor, operators, data_path, link=link, is_local=is_local)
+
+    with open_node(ros_arguments, name, output_domain, make) as node:
         yield node

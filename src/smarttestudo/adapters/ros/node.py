@@ -49,9 +49,15 @@ CLOCK_PERIOD_S = 1.0
 
 @contextmanager
 def open_node(
-    ros_arguments: Sequence[str], name: str, data_path: DataPathKind, output_domain: OutputDomain | None
+    ros_arguments: Sequence[str],
+    name: str,
+    output_domain: OutputDomain | None,
+    make: Callable[[Any, Any, Any], RosNode],
 ) -> Iterator[RosNode]:
-    """A node ``name`` with a context of its own, both gone at the end; signals are left to the caller."""
+    """A node ``name`` with a context of its own, both gone at the end; signals are left to the caller.
+
+    ``make`` makes it of the rclpy node, its executor and the node that publishes.
+    """
     context = Context()
     arguments = ["--ros-args", *ros_arguments] if ros_arguments else []
     try:
@@ -66,7 +72,7 @@ def open_node(
         executor.add_node(node)
         try:
             with operators_node(node, output_domain) as operators:
-                robot = RosNode(node, executor, data_path, operators)
+                robot = make(node, executor, operators)
                 try:
                     yield robot
                 finally:
@@ -81,7 +87,7 @@ def open_node(
 class RosNode:
     """An rclpy node with an executor of one thread, as a ``Robot``; the node ``operators`` publishes."""
 
-    def __init__(self, node: Any, executor: Any, data_path_kind: DataPathKind, operators: Any) -> None:
+    def __init__(self, node: Any, executor: Any, operators: Any, data_path_kind: DataPathKind) -> None:
         self._node = node
         self._operators = operators
         self._executor = executor

@@ -21,6 +21,7 @@ class RclpyPath:
 
     tells_publishers = False
     can_pause = False
+    keeps_newest = False
     tells_graph = False
 
     def __init__(self, node: Any, executor: Any, operators: Any, byte_topics: ByteTopics, why: str) -> None:

@@ -16,7 +16,7 @@ from smarttestudo.adapters.zenoh.compression import Compressor
 from smarttestudo.adapters.zenoh.keys import new_boot
 from smarttestudo.cdr import FrameReader
 from smarttestudo.domain.errors import LinkError
-from smarttestudo.domain.link import LinkState, StreamCounts, StreamInfo, TopicNeeds
+from smarttestudo.domain.link import LinkState, StreamCounts, StreamInfo, LinkNeeds
 from smarttestudo.domain.payload import Payload
 from smarttestudo.link.chunks import MAX_MESSAGE_BYTES
 from smarttestudo.link.reports import Report
@@ -75,7 +75,7 @@ class RobotEnd:
         self._news.set()
         return RobotPublisher(self, number, stream)
 
-    def follow(self, needs: Mapping[str, TopicNeeds]) -> None:
+    def follow(self, needs: Mapping[str, LinkNeeds]) -> None:
         """Serve each topic by these needs from now on."""
         self._do(partial(self._sender.follow, needs))
 

@@ -132,7 +132,7 @@ class PublisherPool:
     """One publisher for all, or with ``one_each`` one for each publisher of the source.
 
     The latter is for latched topics: a publisher keeps the last messages only, so that a source's publisher
-    that often says something would push out what another one said once. ``advertise`` may raise ``RosError``.
+    that often says something would push out what another one said once; likewise where a link keeps the newest. ``advertise`` may raise ``RosError``.
     """
 
     def __init__(self, advertise: Callable[[], Publisher], *, one_each: bool) -> None:
@@ -258,7 +258,7 @@ class OpenTopic:
     def _publishers_to(self, output: str, source: LiveSource) -> PublisherPool:
         return PublisherPool(
             lambda: self._path.advertise(output, source.type_name, source.qos),
-            one_each=source.qos.transient_local and self._path.tells_publishers,
+            one_each=self._path.tells_publishers and (source.qos.transient_local or self._path.keeps_newest),
         )
 
     def _subscribe(self, source: LiveSource) -> None:

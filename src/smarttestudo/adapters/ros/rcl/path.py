@@ -140,6 +140,11 @@ class RclPath:
         return self._layout.gid_bytes > 0
 
     @property
+    def keeps_newest(self) -> bool:
+        """Whether a message that waits to be sent is replaced by a newer one; the middleware keeps all."""
+        return False
+
+    @property
     def can_pause(self) -> bool:
         """Whether subscriptions can rest, and still say how much their source sends."""
         return self._layout.is_numbered
