@@ -75,7 +75,7 @@ class NodeParameters:
         try:
             for name in changes:
                 if self._access[name] is Access.NODE:
-                    raise UsageError("it only tells, and cannot be set", place=f"parameter {name}")
+                    raise UsageError("it is read-only", place=f"parameter {name}")
             self._accept(changes)
         except TestudoError as error:
             return SetParametersResult(successful=False, reason=str(error))
@@ -218,8 +218,8 @@ class NodeParameterClients:
             call.client.handle.remove_pending_request(call.future)
         call.told(
             SilentNodeError(
-                f"the node does not answer within {ANSWER_WITHIN_S:g} s",
+                f"the node did not answer within {ANSWER_WITHIN_S:g} s",
                 place=call.node,
-                remedy="see whether `testudo run` still runs, and in the same ROS domain",
+                remedy="check that `testudo run` is still running, in the same ROS domain",
             )
         )

@@ -36,7 +36,7 @@ class LiveDecisions:
         try:
             decided(decisions)
         except Exception as error:  # noqa: BLE001 - whatever telling fails of, relaying goes on
-            self._robot.log.warning(f"{said(error)}; no further decisions go there")
+            self._robot.log.warning(f"{said(error)}; no further decisions are written there")
             return False
         return True
 

@@ -97,7 +97,7 @@ RELOAD_SERVICE = "~/reload"
 FALLBACK_LOOK_PERIOD_S = 1.0
 # Checking so much takes a few tenths of a second, in which nothing is relayed.
 MAX_CHECKED_AT_ONCE_BYTES = 64_000
-_STAYS = "the last good rules stay"
+_STAYS = "the last valid rules stay in force"
 _FALLBACK = "relaying everything at Full until there are rules"
 
 
@@ -108,7 +108,7 @@ def first_rules(robot: Robot, files: LiveRuleFiles, rules_text: str) -> Reading:
     """
     reading = files.read()
     if files.are_named and rules_text:
-        robot.log.warning("rules_text: not used, as rule files are named")
+        robot.log.warning("rules_text: not used, because rule files are named")
     elif rules_text:
         reading = files.read_text(rules_text)
     if isinstance(reading.error, UsageError):
@@ -152,8 +152,8 @@ class RuleManager:
         status_hz = status_hz_parameter(changes["status_hz"]) if "status_hz" in changes else None
         confirmed = str(changes.get("confirm_hash", "")).strip().lower()
         if confirmed and not self._is_confirmable(confirmed, pushed):
-            cause = "no pushed rules with this hash wait for it"
-            raise UsageError(cause, place="confirm_hash", remedy="rules_hash tells which rules hold")
+            cause = "no pushed rules with this hash wait to be confirmed"
+            raise UsageError(cause, place="confirm_hash", remedy="rules_hash is that of the rules in force")
         if budget_kb_per_s is not None:
             self._live.set_budget(budget_kb_per_s)
             self._robot.log.info(f"budget: {budget_kb_per_s:g} KB/s")
@@ -169,7 +169,7 @@ class RuleManager:
         self._is_asked = True
         if self._files.size_bytes() > MAX_CHECKED_AT_ONCE_BYTES:
             self._watch.read_soon()
-            return "the rules are large, and are being checked; the log will say what came of it"
+            return "the rules are large and are being checked; the result will be in the log"
         reading = self._files.read()
         self._take(reading)
         if reading.error is not None:
@@ -186,7 +186,7 @@ class RuleManager:
         if self._in_force.roll_back(self._robot.steady_ns()):
             self._hold()
             rules = self._in_force.rules
-            holds = _FALLBACK if rules is None else f"hash {rules.rules_hash} holds again"
+            holds = _FALLBACK if rules is None else f"hash {rules.rules_hash} is in force again"
             self._robot.log.warning(f"pushed rules not confirmed within {CONFIRM_WITHIN_S} s; {holds}")
 
     def _look_for_topics(self) -> None:
@@ -200,7 +200,7 @@ class RuleManager:
         is_new, self._last = reading.content != self._last.content, reading
         is_asked, self._is_asked = self._is_asked, False
         if reading.rules is not None and (is_new or is_asked):
-            pushed = "; what was pushed no longer holds" if self._in_force.is_pushed else ""
+            pushed = "; the pushed rules are no longer in force" if self._in_force.is_pushed else ""
             self._in_force.replace(reading.rules)
             self._hold()
             self._robot.log.info(f"rules reloaded, hash {reading.rules.rules_hash}{pushed}")
@@ -213,7 +213,7 @@ class RuleManager:
         self._hold()
         if not self._in_force.is_confirmed:
             self._robot.log.warning(
-                f"rules pushed, hash {rules.rules_hash}; they hold for {CONFIRM_WITHIN_S} s, "
+                f"rules pushed, hash {rules.rules_hash}; they are in force for {CONFIRM_WITHIN_S} s, "
                 "and for good if confirm_hash is set to it"
             )
 
@@ -241,8 +241,8 @@ class RuleManager:
     def _checked_text(self, text: str) -> LiveRules:
         size_bytes = len(text.encode("utf-8"))
         if size_bytes > MAX_CHECKED_AT_ONCE_BYTES:
-            cause = f"{size_bytes} bytes are too much to be checked while messages wait"
-            raise UsageError(cause, place=PUSHED, remedy="put them into a rule file")
+            cause = f"{size_bytes} bytes are too many to check while messages are waiting"
+            raise UsageError(cause, place=PUSHED, remedy="put the rules into a rule file")
         return self._files.check(text)
 
     def _is_confirmable(self, text_hash: str, pushed: LiveRules | None) -> bool:
@@ -256,5 +256,5 @@ def _budget(changes: Mapping[str, ParameterValue]) -> float | None:
         return None
     number = budget_parameter(changes["budget_kb_per_s"])
     if number is None:
-        raise UsageError("a budget cannot be taken away", place="budget_kb_per_s", remedy="set a large one")
+        raise UsageError("a budget cannot be unset", place="budget_kb_per_s", remedy="set a large one")
     return number

@@ -27,8 +27,8 @@ PARAMETERS = (
     ),
     Parameter(
         name="rules_text",
-        description="Rules to follow now; they go back after 10 s unless confirm_hash is set to their hash. "
-        "At the start it counts where no rule files are named. Empty while the files hold.",
+        description="Rules to follow now; reverted after 10 s unless confirm_hash is set to their hash. "
+        "At the start it counts if no rule files are named. Empty while the files are in force.",
         value="",
         access=Access.ANYONE,
     ),
@@ -40,13 +40,13 @@ PARAMETERS = (
     ),
     Parameter(
         name="rules_hash",
-        description="SHA-256 of the rules that hold now; empty while there are none. It cannot be set.",
+        description="SHA-256 of the rules in force; empty while there are none. Read-only.",
         value="",
         access=Access.NODE,
     ),
     Parameter(
         name="rules_in_force",
-        description="The texts of the rules that hold now, as a JSON object. It cannot be set.",
+        description="The texts of the rules in force, as a JSON object. Read-only.",
         value="",
         access=Access.NODE,
     ),
@@ -75,7 +75,7 @@ PARAMETERS = (
     ),
     Parameter(
         name="status_hz",
-        description=f"Statuses a second on /testudo/status while somebody listens, 1 to {MAX_STATUS_HZ:g}.",
+        description=f"Statuses a second on /testudo/status if it has a subscriber, 1 to {MAX_STATUS_HZ:g}.",
         value=STATUS_HZ,
         access=Access.ANYONE,
         is_typed=False,
@@ -83,7 +83,7 @@ PARAMETERS = (
     Parameter(name="decisions_file", description="File to append the decisions to (JSON Lines).", value=""),
     Parameter(
         name="record_inputs",
-        description="New folder to record into what the loop sees, for testudo replay.",
+        description="New folder for the recorded inputs of the loop, for testudo replay.",
         value="",
     ),
 )

@@ -51,7 +51,7 @@ class StatusPublisher:
             if way is not None:
                 way(status)
         except Exception as error:  # noqa: BLE001 - whatever telling fails of, relaying goes on
-            self._robot.log.warning(f"{said(error)}; nothing more is said there")
+            self._robot.log.warning(f"{said(error)}; nothing more is published there")
             return None
         return way
 

@@ -212,9 +212,9 @@ class LiveTopics:
             return
         if has_changed:
             what = (
-                "subscribed, as an operator listens"
+                "subscribed, because there is a subscriber"
                 if is_wanted
-                else "not subscribed, as no operator listens"
+                else "not subscribed, because there is no subscriber"
             )
             self._robot.log.info(f"{live.topic}: {what}")
 
@@ -238,11 +238,11 @@ class LiveTopics:
 
     def _report_others(self, topic: str, endpoints: Sequence[Endpoint], own: Sequence[Endpoint]) -> None:
         if endpoints and not own:
-            self._warn_once(f"{topic}: published by SmartTestudo only, so it is not relayed")
+            self._warn_once(f"{topic}: only SmartTestudo nodes publish it, so it is not relayed")
         elif len(endpoints) > len(own) and self._data_path.tells_publishers:
-            self._warn_once(f"{topic}: also published by a SmartTestudo, whose messages are not relayed")
+            self._warn_once(f"{topic}: a SmartTestudo node publishes it too; its messages are not relayed")
         elif len(endpoints) > len(own):
-            self._warn_once(f"{topic}: also published by a SmartTestudo, whose messages cannot be told apart")
+            self._warn_once(f"{topic}: a SmartTestudo node publishes it too; they cannot be told apart")
         if len(own) > 1 and not self._data_path.tells_publishers:
             self._warn_once(f"{topic}: its {len(own)} publishers cannot be told apart and share one rate")
 
@@ -253,7 +253,7 @@ class LiveTopics:
         elif before is None or before.publishers == 0 or not suits(before, source):
             delivery = "reliable" if source.qos.reliable else "best effort"
             latched = ", transient local" if source.qos.transient_local else ""
-            unheard = "" if live.is_wanted else "; not subscribed, as no operator listens"
+            unheard = "" if live.is_wanted else "; not subscribed, because there is no subscriber"
             log.info(f"{topic}: {source.type_name}, {delivery}{latched}{unheard}")
         for other in source.other_types:
             self._warn_once(f"{topic}: also published as {other}; only {source.type_name} is relayed")

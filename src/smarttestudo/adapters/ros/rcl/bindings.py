@@ -52,7 +52,7 @@ class RclLibrary:
 
     def __init__(self) -> None:
         if ctypes.sizeof(c_void_p) != ctypes.sizeof(ctypes.c_uint64):
-            raise RosError("the direct way to librcl needs a 64-bit machine")
+            raise RosError("librcl can be used directly on 64-bit machines only")
         try:
             library = loaded_librcl()
             self.take = rcl_function(library, "rcl_take_serialized_message", 4)
@@ -101,7 +101,7 @@ class RclLibrary:
         """What rcl says of the last failure, which returned ``code``; only the first line is for people."""
         text = self._error_string().text.decode("utf-8", "replace")
         self._reset_error()
-        cause = text.partition("\n")[0] or "an error that it does not explain"
+        cause = text.partition("\n")[0] or "an error without a message"
         return RosError(f"librcl: {cause} (code {code})", place=place)
 
     def reset_error(self) -> None:

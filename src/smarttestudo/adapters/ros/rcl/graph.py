@@ -67,7 +67,7 @@ class WaitSet:
         self._require(init(self._address, 0, len(conditions), 0, 0, 0, 0, context, library.allocator))
         if self._words[_CONDITIONS_WORD] != len(conditions) or not self._words[_OWN_WORD]:
             # What is not understood is not given back either.
-            raise RosError("a wait set of librcl is another one here")
+            raise RosError("the wait set of this librcl has a different layout")
 
     def wait(self, timeout_ns: int) -> bool:
         """Wait until one of the conditions is triggered, which this undoes; whether that was in time."""
@@ -188,7 +188,7 @@ def _require_event(node: Any, event_fd: int) -> None:
         publisher = node.create_publisher(message_type(_TEST_TYPE, TEST_TOPIC), TEST_TOPIC, 1)
         undone.callback(partial(node.destroy_publisher, publisher))
         if not told.poll(TEST_TIMEOUT_S * 1000):
-            raise RosError("nothing is told of changes of the graph")
+            raise RosError("changes of the graph are not reported")
     os.eventfd_read(event_fd)
 
 

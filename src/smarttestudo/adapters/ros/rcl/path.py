@@ -131,7 +131,7 @@ class RclPath:
         publishers = "publishers told apart" if self.tells_publishers else "publishers not told apart"
         numbered = f"messages {'' if self.can_pause else 'not '}numbered"
         problem = self._graph.problem
-        looks = "" if problem is None else f", the graph looked at five times a second, because {problem}"
+        looks = "" if problem is None else f", the graph checked five times a second because {problem}"
         return f"librcl, {publishers}, {numbered}{looks}"
 
     @property
@@ -197,7 +197,7 @@ class RclPath:
 
     def _changed(self) -> None:
         if self._graph.problem is not None:
-            self._failed(RosError(f"changes of the graph are told no more: {self._graph.problem}"))
+            self._failed(RosError(f"changes of the graph are no longer reported: {self._graph.problem}"))
         # New services of ours change it, and so does what rclpy warns of: a subscriber with another QoS.
         self._rclpy_part.look_next()
         self._graph_changed()
