@@ -37,7 +37,7 @@ def resolve_topic(name: str, *, namespace: str = "/", node: str = "smarttestudo"
 
 
 def output_name(topic: str, pattern: str) -> str:
-    """The monitored topic of ``topic``.
+    """The output topic of ``topic``.
 
     Raises ``UsageError`` where ``pattern`` does not hold ``{topic}`` or makes no valid name of it.
     """

@@ -87,7 +87,7 @@ def test_inputs_that_cannot_be_recorded_are_said_once_and_the_loop_goes_on() -> 
         noted.append(given)
         broken(given)
 
-    rules = LiveRules(rule_set=rule_set_of("begin SetFrequency /scan 10 end"), monitored={})
+    rules = LiveRules(rule_set=rule_set_of("begin SetFrequency /scan 10 end"), output_topics={})
     recorder = InputRecorder(robot, RunRequest(), note)
     loop = recorder.loop(rules, 0)
     for at_ns in (0, 100_000_000):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a live run is told, by its command line or by parameters of its node."""
+"""The settings of a live run, from its command line or the parameters of its node."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ PARAMETERS = (
 class RunRequest:
     """The rules, and how they are to be followed.
 
-    ``output_topic`` names monitored topics, with ``{topic}`` for the source's full name. ``rules`` may be
+    ``output_topic`` names output topics, with ``{topic}`` for the source's full name. ``rules`` may be
     folders; ``rules_text`` counts where there are none.
     """
 
@@ -112,7 +112,7 @@ class RunRequest:
 class RunParameters:
     """The node's parameters; ``given`` are those of the command line, by name, which win.
 
-    Raises ``UsageError`` for a value that is none.
+    Raises ``UsageError`` for an invalid value.
     """
 
     def __init__(self, robot: Robot, given: Mapping[str, ParameterValue]) -> None:
@@ -121,7 +121,7 @@ class RunParameters:
         self.request = _request(values)
 
     def serve(self, accept: Accept) -> None:
-        """Have ``accept`` asked from now on before parameters change; until then none does."""
+        """Have ``accept`` called from now on before parameters change; until then none may change."""
         self._accept = accept
 
     def _asked(self, changes: Mapping[str, ParameterValue]) -> None:

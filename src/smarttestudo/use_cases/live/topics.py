@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Who is at the ends of many topics, asked for cheaply and often."""
+"""The subscriptions and publishers of all topics of a live run, following the ROS graph."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ LOOKS_PER_ROUND = 5
 
 
 class EndpointCache:
-    """The endpoints of topics. At each look, ``count`` asks how many every topic has.
+    """A cache of the endpoints of topics. At each look, ``count`` gives how many every topic has.
 
-    ``find`` costs several times as much: it is asked where the number changed, and for a fifth of the others
+    ``find`` costs several times as much: it is called where the number changed, and for a fifth of the others
     in turn, so that one that was replaced by another is noticed too; for all when the graph has changed.
     """
 
@@ -69,11 +69,11 @@ Received = Callable[[str, Payload, Hashable], None]
 
 
 class LiveTopics:
-    """Subscriptions to the sources of a rule set and publishers of their monitored topics.
+    """Subscriptions to the sources of a rule set and publishers of their output topics.
 
-    Unless ``is_lazy`` is false, a source that no check reads is subscribed to only while its monitored topic,
-    or that of a topic paced with it, has a subscriber. When messages pile up, the topics of the highest
-    ``priority_of`` are served first. What goes wrong with one topic is said once and costs that topic only.
+    Unless ``is_lazy`` is false, a source that no check reads is subscribed to only while its output topic, or
+    that of a topic paced with it, has a subscriber. When messages pile up, the topics of the highest
+    ``priority_of`` are served first. An error of one topic is logged once and affects that topic only.
     """
 
     def __init__(
@@ -99,17 +99,17 @@ class LiveTopics:
         self._said: set[str] = set()
 
     def follow(
-        self, monitored: Mapping[str, str], watched: Collection[str], leaders: Mapping[str, str]
+        self, output_topics: Mapping[str, str], watched: Collection[str], leaders: Mapping[str, str]
     ) -> None:
         """Serve these topics from now on; what is open for others is closed, or for another output.
 
-        ``monitored`` names the monitored topic of each relayed source; ``watched`` are the sources that are
+        ``output_topics`` names the output topic of each relayed source; ``watched`` are the sources that are
         read by checks; ``leaders`` says with which topic others are paced.
         """
         before, self._topics = self._topics, {}
         self._watched, self._leaders = frozenset(watched), leaders
-        for topic in dict.fromkeys([*monitored, *watched]):
-            live, output = before.get(topic), monitored.get(topic)
+        for topic in dict.fromkeys([*output_topics, *watched]):
+            live, output = before.get(topic), output_topics.get(topic)
             if live is None or live.output != output:
                 live = self._new(topic, output)
             self._topics[topic] = live
@@ -129,7 +129,7 @@ class LiveTopics:
         return [change for change in changes if change is not None]
 
     def listeners(self) -> list[ListenersChanged]:
-        """Which monitored topics have, as of the last look, begun or ceased to be listened to."""
+        """Which relayed topics have, as of the last look, gained a first or lost their last subscriber."""
         heard = {
             topic: bool(self._subscribers.of(live.output))
             for topic, live in self._topics.items()
@@ -167,7 +167,7 @@ class LiveTopics:
             return Undecodable()
 
     def publish(self, relayed: Relayed) -> None:
-        """Send a message on its monitored topic."""
+        """Send a message on its output topic."""
         live = self._topics.get(relayed.topic)
         if live is None:
             return

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The functions of librcl that rclpy does not offer, and what they say beside a message's bytes."""
+"""The functions of librcl that rclpy does not offer, and the message info that they return."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ class RclLibrary:
         return condition
 
     def error(self, code: int, place: str | None = None) -> RosError:
-        """What rcl says of the last failure, which returned ``code``; only the first line is for people."""
+        """The text of rcl for the last failure, which returned ``code``; its first line is for people."""
         text = self._error_string().text.decode("utf-8", "replace")
         self._reset_error()
         cause = text.partition("\n")[0] or "an error without a message"
@@ -139,7 +139,7 @@ class InfoLayout:
     """Where an rmw_message_info_t has the publisher's GID and its number of the message, if it has them.
 
     From Humble on it begins with two times of 8 bytes, two sequence numbers (all ones: not supported) and,
-    behind a pointer, the GID of ``gid_bytes``: 24, later 16. 0 says that GIDs are not to be found there.
+    behind a pointer, the GID of ``gid_bytes``: 24, later 16. 0 means that GIDs are not found there.
     """
 
     gid_bytes: int

@@ -30,7 +30,7 @@ from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Publisher, Qos, Receive, Subscription
 
 UNTOLD_PERIOD_S = 5.0
-"""How often rclpy's executor looks for what wakes nobody, where it does so when the graph changes, too."""
+"""How often rclpy's executor checks for work without a wake-up, beside each change of the graph."""
 
 
 class RclpyPart:
@@ -136,12 +136,12 @@ class RclPath:
 
     @property
     def tells_publishers(self) -> bool:
-        """Whether ``receive`` is told the publisher of each message: its GID."""
+        """Whether ``receive`` gets the publisher of each message: its GID."""
         return self._layout.gid_bytes > 0
 
     @property
     def can_pause(self) -> bool:
-        """Whether subscriptions can rest, and still say how much their source sends."""
+        """Whether subscriptions can rest, and still count what their source sends."""
         return self._layout.is_numbered
 
     @property
@@ -209,7 +209,7 @@ class RclPath:
 
 
 def _nothing() -> None:
-    """Be told of nothing."""
+    """Do nothing."""
 
 
 class RclPublisher:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Finds out whether librcl does here what its path relies on."""
+"""Tests whether librcl does here what its path relies on."""
 
 from __future__ import annotations
 
