@@ -56,7 +56,7 @@ def window(source: Path, seconds: float, domain: int, *, is_heard: bool) -> tupl
 
 
 def wait_for(operator: Process) -> None:
-    """Wait until the runtime offers all its monitored topics."""
+    """Wait until the runtime offers all its output topics."""
     end_s = time.monotonic() + TIMEOUT_S
     while operator.ask("endpoints smarttestudo")[1] < len(TOPICS):
         if time.monotonic() > end_s:

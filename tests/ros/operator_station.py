@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The operator's side: notes when each monitored message arrives.
+"""The operator's side: notes when each relayed message arrives.
 
 usage: operator_station.py SPAN_S '{"imu": {"type": "sensor_msgs/msg/Imu", "transient_local": false}, …}'
 A topic is heard by the name ``/testudo/imu``, or as its ``topic`` says, and not ``reliable`` unless latched.

@@ -73,11 +73,11 @@ def test_a_run_through_rclpy_relays_too(robot: SmallRobot) -> None:
     [
         ("event_handler", (), "librcl, publishers "),
         ("event_handler", ("--data-path", "rclpy"), "rclpy, as asked for"),
-        ("pointer", (), "rclpy, at a higher cost, because the interface of this rclpy is another one: "),
+        ("pointer", (), "rclpy, at a higher cost, because this version of rclpy has a different interface: "),
         (
             "service_pointer",
             (),
-            "rclpy, at a higher cost, because the interface of this rclpy is another one: ",
+            "rclpy, at a higher cost, because this version of rclpy has a different interface: ",
         ),
     ],
 )
@@ -135,7 +135,7 @@ def test_types_with_a_sequence_of_bytes_are_known_by_their_fields(type_name: str
 def test_librcl_is_one_line_of_error_where_this_rclpy_does_not_lead_to_it(robot: SmallRobot) -> None:
     runtime = robot.runtime_lacking("pointer", "begin SetFrequency /imu 10 end", "--data-path", "rcl")
     assert runtime.exit_code() == 1
-    assert runtime.output[-1].startswith("error: the interface of this rclpy is another one: ")
+    assert runtime.output[-1].startswith("error: this version of rclpy has a different interface: ")
     assert "Traceback" not in "".join(runtime.output)
 
 

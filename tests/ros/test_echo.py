@@ -18,7 +18,7 @@ def test_it_is_a_subscriber_so_the_relay_begins_and_its_rate_is_seen(robot: Smal
     runtime = robot.runtime("begin SetFrequency /odom 10 end")
     robot.source(odom={"type": ODOMETRY, "hz": 50, "x": 1.5})
     echo = robot.testudo("echo", "/testudo/odom", "--fields", "pose_x", "header.stamp")
-    runtime.line_with("/odom: subscribed, as an operator listens")
+    runtime.line_with("/odom: subscribed, because there is a subscriber")
     while " – Hz" in (line := echo.line_with("/testudo/odom  ")):
         pass
     assert line.startswith("/testudo/odom  ")

@@ -176,7 +176,7 @@ def test_where_librcl_does_not_tell_of_changes_it_says_why_and_the_graph_is_look
     with open_robot(data_path=DataPathKind.RCL) as robot:
         said = robot.data_path.description
         assert said.startswith("librcl, ")
-        assert "the graph looked at five times a second, because " in said
+        assert "the graph checked five times a second because " in said
         assert "create_guard_condition" in said
         looks: list[bool] = []
         robot.look_at_graph(looks.append)

@@ -60,9 +60,9 @@ def test_a_topic_is_subscribed_to_while_an_operator_listens_to_it() -> None:
     live.looks(1)
     assert graph.subscribed() == set()
     assert graph.lines == [
-        f"/imu: {TEXT}, reliable; not subscribed, as no operator listens",
-        "/imu: subscribed, as an operator listens",
-        "/imu: not subscribed, as no operator listens",
+        f"/imu: {TEXT}, reliable; not subscribed, because there is no subscriber",
+        "/imu: subscribed, because there is a subscriber",
+        "/imu: not subscribed, because there is no subscriber",
     ]
 
 

@@ -12,7 +12,7 @@ from ros.ros_processes import SmallRobot
 
 IMU = {"type": "sensor_msgs/msg/Imu", "hz": 50}
 CLOCK = {"type": "rosgraph_msgs/msg/Clock", "hz": 10}
-STAY = "the last good rules stay"
+STAY = "the last valid rules stay in force"
 
 
 def sha256(text: str) -> str:
@@ -88,7 +88,7 @@ def test_a_pushed_text_goes_back_unless_its_hash_is_confirmed(robot: SmallRobot)
     assert remote.ask("get", "rules_text") == pushed
     success, message = remote.ask("reload")
     assert (success, message) == (True, f"rules reloaded, hash {sha256(in_file)}")
-    runtime.line_with("what was pushed no longer holds")
+    runtime.line_with("the pushed rules are no longer in force")
     (robot.folder / "rules0.adirf").unlink()
     success, message = remote.ask("reload")
     assert not success

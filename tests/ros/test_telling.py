@@ -76,7 +76,7 @@ def test_top_without_a_smarttestudo_says_so_in_one_line(robot: SmallRobot) -> No
     top = robot.testudo("top", "--once", "--timeout", "0.1")
     assert top.exit_code() == 1
     (line,) = top.output
-    assert line.startswith("/testudo/status: error: no SmartTestudo is heard within 0.1 s; ")
+    assert line.startswith("/testudo/status: error: no status was received within 0.1 s; ")
 
 
 def test_a_profile_of_a_running_robot_is_one_that_check_takes(robot: SmallRobot) -> None:

@@ -41,7 +41,7 @@ def test_what_another_smarttestudo_relays_is_not_relayed_again(robot: SmallRobot
     robot.source(imu={"type": IMU, "hz": 50})
     operator.line_with("heard")
     second = robot.runtime("begin SetFrequency /testudo/imu 5 end", "--ros-args", "-r", "__node:=second")
-    second.line_with("/testudo/imu: published by SmartTestudo only, so it is not relayed")
+    second.line_with("/testudo/imu: only SmartTestudo nodes publish it, so it is not relayed")
 
 
 def test_the_last_decisions_are_there_for_a_late_subscriber(robot: SmallRobot) -> None:
@@ -55,14 +55,14 @@ def test_the_last_decisions_are_there_for_a_late_subscriber(robot: SmallRobot) -
 def test_a_topic_is_heard_only_while_an_operator_listens(robot: SmallRobot) -> None:
     runtime = robot.runtime("begin SetFrequency /imu Full SetFrequency /map_name Full end")
     robot.source(imu={"type": IMU, "hz": 50}, map_name={"type": TEXT, "texts": ["ground floor"]})
-    runtime.line_with("not subscribed, as no operator listens")
-    runtime.line_with("not subscribed, as no operator listens")
+    runtime.line_with("not subscribed, because there is no subscriber")
+    runtime.line_with("not subscribed, because there is no subscriber")
     topics: dict[str, Any] = {"imu": {"type": IMU}, "map_name": {"type": TEXT, "transient_local": True}}
     operator = robot.operator(**topics)
     operator.line_with("heard")
     operator.result()
-    runtime.line_with(": not subscribed, as no operator listens")
-    runtime.line_with(": not subscribed, as no operator listens")
+    runtime.line_with(": not subscribed, because there is no subscriber")
+    runtime.line_with(": not subscribed, because there is no subscriber")
     again = robot.operator(**topics)
     again.line_with("heard")
     assert [text for _, text, _ in again.result()["map_name"]] == ["ground floor"]
@@ -92,9 +92,9 @@ def test_what_another_smarttestudo_sends_on_a_topic_of_the_robot_is_left_out(rob
     )
     second = robot.runtime("begin SetFrequency /odom Full end", "--ros-args", "-r", "__node:=second")
     first = robot.runtime("begin SetFrequency /testudo/odom Full end")
-    first.line_with("/testudo/odom: also published by a SmartTestudo, whose messages are not relayed")
+    first.line_with("/testudo/odom: a SmartTestudo node publishes it too; its messages are not relayed")
     operator = robot.operator(odom={"type": ODOMETRY, "topic": "/testudo/testudo/odom"})
-    second.line_with("/odom: subscribed, as an operator listens")
+    second.line_with("/odom: subscribed, because there is a subscriber")
     operator.result("go on")
     for _ in range(20):
         operator.line_with("heard")

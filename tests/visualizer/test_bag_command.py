@@ -362,7 +362,7 @@ def test_bags_that_cannot_be_shown_are_refused_in_one_line(desk: Desk, tmp_path:
     write_bag(tmp_path / "bag", MISSION)
     refusals = {
         "nowhere": f"nowhere: error: no such file or folder; {BAG_EXPECTED}",
-        "notes.db3": f"notes.db3: error: not a bag: it does not begin like one; {BAG_EXPECTED}",
+        "notes.db3": f"notes.db3: error: not a bag: unknown file header; {BAG_EXPECTED}",
         "notes.txt": f"notes.txt: error: unknown storage '.txt'; {BAG_EXPECTED}",
         "empty": "empty: error: the bag holds no message",
     }

@@ -132,9 +132,7 @@ def test_what_cannot_be_reported_is_refused_in_one_line(desk: Desk) -> None:
     assert desk.refuses("sent", "--decisions", "rules.adirf") == (
         "rules.adirf:1: error: not a decision; give a file that --decisions wrote"
     )
-    assert desk.refuses("sent", "--nav2-map", "rules.adirf").startswith(
-        "rules.adirf: error: not a map of nav2"
-    )
+    assert desk.refuses("sent", "--nav2-map", "rules.adirf").startswith("rules.adirf: error: not a nav2 map")
     assert "there/report.html: error: the report cannot be written" in desk.refuses(
         "sent", "-o", "there/report.html"
     )

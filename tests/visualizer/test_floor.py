@@ -108,9 +108,9 @@ def test_a_large_map_is_read_in_fewer_cells_and_keeps_every_obstacle(tmp_path: P
     [
         ({"image": "nowhere.pgm"}, "nowhere.pgm: error: the map's image cannot be read: No such file"),
         ({"image": "map.yaml"}, "map.yaml: error: the map's image cannot be read: not an image"),
-        ({"origin": "[1]"}, "not a map of nav2"),
-        ({"resolution": 0}, "not a map of nav2"),
-        ({"resolution": "[[["}, "not a map of nav2"),
+        ({"origin": "[1]"}, "not a nav2 map"),
+        ({"resolution": 0}, "not a nav2 map"),
+        ({"resolution": "[[["}, "not a nav2 map"),
     ],
 )
 def test_what_is_no_map_is_refused_in_one_line(tmp_path: Path, values: dict[str, Any], cause: str) -> None:

@@ -121,8 +121,8 @@ def test_nothing_outside_the_project_is_read(page: Page, kind: str, name: str, s
 @pytest.mark.parametrize(
     ("kind", "name", "place", "cause"),
     [
-        ("map", "broken.yaml", "broken.yaml:4:7", "not a map of nav2: expected ',' or ']'"),
-        ("map", "short.yaml", "short.yaml", "not a map of nav2: it has no 'resolution'"),
+        ("map", "broken.yaml", "broken.yaml:4:7", "not a nav2 map: expected ',' or ']'"),
+        ("map", "short.yaml", "short.yaml", "not a nav2 map: it has no 'resolution'"),
         ("map", "huge.yaml", "huge.png", "the image has more than 36 megapixels"),
         ("image", "huge.png", "huge.png", "the image has more than 36 megapixels"),
         ("image", "text.png", "text.png", "the image cannot be read: not an image"),

@@ -245,11 +245,11 @@ def test_rules_that_turn_too_often_are_unknown_from_then_on(project: Path) -> No
     tried = tried_within(TrialLimits(turns=1), project)
     [block] = tried.blocks
     assert [truth for _, truth in block.turns] == ["unknown", "false", "unknown"]
-    after = f"which hold after {block.turns[-1][0]:.1f} s is not said"
-    assert f"rules turned more than 1 times; {after}" in tried.notices
+    after = f"their states after {block.turns[-1][0]:.1f} s are left out"
+    assert f"rules changed their state more than 1 times; {after}" in tried.notices
     whole = tried_within(TrialLimits(), project)
     assert [truth for _, truth in whole.blocks[0].turns] == ["unknown", "false", "true"]
-    assert not any("is not said" in notice for notice in whole.notices)
+    assert not any("are left out" in notice for notice in whole.notices)
 
 
 def command_line(*arguments: object) -> Any:

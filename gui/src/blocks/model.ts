@@ -86,7 +86,7 @@ export function toStatement(block: Blockly.Block): Statement | { missing: string
       return { kind: "rule", name, priority, condition, then, else: sets(block, "ELSE"), comments };
     }
     default:
-      return { missing: "This belongs into a rule" };
+      return { missing: "This belongs in a rule" };
   }
 }
 

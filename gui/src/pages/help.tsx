@@ -53,7 +53,7 @@ function Start() {
           get which rate. The + buttons add checks and rates, the − buttons take them away.
         </li>
         <li>
-          Read the <strong>findings</strong> below. Each says what is wrong or doubtful; many can be fixed with one
+          Read the <strong>findings</strong> below. Each reports an error or a doubtful rule; many can be fixed with one
           click.
         </li>
         <li>
@@ -74,9 +74,9 @@ function Start() {
       <h2>A running robot</h2>
       <p>
         The top of each page says whether a robot is connected. <strong>Robot</strong> shows what it relays now; while
-        it follows the open rules, signs beside the blocks say which checks and rules hold there.{" "}
+        it follows the open rules, marks beside the blocks show which checks and rules hold there.{" "}
         <strong>Send to robot</strong> shows the differences first. The robot checks the rules and tries them for some
-        seconds; without <em>Keep these rules</em> it goes back by itself.
+        seconds; without <em>Keep these rules</em> it returns to its previous rules.
       </p>
       <h2>Rates</h2>
       <p>

@@ -23,7 +23,7 @@ export function HomePage({ api, project, refresh, editors }: PageProps) {
     try {
       const { name, text } = await fileText(file);
       if (project.files.some((each) => each.name === name)) {
-        throw new FileProblem(`${project.root_name} has a ${name} already: give yours another name`);
+        throw new FileProblem(`${project.root_name} has a ${name} already: choose another name`);
       }
       await api.save(name, text, null);
       await refresh();
@@ -162,7 +162,7 @@ function NewProject(props: Pick<PageProps, "api" | "refresh" | "project"> & { re
         </select>
       </label>
       {about && <p>{about}</p>}
-      <p class="quiet">A rule file of this name is made in {props.project.root_name}.</p>
+      <p class="quiet">A rule file of this name is created in {props.project.root_name}.</p>
       {problem && (
         <p class="problem" role="alert">
           {problem}

@@ -53,8 +53,8 @@ export function FloorNotes({ floor, editor }: { floor: MapFloor; editor: RuleEdi
       {floor.hasChanged.value && (
         <Notice
           kind="warning"
-          text={`${name} has changed since it was chosen here: look whether the zones still lie right.`}
-          action={{ label: "They lie right", act: () => floor.accept() }}
+          text={`${name} has changed since it was chosen here: check that the zones are still right.`}
+          action={{ label: "They are right", act: () => floor.accept() }}
         />
       )}
       {floor.notices.value.map((notice) => (

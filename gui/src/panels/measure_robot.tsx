@@ -34,7 +34,7 @@ export function MeasureRobot({ measure }: { measure: (seconds: number) => Promis
           </label>
           <p class="quiet">
             Sizes and rates of all topics that the robot publishes now. It takes every message of every topic meanwhile:
-            do not do this over a thin radio.
+            do not do this over a slow radio.
           </p>
         </FormDialog>
       )}

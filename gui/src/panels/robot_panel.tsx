@@ -26,7 +26,7 @@ export function RobotPanel(props: { editor: RuleEditor; robotRules: RobotRules; 
       </div>
       {live && <RobotTotals live={live} />}
       {live && <RobotTopics link={link} live={live} />}
-      {!live && link.connection.value.kind === "connected" && <p class="quiet">Waiting for its values …</p>}
+      {!live && link.connection.value.kind === "connected" && <p class="quiet">Waiting for a status …</p>}
     </div>
   );
 }
@@ -77,11 +77,11 @@ function RulesNotice({ robotRules }: { robotRules: RobotRules }) {
     case "none":
       return null;
     case "same":
-      return <p class="quiet">The robot follows these rules: the blocks show what holds there now.</p>;
+      return <p class="quiet">The robot follows these rules: the blocks show their current state there.</p>;
     case "other":
       return (
         <details>
-          <summary>The robot has other rules, so the blocks do not show what holds there.</summary>
+          <summary>The robot has other rules, so the blocks do not show the state there.</summary>
           <ul>
             {comparison.preview.differences.map((difference) => (
               <li key={difference}>{difference}</li>

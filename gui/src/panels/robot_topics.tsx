@@ -55,7 +55,7 @@ function relayed({ keeps_rate, error_percent }: LiveTopic): string {
 
 const REASONS: Record<string, string> = {
   default: "default",
-  unknown: "unknown values: in doubt, more",
+  unknown: "unknown values",
   floor: "floor",
   budget: "budget",
   fallback: "no valid rules",

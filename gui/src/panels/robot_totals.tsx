@@ -23,7 +23,7 @@ export function RobotTotals({ live }: { live: Live }) {
         )}
       </div>
       <Figure name="Watching" value={`up to ${readable(live.status_kb_per_s)} KB/s`} />
-      <Figure name="Heard" value={`${readable(heard)} KB/s`} />
+      <Figure name="Received" value={`${readable(heard)} KB/s`} />
       <Figure name="CPU" value={live.cpu_percent === null ? "–" : `${live.cpu_percent.toFixed(1)} %`} />
       <Figure name="Memory" value={live.memory_mb === null ? "–" : `${live.memory_mb.toFixed(0)} MB`} />
     </dl>

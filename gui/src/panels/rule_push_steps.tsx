@@ -32,7 +32,7 @@ function StageView({ rulePush, editor }: { rulePush: RulePush; editor: RuleEdito
     case "trying":
       return <TryingSteps rulePush={rulePush} stage={stage} />;
     case "kept":
-      if (!rulePush.isHeard.value) return <Unheard words={`${stage.node} kept the rules that were sent to it`} />;
+      if (!rulePush.isHeard.value) return <NoStatus words={`${stage.node} kept the rules that were sent to it`} />;
       return <Steps done={3} words={`${stage.node} keeps these rules.`} leftS={null} />;
     case "replaced":
       return (
@@ -43,11 +43,11 @@ function StageView({ rulePush, editor }: { rulePush: RulePush; editor: RuleEdito
     case "gone":
       return (
         <p class="notice warning" role="status">
-          Nobody kept the rules in time: {stage.node} went back to the rules from before by itself.
+          The rules were not kept in time: {stage.node} returned to its previous rules.
         </p>
       );
     case "refused":
-      return <Refusal problem={stage.problem} editor={editor} />;
+      return <Refusal outcome={stage.outcome} problem={stage.problem} editor={editor} />;
     default:
       return null;
   }
@@ -56,12 +56,12 @@ function StageView({ rulePush, editor }: { rulePush: RulePush; editor: RuleEdito
 function TryingSteps({ rulePush, stage }: { rulePush: RulePush; stage: Trying }) {
   const leftS = rulePush.leftS.value;
   if (!rulePush.isHeard.value) {
-    return <Unheard words={`${stage.node} tried the rules, and goes back by itself unless it was told to keep them`} />;
+    return <NoStatus words={`${stage.node} tried the rules, and reverts them unless they were kept`} />;
   }
   if (stage.isLetGo) {
     return (
       <p role="status">
-        {stage.node} goes back to the rules from before within {stage.withinS} s.
+        {stage.node} returns to its previous rules within {stage.withinS} s.
       </p>
     );
   }
@@ -69,31 +69,31 @@ function TryingSteps({ rulePush, stage }: { rulePush: RulePush; stage: Trying })
     <div class="rule-push">
       <Steps
         done={1}
-        words={`${stage.node} follows these rules. Keep them, or it goes back by itself.`}
+        words={`${stage.node} follows these rules. Unless you keep them, it returns to its previous rules.`}
         leftS={leftS}
       />
       <button type="button" class="primary" onClick={() => void rulePush.keep()}>
         Keep these rules
       </button>
       <button type="button" onClick={() => rulePush.letGo()}>
-        Let them go back
+        Do not keep them
       </button>
       <progress aria-label="Time left to keep the rules" max={stage.withinS} value={leftS} />
     </div>
   );
 }
 
-/** What is known of rules on a robot that is not heard. */
-function Unheard({ words }: { words: string }) {
+/** What is known of rules on a robot that sends no status. */
+function NoStatus({ words }: { words: string }) {
   return (
     <p class="notice warning" role="status">
-      {words}. What it follows now is not known: it is not heard.
+      {words}. Which rules it follows now is not known: it sends no status.
     </p>
   );
 }
 
 function Steps({ done, words, leftS }: { done: number; words: string; leftS: number | null }) {
-  const names = ["Checked by the robot", leftS === null ? "Holds now" : `Holds now, for ${leftS} s`, "Kept"];
+  const names = ["Checked by the robot", leftS === null ? "In force" : `In force for ${leftS} s`, "Kept"];
   return (
     <>
       <ol class="steps" aria-label="Sending the rules">
@@ -109,13 +109,13 @@ function Steps({ done, words, leftS }: { done: number; words: string; leftS: num
   );
 }
 
-/** Why rules were not sent, or not taken; the places in the text are links. */
-export function Refusal({ problem, editor }: { problem: Problem; editor: RuleEditor }) {
+/** What failed and why, when rules were sent or kept; the places in the text are links. */
+function Refusal({ outcome, problem, editor }: { outcome: string; problem: Problem; editor: RuleEditor }) {
   const line = lineOf(problem);
   return (
     <div class="notice error column" role="alert">
       <p>
-        <strong>Nothing was changed on the robot.</strong> {problem.message}
+        <strong>{outcome}</strong> {problem.message}
         {problem.remedy && `. ${problem.remedy}`}
       </p>
       {problem.findings.map((finding) => (
@@ -136,7 +136,7 @@ function LineLink({ line, editor }: { line: number; editor: RuleEditor }) {
   );
 }
 
-/** The line that a robot's own words name, as in `rules_text:2:5`. */
+/** The line in a robot's message, as in `rules_text:2:5`. */
 function lineOf({ place, message }: Problem): number | null {
   const named = /:(\d+):\d+/.exec(`${place} ${message}`)?.[1];
   return named === undefined ? null : Number(named);

@@ -13,7 +13,7 @@ export function SendDialog({ rulePush }: { rulePush: RulePush }) {
   if (preview.same) {
     return (
       <FormDialog title={`Send to ${node}`} submit="Close" isNotice onSubmit={close} onClose={close}>
-        <p>Nothing differs: nothing to send. Where blocks stand, and how the text is laid out, stays with the file.</p>
+        <p>The robot already has these rules. Block positions and text layout are not sent.</p>
       </FormDialog>
     );
   }
@@ -25,7 +25,9 @@ export function SendDialog({ rulePush }: { rulePush: RulePush }) {
           <li key={difference}>{difference}</li>
         ))}
       </ul>
-      <p class="quiet">The robot checks the rules and tries them. It goes back by itself unless you keep them.</p>
+      <p class="quiet">
+        The robot checks the rules and tries them. It returns to its previous rules unless you keep them.
+      </p>
     </FormDialog>
   );
 }

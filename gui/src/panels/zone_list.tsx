@@ -32,14 +32,14 @@ export function ZoneList({ zones }: { zones: ZoneEditor }) {
         ))}
       </ul>
       {answer.value && placed.length === 0 && (
-        <p class="quiet">No rule asks where the robot is. Draw a zone, or type one.</p>
+        <p class="quiet">No rule depends on the position. Draw a zone, or type one.</p>
       )}
       {placed.length > 0 && others > 0 && (
-        <p class="quiet">{others === 1 ? "1 rule asks" : `${others} rules ask`} for no place.</p>
+        <p class="quiet">{others === 1 ? "1 rule does" : `${others} rules do`} not depend on the position.</p>
       )}
       {mixed.map((rule) => (
         <p key={rule.id} class="quiet">
-          {rule.label} mixes too many places to be drawn; its checks are in the block.
+          {rule.label} has too many conditions on the position to be drawn; its checks are in the block.
         </p>
       ))}
     </div>

@@ -120,10 +120,10 @@ function NewFindings({ draft }: { draft: ImportDraft }) {
   return (
     <div role="status">
       {findings.length === 0 ? (
-        <p class="quiet">Nothing new would be found in these rules.</p>
+        <p class="quiet">The import adds no findings.</p>
       ) : (
         <>
-          <p>With these, the checker will say:</p>
+          <p>The import adds these findings:</p>
           <ul class="findings" aria-label="Findings of the import">
             {findings.map((finding) => (
               <li key={`${finding.offset} ${finding.code} ${finding.message}`} class={finding.severity}>

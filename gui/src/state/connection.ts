@@ -26,16 +26,16 @@ export function connectionOf(
   node: string | null,
   sinceToldS: number,
 ): Connection {
-  if (server.kind === "lost") return none("The Ruler's server does not answer. The page tries again by itself.");
+  if (server.kind === "lost") return none("The Ruler's server does not answer. The page reconnects by itself.");
   if (server.kind === "other") {
     return none(
-      `The server is SmartTestudo ${server.version}, which speaks to another version of this page. Reload the page.`,
+      `The server is SmartTestudo ${server.version}, which needs another version of this page. Reload the page.`,
     );
   }
-  if (server.kind === "opening" || robots === null) return none("The page is asking the server for robots.");
+  if (server.kind === "opening" || robots === null) return none("Waiting for the server's list of robots.");
   const robot = robots.robots.find((each) => each.node === node);
   if (robots.problem !== null && !robot) return none(robots.problem);
-  if (!robot) return none("No robot is heard. Start 'testudo run' on the robot, in the ROS domain of this server.");
+  if (!robot) return none("No robot found. Start 'testudo run' on the robot, in the ROS domain of this server.");
   return heardFrom(robot, sinceToldS);
 }
 
@@ -51,7 +51,7 @@ function heardFrom(robot: RobotSummary, sinceToldS: number): Connection {
   return {
     kind: "silent",
     words: `robot silent for ${silentS} s`,
-    why: `Nothing is heard of ${robot.node} for ${silentS} s. Is 'testudo run' still running, and the radio up?`,
+    why: `No status of ${robot.node} for ${silentS} s. Check that 'testudo run' is running and the radio is up.`,
   };
 }
 
@@ -63,6 +63,6 @@ function none(why: string): Connection {
 export const RULES_WORDS: Record<RobotSummary["rules"], string> = {
   files: "It follows the rule files on its disk.",
   pushed: "It follows rules that were sent to it.",
-  waiting: "It tries rules that were sent to it, and goes back unless they are kept.",
+  waiting: "It is trying rules that were sent to it, and reverts them unless they are kept.",
   fallback: "It has no valid rules and relays everything.",
 };

@@ -281,7 +281,7 @@ function problemsOf(rows: readonly DraftRow[], budget: string): string[] {
   }
   const names = rows.map((row) => row.topic.trim()).filter(Boolean);
   for (const name of new Set(names)) {
-    if (names.filter((each) => each === name).length > 1) problems.push(`${name} stands in two rows.`);
+    if (names.filter((each) => each === name).length > 1) problems.push(`${name} is in two rows.`);
   }
   return problems;
 }

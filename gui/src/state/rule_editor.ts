@@ -144,7 +144,8 @@ export class RuleEditor implements Contested {
       const { text, document } = await this.api.edit(this.rules, wanted);
       if (text === before) return;
       if (this.text.value === before) this.replaceText(text, document);
-      else this.message.value = "The text changed meanwhile, so the blocks changed nothing: try again";
+      else
+        this.message.value = "The text was changed at the same time, so the edit in the blocks was dropped: try again";
     });
   }
 

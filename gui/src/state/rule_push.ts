@@ -16,7 +16,9 @@ export type Stage =
   | { kind: "kept"; node: string; hash: string; isSeen: boolean }
   | { kind: "replaced"; node: string; by: RobotSummary["rules"] }
   | { kind: "gone"; node: string }
-  | { kind: "refused"; problem: Problem };
+  | { kind: "refused"; outcome: string; problem: Problem };
+
+const UNCHANGED = "Nothing was changed on the robot.";
 
 /** Sends the open rules to a robot: compared, tried there for some seconds, and kept only when somebody says so. */
 export class RulePush {
@@ -29,7 +31,7 @@ export class RulePush {
     return Math.max(0, Math.ceil(waitsS ?? stage.withinS));
   });
 
-  /** Whether the robot that the rules went to is heard now; without that nobody knows what it follows. */
+  /** Whether the robot that the rules went to sends a status now; otherwise it is unknown what it follows. */
   readonly isHeard = computed(() => {
     const stage = this.stage.value;
     if (!("node" in stage)) return false;
@@ -43,7 +45,7 @@ export class RulePush {
     private readonly link: RobotLink,
   ) {}
 
-  /** Notices what the robot does with the rules, until the returned function is called. */
+  /** Follows what the robot does with the rules, until the returned function is called. */
   follow(): () => void {
     return effect(() => {
       const stage = this.stage.value;
@@ -63,7 +65,7 @@ export class RulePush {
       const findings = this.editor.errors.peek();
       return this.refuse({ message: "Rules with errors are not sent.", findings });
     }
-    await this.guarded(async () => {
+    await this.guarded(UNCHANGED, UNCHANGED, async () => {
       const preview = await this.api.previewPush(this.editor.rules, node);
       this.stage.value = { kind: "asked", node, preview };
     });
@@ -75,7 +77,9 @@ export class RulePush {
     if (stage.kind !== "asked") return;
     const { node } = stage;
     this.stage.value = { kind: "sending", node };
-    await this.guarded(async () => {
+    const unknown =
+      "It is not known whether the robot received the rules. If it did, it reverts them unless they are kept.";
+    await this.guarded(unknown, UNCHANGED, async () => {
       const staged = await this.api.push(this.editor.rules, node);
       const withinS = staged.confirm_within_s;
       this.stage.value =
@@ -89,7 +93,8 @@ export class RulePush {
   async keep(): Promise<void> {
     const stage = this.stage.peek();
     if (stage.kind !== "trying") return;
-    await this.guarded(async () => {
+    const unknown = `It is not known whether the rules were kept. If not, the robot reverts them within ${stage.withinS} s.`;
+    await this.guarded(unknown, "The rules were not kept, and the robot reverts them.", async () => {
       await this.api.confirmPush(stage.node, stage.hash);
       const { node, hash, isSeen } = stage;
       this.stage.value = { kind: "kept", node, hash, isSeen };
@@ -110,21 +115,23 @@ export class RulePush {
     return this.link.robots.value?.robots.find((each) => each.node === node);
   }
 
-  private refuse(problem: Partial<Problem> & { message: string }): void {
-    this.stage.value = { kind: "refused", problem: { place: "", remedy: "", findings: [], ...problem } };
+  private refuse(problem: Partial<Problem> & { message: string }, outcome = UNCHANGED): void {
+    this.stage.value = { kind: "refused", outcome, problem: { place: "", remedy: "", findings: [], ...problem } };
   }
 
-  private async guarded(work: () => Promise<void>): Promise<void> {
+  /** Does `work`. A refusal has the outcome `refused`; where no answer came, it is `unknown`. */
+  private async guarded(unknown: string, refused: string, work: () => Promise<void>): Promise<void> {
     try {
       await work();
     } catch (error) {
       if (!(error instanceof ApiError)) throw error;
-      this.refuse(error.problem);
+      const isAnswered = error.status >= 400 && error.status < 500;
+      this.refuse(error.problem, isAnswered ? refused : unknown);
     }
   }
 }
 
-/** The stage after `robot` was heard. What it says may be from before the rules came, until it has told of them. */
+/** The stage after a status of `robot`. Until one has the hash of the sent rules, it may be from before them. */
 function seen(stage: Extract<Stage, { kind: "trying" | "kept" }>, robot: RobotSummary): Stage {
   const { node, hash, isSeen } = stage;
   const isThere = robot.rules_hash === hash;

@@ -46,7 +46,7 @@ function FieldTable({ trial, fields }: { trial: Trial; fields: TryFieldLoss[] })
   const bin = trial.bin.value;
   return (
     <LossTable
-      caption="Error of who holds the last value received"
+      caption="Error when the last received value is held"
       headings={["Value", "Unit", "Mean (RMSE)", "Largest", "Mean (% of its range)", "Largest here"]}
       rows={fields.map((each) => [
         nameOf(each),

@@ -34,7 +34,7 @@ export function TryMap({ editor, api, trial }: { editor: RuleEditor; api: Api; t
       <figcaption>
         <strong>Path</strong> <span class="quiet">Dots are decisions.</span>{" "}
         <span class="robot-place">
-          {at ? `The robot is at x ${at[0].toFixed(1)} m, y ${at[1].toFixed(1)} m` : "Nobody knows where the robot is"}
+          {at ? `The robot is at x ${at[0].toFixed(1)} m, y ${at[1].toFixed(1)} m` : "The robot's position is unknown"}
         </span>
       </figcaption>
       <div class="try-map-host">

@@ -26,7 +26,7 @@ function WaysOut({ file, conflict, onSavedAs }: Props & { conflict: Conflict }) 
       await work();
     } catch (error) {
       if (!(error instanceof ApiError)) throw error;
-      setProblem(isStatus(error, 409) ? `${where} is there already: give another name` : error.message);
+      setProblem(isStatus(error, 409) ? `${where} exists already: choose another name` : error.message);
     }
   };
   const saveAs = (form: FormData) => {
@@ -51,11 +51,11 @@ function WaysOut({ file, conflict, onSavedAs }: Props & { conflict: Conflict }) 
             Read again
           </button>
         )}
-        {!isGone && <span>takes theirs; Undo brings yours back.</span>}
+        {!isGone && <span>loads their version; Undo restores yours.</span>}
         <button type="button" onClick={() => void guarded(() => file.saveAnyway())}>
           Save anyway
         </button>
-        <span>{isGone ? "writes the file anew." : "puts yours in the place of theirs."}</span>
+        <span>{isGone ? "creates the file again." : "replaces theirs with yours."}</span>
       </div>
       <label>
         {isGone ? "Or save yours under another name" : "Or keep both, yours under another name"}

@@ -32,8 +32,8 @@ if TYPE_CHECKING:
 
 _TABLES: Mapping[str, tuple[str, Callable[[BagSummary], Table]]] = {
     "info": ("when it was recorded, its topics with type, size and QoS", bag_tables.info_table),
-    "rates": ("how fast and how evenly each topic came", bag_tables.rates_table),
-    "bandwidth": ("how much each topic carried, and the sum", bag_tables.bandwidth_table),
+    "rates": ("the rate and the jitter of each topic", bag_tables.rates_table),
+    "bandwidth": ("the bandwidth of each topic, and the sum", bag_tables.bandwidth_table),
 }
 
 _DRAWN = {"rates": bag_figures.Drawn.RATES, "bandwidth": bag_figures.Drawn.BANDWIDTH}
@@ -43,8 +43,8 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     """Add ``bag`` to the subcommands."""
     parser = commands.add_parser(
         "bag",
-        help="show what recordings hold: rates, bandwidth, one against another",
-        description="Show what recordings hold. Only `loss` and `report` read payloads, so the rest is fast.",
+        help="measure and compare recordings: rates, bandwidth, losses",
+        description="Measure and compare recordings. Only `loss` and `report` read payloads.",
     )
     actions = parser.add_subparsers(title="actions", metavar="ACTION", required=True)
     for name, (purpose, table) in _TABLES.items():
@@ -57,7 +57,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
             action.add_argument(
                 "--latency",
                 action="store_true",
-                help="also how late each topic came: receive time minus header.stamp "
+                help="also the latency of each topic: receive time minus header.stamp "
                 "(reads the beginning of every message)",
             )
         action.set_defaults(run=_run_summary, table=table, latency=False, figures=None)
@@ -76,8 +76,8 @@ def _add_compare(actions: argparse._SubParsersAction[argparse.ArgumentParser]) -
         description=f"Show {purpose}. With A's /odom pairs B's /testudo/odom or /odom_receive, "
         "else its /odom.",
     )
-    action.add_argument("a", metavar="A", type=file_path, help="the recording that changes are counted from")
-    action.add_argument("b", metavar="B", type=file_path, help="the recording beside it")
+    action.add_argument("a", metavar="A", type=file_path, help="the recording to compare with")
+    action.add_argument("b", metavar="B", type=file_path, help="the recording to compare")
     add_map(action)
     add_topics_and_form(action)
     bag_figures.add_figures(action, bag_figures.Drawn.BOTH)

@@ -58,7 +58,7 @@ def add_action(actions: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
         help="the rule files of B, or folders of them; shown, with their zones on the map",
     )
     action.add_argument(
-        "--decisions", metavar="FILE", type=file_path, help="what --decisions wrote when B came to be"
+        "--decisions", metavar="FILE", type=file_path, help="the file that --decisions wrote when B was made"
     )
     action.add_argument(
         "--profile", metavar="FILE", type=file_path, help="tiers and priorities of the topics (TOML)"
@@ -72,7 +72,7 @@ def add_action(actions: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
     )
     add_map(action)
     add_topics(action)
-    add_figures_folder(action, "all that the report draws")
+    add_figures_folder(action, "the report as JSON")
     action.add_argument(
         "-o",
         "--output",

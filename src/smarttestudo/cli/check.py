@@ -31,8 +31,8 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     """Add ``check`` to the subcommands."""
     parser = commands.add_parser(
         "check",
-        help="say what is wrong or doubtful in rule files",
-        description="Say what is wrong or doubtful in rule files. Several files form one set. "
+        help="report errors and doubtful rules in rule files",
+        description="Report errors and doubtful rules in rule files. Several files form one set. "
         "Exits with 1 if there is an error; warnings and infos do not count.",
     )
     parser.add_argument(

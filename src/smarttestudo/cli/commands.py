@@ -14,7 +14,7 @@ def command_parser() -> argparse.ArgumentParser:
     """What understands a command line, and sets ``run`` to the function that does what it asks."""
     parser = argparse.ArgumentParser(
         prog="testudo",
-        description="Adaptive monitoring for ROS 2 robots: each topic at the rate your rules give it now.",
+        description="Adaptive monitoring for ROS 2: relay each topic at the rate that your rules give it.",
         epilog="'testudo demo' needs no robot. 'testudo COMMAND --help' explains a command.",
     )
     parser.add_argument("--version", action="version", version=f"testudo {__version__}")

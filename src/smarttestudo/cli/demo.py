@@ -45,7 +45,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         metavar="DIR",
         type=file_path,
         default=_DEFAULT_OUT,
-        help="where everything goes; replaces what a former demo made there, but keeps and uses rules "
+        help="output folder; replaces the files of an earlier demo there, but keeps and uses rules "
         "that you edited (default: %(default)s)",
     )
     parser.add_argument(

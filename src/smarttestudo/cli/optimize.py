@@ -51,9 +51,9 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     )
     parser.add_argument("-o", "--output", metavar="OUT", type=file_path, help="where to write the rule file")
     parser.add_argument(
-        "--only-named", action="store_true", help="leave out topics that only the profile names"
+        "--only-named", action="store_true", help="leave out topics that are only in the profile"
     )
-    parser.add_argument("--explain", action="store_true", help="say what holds each rate where it is")
+    parser.add_argument("--explain", action="store_true", help="explain what limits each rate")
     parser.add_argument("--json", action="store_true", help="print one JSON object with everything")
     parser.set_defaults(run=run)
 

@@ -65,7 +65,7 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
         "--record-inputs",
         metavar="DIR",
         type=file_path,
-        help="record what the loop sees into a new folder; 'testudo replay DIR' decides the same from it",
+        help="record the inputs of the loop in a new folder; 'testudo replay DIR' repeats the decisions",
     )
     add_ros_arguments(parser)
 

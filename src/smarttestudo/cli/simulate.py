@@ -17,8 +17,8 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     """Add ``simulate`` to the subcommands."""
     parser = commands.add_parser(
         "simulate",
-        help="publish what a simulated robot's devices say, on a real ROS graph",
-        description="Let a simulated TurtleBot3 patrol a warehouse in real time, as a ROS 2 node. "
+        help="publish the topics of a simulated robot on a real ROS graph",
+        description="Simulate a TurtleBot3 that patrols a warehouse in real time, as a ROS 2 node. "
         "Ends on SIGINT (Ctrl-C) and SIGTERM.",
     )
     parser.add_argument("--seconds", metavar="S", type=seconds, help="length of the drive (default: endless)")

@@ -38,9 +38,9 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     """Add ``top`` to the subcommands."""
     parser = commands.add_parser(
         "top",
-        help="watch what a running SmartTestudo relays, and why",
+        help="show what running SmartTestudo nodes relay, and why",
         description="Show the rates of every relayed topic, the rule that decided them and why a topic is "
-        "silent, of all running SmartTestudos, once a second. q or Ctrl-C ends it.",
+        "silent, for all running SmartTestudo nodes, once a second. q or Ctrl-C ends it.",
     )
     parser.add_argument(
         "--sort",
@@ -50,7 +50,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     )
     parser.add_argument("--once", action="store_true", help="show one table and end")
     parser.add_argument("--json", action="store_true", help="with --once: everything, as one JSON object")
-    add_timeout(parser, "with --once: how long to wait for a SmartTestudo")
+    add_timeout(parser, "with --once: how long to wait for a SmartTestudo node")
     parser.set_defaults(run=run)
 
 
@@ -75,11 +75,11 @@ def _wait_for_all(watch: StatusWatch, robot: Robot, stopped: Callable[[], bool],
     while not watch.has_heard_all and time.monotonic() < end_s and not stopped():
         robot.wait(None, _WAIT_S)
     if not watch.heard:
-        what = "understood" if watch.unreadable else "heard"
+        cause = "no readable status was received" if watch.unreadable else "no status was received"
         raise RosError(
-            f"no SmartTestudo is {what} within {timeout_s:g} s",
+            f"{cause} within {timeout_s:g} s",
             place=STATUS_TOPIC,
-            remedy="start `testudo run`, of this version and with the same ROS_DOMAIN_ID",
+            remedy="start `testudo run`, in this version and with the same ROS_DOMAIN_ID",
         )
 
 
@@ -118,7 +118,7 @@ def _lines(watch: StatusWatch, sort: SortKey, width: int | None) -> list[Line]:
         lines += summary_lines(heard.status, silent_s=silent_s if silent_s > _LOST_AFTER_S else None)
         lines += [Line(""), *topic_lines(heard.status, sort, width)]
     if not lines:
-        lines = [Line(f"Waiting for a SmartTestudo on {STATUS_TOPIC} …", Look.QUIET)]
+        lines = [Line(f"Waiting for a status on {STATUS_TOPIC} …", Look.QUIET)]
     if watch.unreadable:
-        lines.append(Line(f"{watch.unreadable} statuses of another version", Look.WARN))
+        lines.append(Line(f"{watch.unreadable} statuses of another version could not be read", Look.WARN))
     return lines

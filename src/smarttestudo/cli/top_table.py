@@ -85,7 +85,7 @@ def summary_lines(status: RuntimeStatus, *, silent_s: float | None = None) -> li
         Line(_runtime(status), Look.HEADING),
         Line(_link(status), Look.ERROR if status.floors_break_budget else Look.PLAIN),
         *([Line("No valid rules: everything is relayed at full rate.", Look.WARN)] * status.is_fallback),
-        *([] if silent_s is None else [Line(f"Nothing heard for {silent_s:.0f} s.", Look.STALE)]),
+        *([] if silent_s is None else [Line(f"No status received for {silent_s:.0f} s.", Look.STALE)]),
     ]
 
 

@@ -41,7 +41,7 @@ class SourceChanged:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ListenersChanged:
-    """Whether anybody listens to the monitored topic of ``topic``; until it is said, somebody does."""
+    """Whether the output topic of ``topic`` has a subscriber; until this comes, it counts as if it had."""
 
     topic: str
     are_there: bool

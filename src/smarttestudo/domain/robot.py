@@ -89,7 +89,7 @@ class Subscription(Protocol):
 
 
 class Publisher(Protocol):
-    """A publisher of a monitored topic."""
+    """A publisher of an output topic."""
 
     def publish(self, payload: Payload) -> None:
         """Send a serialized message. Raises ``RosError``."""
@@ -122,7 +122,7 @@ class DataPath(Protocol):
 
     @property
     def can_pause(self) -> bool:
-        """Whether subscriptions can rest, and still say how much their source sends."""
+        """Whether subscriptions can rest, and still count what their source sends."""
 
     @property
     def keeps_newest(self) -> bool:

@@ -188,7 +188,7 @@ class RuntimeStatus:
 
     @property
     def out_kb_per_s(self) -> float:
-        """What goes out on all monitored topics."""
+        """The bandwidth of all output topics."""
         return sum(topic.out_kb_per_s for topic in self.topics.values())
 
     @property

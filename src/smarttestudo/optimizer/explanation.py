@@ -31,7 +31,7 @@ class Binding(Enum):
     LEVEL_LOW = "the lower end of its level"
     LEVEL_HIGH = "the upper end of its level"
     CEILING = "its highest useful rate"
-    WORTH = "more is worth nothing"
+    WORTH = "a higher rate adds no quality"
     BUDGET = "the budget"
 
 
@@ -122,10 +122,10 @@ def _binding(ask: Ask, rate_hz: float, model: Model, *, is_worth_more: bool) -> 
 
 
 def _price(solved: SolvedPart, budget_kb_per_s: float, solve_again: Resolve) -> str:
-    """What one MB/s more would buy."""
+    """What one MB/s more would gain."""
     if solved.price <= 0:
         free = max(0.0, budget_kb_per_s - solved.used_kb_per_s)
-        return f"More bandwidth would buy nothing: {kb_text(free)} KB/s of the budget stay free."
+        return f"More bandwidth would improve nothing: {kb_text(free)} KB/s of the budget stay unused."
     gains = _changes(solved, solve_again({}, KB_PER_MB))
     return (
         f"One MB/s more would raise {gains}." if gains else "One MB/s more would raise no rate by 0.001 Hz."

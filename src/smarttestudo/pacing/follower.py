@@ -13,7 +13,7 @@ from smarttestudo.pacing.sample import Pacer, Pass, Sample
 
 
 class Holder(Protocol):
-    """Who knows what is held back."""
+    """What knows which samples are held back."""
 
     def holds(self, sample: Sample) -> bool:
         """Whether ``sample`` did not pass, but still may."""
@@ -22,7 +22,7 @@ class Holder(Protocol):
 class FollowerNotifier:
     """A leader's decisions on its stamps: passed, held, or decided against.
 
-    Samples without a stamp are not announced. ``followers`` are told in the order in which they were added.
+    Samples without a stamp are not announced. ``followers`` are called in the order in which they were added.
     """
 
     __slots__ = ("_held", "followers")
@@ -32,7 +32,7 @@ class FollowerNotifier:
         self._held: list[Sample] = []
 
     def add(self, follower: Follower, pace: Pace) -> None:
-        """Tell ``follower`` from now on."""
+        """Call ``follower`` from now on."""
         self.followers.append(follower)
         follower.leader_is_full = pace.is_full
 
@@ -192,7 +192,7 @@ class Follower(Pacer):
 
 
 def leaders(paced_with: Mapping[str, str], relayed: Collection[str]) -> dict[str, str]:
-    """Who leads each follower: follower → leader, for ``relayed`` topics only.
+    """The leader of each follower: follower → leader, for ``relayed`` topics only.
 
     A chain ends at its last relayed topic, which leads them all. Of topics that name each other in a
     circle, the first by name leads. A topic whose leader is not relayed has its own grid; it is left out.

@@ -77,7 +77,7 @@ class Grid:
         self.due_ns = NEVER_NS if pace.is_off else now_ns - pace.period_ns // 2
 
     def charge(self, now_ns: int) -> None:
-        """Pay for a message that passes now, due or not: afterwards, the next is due within one period."""
+        """Advance for a message that passes now, due or not: the next is due within one period."""
         pace = self.pace
         due_ns = self.due_ns
         if due_ns > now_ns:

@@ -11,14 +11,14 @@ from smarttestudo.pacing.sample import Pass, Sample
 from smarttestudo.pacing.stream import Stream
 
 YOUNG_NS = 10 * NS_PER_S
-"""How long a message of a source whose period nobody knows yet is repeated."""
+"""How long a message is repeated while the period of its source is unknown."""
 
 
 class RepeatStream(Stream):
     """Sends the newest sample at each due time, sent before or not, until its source is stale.
 
-    Before three intervals say how often the source speaks, that is ten seconds after each message; and an
-    interval that was a pause does not count.
+    Until three intervals give the source's period, that is ten seconds after each message; and an interval
+    that was a pause does not count.
 
     The grid starts at the first message, which is sent at once; so is the first after the source was
     stale or Off. A wake-up that comes late sends one sample and skips the due times it missed. ``held`` is

@@ -31,7 +31,7 @@ class Stream(ABC):
     @property
     @abstractmethod
     def release_ns(self) -> int:
-        """When the stream relays something of its own accord unless a message comes; or ``NEVER_NS``."""
+        """When the stream relays something without a new message; or ``NEVER_NS``."""
 
     def hold(self, sample: Sample, now_ns: int) -> None:
         """Keep ``sample`` as the newest that did not pass."""
@@ -39,7 +39,7 @@ class Stream(ABC):
         self.held_ns = now_ns
 
     def settle(self, now_ns: int) -> None:
-        """Something passes now: pay for it, and what was held before it is no longer the newest."""
+        """Something passes now: advance the due time; what was held before it is no longer the newest."""
         self.grid.charge(now_ns)
         self.held = None
 
@@ -69,7 +69,7 @@ QUIET_SOURCE_PERIODS = 2
 
 
 class VolatileStream(Stream):
-    """Passes what is due, and the newest held sample once the source fell quiet.
+    """Passes what is due, and the newest held sample once the source is quiet.
 
     Quiet is the longer of one period and two source periods without a newer message. What arrives
     while Off is not held.
@@ -94,7 +94,7 @@ class VolatileStream(Stream):
 
     @property
     def release_ns(self) -> int:
-        """When the held sample becomes the last word."""
+        """When the held sample is relayed as the final message."""
         if self.held is None:
             return NEVER_NS
         grid = self.grid

@@ -111,8 +111,8 @@ class FrameStreams(Streams[VolatileStream]):
     """One stream for each child frame; a message passes whole if any frame in it is due.
 
     It counts for all its frames, yet no frame is ever due later than one period after it, so that a
-    frame which travelled along with others does not starve once they are gone. The last word is each frame's
-    own; a message that is the last word of several frames passes once.
+    frame that passed along with others does not starve once they are gone. The final message is that of
+    each frame; one that is final for several frames passes once.
     """
 
     __slots__ = ()

@@ -55,7 +55,7 @@ class TopicPacer(Pacer):
 
     @property
     def may_skip(self) -> bool:
-        """Whether what comes before ``due_ns`` makes no difference, but for the last word."""
+        """Whether messages before ``due_ns`` can be skipped, except for the final one."""
         is_volatile = self._kind is StreamKind.VOLATILE and self._when_slow is WhenSlow.PASS
         return is_volatile and not self._notifier.followers
 
@@ -68,7 +68,7 @@ class TopicPacer(Pacer):
         return passes
 
     def wake(self, now_ns: int, /) -> Sequence[Pass]:
-        """What to relay now without a message: last words, due samples, repetitions."""
+        """What to relay now without a message: final messages, due samples, repetitions."""
         self._see(now_ns)
         passes = self._streams.wake(now_ns)
         if passes and self._notifier.followers:
@@ -108,11 +108,11 @@ class TopicPacer(Pacer):
         self._streams.finish()
 
     def add_follower(self, follower: Follower) -> None:
-        """Tell ``follower`` of each decision on a stamp; after each call here, call its ``wake``."""
+        """Pass each decision on a stamp to ``follower``; after each call here, call its ``wake``."""
         self._notifier.add(follower, self._pace)
 
     def drop_followers(self) -> None:
-        """Tell nobody of decisions any more."""
+        """Remove all followers."""
         self._notifier.followers.clear()
 
     def _begin_anew(self, now_ns: int) -> Sequence[Pass]:

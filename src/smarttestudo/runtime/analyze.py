@@ -46,7 +46,7 @@ def _block(block: WrittenBlock, knowledge: Knowledge, values: Mapping[Signal, fl
 
 
 def _check(check: WrittenCheck, value: float | None) -> CheckStatus:
-    """Of a check that no condition depends on, nothing else knows when its value crosses the border."""
+    """For a check that no condition depends on, nothing else detects when its value crosses the border."""
     state = Truth.UNKNOWN
     if value is not None:
         state = Truth.TRUE if check.region.contains(value) else Truth.FALSE

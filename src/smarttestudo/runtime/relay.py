@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""From one source to its monitored topic."""
+"""From one source to its output topic."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from smarttestudo.runtime.statistics import RelayStatistics
 
 
 class Relayed(NamedTuple):
-    """A message to publish now on the monitored topic of ``topic``; ``repeated``: it was relayed before.
+    """A message to publish now on the output topic of ``topic``; ``repeated``: it was relayed before.
 
     ``payload``, ``size_bytes`` and ``publisher`` are those of its arrival. A tuple, because one is made for
     all that passes.
@@ -85,13 +85,13 @@ class Relay:
             relay.statistics.target.change(relay.target_hz, now_ns)
 
     def let_go(self) -> None:
-        """Lead nobody; followers are to ``follow`` anew."""
+        """Have no followers; they are to call ``follow`` again."""
         self.followers = []
         if isinstance(self.pacer, TopicPacer):
             self.pacer.drop_followers()
 
     def follow(self, leader: Relay | None, now_ns: int) -> None:
-        """Be paced with ``leader``, or with nobody; a change of that begins anew."""
+        """Be paced with ``leader``, or alone if ``None``; a change of that starts the pacing again."""
         changed, self.leader = leader is not self.leader, leader
         if changed:
             before, self.pacer = self.pacer, Follower() if leader else self._own_pacer()
@@ -129,7 +129,7 @@ class Relay:
         return self._relayed(self.pacer.wake(now_ns), now_ns)
 
     def change_source(self, change: SourceChanged, now_ns: int) -> Sequence[Relayed]:
-        """Take what is said of the source; what was held may pass then."""
+        """Take a change of the source; what was held may pass then."""
         if self._type_name and change.type_name not in ("", self._type_name):
             self.pacer.forget()
         self._type_name = change.type_name or self._type_name

@@ -89,10 +89,10 @@ class RelayLoop:
         return [*freed, *relayed] if freed else relayed
 
     def may_skip(self, topic: str) -> bool:
-        """Whether the messages of ``topic`` that are not due need not be passed in, but for the last one.
+        """Whether messages of ``topic`` that are not due may be skipped, except for the last one.
 
-        So it is where no check reads anything of it, no budget counts it and its pacer does not hold it back
-        for others; tell ``relays.skipped`` how many there were.
+        That is so if no check reads anything of it, no budget counts it and its pacer does not hold it back
+        for others; report to ``relays.skipped`` how many there were.
         """
         needs_all = topic in self._watched or self.knowledge.link is not None
         return not needs_all and self.relays.may_skip(topic)
@@ -138,7 +138,7 @@ class RelayLoop:
     def _take_rules(self, given: RulesInput) -> Sequence[Relayed]:
         """What is known of the robot stays, and so do the pacers of topics that are relayed before and after.
 
-        None of their messages is lost. Sources that the rules did not name before, the driver tells anew.
+        None of their messages is lost. The driver must report sources again that are new to the rules.
         """
         rule_set, profile, now_ns = given.rule_set, given.profile, given.stamp_ns
         relayed = [*self._pass_time(now_ns)]
@@ -177,11 +177,11 @@ class RelayLoop:
         return () if wake_ns is None or wake_ns > now_ns else self.relays.wake(now_ns)
 
     def _restarted(self, now_ns: int) -> Sequence[Relayed]:
-        """What a clock that jumped back sets free."""
+        """What passes because the clock jumped back."""
         before_ns, self._now_ns = self._now_ns, now_ns
         if now_ns >= before_ns:
             return ()
-        # A message that needs no step tells the knowledge no time, yet the jump is from there.
+        # A message without a step does not advance the knowledge's time, from which the jump counts.
         self.knowledge.time.advance(before_ns)
         self._step((), now_ns)
         return self.relays.restart(now_ns)

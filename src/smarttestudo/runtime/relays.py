@@ -123,7 +123,7 @@ class Relays:
         return relayed
 
     def change_source(self, change: SourceChanged, now_ns: int) -> Sequence[Relayed]:
-        """Take what is said of a source."""
+        """Take a change of a source."""
         relay = self._relays.get(change.topic)
         if relay is None:
             return ()

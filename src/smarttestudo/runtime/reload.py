@@ -26,9 +26,9 @@ _GONE = -1
 def exchange_rules(
     knowledge: Knowledge, rule_set: RuleSet, profile: Profile, sources: Mapping[str, SourceChanged]
 ) -> tuple[Decision, ...]:
-    """Let other rules and another profile hold; the next step, to be made now, plans by them.
+    """Put other rules and another profile in force; the next step, to be made now, plans by them.
 
-    ``sources`` is what was last said of each source. A topic whose rules stay the same keeps a lower rate
+    ``sources`` is the last report on each source. A topic whose rules stay the same keeps a lower rate
     waiting; any other takes its new rate in the next step. Returns the end of each topic that is no longer
     relayed.
     """
@@ -54,7 +54,7 @@ def exchange_rules(
 
 
 def made_by_reload(decision: Decision) -> Decision:
-    """``decision``, said to come from the reload, unless it tells that there are no rules."""
+    """``decision`` with the reason ``reload``, unless its reason is that there are no rules."""
     if decision.planned.reason is Reason.FALLBACK:
         return decision
     return replace(decision, planned=replace(decision.planned, reason=Reason.RELOAD))

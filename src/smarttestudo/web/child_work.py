@@ -56,7 +56,7 @@ class ChildWork:
             if work in done:
                 return Response(work.result(), media_type=JSON)
             if leaving in done:
-                raise RequestError("the page has gone", GONE)
+                raise RequestError("the page was closed", GONE)
             raise RequestError(order.too_long.cause, _TIMED_OUT, remedy=order.too_long.remedy)
         finally:
             for one in (work, leaving):

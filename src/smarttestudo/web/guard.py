@@ -129,7 +129,7 @@ class Guard:
         headers, access = Headers(scope=scope), self._access
         if not access.allows_host(headers.get("host")):
             return RequestError(
-                "the server is not called by its own name", _FORBIDDEN, remedy=f"open {access.host}"
+                "the request is for another host name", _FORBIDDEN, remedy=f"open {access.host}"
             )
         origin = headers.get("origin")
         must_have_origin = scope["type"] == "websocket"

@@ -98,7 +98,7 @@ class OpenPage:
     async def next_asked(self) -> Watch | None:
         """What the page asks next; ``None`` for what is not understood.
 
-        Raises ``WebSocketDisconnect`` once the page has gone.
+        Raises ``WebSocketDisconnect`` once the page was closed.
         """
         message = await self._socket.receive()
         if message["type"] == "websocket.disconnect":

@@ -199,7 +199,7 @@ def test_a_packed_recording_that_finds_no_space_says_where(desk: Path, tmp_path:
     )
     assert (ran.returncode, ran.stderr) == (
         1,
-        f"sq.db3.zstd: error: it cannot be unpacked into {tmp_path / 'full'}: File too large; "
+        f"sq.db3.zstd: error: it cannot be decompressed into {tmp_path / 'full'}: File too large; "
         "free some space there, or set TMPDIR to a folder that has more\n",
     )
 

@@ -51,7 +51,7 @@ REPLAY = ("replay", "sq", "--rules", "rules", "--output", "new")
         ),
         (
             ("bag", "report", "sq", "-o", "f/rates.png", "--figures", "f"),
-            "--figures: error: f/rates.png is w",
+            "--figures: error: f/rates.png is also w",
         ),
         (
             ("bag", "rates", "sq", "--figures", "sq"),
@@ -63,10 +63,10 @@ REPLAY = ("replay", "sq", "--rules", "rules", "--output", "new")
         ((*REPLAY, "--decisions", "hard.adirf"), "--decisions: error: hard.adirf is read by this command"),
         (
             (*REPLAY, "--decisions", "x", "--report", "x"),
-            "--report: error: x is what --decisions writes, too",
+            "--report: error: x is also written by --decisions",
         ),
         ((*REPLAY, "--report", "sq"), "--report: error: sq is read by this command; name another output"),
-        ((*REPLAY, "--report", "new"), "--report: error: new is what --output writes, too"),
+        ((*REPLAY, "--report", "new"), "--report: error: new is also written by --output"),
         ((*REPLAY, "--report", "sq/metadata.yaml"), "--report: error: sq/metadata.yaml lies in sq, which is"),
         ((*REPLAY[:-1], "sq/new"), "--output: error: sq/new lies in sq, which is read by this command"),
         (

@@ -30,8 +30,8 @@ def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-NOBODY_WRITES = "it is a pipe that nobody writes into"
-NO_FILE = "it is a device or a pipe, no file"
+NOBODY_WRITES = "it is a pipe without a writer"
+NO_FILE = "it is a device or a pipe, not a file"
 CIRCLE = "Too many levels of symbolic links"
 
 

@@ -37,7 +37,7 @@ KINDS = [
     *itertools.product(StoragePlugin, (CompressionMode.NONE, CompressionMode.FILE, CompressionMode.MESSAGE)),
     (StoragePlugin.MCAP, CompressionMode.STORAGE),
 ]
-NOTHING_LEFT = ("no rosbag2 topics can be found in it", "nothing of it can be unpacked")
+NOTHING_LEFT = ("no rosbag2 topics can be found in it", "no part of it can be decompressed")
 TOGETHER = "read together with bag.db3-wal beside it, which holds what is not in it yet"
 PERCENTS = range(5, 100, 5)
 
@@ -220,7 +220,7 @@ def test_a_file_of_several_that_is_gone_or_empty_costs_only_itself(
     read = read_bag(folder)
     assert read.messages == list(parts[2].messages)
     assert read.notices == [
-        f"{files[0]}: missing, though the metadata name it",
+        f"{files[0]}: missing, but named in the metadata",
         f"{files[1]}: the file is empty",
     ]
 

@@ -46,7 +46,7 @@ def test_a_finding_shows_its_place_the_text_and_a_hint(
 ) -> None:
     assert run_check("doubtful.adirf") == 0
     assert capsys.readouterr().out == (
-        "doubtful.adirf:2:3: warning[two-defaults]: this default of /odom is overruled by that of line 3\n"
+        "doubtful.adirf:2:3: warning[two-defaults]: this default of /odom is overridden by that of line 3\n"
         "    SetFrequency /odom 10\n"
         "    ^^^^^^^^^^^^^^^^^^^^^\n"
         "    hint: the last default counts; remove this one\n"
@@ -92,7 +92,7 @@ def test_json_is_a_list_of_findings(folder: Path, capsys: pytest.CaptureFixture[
     assert finding == {
         "code": "two-defaults",
         "severity": "warning",
-        "message": "this default of /odom is overruled by that of line 3",
+        "message": "this default of /odom is overridden by that of line 3",
         "path": "doubtful.adirf",
         "line": 2,
         "column": 3,
@@ -100,7 +100,7 @@ def test_json_is_a_list_of_findings(folder: Path, capsys: pytest.CaptureFixture[
         "end_column": 24,
         "hint": "the last default counts; remove this one",
         "fix": {
-            "title": "remove the overruled default",
+            "title": "remove the overridden default",
             "replacement": "",
             "line": 2,
             "column": 3,

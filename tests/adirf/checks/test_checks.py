@@ -412,7 +412,7 @@ def test_missing_blanks_are_told_once_a_file() -> None:
     text = "begin SetFrequency/odom 10 If(CheckValue/odom pose_x > 3)ThenSetFrequency/odom 4 end"
     (finding,) = (one for one in findings_of(text) if one.code == "missing-blank")
     assert (
-        finding.message == "no blank stands between this word and the keyword before it (and 3 more like it)"
+        finding.message == "there is no blank between the previous keyword and this word (and 3 more like it)"
     )
     assert covered(text, finding.span) == "/odom"
     assert "missing-blank" not in codes_of(format_rules(text, "file1.adirf"))

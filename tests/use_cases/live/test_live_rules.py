@@ -21,7 +21,7 @@ from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.domain.rate import Rate
 from smarttestudo.use_cases.live.decisions import decision_line
 from smarttestudo.use_cases.live.fallback import is_hidden
-from smarttestudo.use_cases.live.output_topics import OutputTopic, is_monitored, monitored_topics
+from smarttestudo.use_cases.live.output_topics import OutputTopic, is_output_topic, output_topics
 from smarttestudo.use_cases.live.rules import LiveRuleFiles, LiveRules, Reading, RuleWatch
 
 GOOD = "begin\n  SetFrequency /imu 10\nend\n"
@@ -124,13 +124,13 @@ def test_any_change_of_the_files_can_be_seen_without_reading_them(tmp_path: Path
     assert not files_at(tmp_path / "absent" / "a.adirf").read().rules
 
 
-def test_hidden_topics_and_monitored_ones_are_known_by_name() -> None:
+def test_hidden_topics_and_output_topics_are_known_by_name() -> None:
     assert is_hidden("/arm/_action/feedback")
     assert not is_hidden("/arm_1/joint_states")
-    assert is_monitored("/testudo/imu", OutputTopic(pattern="/testudo{topic}"))
-    assert not is_monitored("/testudo_imu", OutputTopic(pattern="/testudo{topic}"))
-    assert is_monitored("/op/imu/thin", OutputTopic(pattern="/op{topic}/thin"))
-    assert not is_monitored("/imu", OutputTopic(pattern="{topic}"))
+    assert is_output_topic("/testudo/imu", OutputTopic(pattern="/testudo{topic}"))
+    assert not is_output_topic("/testudo_imu", OutputTopic(pattern="/testudo{topic}"))
+    assert is_output_topic("/op/imu/thin", OutputTopic(pattern="/op{topic}/thin"))
+    assert not is_output_topic("/imu", OutputTopic(pattern="{topic}"))
 
 
 def test_the_end_of_a_topic_reads_well_and_comes_back_from_a_log() -> None:
@@ -145,7 +145,7 @@ def test_the_end_of_a_topic_reads_well_and_comes_back_from_a_log() -> None:
 def test_outputs_in_a_domain_of_their_own_may_be_named_like_their_sources() -> None:
     output_topic = OutputTopic(pattern="{topic}", is_elsewhere=True)
     rules = LiveRuleFiles([], None, resolve=resolve_topic, output_topic=output_topic).check(GOOD)
-    assert rules.monitored == {"/imu": "/imu"}
+    assert rules.output_topics == {"/imu": "/imu"}
     with pytest.raises(UsageError, match="another topic"):
         LiveRuleFiles([], None, resolve=resolve_topic, output_topic=output_topic).check(
             "begin SetFrequency /diagnostics 1 end"
@@ -155,8 +155,8 @@ def test_outputs_in_a_domain_of_their_own_may_be_named_like_their_sources() -> N
 def test_a_topic_that_would_be_relayed_to_itself_is_told_so() -> None:
     rules = compile_rules([parse("begin SetFrequency /any 5 end", "a.adirf").file], resolve_topic)
     with pytest.raises(UsageError, match="/any would be relayed to its own name; choose another pattern"):
-        monitored_topics(rules, OutputTopic(pattern="{topic}"))
-    assert monitored_topics(rules, OutputTopic(pattern="{topic}", is_elsewhere=True)) == {"/any": "/any"}
+        output_topics(rules, OutputTopic(pattern="{topic}"))
+    assert output_topics(rules, OutputTopic(pattern="{topic}", is_elsewhere=True)) == {"/any": "/any"}
 
 
 def test_what_nobody_expected_of_the_files_is_an_error_once_and_they_are_watched_on(tmp_path: Path) -> None:

@@ -57,7 +57,9 @@ def test_who_fails_to_take_decisions_is_given_no_more_and_all_others_are() -> No
     decisions.report([NO_RETURN])
     assert len(kept) == len(robot.texts) == 2
     said = [line for line in robot.log_lines if "error" in line]
-    assert said == ["error: unexpected ZeroDivisionError: the disk is odd; no further decisions go there"]
+    assert said == [
+        "error: unexpected ZeroDivisionError: the disk is odd; no further decisions are written there"
+    ]
 
 
 def test_a_status_that_cannot_be_told_is_said_once() -> None:
@@ -66,7 +68,7 @@ def test_a_status_that_cannot_be_told_is_said_once() -> None:
     odd = replace(STATUS, topics={"/odom": cast("TopicStatus", None)})
     announcer.announce(odd)
     announcer.announce(odd)
-    assert all("nothing more is said there" in line for line in robot.log_lines)
+    assert all("nothing more is published there" in line for line in robot.log_lines)
     assert len(robot.log_lines) == 2, "one for the text, one for the diagnostics"
 
 
@@ -85,7 +87,7 @@ def test_inputs_that_cannot_be_recorded_are_said_once_and_the_loop_goes_on() -> 
         noted.append(given)
         broken(given)
 
-    rules = LiveRules(rule_set=rule_set_of("begin SetFrequency /scan 10 end"), monitored={})
+    rules = LiveRules(rule_set=rule_set_of("begin SetFrequency /scan 10 end"), output_topics={})
     recorder = InputRecorder(robot, RunRequest(), note)
     loop = recorder.loop(rules, 0)
     for at_ns in (0, 100_000_000):

@@ -50,7 +50,7 @@ def resolved(topic: str) -> str:
 def live_rules(text: str) -> LiveRules:
     texts = {"rules.adirf": text}
     rule_set = check_texts(texts, resolve=resolved).rule_set
-    return LiveRules(rule_set=rule_set, monitored={}, texts=texts, names=NAMES)
+    return LiveRules(rule_set=rule_set, output_topics={}, texts=texts, names=NAMES)
 
 
 def drive(note: Note) -> list[Decision]:

@@ -45,7 +45,7 @@ def test_both_texts_are_kept_under_two_names(ruler: RulerPage, project: Path) ->
     name = dialog.get_by_role("textbox")
     name.fill("zone")
     dialog.get_by_role("button", name="Save as").click()
-    expect(dialog.get_by_role("alert")).to_contain_text("zone.adirf is there already")
+    expect(dialog.get_by_role("alert")).to_contain_text("zone.adirf exists already")
     ruler.forgive("409")
     name.fill("mine")
     dialog.get_by_role("button", name="Save as").click()

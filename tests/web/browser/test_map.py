@@ -242,7 +242,7 @@ def test_the_background_is_remembered_and_a_changed_map_is_said(
     expect(ruler.page.get_by_label("Background")).to_have_value("map warehouse_map.yaml")
     warning = ruler.page.get_by_text("warehouse_map.yaml has changed since it was chosen here")
     warning.wait_for()
-    ruler.button("They lie right").click()
+    ruler.button("They are right").click()
     expect(warning).to_have_count(0)
     assert map_page.canvas.is_visible()
 

@@ -99,10 +99,10 @@ def test_a_save_names_the_blocks_that_it_leaves_out(ruler: RulerPage, project: P
 
 def test_the_text_is_called_saved_only_where_it_is(ruler: RulerPage, project: Path) -> None:
     _open_rules(ruler, project)
-    side = ruler.page.get_by_text("this is what is saved")
+    side = ruler.page.get_by_text("the text is saved")
     expect(side).to_be_visible()
     ruler.button("New rate").click()
-    expect(ruler.page.get_by_text("this is not saved yet")).to_be_visible()
+    expect(ruler.page.get_by_text("the text is not saved yet")).to_be_visible()
     expect(side).to_have_count(0)
     ruler.save()
     expect(side).to_be_visible()

@@ -130,7 +130,7 @@ def test_sent_rules_are_compared_tried_and_kept_with_the_keyboard_alone(
     expect(badge(page, "✗ does not hold")).to_be_visible()
     page.button("Send to robot").focus()
     keyboard.press("Enter")
-    expect(page.page.get_by_text("Nothing differs: nothing to send")).to_be_visible()
+    expect(page.page.get_by_text("The robot already has these rules")).to_be_visible()
     keyboard.press("Escape")
     expect(page.button("Send to robot")).to_be_focused()
 
@@ -141,7 +141,7 @@ def test_sent_rules_are_compared_tried_and_kept_with_the_keyboard_alone(
     expect(page.page.get_by_role("list", name="Differences")).to_have_text("default: /imu 5 → 20 Hz")
     page.walk("Tab", "Send")
     keyboard.press("Enter")
-    expect(page.page.get_by_text(re.compile(r"Holds now, for \d+ s"))).to_be_visible()
+    expect(page.page.get_by_text(re.compile(r"In force for \d+ s"))).to_be_visible()
     operator.line_with("heard")
     page.walk("Tab", "Keep these rules")
     keyboard.press("Enter")
@@ -172,7 +172,7 @@ def test_kept_rules_are_called_kept_only_while_the_robot_follows_them(
     expect(kept).to_be_visible()
     runtime.signal(signal.SIGINT)
     runtime.exit_code()
-    expect(page.page.get_by_text("What it follows now is not known")).to_be_visible()
+    expect(page.page.get_by_text("Which rules it follows now is not known")).to_be_visible()
     expect(kept).to_have_count(0)
     # A page that asks in the moment in which the robot ends gets a 504, which Chromium logs.
     assert [complaint for complaint in page.complaints if "504" not in complaint] == []
@@ -204,10 +204,26 @@ def test_refused_rules_change_nothing_and_unkept_ones_go_back(
     _send(page)
     target = page.page.get_by_role("row", name="/imu").get_by_role("cell").nth(1)
     expect(target).to_have_text("7")
-    went_back = "/smarttestudo went back to the rules from before by itself"
+    went_back = "/smarttestudo returned to its previous rules"
     expect(page.page.get_by_text(went_back)).to_be_visible()
     expect(target).to_have_text("5")
     expect(page.page.get_by_text("The robot has other rules")).to_be_visible()
+
+
+def test_a_lost_confirmation_is_not_called_without_effect(
+    page: RulerPage, world: World, runtime: Process
+) -> None:
+    expect(badge(page, "✗ does not hold")).to_be_visible()
+    page.change("Edit rate: 5", "8")
+    page.expect_lines("SetFrequency /imu 8")
+    page.page.route("**/api/push/confirm", lambda route: route.abort())
+    _keep(page)
+    failure = page.page.get_by_role("alert")
+    expect(failure).to_contain_text(
+        "It is not known whether the rules were kept. If not, the robot reverts them"
+    )
+    expect(failure).not_to_contain_text("Nothing was changed")
+    page.complaints.clear()
 
 
 def test_topics_of_the_robot_are_suggested_and_measured(page: RulerPage, runtime: Process) -> None:

@@ -114,7 +114,7 @@ def test_a_file_dropped_on_the_editor_is_imported_where_it_was_not_there_before(
 def test_a_dropped_file_that_is_no_text_is_refused_with_a_sentence(ruler: RulerPage) -> None:
     ruler.open("warehouse.adirf")
     _drop(ruler, "image.png", b"\x89PNG\xff")
-    expect(ruler.page.get_by_role("alert")).to_contain_text("image.png is no text in UTF-8")
+    expect(ruler.page.get_by_role("alert")).to_contain_text("image.png is not UTF-8 text")
 
 
 def test_a_rule_file_dropped_on_the_first_screen_becomes_a_file_of_the_project(

@@ -73,7 +73,7 @@ def test_one_scrubber_moves_the_robot_the_rates_the_rules_and_the_mark_in_the_te
 def test_the_loss_stands_beside_and_old_numbers_say_that_they_are_old(ruler: RulerPage) -> None:
     _try_rules(ruler)
     loss = ruler.page.get_by_role("region", name="What the operator loses")
-    errors = loss.get_by_role("table", name="Error of who holds the last value received")
+    errors = loss.get_by_role("table", name="Error when the last received value is held")
     expect(errors.get_by_role("row", name="/odom pose_y")).to_contain_text("m")
     expect(loss.get_by_role("table", name="Age of the newest message received")).to_contain_text("/scan")
     expect(loss.get_by_role("table", name="Thresholds of your checks")).to_contain_text("/odom pose_y > 2")

@@ -23,7 +23,7 @@ def read_input(path: Path, most_bytes: int | None = None) -> bytes:
         is_pipe = stat.S_ISFIFO(os.fstat(file.fileno()).st_mode)
         piece = file.read(_size(data, most_bytes))
         if piece == b"" and is_pipe:
-            raise OSError(None, "it is a pipe that nobody writes into")
+            raise OSError(None, "it is a pipe without a writer")
         os.set_blocking(file.fileno(), True)
         # From a pipe that is open and still empty comes None.
         while piece is None or piece:
@@ -36,7 +36,8 @@ def require_file(path: Path) -> None:
     """Raise ``OSError`` unless there is a file at ``path`` that can be read without waiting for anybody."""
     mode = path.stat().st_mode
     if not stat.S_ISREG(mode):
-        raise OSError(None, "it is a folder" if stat.S_ISDIR(mode) else "it is a device or a pipe, no file")
+        cause = "it is a folder" if stat.S_ISDIR(mode) else "it is a device or a pipe, not a file"
+        raise OSError(None, cause)
 
 
 def _without_waiting(name: str, flags: int) -> int:

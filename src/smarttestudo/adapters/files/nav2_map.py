@@ -114,7 +114,7 @@ def read_map_header(path: Path) -> MapHeader:
         ) from error
     except (YAMLError, LookupError, TypeError, ValueError, AttributeError, RecursionError) as error:
         raise MapError(
-            f"not a map of nav2{_reason(error)}", place=f"{path}{_line(error)}", remedy=_REMEDY
+            f"not a nav2 map{_reason(error)}", place=f"{path}{_line(error)}", remedy=_REMEDY
         ) from error
 
 

@@ -35,7 +35,7 @@ def require_separate(
             _require_outside_recordings(option, path)
             for other, before in written:
                 if _is_same(path, before):
-                    raise _refused(option, path, f"is what {other} writes, too")
+                    raise _refused(option, path, f"is also written by {other}")
             written.append((option, path))
 
 

@@ -156,7 +156,7 @@ class _ProfileReader:
 
     def _text(self, at: KeyPath, value: object) -> str:
         if not isinstance(value, str) or not value:
-            raise self._error(at, f"{_name(at)} must be a text in quotes")
+            raise self._error(at, f"{_name(at)} must be a string in quotes")
         return value
 
     def _topic_name(self, at: KeyPath, value: object) -> str:

@@ -47,7 +47,7 @@ def edited_profile(
 
 def _too_free(path: Path) -> ProfileError:
     return ProfileError(
-        "the profile is written in a way that a table cannot edit",
+        "the table cannot edit a profile that is written this way",
         place=str(path),
         remedy='write each topic as a table of its own, [topics."/odom"], or edit the text',
     )

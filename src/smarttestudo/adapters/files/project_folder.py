@@ -105,7 +105,7 @@ class ProjectFolder:
         parts = PurePosixPath(name).parts
         is_plain = bool(parts) and _is_one_line(name) and "\\" not in name and ":" not in name
         if not is_plain or name.startswith("/") or ".." in parts:
-            raise ForbiddenPathError("this is no name of a file in the project", place=name)
+            raise ForbiddenPathError("this is not the name of a file in the project", place=name)
         path = _resolved(self._root.joinpath(*parts), name)
         if not path.is_relative_to(self._root):
             raise ForbiddenPathError("this leads out of the project folder", place=name)
@@ -124,7 +124,7 @@ class ProjectFolder:
         is_image = suffix.lower() in _IMAGE_SUFFIXES
         if not (is_image if kind is FileKind.IMAGE else _KINDS.get(suffix) is kind):
             remedy = "maps end in .yaml, images in .png or .jpg"
-            raise ForbiddenPathError("this is no map or image", place=name, remedy=remedy)
+            raise ForbiddenPathError("this is not a map or an image", place=name, remedy=remedy)
         if not stat.S_ISREG(_mode(path) or 0):
             raise MissingFileError("there is no such file in the project", place=name)
         return path
@@ -167,7 +167,7 @@ class ProjectFolder:
         if not path.parent.is_dir():
             folder = PurePosixPath(name).parent
             cause = f"there is no folder {folder} in the project"
-            remedy = "leave the / out of the name, or make the folder first"
+            remedy = "leave the / out of the name, or create the folder first"
             raise MissingFileError(cause, place=name, remedy=remedy)
         with self._writing:
             if self._current_sha256(path, name) != base_sha256:
@@ -202,7 +202,7 @@ class ProjectFolder:
         kind = _KINDS.get(PurePosixPath(last).suffix)
         if kind is None or last.startswith("."):
             remedy = "rule files end in .adirf, profiles in .toml"
-            raise ForbiddenPathError("this is no file of the Ruler's", place=name, remedy=remedy)
+            raise ForbiddenPathError("the Ruler does not edit this kind of file", place=name, remedy=remedy)
         return kind
 
     def _walk(self, folder: Path, depth: int) -> Iterator[FoundFile]:
@@ -260,8 +260,9 @@ def _resolved(path: Path, name: str) -> Path:
     except (FileNotFoundError, NotADirectoryError, PermissionError):
         return resolved
     except (OSError, RuntimeError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or "its links form a circle"
-        raise ForbiddenPathError(f"this is no name of a file in the project: {reason}", place=name) from error
+        reason = getattr(error, "strerror", None) or "its symbolic links form a loop"
+        cause = f"this is not the name of a file in the project: {reason}"
+        raise ForbiddenPathError(cause, place=name) from error
     return resolved
 
 

@@ -219,7 +219,7 @@ class _Record:
         entry = self.entries.get(name)
         # True and False are integers to Python.
         if not isinstance(entry, kind) or (isinstance(entry, bool) and kind is not bool):
-            raise TypeError(f"{name} is not as it should be")
+            raise TypeError(f"{name} has an unexpected type or value")
         return entry
 
 

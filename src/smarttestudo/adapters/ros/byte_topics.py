@@ -34,7 +34,7 @@ _QOS = Qos(reliable=True, transient_local=False, depth=1)
 
 
 class ByteTopics:
-    """Subscribes to topics that must be decoded, and says once what that costs."""
+    """Subscribes to topics that must be decoded, and logs once what that costs."""
 
     def __init__(self, node: Any, *, come_serialized: bool) -> None:
         self._node = node

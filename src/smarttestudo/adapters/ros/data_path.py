@@ -50,5 +50,5 @@ def _rcl_path(node: Any, executor: Any, operators: Any, byte_topics: ByteTopics)
             path.wait(0.0)
             undone.pop_all()
     except (ImportError, AttributeError, TypeError) as error:
-        raise RosError(f"the interface of this rclpy is another one: {error}") from error
+        raise RosError(f"this version of rclpy has a different interface: {error}") from error
     return path

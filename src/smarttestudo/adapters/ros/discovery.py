@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""How far nodes look for others: only the environment of a process says it."""
+"""The range of discovery, which only the environment of a process sets."""
 
 from __future__ import annotations
 

@@ -10,15 +10,15 @@ from smarttestudo.adapters.ros.real_timers import RealTimers
 from smarttestudo.domain.robot import LookAtGraph
 
 LEAST_PERIOD_S = 0.2
-"""How often to look at most; and how often where nobody tells of changes."""
+"""The shortest time between checks of the graph, and the period if changes are not reported."""
 NET_PERIOD_S = 1.0
-"""How often to look where somebody does, if nothing changes: what is not told is found all the same."""
+"""The period without a reported change: changes that are not reported are found too."""
 
 
 class GraphLooks:
     """Has ``look`` called by ``timers``: soon after ``changed``, and now and then in any case.
 
-    ``is_told`` says whether ``changed`` is called. Times are those of the steady clock ``steady_s``.
+    ``is_told`` is whether ``changed`` is called. Times are those of the steady clock ``steady_s``.
     """
 
     def __init__(

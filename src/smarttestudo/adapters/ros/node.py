@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The node that stands among the robot's own."""
+"""The node on the robot's graph."""
 
 from __future__ import annotations
 
@@ -192,7 +192,7 @@ class RosNode:
         return self._parameters.declare(parameters, accept)
 
     def show(self, name: str, value: ParameterValue) -> None:
-        """Give a parameter another value without asking anyone."""
+        """Give a parameter another value without acceptance."""
         self._parameters.show(name, value)
 
     def offer_trigger(self, name: str, act: Callable[[], str]) -> None:

@@ -63,7 +63,7 @@ def operators_node(node: Any, domain: OutputDomain | None) -> Iterator[Any]:
 
 @contextmanager
 def _discovery(discovery: DiscoveryRange | None) -> Iterator[None]:
-    """Have ROS read ``discovery`` for what is made in the block: only its environment says it."""
+    """Have ROS read ``discovery`` for what is made in the block: only the environment sets it."""
     if discovery is None:
         yield
         return

@@ -29,7 +29,7 @@ from smarttestudo.domain.parameter import (
 
 
 class NodeParameters:
-    """Declares parameters of a node and asks before they change."""
+    """Declares parameters of a node and has their changes accepted."""
 
     def __init__(self, node: Any) -> None:
         self._node = node
@@ -46,7 +46,7 @@ class NodeParameters:
         return values
 
     def show(self, name: str, value: ParameterValue) -> None:
-        """Give a parameter another value without asking anyone."""
+        """Give a parameter another value without acceptance."""
         self._is_ours = True
         try:
             self._node.set_parameters([rclpy.parameter.Parameter(name, value=value)])
@@ -75,7 +75,7 @@ class NodeParameters:
         try:
             for name in changes:
                 if self._access[name] is Access.NODE:
-                    raise UsageError("it only tells, and cannot be set", place=f"parameter {name}")
+                    raise UsageError("it is read-only", place=f"parameter {name}")
             self._accept(changes)
         except TestudoError as error:
             return SetParametersResult(successful=False, reason=str(error))
@@ -98,7 +98,7 @@ def plain_value(value: Any) -> ParameterValue:
 
 REMOTE_LOOK_PERIOD_S = 0.05
 ANSWER_WITHIN_S = 5.0
-# A node that nobody asks any more costs nothing for longer than this.
+# Clients of a node that is not used any more are kept no longer than this.
 _KEPT_S = 60.0
 
 
@@ -121,7 +121,7 @@ class _Call:
 
 
 class NodeParameterClients:
-    """Asks other nodes for parameters through the clients of ``node``, on the thread of its executor.
+    """Gets and sets parameters of other nodes through clients of ``node``, on the thread of its executor.
 
     ``look`` is to be called often: it sends what waits for a service to be found, and gives up in time.
     """
@@ -218,8 +218,8 @@ class NodeParameterClients:
             call.client.handle.remove_pending_request(call.future)
         call.told(
             SilentNodeError(
-                f"the node does not answer within {ANSWER_WITHIN_S:g} s",
+                f"the node did not answer within {ANSWER_WITHIN_S:g} s",
                 place=call.node,
-                remedy="see whether `testudo run` still runs, and in the same ROS domain",
+                remedy="check that `testudo run` is still running, in the same ROS domain",
             )
         )

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Quality of service in rclpy's words and in ours."""
+"""Quality of service between rclpy's types and ours."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def is_transient_local(profile: Any) -> bool:
 
 
 def further_policies(profile: Any) -> tuple[str, ...]:
-    """What a discovered subscriber asks for that publishers with ``qos_profile`` do not offer."""
+    """What a discovered subscriber requests that publishers with ``qos_profile`` do not offer."""
     asked = {
         "a deadline": _is_finite(profile.deadline),
         "manual liveliness": profile.liveliness == LivelinessPolicy.MANUAL_BY_TOPIC,

@@ -60,7 +60,7 @@ class RclpyPath:
         return decoded(topic, type_name, payload)
 
     def on_graph_change(self, changed: Callable[[], None]) -> None:
-        """Do nothing: rclpy has no words for it."""
+        """Do nothing: rclpy does not report it."""
 
     def look_for_answers(self) -> None:
         """Do nothing: rclpy's executor waits for them."""

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""A source, as rclpy's executor hears it."""
+"""A source, as rclpy's executor receives it."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class RclpyInlet:
             )
 
     def pause(self) -> None:
-        """Go on: what wakes for messages cannot be told to skip some."""
+        """Do nothing: rclpy's executor wakes for every message."""
 
     def arm(self) -> None:
         """Go on, since it never rests."""

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Defects of a middleware that no test at the start would meet."""
+"""Defects of a middleware that a test at the start would not find."""
 
 from __future__ import annotations
 

@@ -61,7 +61,7 @@ def require_bag_file(path: Path) -> None:
         cause = f"unknown storage {path.suffix!r}" if path.suffix else "unknown storage"
         raise RecordingError(cause, place=str(path), remedy=_EXPECTED)
     if not magic.startswith(expected):
-        raise RecordingError("not a bag: it does not begin like one", place=str(path), remedy=_EXPECTED)
+        raise RecordingError("not a bag: unknown file header", place=str(path), remedy=_EXPECTED)
 
 
 def is_packed(path: Path) -> bool:
@@ -86,7 +86,7 @@ def _in_folder(folder: Path) -> BagFiles:
     named = [folder / name for name in metadata.file_names]
     present = tuple(path for path in named if path.is_file())
     missing = tuple(path for path in named if path not in present)
-    notices = tuple(f"{path}: missing, though the metadata name it" for path in missing)
+    notices = tuple(f"{path}: missing, but named in the metadata" for path in missing)
     paths = present or _storage_files(folder)
     return BagFiles(paths=paths, missing=missing, metadata=metadata, notices=notices)
 
@@ -99,6 +99,6 @@ def _storage_files(folder: Path) -> tuple[Path, ...]:
         raise RecordingError("the folder holds no .db3 or .mcap file", place=str(folder), remedy=_EXPECTED)
     storages = {path.with_suffix("").suffix if is_packed(path) else path.suffix for path in paths}
     if len(storages) > 1:
-        cause = "the folder holds .db3 and .mcap files, and no metadata say which are the bag"
+        cause = "the folder holds .db3 and .mcap files, and no metadata name those of the bag"
         raise RecordingError(cause, place=str(folder), remedy="name one of the files")
     return paths

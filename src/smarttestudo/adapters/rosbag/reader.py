@@ -74,16 +74,16 @@ def _unpacked(path: Path, opened: ExitStack, notices: list[str]) -> Path:
         target = Path(folder, path.with_suffix("").name)
         is_whole = zstd_files.unpack(path, target)
     except OSError as error:
-        cause = f"it cannot be unpacked into {gettempdir()}: {error.strerror}"
+        cause = f"it cannot be decompressed into {gettempdir()}: {error.strerror}"
         remedy = "free some space there, or set TMPDIR to a folder that has more"
         raise RecordingError(cause, place=str(path), remedy=remedy) from error
     try:
         require_bag_file(target)
     except RecordingError as error:
-        cause = "what is packed in it is not a bag" if is_whole else "nothing of it can be unpacked"
+        cause = "its compressed content is not a bag" if is_whole else "no part of it can be decompressed"
         raise RecordingError(cause, place=str(path)) from error
     if not is_whole:
-        notices.append(f"{path}: its compressed data end early or are damaged; read as far as they go")
+        notices.append(f"{path}: its compressed data are truncated or damaged; read as far as possible")
     return target
 
 

@@ -262,7 +262,7 @@ def _unpacked_sizes(file: StoredFile, channels: ChannelsByNumber) -> Iterator[Re
     for channel, stamp_ns, _, head in file.outlines(channels, zstd_files.HEADER_BYTES):
         size_bytes = zstd_files.unpacked_bytes(head)
         if size_bytes is None:
-            raise OutlineError("a packed message does not tell its size")
+            raise OutlineError("a compressed message does not contain its size")
         yield channel, stamp_ns, size_bytes
 
 

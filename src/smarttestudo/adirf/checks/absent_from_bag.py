@@ -39,8 +39,8 @@ def _hint(topic: str, recorded: Collection[str]) -> str:
 CHECK = RuleCheck(
     code="absent-from-bag",
     severity=Severity.INFO,
-    meaning="A rule names a topic that the recording given with --bag does not hold.",
-    why="Mostly the name is misspelt. On such a robot nothing is relayed for it, and checks of it stay "
+    meaning="A rule names a topic that the recording given with --bag does not contain.",
+    why="Usually the name is misspelt. Without such a topic nothing is relayed, and checks of it stay "
     "unknown.",
     bad=Example(
         rules="""\

@@ -44,8 +44,8 @@ def _fix(condition: And) -> Fix | None:
 CHECK = RuleCheck(
     code="and-or-mixed",
     severity=Severity.WARNING,
-    meaning="AND and OR stand side by side without parentheses.",
-    why="AND binds tighter than OR. Who reads the condition from left to right understands something else.",
+    meaning="AND and OR are mixed without parentheses.",
+    why="AND binds tighter than OR. Reading the condition from left to right gives another meaning.",
     bad=Example(
         rules="""\
 begin

@@ -54,8 +54,8 @@ CHECK = RuleCheck(
     severity=Severity.WARNING,
     meaning="A block can never decide any of its topics.",
     why="Wherever it holds, blocks of higher priority, or of the same priority and a higher rate, set all "
-    "its topics too (among equals, the first block in the file is the one that decides). It is dead "
-    "text, mostly because a number or a Priority is wrong.",
+    "its topics too (among equals, the first block in the file is the one that decides). It has no "
+    "effect, mostly because a number or a Priority is wrong.",
     bad=Example(
         rules="""\
 begin

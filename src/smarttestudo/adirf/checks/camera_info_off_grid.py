@@ -54,7 +54,7 @@ def _found(info: str, image: str, rates: tuple[Rate | None, Rate | None], here: 
     return Found(
         path=here.path,
         span=here.span,
-        message=f"{info} goes at {rates[0]} while {image} goes at {rates[1]}: their stamps will not match",
+        message=f"{info} is relayed at {rates[0]} and {image} at {rates[1]}: their stamps will not match",
         hint=f'set paced_with = "{image}" for {info} in the profile',
     )
 
@@ -62,9 +62,9 @@ def _found(info: str, image: str, rates: tuple[Rate | None, Rate | None], here: 
 CHECK = RuleCheck(
     code="camera-info-off-grid",
     severity=Severity.INFO,
-    meaning="A camera_info goes at another rate than its image.",
-    why="RViz and image_proc pair an image with the camera_info of exactly the same stamp. Paced apart, the "
-    "pairs hardly ever meet, and no image is shown. paced_with lets the camera_info pass with its "
+    meaning="A camera_info has a different rate than its image.",
+    why="RViz and image_proc pair an image with the camera_info of exactly the same stamp. Paced separately, "
+    "they rarely have the same stamp, and no image is shown. paced_with lets the camera_info pass with its "
     "image.",
     bad=Example(
         rules="""\

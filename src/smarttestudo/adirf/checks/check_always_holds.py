@@ -21,7 +21,8 @@ CHECK = RuleCheck(
     code="check-always-holds",
     severity=Severity.WARNING,
     meaning="A check compares a property with a number so that every value passes.",
-    why="The check decides nothing. Often the unit is another one than expected: a battery level, for one, "
+    why="The check decides nothing. Often the unit differs from the expected one: a battery level, "
+    "for example, "
     "is counted in percent.",
     bad=Example(
         rules="""\

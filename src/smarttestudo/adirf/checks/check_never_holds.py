@@ -21,7 +21,7 @@ CHECK = RuleCheck(
     code="check-never-holds",
     severity=Severity.WARNING,
     meaning="A check compares a property with a number that it never reaches.",
-    why="Nobody will see the rate that depends on it. A battery level, for one, is counted in percent, so "
+    why="The rate that depends on it is never used. A battery level, for example, is in percent, so "
     "that 120 is above every level.",
     bad=Example(
         rules="""\

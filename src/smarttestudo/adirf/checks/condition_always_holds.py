@@ -28,7 +28,7 @@ CHECK = RuleCheck(
     code="condition-always-holds",
     severity=Severity.WARNING,
     meaning="A condition holds whatever the values are.",
-    why="The block decides nothing that a default could not, and its Else is dead text.",
+    why="The block decides nothing that a default could not, and its Else has no effect.",
     bad=Example(
         rules="""\
 begin

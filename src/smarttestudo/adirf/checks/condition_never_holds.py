@@ -24,7 +24,7 @@ def _find(book: RuleModel) -> Iterator[Found]:
                 path=block.path,
                 span=block.block.condition.span,
                 message=f"this condition can never hold{reason}",
-                hint="turn a comparison round, or write OR where one of the checks is enough",
+                hint="reverse a comparison, or write OR where one of the checks is enough",
             )
 
 
@@ -42,7 +42,7 @@ CHECK = RuleCheck(
     code="condition-never-holds",
     severity=Severity.WARNING,
     meaning="A condition contradicts itself.",
-    why="The block's Then is dead text; its Else, if there is one, always applies.",
+    why="The block's Then has no effect; its Else, if there is one, always applies.",
     bad=Example(
         rules="""\
 begin

@@ -41,8 +41,8 @@ CHECK = RuleCheck(
     code="equals-measured",
     severity=Severity.WARNING,
     meaning="= or != compares a measured number.",
-    why="A measurement has noise and many digits: it hardly ever equals 3, and nearly always differs from "
-    "it. Counts, states and flags (status.status = 2) are fine, and so are rate = 0 and bandwidth = 0.",
+    why="A measurement has noise and many digits: it is almost never exactly "
+    "3. Counts, states and flags (status.status = 2) are fine, and so are rate = 0 and bandwidth = 0.",
     bad=Example(
         rules="""\
 begin

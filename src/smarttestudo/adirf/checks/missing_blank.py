@@ -19,18 +19,18 @@ def _find(book: RuleModel) -> Iterator[Found]:
         yield Found(
             path=path,
             span=first,
-            message=f"no blank stands between this word and the keyword before it{more}",
-            hint="it means the same with one; testudo fmt puts all of them in",
-            fix=Fix(span=start, replacement=" ", title="put a blank here"),
+            message=f"there is no blank between the previous keyword and this word{more}",
+            hint="the meaning is the same; testudo fmt inserts all missing blanks",
+            fix=Fix(span=start, replacement=" ", title="insert a blank here"),
         )
 
 
 CHECK = RuleCheck(
     code="missing-blank",
     severity=Severity.INFO,
-    meaning="A keyword is written without a blank behind it.",
-    why="The rules work all the same, as they do with the grammar of the thesis; people and other tools may "
-    "read the two words as one. Behind the name of a topic a blank is needed, since the name would go on.",
+    meaning="A keyword is written without a blank after it.",
+    why="The rules work regardless, as they do with the grammar of the thesis; people and other tools may "
+    "read the two words as one. After the name of a topic a blank is required, or the name would continue.",
     bad=Example(
         rules="""\
 begin

@@ -35,7 +35,7 @@ def _found(shared: SharedBorder, settle_s: float) -> Found:
         f"{wording.branch_with_place(shared.first, seen_from=path)} meet at {border} without a margin: "
         f"there, noise moves {topic} between {shared.first.rate(topic)} and {here.rate}",
         hint=f"a lower rate waits {settle_s:g} s before it counts; raise settle_s in the profile if the "
-        "robot lingers on this border",
+        "robot stays on this border",
     )
 
 
@@ -43,10 +43,10 @@ CHECK = RuleCheck(
     code="no-margin",
     severity=Severity.INFO,
     meaning="Two blocks with different rates end and begin at the same number.",
-    why="A robot that stands on the border is now in the one block and now in the other, because a "
-    "measurement has noise. The loop raises a rate at once and lowers it only after settle_s, so that "
-    "it does not flicker while the noise is faster than that. Where the robot lingers on the border, a "
-    "longer settle_s helps, or a strip between the blocks that is left to the default. Each "
+    why="A robot that stands on the border is alternately in one block and in the other, because a "
+    "measurement has noise. The loop raises a rate at once and lowers it only after settle_s, so it "
+    "does not flicker while the noise is faster than that. Where the robot stays on the border for "
+    "long, a longer settle_s helps, or a strip between the blocks that is left to the default. Each "
     "border is shown once.",
     bad=Example(
         rules="""\

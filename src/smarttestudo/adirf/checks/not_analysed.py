@@ -22,7 +22,7 @@ def _find(book: RuleModel) -> Iterator[Found]:
             path=first.path,
             span=first.block.condition.span,
             message=f"{wording.block_name(first)}{more} is too complex to find all clashes and dead blocks",
-            hint="the rules work all the same; several small blocks are easier to follow",
+            hint="the rules work regardless; several small blocks are easier to check",
         )
 
 
@@ -48,9 +48,9 @@ def _pigeons(count: int) -> str:
 CHECK = RuleCheck(
     code="not-analysed",
     severity=Severity.INFO,
-    meaning="A condition is too complex for the checker to say everything about it.",
-    why="Whether blocks clash or are dead is in general as hard as the hardest puzzles, so that the checker "
-    "stops after a bounded effort. What it reports is still right; it may have missed something.",
+    meaning="A condition is too complex for the checker to analyse completely.",
+    why="Finding all clashes and dead blocks is NP-hard in general, so the checker stops after a bounded "
+    "effort. What it reports is still right; it may have missed something.",
     bad=Example(rules=_pigeons(7)),
     good=Example(
         rules="""\

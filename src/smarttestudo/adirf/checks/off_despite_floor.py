@@ -29,7 +29,7 @@ CHECK = RuleCheck(
     code="off-despite-floor",
     severity=Severity.WARNING,
     meaning="Off is written for a topic that has a KeepAtLeast.",
-    why="Off is the only rate that goes below a floor. Whoever relies on the KeepAtLeast gets nothing then.",
+    why="Off is the only rate that goes below a floor: who relies on the KeepAtLeast then receives nothing.",
     bad=Example(
         rules="""\
 begin

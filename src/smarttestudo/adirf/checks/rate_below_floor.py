@@ -37,8 +37,7 @@ CHECK = RuleCheck(
     code="rate-below-floor",
     severity=Severity.WARNING,
     meaning="A rate lies below the topic's KeepAtLeast.",
-    why="Nothing goes below a floor, so that the topic gets the floor's rate and the written one never "
-    "occurs.",
+    why="No rate goes below a floor, so the topic gets the floor's rate and the written one never occurs.",
     bad=Example(
         rules="""\
 begin

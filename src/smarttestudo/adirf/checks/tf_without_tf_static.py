@@ -28,8 +28,8 @@ CHECK = RuleCheck(
     severity=Severity.INFO,
     meaning="/tf is relayed and /tf_static is not.",
     why="The fixed frames, for instance from the base to the LiDAR, travel on /tf_static only. Without them "
-    "the operator's RViz cannot place the scan. One message when somebody subscribes costs next to "
-    "nothing.",
+    "the operator's RViz cannot place the scan. They cost one message for each new "
+    "subscriber.",
     bad=Example(
         rules="""\
 begin

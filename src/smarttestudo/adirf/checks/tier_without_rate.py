@@ -29,9 +29,9 @@ def _find(book: RuleModel) -> Iterator[Found]:
 CHECK = RuleCheck(
     code="tier-without-rate",
     severity=Severity.ERROR,
-    meaning="A tier stands where no profile gives it a rate.",
+    meaning="A tier is written and no profile gives it a rate.",
     why="A tier stands for the rate that the optimizer finds for it within the budget, from the profile's "
-    "sizes and tiers. Without that, nobody knows how many Hz it is.",
+    "sizes and tiers. Without a profile its rate is unknown.",
     bad=Example(
         rules="""\
 begin

@@ -38,7 +38,7 @@ CHECK = RuleCheck(
     code="topic-twice",
     severity=Severity.ERROR,
     meaning="A Then or Else sets one topic twice.",
-    why="One block can give a topic only one rate; which of the two was meant is not for a program to guess.",
+    why="One block can give a topic only one rate; a program cannot know which of the two was meant.",
     bad=Example(
         rules="""\
 begin

@@ -20,9 +20,9 @@ def _find(book: RuleModel) -> Iterator[Found]:
             yield Found(
                 path=one.path,
                 span=one.span,
-                message=f"this default of {one.topic} is overruled by that of {where}",
+                message=f"this default of {one.topic} is overridden by that of {where}",
                 hint="the last default counts; remove this one",
-                fix=Fix(span=one.span, replacement="", title="remove the overruled default"),
+                fix=Fix(span=one.span, replacement="", title="remove the overridden default"),
             )
 
 
@@ -30,7 +30,7 @@ CHECK = RuleCheck(
     code="two-defaults",
     severity=Severity.WARNING,
     meaning="A topic has two defaults, in one file or in two of a set.",
-    why="Only the last one counts. Somebody who edits the other one will wonder why nothing changes.",
+    why="Only the last one counts; editing the other one changes nothing.",
     bad=Example(
         rules="""\
 begin

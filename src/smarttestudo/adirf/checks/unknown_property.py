@@ -110,9 +110,9 @@ CHECK = RuleCheck(
     code="unknown-property",
     severity=Severity.WARNING,
     meaning="A check reads a property that the topic's type does not have.",
-    why="The check stays unknown for good: its block never decides, and as long as it is in doubt the topic "
-    "gets the higher of the rates. Types come from the profile or a recording; where neither says it, a "
-    "topic called `/odom`, `/scan`, `/imu` and the like counts as the type that it usually has, in any "
+    why="The check stays unknown: its block never decides, and as long as it is in doubt the topic "
+    "gets the higher of the rates. Types come from the profile or a recording; without those, a topic "
+    "called `/odom`, `/scan`, `/imu` and the like counts as the type that it usually has, in any "
     "namespace, and of other topics a name without a dot gives the finding if no common type has it. "
     "`msg.` before a field of a type of your own settles it.",
     bad=Example(

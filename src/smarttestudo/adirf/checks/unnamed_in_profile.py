@@ -35,7 +35,7 @@ _PROFILE = Profile(path="profile.toml", topics={"/odom": TopicProfile(), "/scan"
 CHECK = RuleCheck(
     code="unnamed-in-profile",
     severity=Severity.INFO,
-    meaning="A topic stands in the profile and in no rule file.",
+    meaning="A topic is in the profile and in no rule file.",
     why="Only topics of a SetFrequency or KeepAtLeast are relayed. The operator does not see this one at "
     "all.",
     bad=Example(

@@ -67,7 +67,7 @@ class Settling:
         self._replaced: deque[tuple[int, RequestedRate]] = deque()
 
     def take(self, request: RequestedRate, now_ns: int) -> None:
-        """The rules now ask for ``request``."""
+        """The rules now request ``request``."""
         self._replaced.append((now_ns + self._settle_ns, self._request))
         self._request = request
         while self._replaced and self._replaced[-1][1].planned.rate <= request.planned.rate:
@@ -96,7 +96,7 @@ class Knowledge:
 
     Times inside are steady times. ``effective`` and ``plan`` hold the relayed topics, ``watched`` those that
     checks read; ``settled`` are the requests that settled, before ``link`` cuts them to a budget, if there is
-    one; ``unheard`` are the relayed topics that nobody listens to. ``unknown_values`` counts messages that
+    one; ``unheard`` are the relayed topics without a subscriber. ``unknown_values`` counts messages that
     left a signal unknown, ``undecodable`` those that could not be decoded, by topic.
     """
 

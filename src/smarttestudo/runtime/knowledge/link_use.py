@@ -23,7 +23,7 @@ from smarttestudo.optimizer.run_time import REPLAN_AFTER_NS, BudgetKeeper, Topic
 WINDOW_S = 10
 WINDOW_NS = WINDOW_S * NS_PER_S
 MEASURED_OVER_NS = NS_PER_S // 4
-"""What a few messages say of a rate means little before they span so much."""
+"""A rate from a few messages is unreliable before they span this time."""
 MEASURED_AFTER_NS = NS_PER_S
 """By then even a slow source counts by what came of it."""
 
@@ -78,7 +78,7 @@ class SourceLoad:
         return begins
 
     def end(self) -> None:
-        """The source is heard no more: its next message begins anew."""
+        """The source's messages no longer count: its next message begins anew."""
         self._seconds.clear()
 
     def forget(self, now_ns: int) -> None:
@@ -98,7 +98,7 @@ class SourceLoad:
         return not self._seconds or silent_ns > self._limit_ns
 
     def is_measured(self, now_ns: int) -> bool:
-        """Whether what came since the source began says how much it sends."""
+        """Whether the messages since the source began suffice to measure it."""
         return now_ns - self._began_ns >= MEASURED_AFTER_NS or self._span_ns >= MEASURED_OVER_NS
 
     def began_after(self, at_ns: int) -> bool:
@@ -138,7 +138,7 @@ _SOON_NS = REPLAN_AFTER_NS // 2
 class LinkUse:
     """Keeps the relayed topics within a budget by the sizes that are really measured.
 
-    A topic asks for a part of it from a message on until its source is silent or heard no more
+    A topic requests a part of it from a message on until its source is silent or gone
     (``SourceLoad``); any other takes nothing. Until a source that began is measured, what was measured of it
     before stands in, or the profile's size and rate. ``floors_broke_budget`` says whether the floors alone
     were ever too much.
@@ -158,7 +158,7 @@ class LinkUse:
         """Since when another topic asks than was planned with."""
 
     def change_rules(self, rule_set: RuleSet, profile: Profile) -> None:
-        """Other rules and another profile hold; what was measured stays."""
+        """Other rules and another profile are in force; measurements are kept."""
         self._stale_after_ns = _stale_after_ns(rule_set, profile)
         for topic, source in self._sources.items():
             source.stale_after_ns = self._stale_after_ns.get(topic)
@@ -198,7 +198,7 @@ class LinkUse:
         return begins
 
     def end(self, topic: str, now_ns: int) -> None:
-        """The source of a topic is heard no more."""
+        """The source of a topic no longer has a subscriber or publisher."""
         source = self._sources.get(topic)
         if source is not None and not source.is_silent(now_ns):
             source.end()
@@ -206,7 +206,7 @@ class LinkUse:
 
     @property
     def next_check_ns(self) -> int | None:
-        """When the use of the link is next looked at; ``None`` while nobody asks for any of it."""
+        """When the use of the link is next checked; ``None`` while no topic requests any of it."""
         if self._changed_ns is not None:
             return self._changed_ns
         return self._keeper.next_check_ns if self._asking else None

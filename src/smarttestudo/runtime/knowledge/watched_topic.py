@@ -21,7 +21,7 @@ Reading = tuple[Signal, float | None]
 
 
 class Fields:
-    """What the last message of one topic said of each signal; NaN and what is missing are unknown.
+    """The values of each signal in the last message of one topic; NaN and missing fields are unknown.
 
     Until the topic's type is known, properties are plain field paths.
     """
@@ -79,10 +79,10 @@ class Fields:
 
 
 class SourceState:
-    """The arrivals of a topic and what is said of its publishers.
+    """The arrivals of a topic and the state of its publishers.
 
     It is fresh from a message on until it is stale or the last publisher has left; then a publisher and a
-    message must come, in either order: a latched message may overtake the news of its publisher.
+    message must come, in either order: a latched message may arrive before its publisher is discovered.
     """
 
     __slots__ = (
@@ -116,7 +116,7 @@ class SourceState:
         self._is_heard = True
 
     def change(self, change: SourceChanged) -> None:
-        """Take what is said of the publishers."""
+        """Take a change of the publishers."""
         self._has_publishers = change.publishers > 0
         self._is_heard = self._is_heard and self._has_publishers
         self._transient_local = change.transient_local
@@ -127,7 +127,7 @@ class SourceState:
         return self._start_ns if self._period.last_ns is None else self._period.last_ns
 
     def is_fresh(self, now_ns: int) -> bool:
-        """Whether what the last message said still counts."""
+        """Whether the values of the last message still count."""
         if not (self._is_heard and self._has_publishers):
             return False
         stale_from_ns = self.stale_from_ns
@@ -171,7 +171,7 @@ class WatchedTopic:
         self.arrivals.carry_on(before.arrivals)
 
     def change_source(self, change: SourceChanged) -> None:
-        """Take what is said of the source."""
+        """Take a change of the source."""
         self.source.change(change)
         self.fields.change_type(change.type_name)
 

@@ -144,7 +144,7 @@ def record_live(request: LiveDemoRequest, robot: Robot, report: Callable[[float]
     runtime_log, robot_log = (request.logs / name for name in LOGS)
     with (
         recorded(robot, request.baseline, channels, declared_bytes),
-        recorded(robot, request.adaptive, channels, declared_bytes, _monitored),
+        recorded(robot, request.adaptive, channels, declared_bytes, _output_topic),
         child_process("runtime", _run_arguments(request), runtime_log) as runtime,
     ):
         _await_publisher(robot, DECISIONS_TOPIC, runtime)
@@ -180,7 +180,7 @@ def _await_publisher(robot: Robot, topic: str, process: ChildProcess) -> None:
         robot.wait(None, _LOOK_S)
 
 
-def _monitored(topic: str) -> str:
+def _output_topic(topic: str) -> str:
     return output_name(topic, DEFAULT_OUTPUT_TOPIC)
 
 

@@ -43,6 +43,6 @@ def put_rules(folder: Path, former: Path) -> DemoRules:
     loaded = check_texts({RULES: text})
     for error in loaded.errors:
         place = f"{kept}:{error.span.line}:{error.span.column}"
-        remedy = "mend it, or move the file away to have the demo's own rules"
+        remedy = "fix it, or move the file away to use the demo's own rules"
         raise RuleFileError(error.message, place=place, remedy=remedy)
     return DemoRules(text=text, rule_set=loaded.rule_set, are_edited=are_edited)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where the decisions of a live run go."""
+"""Publishes and logs the decisions of a live run."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ DECISIONS_TOPIC = "/testudo/decisions"
 DECISIONS_QOS = Qos(reliable=True, transient_local=True, depth=100)
 
 Decided = Callable[[Sequence[Decision]], None]
-"""Takes decisions in order. One that raises is given no more."""
+"""Takes decisions in order. One that raises gets no more."""
 
 
 class LiveDecisions:
@@ -28,15 +28,15 @@ class LiveDecisions:
         self._decided: list[Decided] = [*decided, self._log, self._announce_all]
 
     def report(self, decisions: Sequence[Decision]) -> None:
-        """Tell everyone who still takes them."""
+        """Pass ``decisions`` to everything that still takes them."""
         if decisions:
             self._decided = [decided for decided in self._decided if self._took(decided, decisions)]
 
     def _took(self, decided: Decided, decisions: Sequence[Decision]) -> bool:
         try:
             decided(decisions)
-        except Exception as error:  # noqa: BLE001 - whatever telling fails of, relaying goes on
-            self._robot.log.warning(f"{said(error)}; no further decisions go there")
+        except Exception as error:  # noqa: BLE001 - whatever publishing fails of, relaying goes on
+            self._robot.log.warning(f"{said(error)}; no further decisions are written there")
             return False
         return True
 

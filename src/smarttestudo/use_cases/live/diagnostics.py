@@ -83,7 +83,7 @@ def _of_topic(status: RuntimeStatus, source: str) -> Diagnostic:
 
 
 def topic_health(topic: TopicStatus) -> Health:
-    """Whether a topic is relayed as it should be; where nobody receives anything, why."""
+    """Whether a topic is relayed as it should be; if nothing is received, why."""
     incompatible = ", ".join(topic.incompatible)
     if topic.silence is not None:
         return Health(_LEVELS[topic.silence], topic.silence.value, _details(topic, incompatible))
@@ -101,7 +101,7 @@ def _details(topic: TopicStatus, incompatible: str) -> str:
 
 
 def _greenwave_values(topic: TopicStatus) -> Mapping[str, str]:
-    """What its user interfaces read; N/A is their word too."""
+    """The keys that its user interfaces read; they use N/A too."""
     return {
         "frame_rate_node": _number(topic.actual_hz),
         "frame_rate_msg": _number(topic.stamped_hz),

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What ``testudo echo`` hears: rates, bandwidth and the last values of topics."""
+"""What ``testudo echo`` receives: rates, bandwidth and the last values of topics."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def _plain(value: object, bounds: Bounds) -> PlainValue:
         return {name: _plain(getattr(value, name), bounds) for name in fields()}
     if isinstance(value, Sized) and hasattr(value, "__getitem__"):
         return _items(value, bounds)
-    # A number of an array of numpy is none of Python's; it has what makes it one.
+    # A number of a numpy array is not a Python number; ``item`` converts it.
     item = getattr(value, "item", None)
     return str(value) if item is None else _plain(item(), bounds)
 
@@ -91,10 +91,10 @@ _MOST_SUGGESTIONS = 3
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Echo:
-    """What is heard of a topic up to now, with the values of one of its messages and that message's type.
+    """What was received of a topic up to now, with the values of one of its messages and that message's type.
 
-    ``state`` says why there is nothing to hear, or why a message cannot be read; rate and bandwidth are those
-    of the last ten seconds.
+    ``state`` is why nothing is received, or why a message cannot be read; rate and bandwidth are those of the
+    last ten seconds.
     """
 
     topic: str
@@ -115,7 +115,7 @@ class _Heard:
 
 
 class EchoedTopic:
-    """Hears one topic from when it is first published, with the QoS of its publishers.
+    """Receives one topic from when it is first published, with the QoS of its publishers.
 
     All messages are counted and metered as bytes; only those that are shown are decoded. The first ``keep``
     wait for ``take_kept``.
@@ -143,7 +143,7 @@ class EchoedTopic:
 
     @property
     def state(self) -> str:
-        """Why nothing is heard; empty where there is something to hear."""
+        """Why nothing is received; empty if something is."""
         if self.error is not None:
             return self.error.cause
         if self._source is None:
@@ -166,7 +166,7 @@ class EchoedTopic:
             self.error = error
 
     def echo(self) -> Echo:
-        """What is heard now, with the last message."""
+        """What is received now, with the last message."""
         if self._is_metered:
             transient_local = self._source is not None and self._source.qos.transient_local
             self._meter.look(self._robot.steady_ns(), transient_local=transient_local)
@@ -214,7 +214,7 @@ class EchoedTopic:
 
 
 def unheard_error(robot: Robot, topic: EchoedTopic, timeout_s: float) -> RosError:
-    """What to tell somebody who waited ``timeout_s`` for a message in vain."""
+    """The error after ``timeout_s`` without a message."""
     if topic.error is not None:
         return topic.error
     if robot.publisher_count(topic.topic):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a live loop is given, recorded while it runs."""
+"""The inputs of a live loop, recorded while it runs."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Note = Callable[[RecordedInput], None]
 
 
 class InputRecorder:
-    """Makes the loop of a run, and has ``note`` keep what it is given, if there is one, until it fails."""
+    """Makes the loop of a run, and passes its inputs to ``note``, if there is one, until that fails."""
 
     def __init__(self, robot: Robot, request: RunRequest, note: Note | None) -> None:
         self._robot = robot
@@ -30,7 +30,7 @@ class InputRecorder:
 
     @property
     def is_recording(self) -> bool:
-        """Whether all that comes is to be recorded."""
+        """Whether the inputs are recorded."""
         return self._note is not None
 
     def loop(self, rules: LiveRules, start_ns: int) -> RelayLoop:
@@ -40,7 +40,7 @@ class InputRecorder:
         return RelayLoop(rule_set, profile, start_ns, request.when_slow, request.budget_kb_per_s)
 
     def record(self, given: LoopInput, rules: LiveRules) -> None:
-        """Keep what the loop is about to be given; ``rules`` are those in force with it."""
+        """Keep an input that the loop is about to take; ``rules`` are those in force with it."""
         if self._note is None:
             return
         try:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The loop, driven by what arrives, what the graph shows and the time between."""
+"""The loop, driven by messages, changes of the graph and time."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from smarttestudo.use_cases.live.status_topics import StatusPublisher, StatusTim
 from smarttestudo.use_cases.live.topics import LiveTopics
 
 LOOK_PERIOD_S = 0.2
-"""How often to look whether to stop, and whether other rules are to hold."""
+"""How often to check whether to stop, and whether rules changed."""
 
 
 class LiveRun:
@@ -38,7 +38,7 @@ class LiveRun:
         self._decisions = decisions
         self._rules = rules
         self._topics = LiveTopics(robot, self._receive, self._priority_of, is_lazy=not inputs.is_recording)
-        self._topics.follow(rules.monitored, loop.knowledge.watched, loop.relays.leaders)
+        self._topics.follow(rules.output_topics, loop.knowledge.watched, loop.relays.leaders)
         robot.log.info(f"Data path: {robot.data_path.description}")
         self._losses = LiveLosses(robot.log)
         self._sampling = LiveSampling(loop, may_rest=not inputs.is_recording)
@@ -59,23 +59,23 @@ class LiveRun:
         self._report()
 
     def reload(self, rules: LiveRules) -> None:
-        """Let other rules hold; to be called between two messages, that is, within ``Robot.wait``."""
+        """Put other rules in force; to be called between two messages, that is, within ``Robot.wait``."""
         self._rules, now_ns = rules, self._robot.now_ns()
         self._take(RulesInput(stamp_ns=now_ns, rule_set=rules.rule_set, profile=rules.profile))
-        self._topics.follow(rules.monitored, self._loop.knowledge.watched, self._loop.relays.leaders)
+        self._topics.follow(rules.output_topics, self._loop.knowledge.watched, self._loop.relays.leaders)
         self._look(has_changed=True)
 
     def set_budget(self, budget_kb_per_s: float) -> None:
-        """The relayed topics may take so much from now on."""
+        """Set the budget of all relayed topics."""
         budget = LinkBudget(link_kb_per_s=budget_kb_per_s)
         self._take(ChangeInput(stamp_ns=self._robot.now_ns(), change=budget))
 
     def set_status_hz(self, status_hz: float) -> None:
-        """Tell what goes on so often from now on, as long as somebody listens."""
+        """Publish the status so often from now on, while it has a subscriber."""
         self._timer.asked_hz = status_hz
 
     def ask_standing(self, standing: Callable[[], RulesInForce]) -> None:
-        """Have ``standing`` say how the rules came to hold."""
+        """Have ``standing`` called for the origin of the rules in force."""
         self._standing = standing
 
     def _priority_of(self, topic: str) -> float:
@@ -124,14 +124,14 @@ class LiveRun:
         self._take(WakeInput(stamp_ns=self._robot.now_ns()))
         try:
             return self._told()
-        except Exception as error:  # noqa: BLE001 - whatever telling fails of, relaying goes on
+        except Exception as error:  # noqa: BLE001 - whatever publishing fails of, relaying goes on
             if not self._has_failed_to_tell:
                 self._has_failed_to_tell = True
                 self._robot.log.warning(f"{said(error)}; some statuses are missing")
             return self._timer.period_s
 
     def _told(self) -> float:
-        """Tell what goes on; in how many seconds to do so again."""
+        """Publish the status; returns in how many seconds to do so again."""
         process, now_ns = read_own_process(), self._robot.now_ns()
         status = self._status.look(
             self._loop,

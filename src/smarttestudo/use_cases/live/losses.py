@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Says which topics lose messages before they can be relayed."""
+"""Warns of topics that lose messages before they can be relayed."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from smarttestudo.domain.robot import RobotLog, Subscription
 from smarttestudo.domain.units import NS_PER_S
 
 PAUSE_NS = 10 * NS_PER_S
-"""How long nothing more is said of a topic."""
+"""How long a topic is not reported again."""
 
 
 @dataclass(slots=True)
@@ -22,7 +22,7 @@ class _Losses:
 
 
 class LiveLosses:
-    """Warns of each topic that lost messages since it was last spoken of."""
+    """Warns of each topic that lost messages since it was last reported."""
 
     def __init__(self, log: RobotLog) -> None:
         self._log = log

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What monitored topics are called."""
+"""The names of output topics: what is published for each relayed source."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from smarttestudo.use_cases.live.status_topics import DIAGNOSTICS_TOPIC, STATUS_
 
 DEFAULT_OUTPUT_TOPIC = "/testudo{topic}"
 OWN_TOPICS = frozenset({DECISIONS_TOPIC, STATUS_TOPIC, DIAGNOSTICS_TOPIC})
-"""What a SmartTestudo publishes beside monitored topics."""
+"""The other topics that a SmartTestudo node publishes."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OutputTopic:
-    """How monitored topics are named: ``pattern`` has ``{topic}`` for the source's full name.
+    """How output topics are named: ``pattern`` has ``{topic}`` for the source's full name.
 
     ``is_elsewhere``: they are in another domain than their sources, whose names they may have.
     """
@@ -28,22 +28,22 @@ class OutputTopic:
     is_elsewhere: bool = False
 
 
-def monitored_topics(rule_set: RuleSet, output_topic: OutputTopic) -> dict[str, str]:
-    """The monitored topic of each relayed one; ``UsageError`` where a name is invalid or taken."""
-    monitored = {topic: output_name(topic, output_topic.pattern) for topic in rule_set.relayed}
+def output_topics(rule_set: RuleSet, output_topic: OutputTopic) -> dict[str, str]:
+    """The output topic of each relayed one; ``UsageError`` if a name is invalid or taken."""
+    names = {topic: output_name(topic, output_topic.pattern) for topic in rule_set.relayed}
     sources = {*rule_set.relayed, *(signal.topic for signal in rule_set.signals)}
     taken = OWN_TOPICS if output_topic.is_elsewhere else OWN_TOPICS | sources
-    for topic, name in monitored.items():
+    for topic, name in names.items():
         if name in taken:
             is_source = name == topic and name not in OWN_TOPICS
             whose = "its own name" if is_source else f"{name}, which is another topic's name"
             cause = f"{topic} would be relayed to {whose}"
             remedy = f"choose another pattern, such as {DEFAULT_OUTPUT_TOPIC}"
             raise UsageError(cause, place="--output-topic", remedy=remedy)
-    return monitored
+    return names
 
 
-def is_monitored(topic: str, output_topic: OutputTopic) -> bool:
-    """Whether ``topic`` is named like a monitored one; never where those have the names of their sources."""
+def is_output_topic(topic: str, output_topic: OutputTopic) -> bool:
+    """Whether ``topic`` is named like an output topic; never if those have the names of their sources."""
     before, _, after = output_topic.pattern.partition(TOPIC_PLACEHOLDER)
     return bool(before or after) and topic.startswith(f"{before}/") and topic.endswith(after)

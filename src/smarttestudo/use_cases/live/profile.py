@@ -122,7 +122,7 @@ class _TopicSampler:
                 self.measures[topic] = TopicMeasure(measure.type_name)
 
     def finish(self) -> None:
-        """Drop what turned out to be a SmartTestudo's: who publishes may be known later than the topic."""
+        """Drop the topics of a SmartTestudo node: publishers may be discovered later than the topic."""
         visible = visible_topics(self._robot)
         for topic in self.measures.keys() - visible.keys():
             if self._robot.publishers(topic):

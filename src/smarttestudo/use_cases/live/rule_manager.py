@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Which rules hold in a live run: those of the files, a text that was pushed, or none at all."""
+"""Which rules are in force in a live run: those of the files, a pushed text, or none."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _Rules = TypeVar("_Rules")
 
 @dataclass(frozen=True, slots=True)
 class _Waiting(Generic[_Rules]):
-    """A pushed text that nobody confirmed yet, and what held before it."""
+    """A pushed text that is not confirmed yet, and the rules before it."""
 
     text_hash: str
     until_ns: int
@@ -34,9 +34,9 @@ class _Waiting(Generic[_Rules]):
 
 
 class PushedRules(Generic[_Rules]):
-    """A pushed text holds at once, but only for ``CONFIRM_WITHIN_S`` unless its hash is confirmed by then.
+    """A pushed text is in force at once; it is reverted after ``CONFIRM_WITHIN_S`` unless confirmed.
 
-    So rules that cut off whoever pushed them do not last. Times are steady.
+    So rules that disconnect the operator who pushed them do not last. Times are steady.
     """
 
     def __init__(self, rules: _Rules) -> None:
@@ -46,27 +46,27 @@ class PushedRules(Generic[_Rules]):
 
     @property
     def is_confirmed(self) -> bool:
-        """Whether a pushed text holds for good."""
+        """Whether a pushed text is in force and confirmed."""
         return self._waiting is None and self._confirmed_hash is not None
 
     @property
     def is_pushed(self) -> bool:
-        """Whether a pushed text holds, confirmed or not."""
+        """Whether a pushed text is in force, confirmed or not."""
         return self._waiting is not None or self._confirmed_hash is not None
 
     def waits_ns(self, now_ns: int) -> int | None:
-        """How long a pushed text still waits to be confirmed; ``None`` where none does."""
+        """How long a pushed text still waits to be confirmed; ``None`` if none does."""
         return None if self._waiting is None else max(self._waiting.until_ns - now_ns, 0)
 
     def replace(self, rules: _Rules) -> None:
-        """Other rules hold for good, and whatever was pushed before is forgotten."""
+        """Put other rules in force; pushed texts from before are forgotten."""
         self.rules = rules
         self._waiting = self._confirmed_hash = None
 
     def push(self, rules: _Rules, text_hash: str, now_ns: int) -> None:
-        """Let ``rules`` hold until they are confirmed or time is up; confirmed ones stay confirmed.
+        """Put ``rules`` in force until they are confirmed or time is up; confirmed ones stay confirmed.
 
-        Of texts pushed one after the other without a word, the rules before the first come back.
+        Of texts pushed one after the other without confirmation, the rules before the first come back.
         """
         if text_hash == self._confirmed_hash and self._waiting is None:
             return
@@ -97,18 +97,18 @@ RELOAD_SERVICE = "~/reload"
 FALLBACK_LOOK_PERIOD_S = 1.0
 # Checking so much takes a few tenths of a second, in which nothing is relayed.
 MAX_CHECKED_AT_ONCE_BYTES = 64_000
-_STAYS = "the last good rules stay"
+_STAYS = "the last valid rules stay in force"
 _FALLBACK = "relaying everything at Full until there are rules"
 
 
 def first_rules(robot: Robot, files: LiveRuleFiles, rules_text: str) -> Reading:
-    """What there is at the start; ``rules_text`` counts where no files are named.
+    """The rules at the start; ``rules_text`` counts if no files are named.
 
-    Raises ``UsageError`` where the names of monitored topics are invalid, or those of other topics.
+    Raises ``UsageError`` where names of output topics are invalid or taken by other topics.
     """
     reading = files.read()
     if files.are_named and rules_text:
-        robot.log.warning("rules_text: not used, as rule files are named")
+        robot.log.warning("rules_text: not used, because rule files are named")
     elif rules_text:
         reading = files.read_text(rules_text)
     if isinstance(reading.error, UsageError):
@@ -119,7 +119,7 @@ def first_rules(robot: Robot, files: LiveRuleFiles, rules_text: str) -> Reading:
 
 
 class RuleManager:
-    """Decides which rules ``live`` follows, tells it, and says so. It started with those of ``first``."""
+    """Decides which rules ``live`` follows, and logs changes. It started with those of ``first``."""
 
     def __init__(
         self, robot: Robot, live: LiveRun, files: LiveRuleFiles, fallback: Fallback, first: Reading
@@ -146,14 +146,14 @@ class RuleManager:
         return self._watch.running()
 
     def accept(self, changes: Mapping[str, ParameterValue]) -> None:
-        """Do what newly set parameters ask for, all of it or nothing. Raises ``TestudoError``."""
+        """Apply newly set parameters, all of them or none. Raises ``TestudoError``."""
         pushed = self._checked_text(str(changes["rules_text"])) if "rules_text" in changes else None
         budget_kb_per_s = _budget(changes)
         status_hz = status_hz_parameter(changes["status_hz"]) if "status_hz" in changes else None
         confirmed = str(changes.get("confirm_hash", "")).strip().lower()
         if confirmed and not self._is_confirmable(confirmed, pushed):
-            cause = "no pushed rules with this hash wait for it"
-            raise UsageError(cause, place="confirm_hash", remedy="rules_hash tells which rules hold")
+            cause = "no pushed rules with this hash wait to be confirmed"
+            raise UsageError(cause, place="confirm_hash", remedy="rules_hash is that of the rules in force")
         if budget_kb_per_s is not None:
             self._live.set_budget(budget_kb_per_s)
             self._robot.log.info(f"budget: {budget_kb_per_s:g} KB/s")
@@ -165,11 +165,11 @@ class RuleManager:
             self._robot.log.info(f"pushed rules confirmed, hash {confirmed}; the files stay as they are")
 
     def reload_now(self) -> str:
-        """Read the files and let them hold; what came of it. Raises ``TestudoError`` for what is wrong."""
+        """Read the files, put them in force and return the outcome. Raises ``TestudoError``."""
         self._is_asked = True
         if self._files.size_bytes() > MAX_CHECKED_AT_ONCE_BYTES:
             self._watch.read_soon()
-            return "the rules are large, and are being checked; the log will say what came of it"
+            return "the rules are large and are being checked; the result will be in the log"
         reading = self._files.read()
         self._take(reading)
         if reading.error is not None:
@@ -186,7 +186,7 @@ class RuleManager:
         if self._in_force.roll_back(self._robot.steady_ns()):
             self._hold()
             rules = self._in_force.rules
-            holds = _FALLBACK if rules is None else f"hash {rules.rules_hash} holds again"
+            holds = _FALLBACK if rules is None else f"hash {rules.rules_hash} is in force again"
             self._robot.log.warning(f"pushed rules not confirmed within {CONFIRM_WITHIN_S} s; {holds}")
 
     def _look_for_topics(self) -> None:
@@ -194,13 +194,13 @@ class RuleManager:
             self._hold()
 
     def _take(self, reading: Reading) -> None:
-        """Let what was read hold, if it is good, and new or asked for."""
+        """Put what was read in force, if it is valid, and new or requested."""
         if reading.number < self._last.number:
             return
         is_new, self._last = reading.content != self._last.content, reading
         is_asked, self._is_asked = self._is_asked, False
         if reading.rules is not None and (is_new or is_asked):
-            pushed = "; what was pushed no longer holds" if self._in_force.is_pushed else ""
+            pushed = "; the pushed rules are no longer in force" if self._in_force.is_pushed else ""
             self._in_force.replace(reading.rules)
             self._hold()
             self._robot.log.info(f"rules reloaded, hash {reading.rules.rules_hash}{pushed}")
@@ -213,7 +213,7 @@ class RuleManager:
         self._hold()
         if not self._in_force.is_confirmed:
             self._robot.log.warning(
-                f"rules pushed, hash {rules.rules_hash}; they hold for {CONFIRM_WITHIN_S} s, "
+                f"rules pushed, hash {rules.rules_hash}; they are in force for {CONFIRM_WITHIN_S} s, "
                 "and for good if confirm_hash is set to it"
             )
 
@@ -241,8 +241,8 @@ class RuleManager:
     def _checked_text(self, text: str) -> LiveRules:
         size_bytes = len(text.encode("utf-8"))
         if size_bytes > MAX_CHECKED_AT_ONCE_BYTES:
-            cause = f"{size_bytes} bytes are too much to be checked while messages wait"
-            raise UsageError(cause, place=PUSHED, remedy="put them into a rule file")
+            cause = f"{size_bytes} bytes are too many to check while messages are waiting"
+            raise UsageError(cause, place=PUSHED, remedy="put the rules into a rule file")
         return self._files.check(text)
 
     def _is_confirmable(self, text_hash: str, pushed: LiveRules | None) -> bool:
@@ -256,5 +256,5 @@ def _budget(changes: Mapping[str, ParameterValue]) -> float | None:
         return None
     number = budget_parameter(changes["budget_kb_per_s"])
     if number is None:
-        raise UsageError("a budget cannot be taken away", place="budget_kb_per_s", remedy="set a large one")
+        raise UsageError("a budget cannot be unset", place="budget_kb_per_s", remedy="set a large one")
     return number

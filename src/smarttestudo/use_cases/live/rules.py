@@ -27,7 +27,7 @@ from smarttestudo.domain.errors import RuleFileError, TestudoError, said, testud
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.rule_texts import RuleTexts
 from smarttestudo.domain.status import RulesInForce
-from smarttestudo.use_cases.live.output_topics import OutputTopic, monitored_topics
+from smarttestudo.use_cases.live.output_topics import OutputTopic, output_topics
 from smarttestudo.use_cases.rules.rule_sets import check_texts
 
 PUSHED = "rules_text"
@@ -35,14 +35,14 @@ PUSHED = "rules_text"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LiveRules:
-    """Rules that can hold: what they mean, and the texts that say so, by path.
+    """Valid rules: their meaning, and their texts by path.
 
-    ``monitored`` is the monitored topic of each relayed one, ``names`` the full name of each topic by the
+    ``output_topics`` has the output topic of each relayed one, ``names`` the full name of each topic by the
     name that the texts use.
     """
 
     rule_set: RuleSet
-    monitored: Mapping[str, str]
+    output_topics: Mapping[str, str]
     profile: Profile = field(default_factory=Profile)
     in_force: RulesInForce = field(default_factory=RulesInForce)
     texts: Mapping[str, str] = field(default_factory=dict)
@@ -56,14 +56,14 @@ class LiveRules:
 
     @property
     def rule_texts(self) -> RuleTexts:
-        """The texts for whoever wants to know what holds."""
+        """The texts of the rules in force, for the node's parameter."""
         renamed = {name: full for name, full in self.names.items() if name != full}
         return RuleTexts(sha256=self.rules_hash, files=tuple(self.texts.items()), full_names=renamed)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Reading:
-    """What one look at the files gave: rules, or the error that they have.
+    """The result of reading the files: rules, or their first error.
 
     Of two readings the one with the greater ``number`` began later; equal ``content`` was equal text.
     ``states`` are older than what was read.
@@ -97,7 +97,7 @@ class LiveRuleFiles:
         return total_bytes(self.states())
 
     def read(self) -> Reading:
-        """The files as they are now; whatever goes wrong is the error that they have."""
+        """The files as they are now; whatever goes wrong is the error of the reading."""
         number, states, content = next(self._numbers), FileStates(), ""
         try:
             states = self.states()
@@ -149,7 +149,7 @@ class LiveRuleFiles:
         loaded.refuse_errors()
         return LiveRules(
             rule_set=loaded.rule_set,
-            monitored=monitored_topics(loaded.rule_set, self._output_topic),
+            output_topics=output_topics(loaded.rule_set, self._output_topic),
             profile=profile or Profile(),
             in_force=loaded.in_force,
             texts=texts,
@@ -165,7 +165,7 @@ class RuleWatch:
     """Looks at the files every ``LOOK_PERIOD_S`` and reads them once a change has been there for two looks.
 
     ``last`` was read before.
-    So an editor that empties a file and then writes it is mostly not caught halfway.
+    So a file that an editor empties and then writes is rarely read halfway.
     """
 
     def __init__(self, files: LiveRuleFiles, last: Reading) -> None:
@@ -204,7 +204,7 @@ class RuleWatch:
     def _is_to_be_read(self) -> bool:
         try:
             return self._has_settled(self._files.states())
-        except Exception:  # noqa: BLE001 - it goes on to look; what is wrong, the reading says
+        except Exception:  # noqa: BLE001 - the thread continues; the reading has the error
             return True
 
     def _has_settled(self, now: FileStates) -> bool:

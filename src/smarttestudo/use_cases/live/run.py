@@ -29,7 +29,7 @@ def run_live(
 
     Raises:
         RosError: decisions cannot be published at all.
-        UsageError: the names of monitored topics are invalid, or those of other topics.
+        UsageError: names of output topics are invalid or taken by other topics.
     """
     request = parameters.request
     resolve = partial(_resolved, robot.resolve, request.topic_prefix)
@@ -52,7 +52,7 @@ def run_live(
     keeper = RuleManager(robot, live, files, fallback, first)
     with keeper.keep():
         parameters.serve(keeper.accept)
-        robot.log.info(f"Relaying {len(rules.monitored)} topics as {request.output_topic}")
+        robot.log.info(f"Relaying {len(rules.output_topics)} topics as {request.output_topic}")
         live.drive(stopped)
 
 

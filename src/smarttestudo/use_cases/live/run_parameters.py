@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a live run is told, by its command line or by parameters of its node."""
+"""The settings of a live run, from its command line or the parameters of its node."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ PARAMETERS = (
     ),
     Parameter(
         name="rules_text",
-        description="Rules to follow now; they go back after 10 s unless confirm_hash is set to their hash. "
-        "At the start it counts where no rule files are named. Empty while the files hold.",
+        description="Rules to follow now; reverted after 10 s unless confirm_hash is set to their hash. "
+        "At the start it counts if no rule files are named. Empty while the files are in force.",
         value="",
         access=Access.ANYONE,
     ),
@@ -40,13 +40,13 @@ PARAMETERS = (
     ),
     Parameter(
         name="rules_hash",
-        description="SHA-256 of the rules that hold now; empty while there are none. It cannot be set.",
+        description="SHA-256 of the rules in force; empty while there are none. Read-only.",
         value="",
         access=Access.NODE,
     ),
     Parameter(
         name="rules_in_force",
-        description="The texts of the rules that hold now, as a JSON object. It cannot be set.",
+        description="The texts of the rules in force, as a JSON object. Read-only.",
         value="",
         access=Access.NODE,
     ),
@@ -75,7 +75,7 @@ PARAMETERS = (
     ),
     Parameter(
         name="status_hz",
-        description=f"Statuses a second on /testudo/status while somebody listens, 1 to {MAX_STATUS_HZ:g}.",
+        description=f"Statuses a second on /testudo/status if it has a subscriber, 1 to {MAX_STATUS_HZ:g}.",
         value=STATUS_HZ,
         access=Access.ANYONE,
         is_typed=False,
@@ -83,7 +83,7 @@ PARAMETERS = (
     Parameter(name="decisions_file", description="File to append the decisions to (JSON Lines).", value=""),
     Parameter(
         name="record_inputs",
-        description="New folder to record into what the loop sees, for testudo replay.",
+        description="New folder for the recorded inputs of the loop, for testudo replay.",
         value="",
     ),
 )
@@ -93,7 +93,7 @@ PARAMETERS = (
 class RunRequest:
     """The rules, and how they are to be followed.
 
-    ``output_topic`` names monitored topics, with ``{topic}`` for the source's full name. ``rules`` may be
+    ``output_topic`` names output topics, with ``{topic}`` for the source's full name. ``rules`` may be
     folders; ``rules_text`` counts where there are none.
     """
 
@@ -112,7 +112,7 @@ class RunRequest:
 class RunParameters:
     """The node's parameters; ``given`` are those of the command line, by name, which win.
 
-    Raises ``UsageError`` for a value that is none.
+    Raises ``UsageError`` for an invalid value.
     """
 
     def __init__(self, robot: Robot, given: Mapping[str, ParameterValue]) -> None:
@@ -121,7 +121,7 @@ class RunParameters:
         self.request = _request(values)
 
     def serve(self, accept: Accept) -> None:
-        """Have ``accept`` asked from now on before parameters change; until then none does."""
+        """Have ``accept`` called from now on before parameters change; until then none may change."""
         self._accept = accept
 
     def _asked(self, changes: Mapping[str, ParameterValue]) -> None:

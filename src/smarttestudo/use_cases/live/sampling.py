@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Topics of a live run of which only what is due is looked at."""
+"""Topics of a live run of which only the due messages are received."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from smarttestudo.runtime.relay_loop import RelayLoop
 BEGIN_RATIO = 3.5
 """Source over target from which sampling is worth a change of subscriptions."""
 END_RATIO = 2.5
-"""Source over target below which it is no more."""
+"""Source over target below which it no longer is."""
 LEAST_SOURCE_HZ = 20.0
 """Slower sources cost next to nothing."""
 MEASURE_NS = NS_PER_S * 9 // 10
 """Less than the second from one look to the next, which may come a little early."""
 PAUSE_NS = 10 * NS_PER_S
-"""How long every message is looked at again before sampling may begin anew: rules may flicker."""
+"""How long every message is received again before sampling may begin again: rules may flicker."""
 
 
 class SamplingChoice:
@@ -87,10 +87,10 @@ class _Topic:
 
 
 class LiveSampling:
-    """Lets subscriptions rest while what comes is not due, and arms each when it is.
+    """Pauses subscriptions while no message is due, and arms each when one is.
 
     So what passes is the first message at its due time or after it, as without resting. If none comes for
-    another period, the newest one from before passes, as the last word. None rests unless it ``may_rest``.
+    another period, the newest one from before passes, as the final message. Only those that ``may_rest`` do.
     """
 
     def __init__(self, loop: RelayLoop, *, may_rest: bool = True) -> None:

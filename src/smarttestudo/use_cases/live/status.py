@@ -30,7 +30,7 @@ from smarttestudo.use_cases.live.topic import TopicLink
 
 TOLERANCE_PERCENT = 5.0
 STATUS_HZ = 1.0
-"""How often to tell what a run does, where nobody asks for more."""
+"""How often the status is published unless a subscriber requests more."""
 _CPU_OVER_NS = NS_PER_S * 9 // 10
 _ERROR_AFTER_NS = 5 * NS_PER_S
 # What a pacer's credit and the edges of a window may add or take.
@@ -74,7 +74,7 @@ class MessageAge:
 
 
 class _Rates(NamedTuple):
-    """Rates in Hz: of the source, as the output should have, and as it has; ``None`` where nobody knows."""
+    """Rates in Hz: of the source, as the output should have, and as it has; ``None`` if unknown."""
 
     source_hz: float | None
     expected_hz: float | None

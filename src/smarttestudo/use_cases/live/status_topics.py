@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Statuses on the ROS graph: published by a runtime as often as asked for, received by whoever watches it."""
+"""Statuses on the ROS graph: published by a runtime as often as requested, received by its observers."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _Announce = Callable[[RuntimeStatus], None]
 
 
 class StatusPublisher:
-    """Publishes a status on ``STATUS_TOPIC`` and as diagnostics; where one of them fails, it is said once."""
+    """Publishes a status on ``STATUS_TOPIC`` and as diagnostics; if one of them fails, it is logged once."""
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
@@ -33,7 +33,7 @@ class StatusPublisher:
         self._diagnostics = self._opened(_as_diagnostics)
 
     def announce(self, status: RuntimeStatus, *, diagnostics_too: bool = True) -> None:
-        """Publish ``status``; as diagnostics only if somebody listens, since they are not latched."""
+        """Publish ``status``; as diagnostics only with a subscriber, since they are not latched."""
         self._text = self._said(self._text, status)
         if diagnostics_too and self._robot.subscriber_count(DIAGNOSTICS_TOPIC):
             self._diagnostics = self._said(self._diagnostics, status)
@@ -50,8 +50,8 @@ class StatusPublisher:
         try:
             if way is not None:
                 way(status)
-        except Exception as error:  # noqa: BLE001 - whatever telling fails of, relaying goes on
-            self._robot.log.warning(f"{said(error)}; nothing more is said there")
+        except Exception as error:  # noqa: BLE001 - whatever publishing fails of, relaying goes on
+            self._robot.log.warning(f"{said(error)}; nothing more is published there")
             return None
         return way
 
@@ -67,13 +67,13 @@ def _as_diagnostics(robot: Robot) -> _Announce:
 
 
 _TEXT_TYPE = "std_msgs/msg/String"
-# Several may speak between two looks, and all share one queue.
+# Several nodes may publish between two looks, and all share one queue.
 _QOS = replace(STATUS_QOS, depth=100)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HeardStatus:
-    """The last status of one SmartTestudo, when it came, and the size of the message that it came in."""
+    """The last status of one SmartTestudo node, when it was received, and the size of its message."""
 
     status: RuntimeStatus
     heard_s: float
@@ -81,7 +81,7 @@ class HeardStatus:
 
 
 class StatusWatch:
-    """Listens on ``STATUS_TOPIC``; ``steady_s`` is a clock that never jumps. Raises ``RosError``.
+    """Subscribes to ``STATUS_TOPIC``; ``steady_s`` is a clock that never jumps. Raises ``RosError``.
 
     ``unreadable`` counts what came there and was no status of this version.
     """
@@ -95,7 +95,7 @@ class StatusWatch:
 
     @property
     def has_heard_all(self) -> bool:
-        """Whether every SmartTestudo that was discovered was heard, and there is one."""
+        """Whether there is a SmartTestudo node, and a status of each discovered one was received."""
         nodes = {endpoint.node for endpoint in self._robot.publishers(STATUS_TOPIC)}
         return bool(self.heard) and nodes <= self.heard.keys()
 
@@ -111,16 +111,16 @@ class StatusWatch:
         )
 
 
-# Telling is worth a fifth of a core at most: messages come first.
+# Status publishing is capped at a fifth of a core: messages come first.
 _TIMES_ITS_COST = 5
 # A period of one second is met by timers that are a little early.
 _DIAGNOSIS_AFTER_NS = NS_PER_S * 9 // 10
 
 
 class StatusTimer:
-    """Once a second, or ``asked_hz`` times while somebody listens; diagnostics once a second in any case.
+    """Once a second, or ``asked_hz`` times with a subscriber; diagnostics once a second in any case.
 
-    So what an operator asked for ends with the operator.
+    So a requested rate ends with its subscriber.
     """
 
     def __init__(self, robot: Robot) -> None:
@@ -148,5 +148,5 @@ class StatusTimer:
         return True
 
     def next_s(self, cost_ns: int) -> float:
-        """In how many seconds to tell again, where telling took ``cost_ns`` of CPU time."""
+        """In how many seconds to publish again, if publishing took ``cost_ns`` of CPU time."""
         return max(self.period_s, min(cost_ns * _TIMES_ITS_COST / NS_PER_S, 1 / STATUS_HZ))

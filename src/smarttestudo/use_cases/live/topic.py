@@ -83,10 +83,10 @@ class LiveSource:
 
 
 def live_source(endpoints: Sequence[Endpoint], before: LiveSource | None) -> LiveSource | None:
-    """The source that ``endpoints`` make, after ``before``; ``None`` while nobody ever published.
+    """The source that ``endpoints`` make, after ``before``; ``None`` before the first publisher.
 
-    A subscriber may ask only for what every publisher offers, and its output promises no more.
-    A source without publishers keeps its type and QoS, so that it is heard at once when it comes back.
+    A subscription may request only what every publisher offers, and its output offers no more.
+    A source without publishers keeps its type and QoS, so that it is received at once when it comes back.
     """
     types = sorted({endpoint.type_name for endpoint in endpoints})
     if not types:
@@ -117,7 +117,7 @@ def suits(had: LiveSource, now: LiveSource) -> bool:
 
 
 def not_offered(offered: Qos, subscriber: Endpoint) -> tuple[str, ...]:
-    """What ``subscriber`` asks for beyond ``offered``; if there is anything, it receives nothing."""
+    """What ``subscriber`` requests beyond ``offered``; if there is anything, it receives nothing."""
     unmet = {
         "reliable delivery": subscriber.reliable and not offered.reliable,
         "transient local durability": subscriber.transient_local and not offered.transient_local,
@@ -132,7 +132,8 @@ class PublisherPool:
     """One publisher for all, or with ``one_each`` one for each publisher of the source.
 
     The latter is for latched topics: a publisher keeps the last messages only, so that a source's publisher
-    that often says something would push out what another one said once; likewise where a link keeps the newest. ``advertise`` may raise ``RosError``.
+    that sends often would push out the single message of another one. Where a link keeps only the newest
+    message, it is so for every topic. ``advertise`` may raise ``RosError``.
     """
 
     def __init__(self, advertise: Callable[[], Publisher], *, one_each: bool) -> None:
@@ -176,7 +177,7 @@ class PublisherPool:
 class OpenTopic:
     """What is open for one topic, following its source.
 
-    ``output`` is its monitored topic, ``None`` if it is only watched. ``unheard`` are publishers whose
+    ``output`` is its output topic, ``None`` if it is only watched. ``unheard`` are publishers whose
     messages are dropped. ``problem`` says why nothing is open: what opens something may raise ``RosError``;
     it is not tried again until the source changes.
     """
@@ -223,7 +224,7 @@ class OpenTopic:
         return True
 
     def publish(self, payload: Payload, publisher: Hashable) -> None:
-        """Send a message on the monitored topic. Raises ``RosError``."""
+        """Send a message on the output topic. Raises ``RosError``."""
         if self._publishers is not None:
             self._publishers.publish(payload, publisher)
 

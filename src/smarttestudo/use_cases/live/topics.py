@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Who is at the ends of many topics, asked for cheaply and often."""
+"""The subscriptions and publishers of all topics of a live run, following the ROS graph."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ LOOKS_PER_ROUND = 5
 
 
 class EndpointCache:
-    """The endpoints of topics. At each look, ``count`` asks how many every topic has.
+    """A cache of the endpoints of topics. At each look, ``count`` gives how many every topic has.
 
-    ``find`` costs several times as much: it is asked where the number changed, and for a fifth of the others
+    ``find`` costs several times as much: it is called where the number changed, and for a fifth of the others
     in turn, so that one that was replaced by another is noticed too; for all when the graph has changed.
     """
 
@@ -69,11 +69,11 @@ Received = Callable[[str, Payload, Hashable], None]
 
 
 class LiveTopics:
-    """Subscriptions to the sources of a rule set and publishers of their monitored topics.
+    """Subscriptions to the sources of a rule set and publishers of their output topics.
 
-    Unless ``is_lazy`` is false, a source that no check reads is subscribed to only while its monitored topic,
-    or that of a topic paced with it, has a subscriber. When messages pile up, the topics of the highest
-    ``priority_of`` are served first. What goes wrong with one topic is said once and costs that topic only.
+    Unless ``is_lazy`` is false, a source that no check reads is subscribed to only while its output topic, or
+    that of a topic paced with it, has a subscriber. When messages pile up, the topics of the highest
+    ``priority_of`` are served first. An error of one topic is logged once and affects that topic only.
     """
 
     def __init__(
@@ -99,17 +99,17 @@ class LiveTopics:
         self._said: set[str] = set()
 
     def follow(
-        self, monitored: Mapping[str, str], watched: Collection[str], leaders: Mapping[str, str]
+        self, output_topics: Mapping[str, str], watched: Collection[str], leaders: Mapping[str, str]
     ) -> None:
         """Serve these topics from now on; what is open for others is closed, or for another output.
 
-        ``monitored`` names the monitored topic of each relayed source; ``watched`` are the sources that are
+        ``output_topics`` names the output topic of each relayed source; ``watched`` are the sources that are
         read by checks; ``leaders`` says with which topic others are paced.
         """
         before, self._topics = self._topics, {}
         self._watched, self._leaders = frozenset(watched), leaders
-        for topic in dict.fromkeys([*monitored, *watched]):
-            live, output = before.get(topic), monitored.get(topic)
+        for topic in dict.fromkeys([*output_topics, *watched]):
+            live, output = before.get(topic), output_topics.get(topic)
             if live is None or live.output != output:
                 live = self._new(topic, output)
             self._topics[topic] = live
@@ -129,7 +129,7 @@ class LiveTopics:
         return [change for change in changes if change is not None]
 
     def listeners(self) -> list[ListenersChanged]:
-        """Which monitored topics have, as of the last look, begun or ceased to be listened to."""
+        """Which relayed topics have, as of the last look, gained a first or lost their last subscriber."""
         heard = {
             topic: bool(self._subscribers.of(live.output))
             for topic, live in self._topics.items()
@@ -167,7 +167,7 @@ class LiveTopics:
             return Undecodable()
 
     def publish(self, relayed: Relayed) -> None:
-        """Send a message on its monitored topic."""
+        """Send a message on its output topic."""
         live = self._topics.get(relayed.topic)
         if live is None:
             return
@@ -212,9 +212,9 @@ class LiveTopics:
             return
         if has_changed:
             what = (
-                "subscribed, as an operator listens"
+                "subscribed, because there is a subscriber"
                 if is_wanted
-                else "not subscribed, as no operator listens"
+                else "not subscribed, because there is no subscriber"
             )
             self._robot.log.info(f"{live.topic}: {what}")
 
@@ -238,11 +238,11 @@ class LiveTopics:
 
     def _report_others(self, topic: str, endpoints: Sequence[Endpoint], own: Sequence[Endpoint]) -> None:
         if endpoints and not own:
-            self._warn_once(f"{topic}: published by SmartTestudo only, so it is not relayed")
+            self._warn_once(f"{topic}: only SmartTestudo nodes publish it, so it is not relayed")
         elif len(endpoints) > len(own) and self._data_path.tells_publishers:
-            self._warn_once(f"{topic}: also published by a SmartTestudo, whose messages are not relayed")
+            self._warn_once(f"{topic}: a SmartTestudo node publishes it too; its messages are not relayed")
         elif len(endpoints) > len(own):
-            self._warn_once(f"{topic}: also published by a SmartTestudo, whose messages cannot be told apart")
+            self._warn_once(f"{topic}: a SmartTestudo node publishes it too; they cannot be told apart")
         if len(own) > 1 and not self._data_path.tells_publishers:
             self._warn_once(f"{topic}: its {len(own)} publishers cannot be told apart and share one rate")
 
@@ -253,7 +253,7 @@ class LiveTopics:
         elif before is None or before.publishers == 0 or not suits(before, source):
             delivery = "reliable" if source.qos.reliable else "best effort"
             latched = ", transient local" if source.qos.transient_local else ""
-            unheard = "" if live.is_wanted else "; not subscribed, as no operator listens"
+            unheard = "" if live.is_wanted else "; not subscribed, because there is no subscriber"
             log.info(f"{topic}: {source.type_name}, {delivery}{latched}{unheard}")
         for other in source.other_types:
             self._warn_once(f"{topic}: also published as {other}; only {source.type_name} is relayed")

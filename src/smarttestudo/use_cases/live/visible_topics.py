@@ -17,7 +17,7 @@ def testudo_nodes(robot: Robot) -> frozenset[str]:
 
 
 def visible_topics(robot: Robot) -> dict[str, list[Endpoint]]:
-    """The publishers of each topic, without hidden topics, those of ROS and what a SmartTestudo publishes."""
+    """The publishers of each topic, without hidden topics, those of ROS and those of SmartTestudo nodes."""
     testudos = testudo_nodes(robot)
     names = [name for name in robot.topics() if is_visible(name)]
     published = {

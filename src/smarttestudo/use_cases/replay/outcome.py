@@ -16,7 +16,7 @@ from smarttestudo.runtime.statistics import RelayStatistics, TargetRate
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TopicOutcome:
-    """What one relayed topic carried in, and out on ``monitored_topic``.
+    """What one relayed topic carried in, and out on ``output_topic``.
 
     ``messages_out`` includes ``repeated``. ``source_hz`` and ``mean_hz`` are (n − 1) / (last − first) of what
     came in and went out. ``target_hz`` is weighted by time, with Full as the source's rate; ``error_percent``
@@ -26,7 +26,7 @@ class TopicOutcome:
     is ``None``.
     """
 
-    monitored_topic: str
+    output_topic: str
     messages_in: int
     messages_out: int
     repeated: int
@@ -42,7 +42,7 @@ class TopicOutcome:
     def to_json(self) -> dict[str, object]:
         """The topic's entry in ``--json``."""
         return {
-            "monitored_topic": self.monitored_topic,
+            "monitored_topic": self.output_topic,
             "in": self.messages_in,
             "out": self.messages_out,
             "repeated": self.repeated,
@@ -89,13 +89,13 @@ class ReplayOutcome:
         }
 
 
-def topic_outcome(statistics: RelayStatistics, *, monitored_topic: str, declared: bool) -> TopicOutcome:
+def topic_outcome(statistics: RelayStatistics, *, output_topic: str, declared: bool) -> TopicOutcome:
     """The numbers of a topic from what its relay counted."""
     arrived, relayed = statistics.arrived, statistics.relayed
     rates = _frame_rates(statistics) if statistics.frames else _rates(arrived, relayed, statistics.target)
     mean_hz, attainable_hz = rates.mean_hz, rates.attainable_hz
     return TopicOutcome(
-        monitored_topic=monitored_topic,
+        output_topic=output_topic,
         messages_in=arrived.messages,
         messages_out=relayed.messages,
         repeated=statistics.repeated,

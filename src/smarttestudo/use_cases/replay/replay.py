@@ -42,9 +42,9 @@ def _ignore(_: object) -> None:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ReplayRequest:
-    """An opened recording, the rules, and where the monitored recording goes.
+    """An opened recording, the rules, and the folder of the new recording.
 
-    ``output_topic`` names monitored topics, with ``{topic}`` for the source's full name. ``decided`` is given
+    ``output_topic`` names output topics, with ``{topic}`` for the source's full name. ``decided`` is given
     decisions in order, some at a time, ``report`` the share of the recording that is done, 0 … 1. Where there
     is a ``writer``, it takes what is relayed, and no recording is made; ``arrived`` is shown every message,
     ``stepped`` the time and the loop whenever that may have changed.
@@ -94,7 +94,7 @@ def replay(request: ReplayRequest) -> ReplayOutcome:
         topics={
             topic: topic_outcome(
                 statistics,
-                monitored_topic=topics.monitored[topic],
+                output_topic=topics.output_topics[topic],
                 declared=topic in recording.declared_bytes,
             )
             for topic, statistics in loop.relays.statistics.items()

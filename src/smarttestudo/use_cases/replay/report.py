@@ -37,8 +37,8 @@ def replay_report(
     Raises:
         RecordingError: one of them cannot be read.
     """
-    monitored = {
-        topic: relayed.monitored_topic for topic, relayed in outcome.topics.items() if relayed.messages_in
+    output_topics = {
+        topic: relayed.output_topic for topic, relayed in outcome.topics.items() if relayed.messages_in
     }
     return bag_report(
         ReportRequest(
@@ -46,8 +46,8 @@ def replay_report(
             b=output,
             title=f"Replay of {bag.resolve().name}",
             explanation=_EXPLANATION,
-            mapping=monitored,
-            topics=tuple(monitored or outcome.topics),
+            mapping=output_topics,
+            topics=tuple(output_topics or outcome.topics),
             rule_set=rules.rule_set,
             rule_texts=rules.texts,
             decisions=decisions,
@@ -56,7 +56,7 @@ def replay_report(
             provenance=(
                 Fact(label="SmartTestudo", value=__version__),
                 Fact(label="Recording", value=str(bag)),
-                Fact(label="Monitored recording", value=str(output)),
+                Fact(label="Output recording", value=str(output)),
             ),
             progress=progress,
         )

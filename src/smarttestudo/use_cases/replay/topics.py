@@ -38,7 +38,7 @@ class ReplayTopics:
     """By source: the channel of each recorded topic, what relayed ones are called, where they are written."""
 
     sources: Mapping[str, Channel]
-    monitored: Mapping[str, str]
+    output_topics: Mapping[str, str]
     outputs: Mapping[str, Channel]
 
 
@@ -54,7 +54,7 @@ def replay_topics(channels: Sequence[Channel], rule_set: RuleSet, output_topic: 
     outputs = {
         topic: replace(sources[topic], topic=name) for topic, name in names.items() if topic in sources
     }
-    return ReplayTopics(sources=sources, monitored=names, outputs=outputs)
+    return ReplayTopics(sources=sources, output_topics=names, outputs=outputs)
 
 
 def absent_topics(rule_set: RuleSet, recorded: Collection[str]) -> Iterator[str]:

@@ -59,7 +59,7 @@ class RefusedTextError(RuleFileError):
         super().__init__(
             f"the rules have {counted(len(errors), 'error')}: {errors[0].message}",
             place=f"{errors[0].path}:{errors[0].span.line}:{errors[0].span.column}",
-            remedy="mend them first",
+            remedy="fix them first",
         )
         self.checked = checked
 

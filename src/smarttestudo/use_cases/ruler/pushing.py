@@ -115,7 +115,7 @@ def _texts_of(robots: Parameters, node: str) -> RuleTexts:
         return RuleTexts.from_text(str(value))
     except ValueError as error:
         raise RosError(
-            "the robot does not tell which rules it follows",
+            "the robot does not report its rules",
             place=node,
             remedy="update SmartTestudo on the robot",
         ) from error
@@ -147,10 +147,11 @@ def confirm(robots: Parameters, request: ConfirmRequest) -> ConfirmAnswer:
         if holds == sha256:
             raise
         raise RefusedByRobotError(
-            f"the pushed rules hold no longer: they were not confirmed within {CONFIRM_WITHIN_S} s, or other "
-            "rules came meanwhile",
+            "the pushed rules are no longer in force: "
+            f"they were not confirmed within {CONFIRM_WITHIN_S} s, or other "
+            "rules replaced them",
             place=node,
-            remedy=f"push them again; the robot says: {error.cause}",
+            remedy=f"push them again; the robot's answer: {error.cause}",
         ) from error
     return ConfirmAnswer(state="confirmed", hash=sha256)
 
@@ -161,7 +162,7 @@ def _set(robots: Parameters, node: str, name: str, value: str, called: Mapping[s
         return
     words = _WORDS.fullmatch(reason)
     if words is None:
-        raise RefusedByRobotError(reason or "the robot refuses it without a word", place=node)
+        raise RefusedByRobotError(reason or "the robot refused it without a reason", place=node)
     place = words["place"] or node
     for theirs, ours in called.items():
         place = place.replace(theirs, ours, 1)

@@ -57,7 +57,7 @@ class ArrivalWatch:
 
 
 class CountingWriter:
-    """Counts what a replay relays, and keeps none of it; ``declared_bytes`` are by monitored topic."""
+    """Counts what a replay relays, and keeps none of it; ``declared_bytes`` are by output topic."""
 
     def __init__(self, declared_bytes: Mapping[str, int], loss: LossWatch) -> None:
         self._declared_bytes = declared_bytes

@@ -40,8 +40,8 @@ _END_WITHIN_S = 3.0
 _FAREWELL_S = 0.3
 _Answer = TypeVar("_Answer")
 _Order = Callable[[Robot], None]
-_STARTING = "the ROS graph is being joined"
-_LEFT = "the ROS graph was left"
+_STARTING = "the Ruler is still joining the ROS graph"
+_LEFT = "the Ruler has left the ROS graph"
 
 
 class RobotLink:

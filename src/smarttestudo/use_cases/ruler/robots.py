@@ -63,6 +63,6 @@ class WatchedRobots:
         """Nothing is asked of a robot that never spoke."""
         if node not in self._link.seen:
             raise UnknownRobotError(
-                f"no SmartTestudo {node} was heard",
+                f"no status of {node} was received",
                 remedy=self._link.problem or "start `testudo run` in the same ROS domain",
             )

@@ -212,11 +212,11 @@ def _cuts(
     if outcome.decisions > len(decisions):
         yield (
             f"only the first {len(decisions):,} decisions are shown; "
-            f"after {decisions[-1].t_s:,.1f} s it is not said what decided"
+            f"those after {decisions[-1].t_s:,.1f} s are left out"
         )
     if truths.cut_s is not None:
-        after = f"which hold after {truths.cut_s:,.1f} s is not said"
-        yield f"rules turned more than {limits.turns:,} times; {after}"
+        after = f"their states after {truths.cut_s:,.1f} s are left out"
+        yield f"rules changed their state more than {limits.turns:,} times; {after}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

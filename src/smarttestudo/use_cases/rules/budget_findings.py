@@ -111,7 +111,7 @@ class _Reporter:
                 "situation-over-budget",
                 Severity.WARNING,
                 f"more situations than the {shown} worst break the budget",
-                hint="mend those first",
+                hint="fix those first",
             )
         yield from (self._unproven(one) for one in checked.unproven)
         if not fits(checked.start_up_kb_per_s, self._budget):

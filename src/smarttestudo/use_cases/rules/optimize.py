@@ -72,7 +72,7 @@ class RefusedRulesError(TestudoError):
     """A rule file with errors, which are in ``findings``."""
 
     def __init__(self, findings: Sequence[Finding]) -> None:
-        super().__init__("the rule file has errors", place=findings[0].path, remedy="mend them first")
+        super().__init__("the rule file has errors", place=findings[0].path, remedy="fix them first")
         self.findings = tuple(findings)
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The functions of librcl that rclpy does not offer, and what they say beside a message's bytes."""
+"""The functions of librcl that rclpy does not offer, and the message info that they return."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class RclLibrary:
 
     def __init__(self) -> None:
         if ctypes.sizeof(c_void_p) != ctypes.sizeof(ctypes.c_uint64):
-            raise RosError("the direct way to librcl needs a 64-bit machine")
+            raise RosError("librcl can be used directly on 64-bit machines only")
         try:
             library = loaded_librcl()
             self.take = rcl_function(library, "rcl_take_serialized_message", 4)
@@ -98,10 +98,10 @@ class RclLibrary:
         return condition
 
     def error(self, code: int, place: str | None = None) -> RosError:
-        """What rcl says of the last failure, which returned ``code``; only the first line is for people."""
+        """The text of rcl for the last failure, which returned ``code``; its first line is for people."""
         text = self._error_string().text.decode("utf-8", "replace")
         self._reset_error()
-        cause = text.partition("\n")[0] or "an error that it does not explain"
+        cause = text.partition("\n")[0] or "an error without a message"
         return RosError(f"librcl: {cause} (code {code})", place=place)
 
     def reset_error(self) -> None:
@@ -139,7 +139,7 @@ class InfoLayout:
     """Where an rmw_message_info_t has the publisher's GID and its number of the message, if it has them.
 
     From Humble on it begins with two times of 8 bytes, two sequence numbers (all ones: not supported) and,
-    behind a pointer, the GID of ``gid_bytes``: 24, later 16. 0 says that GIDs are not to be found there.
+    behind a pointer, the GID of ``gid_bytes``: 24, later 16. 0 means that GIDs are not found there.
     """
 
     gid_bytes: int

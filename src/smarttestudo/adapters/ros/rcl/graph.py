@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Wakes for changes of the ROS graph: of who publishes and who subscribes."""
+"""Wakes for changes of the ROS graph: new or removed publishers and subscribers."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from smarttestudo.adapters.ros.ros_errors import ros_errors
 from smarttestudo.domain.errors import RosError, said
 
 SETTLE_S = 0.05
-"""Discovery tells of a node, its publishers and its subscribers one after the other: they are one change."""
+"""Discovery reports a node, its publishers and its subscribers one after the other: they are one change."""
 TEST_TOPIC = "~/_self_test_graph"
 """Hidden and private; it exists for some milliseconds."""
 TEST_TIMEOUT_S = 2.0
@@ -67,7 +67,7 @@ class WaitSet:
         self._require(init(self._address, 0, len(conditions), 0, 0, 0, 0, context, library.allocator))
         if self._words[_CONDITIONS_WORD] != len(conditions) or not self._words[_OWN_WORD]:
             # What is not understood is not given back either.
-            raise RosError("a wait set of librcl is another one here")
+            raise RosError("the wait set of this librcl has a different layout")
 
     def wait(self, timeout_ns: int) -> bool:
         """Wait until one of the conditions is triggered, which this undoes; whether that was in time."""
@@ -91,9 +91,9 @@ class WaitSet:
 
 
 class GraphWatch:
-    """A thread that counts each change of a node's graph up on ``event_fd``; ``error`` says why it ended.
+    """A thread that counts each change of a node's graph up on ``event_fd``; ``error`` is why it ended.
 
-    A guard condition has no callback, so somebody has to wait for it; librcl does so without Python's lock.
+    A guard condition has no callback, so a thread has to wait for it; librcl does so without Python's lock.
     Raises ``RosError`` where that does not work here.
     """
 
@@ -139,7 +139,7 @@ class GraphWatch:
 class GraphEvents:
     """Calls ``changed`` when the graph of one of ``nodes`` has changed, among what ``wake_ups`` wake for.
 
-    ``problem`` says why it does not, or not any more.
+    ``problem`` is why it does not, or no longer does.
     """
 
     priority = 1.0
@@ -168,7 +168,7 @@ class GraphEvents:
         self._opened.callback(wake_ups.remove, event_fd)
 
     def serve(self, most: int) -> bool:  # noqa: ARG002 - many changes are one
-        """Tell of what changed; there is never more."""
+        """Report a change; there is never more to do."""
         for watch in self._watches:
             if watch.error is not None:
                 self.problem = str(watch.error)
@@ -176,19 +176,19 @@ class GraphEvents:
         return False
 
     def close(self) -> None:
-        """Tell of nothing more."""
+        """Report nothing more."""
         self._opened.close()
 
 
 def _require_event(node: Any, event_fd: int) -> None:
-    """Change the graph and wait to be told. Raises ``RosError`` where nothing is."""
+    """Change the graph and wait for the report. Raises ``RosError`` if none comes."""
     told = select.poll()
     told.register(event_fd, select.POLLIN)
     with ExitStack() as undone, ros_errors(TEST_TOPIC):
         publisher = node.create_publisher(message_type(_TEST_TYPE, TEST_TOPIC), TEST_TOPIC, 1)
         undone.callback(partial(node.destroy_publisher, publisher))
         if not told.poll(TEST_TIMEOUT_S * 1000):
-            raise RosError("nothing is told of changes of the graph")
+            raise RosError("changes of the graph are not reported")
     os.eventfd_read(event_fd)
 
 

@@ -30,7 +30,7 @@ from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Publisher, Qos, Receive, Subscription
 
 UNTOLD_PERIOD_S = 5.0
-"""How often rclpy's executor looks for what wakes nobody, where it does so when the graph changes, too."""
+"""How often rclpy's executor checks for work without a wake-up, beside each change of the graph."""
 
 
 class RclpyPart:
@@ -131,12 +131,12 @@ class RclPath:
         publishers = "publishers told apart" if self.tells_publishers else "publishers not told apart"
         numbered = f"messages {'' if self.can_pause else 'not '}numbered"
         problem = self._graph.problem
-        looks = "" if problem is None else f", the graph looked at five times a second, because {problem}"
+        looks = "" if problem is None else f", the graph checked five times a second because {problem}"
         return f"librcl, {publishers}, {numbered}{looks}"
 
     @property
     def tells_publishers(self) -> bool:
-        """Whether ``receive`` is told the publisher of each message: its GID."""
+        """Whether ``receive`` gets the publisher of each message: its GID."""
         return self._layout.gid_bytes > 0
 
     @property
@@ -146,7 +146,7 @@ class RclPath:
 
     @property
     def can_pause(self) -> bool:
-        """Whether subscriptions can rest, and still say how much their source sends."""
+        """Whether subscriptions can rest, and still count what their source sends."""
         return self._layout.is_numbered
 
     @property
@@ -202,7 +202,7 @@ class RclPath:
 
     def _changed(self) -> None:
         if self._graph.problem is not None:
-            self._failed(RosError(f"changes of the graph are told no more: {self._graph.problem}"))
+            self._failed(RosError(f"changes of the graph are no longer reported: {self._graph.problem}"))
         # New services of ours change it, and so does what rclpy warns of: a subscriber with another QoS.
         self._rclpy_part.look_next()
         self._graph_changed()
@@ -214,7 +214,7 @@ class RclPath:
 
 
 def _nothing() -> None:
-    """Be told of nothing."""
+    """Do nothing."""
 
 
 class RclPublisher:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Finds out whether librcl does here what its path relies on."""
+"""Tests whether librcl does here what its path relies on."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def tested_layout(node: Any, library: RclLibrary) -> InfoLayout:
         info = MessageInfo(InfoLayout(gid_bytes=0, is_numbered=False))
         came = _Receiver(subscription, buffers, info).first(TIMEOUT_S)
         if came != sent:
-            raise RosError("a message through librcl came back as another one")
+            raise RosError("a message sent through librcl came back changed")
         return InfoLayout.found_in(info.raw, _own_gid(node))
     finally:
         buffers.close()

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""A source, as the librcl path hears it."""
+"""A source, as the librcl path receives it."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class RclSource:
     """Delivers what its subscription takes, in the order of ``priority`` among all subscriptions.
 
     To rest it changes to a subscription with a short queue, and to work again, to one with a long queue. Both
-    are heard until the new one has its first message; the numbers of the messages tell what came twice.
+    are received until the new one has its first message; the numbers of the messages identify duplicates.
     """
 
     def __init__(
@@ -61,7 +61,7 @@ class RclSource:
     def serve(self, most: int) -> bool:
         """Deliver up to ``most`` messages; whether there may be more."""
         if self._rests and not self._is_armed:
-            # What came just as it fell asleep would be held back as the last word, a period too long.
+            # What came just before it rests would be held back as the final message, a period too long.
             return False
         taker, subscription = self._taker, self._subscription
         for _ in range(most):

@@ -42,7 +42,7 @@ class Unattended(CallbackGroup):  # type: ignore[misc]
 class RclSubscription:
     """Takes messages, and counts new ones up on ``event_fd`` while it is to wake.
 
-    ``is_heard`` says whether any message came. All calls raise ``RosError``.
+    ``is_heard`` is whether any message came. All calls raise ``RosError``.
     """
 
     def __init__(self, node: Any, library: RclLibrary, topic: str, type_name: str, qos: Qos) -> None:
@@ -136,7 +136,7 @@ class MessageNumbers:
 class RclTaker:
     """Takes each message once, whichever subscription it comes by.
 
-    ``publisher`` is that of the last one. ``failed`` is told what goes wrong, and then there is no message.
+    ``publisher`` is that of the last one. ``failed`` is called with an error, and then there is no message.
     """
 
     __slots__ = ("_info", "_tells_publishers", "buffers", "failed", "numbers", "publisher")

@@ -12,7 +12,7 @@ MOST_AT_ONCE = 16
 
 
 class Served(Protocol):
-    """Who has messages to deliver, those of high ``priority`` first."""
+    """What has messages to deliver, those of high ``priority`` first."""
 
     priority: float
 
@@ -21,7 +21,7 @@ class Served(Protocol):
 
 
 class RclWakeUps:
-    """The event descriptors that the middleware counts up, and who is behind with its messages."""
+    """The event descriptors that the middleware counts up, and which sources are behind."""
 
     def __init__(self) -> None:
         self._poll = select.epoll()

@@ -195,7 +195,7 @@ def _values(payload: bytes, payload_bytes: int) -> tuple[tuple[Value, ...], tupl
     """The values in ``payload``, of ``payload_bytes`` if it is whole, and their sizes."""
     header_bytes, at = _varint(payload, 0)
     if not at <= header_bytes <= len(payload):
-        raise DamagedRowError("its header makes no sense")
+        raise DamagedRowError("its header is invalid")
     values: list[Value] = []
     sizes: list[int] = []
     end = header_bytes
