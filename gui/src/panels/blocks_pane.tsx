@@ -77,7 +77,7 @@ function openWorkspace(
   };
   const workspace = new RuleWorkspace(host, {
     recipes: editor.recipes,
-    suggestions: suggestionsOf(() => editor.vocabulary.peek()),
+    suggestions: suggestionsOf(editor.vocabulary),
     changed: (editsOf) =>
       editor.edit((document) => {
         if (document === editor.shown.peek()?.document) workspace.catchUp(document, editor.layout.peek());

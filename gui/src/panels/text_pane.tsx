@@ -34,6 +34,9 @@ function openText(host: HTMLElement, editor: RuleEditor): () => void {
       text.mark(findings);
     }),
     effect(() => {
+      if (editor.vocabulary.value !== null) text.suggestAnew();
+    }),
+    effect(() => {
       const spot = editor.spot.value;
       if (spot === null) text.reveal(0, 0, false);
       else if (spot.from !== "text") text.reveal(spot.offset, spot.end_offset, spot.from === "findings");

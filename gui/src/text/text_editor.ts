@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { autocompletion, completionKeymap } from "@codemirror/autocomplete";
+import { autocompletion, completionKeymap, completionStatus, startCompletion } from "@codemirror/autocomplete";
 import { defaultKeymap, indentWithTab } from "@codemirror/commands";
 import { indentUnit } from "@codemirror/language";
 import { type Diagnostic, lintGutter, lintKeymap, setDiagnostics } from "@codemirror/lint";
@@ -88,6 +88,11 @@ export class TextEditor {
     this.quietly(() =>
       this.view.dispatch({ changes: { from, to: now.length - tail, insert: text.slice(from, text.length - tail) } }),
     );
+  }
+
+  /** Offers what the vocabulary has by now, where completions are offered already. */
+  suggestAnew(): void {
+    if (completionStatus(this.view.state) !== null) startCompletion(this.view);
   }
 
   mark(findings: readonly PlacedFinding[]): void {

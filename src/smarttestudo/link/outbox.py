@@ -10,7 +10,7 @@ from collections.abc import Callable, Hashable, Iterator
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from smarttestudo.domain.link import StreamCounts, LinkNeeds
+from smarttestudo.domain.link import LinkNeeds, StreamCounts
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.link.chunks import CONTROL_STREAM, Chunk
 

@@ -21,7 +21,6 @@ from smarttestudo.use_cases.ruler.backgrounds import BackgroundRequest, Backgrou
 from smarttestudo.use_cases.ruler.checked_text import Draft
 from smarttestudo.use_cases.ruler.curve import Curve, CurveRequest
 from smarttestudo.use_cases.ruler.edits import TextAnswer
-from smarttestudo.use_cases.ruler.measuring_process import MeasureLiveRequest
 from smarttestudo.use_cases.ruler.project import ProjectFiles, SaveRequest
 from smarttestudo.use_cases.ruler.pushing import ConfirmRequest, PushRequest
 from smarttestudo.use_cases.ruler.robot_link import RobotLink, ruler_node
@@ -77,7 +76,9 @@ def api_routes(
     yield answering("/api/push/preview", PushRequest, robots.preview)
     yield answering("/api/push", PushRequest, robots.push)
     yield answering("/api/push/confirm", ConfirmRequest, robots.confirm)
-    yield long_work("/api/profile/measure-live", MeasureLiveRequest, MeasureApi(listeners).answer, TextAnswer)
+    yield long_work(
+        "/api/profile/measure-live", profiles.MeasureLiveRequest, MeasureApi(listeners).answer, TextAnswer
+    )
     yield long_work("/api/try", TryRequest, TryApi(folder, listeners).answer, TryAnswer)
     yield long_work("/api/profile/curve", CurveRequest, CurveApi(folder, listeners).answer, Curve)
 

@@ -15,22 +15,24 @@ from starlette.responses import Response
 
 from smarttestudo.domain.errors import TestudoError
 from smarttestudo.use_cases.ruler.child_messages import Done, Failure, Share
+from smarttestudo.use_cases.ruler.child_process import ChildWork
 from smarttestudo.web.errors import GONE, JSON, RequestError
 from smarttestudo.web.socket import Listeners, Progress
 
+_MODULE = ChildWork.__module__
 _MAX_LINE_BYTES = 50_000_000
 _TIMED_OUT = 504
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Order:
-    """What the process of ``module`` is asked, within ``timeout_s``.
+    """What the process that does ``work`` is asked, within ``timeout_s``.
 
     ``run`` is how the page calls it where it is told how far it is; ``too_long`` and ``broken`` are said of
     work that takes longer, and of a process that ended without a word.
     """
 
-    module: str
+    work: ChildWork
     asked: msgspec.Struct
     run: str
     timeout_s: float
@@ -38,7 +40,7 @@ class Order:
     broken: TestudoError
 
 
-class ChildWork:
+class ChildProcesses:
     """Does one order at a time; ``listeners`` are told how far it is."""
 
     def __init__(self, listeners: Listeners) -> None:
@@ -65,7 +67,7 @@ class ChildWork:
 
     async def _done(self, order: Order) -> bytes:
         async with self._turn:
-            command = (sys.executable, "-m", order.module)
+            command = (sys.executable, "-m", _MODULE, order.work.value)
             process = await asyncio.create_subprocess_exec(
                 *command, stdin=PIPE, stdout=PIPE, stderr=DEVNULL, limit=_MAX_LINE_BYTES
             )

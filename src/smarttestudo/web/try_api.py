@@ -13,14 +13,13 @@ from smarttestudo.adapters.files.project_folder import ProjectFolder
 from smarttestudo.domain.errors import TestudoError
 from smarttestudo.domain.names import is_topic_name, resolve_topic
 from smarttestudo.use_cases.ruler.checked_text import require_usable
+from smarttestudo.use_cases.ruler.child_process import ChildWork
 from smarttestudo.use_cases.ruler.curve import CurveRequest
 from smarttestudo.use_cases.ruler.trial import TryRequest
-from smarttestudo.web.child_work import ChildWork, Order
+from smarttestudo.web.child_work import ChildProcesses, Order
 from smarttestudo.web.errors import RequestError
 from smarttestudo.web.socket import Listeners
 
-_TRIAL = "smarttestudo.use_cases.ruler.trial_process"
-_CURVE = "smarttestudo.use_cases.ruler.curve_process"
 _TIMEOUT_S = 600.0
 _BAD_REQUEST = 400
 
@@ -30,13 +29,15 @@ class TryApi:
 
     def __init__(self, folder: ProjectFolder, listeners: Listeners) -> None:
         self._folder = folder
-        self._work = ChildWork(listeners)
+        self._work = ChildProcesses(listeners)
 
     async def answer(self, request: Request, asked: TryRequest) -> Response:
         """Replay a bag; who leaves ends it."""
         bag = await run_in_threadpool(self._folder.bag, asked.bag)
         await run_in_threadpool(require_usable, asked)
-        return await self._work.answer(request, _order(_TRIAL, replace(asked, bag=str(bag)), asked.bag))
+        return await self._work.answer(
+            request, _order(ChildWork.TRIAL, replace(asked, bag=str(bag)), asked.bag)
+        )
 
 
 class CurveApi:
@@ -44,7 +45,7 @@ class CurveApi:
 
     def __init__(self, folder: ProjectFolder, listeners: Listeners) -> None:
         self._folder = folder
-        self._work = ChildWork(listeners)
+        self._work = ChildProcesses(listeners)
 
     async def answer(self, request: Request, asked: CurveRequest) -> Response:
         """Measure a topic of a bag; who leaves ends it."""
@@ -52,12 +53,12 @@ class CurveApi:
             raise RequestError(f"{asked.topic!r} is not a valid ROS 2 topic name", _BAD_REQUEST)
         bag = await run_in_threadpool(self._folder.bag, asked.bag)
         order = replace(asked, bag=str(bag), topic=resolve_topic(asked.topic))
-        return await self._work.answer(request, _order(_CURVE, order, asked.bag))
+        return await self._work.answer(request, _order(ChildWork.CURVE, order, asked.bag))
 
 
-def _order(module: str, asked: TryRequest | CurveRequest, name: str) -> Order:
+def _order(work: ChildWork, asked: TryRequest | CurveRequest, name: str) -> Order:
     return Order(
-        module=module,
+        work=work,
         asked=asked,
         run=asked.run,
         timeout_s=_TIMEOUT_S,

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import itertools
 import shutil
 import sqlite3
 from collections.abc import Sequence
@@ -23,6 +24,11 @@ START_NS = 1_700_000_000_000_000_000
 FOREVER = QosTime(9223372036, 854775807)
 CUSTOM_TYPE = "robot_msgs/msg/Gripper"
 CUSTOM_DEFINITION = "float64 opening\nbool holds\n"
+KINDS = [
+    *itertools.product(StoragePlugin, (CompressionMode.NONE, CompressionMode.FILE, CompressionMode.MESSAGE)),
+    (StoragePlugin.MCAP, CompressionMode.STORAGE),
+]
+"""Each way of storing a bag, with each compression that it has."""
 TYPES = get_typestore(Stores.ROS2_HUMBLE)
 TYPES.register(get_types_from_msg(CUSTOM_DEFINITION, CUSTOM_TYPE))
 

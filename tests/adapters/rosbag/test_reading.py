@@ -2,13 +2,12 @@
 # SPDX-License-Identifier: Apache-2.0
 from __future__ import annotations
 
-import itertools
 import json
 from pathlib import Path
 
 import pytest
 from mcap.writer import CompressionType, IndexType
-from rosbags.rosbag2 import CompressionMode, StoragePlugin
+from rosbags.rosbag2 import StoragePlugin
 
 from adapters.rosbag.bag_factory import (
     CUSTOM_DEFINITION,
@@ -30,19 +29,6 @@ from adapters.rosbag.bag_reading import read_bag
 from smarttestudo.adapters.rosbag import RosbagDecoder, open_recording
 
 MISSION = small_mission()
-KINDS = [
-    *itertools.product(StoragePlugin, (CompressionMode.NONE, CompressionMode.FILE, CompressionMode.MESSAGE)),
-    (StoragePlugin.MCAP, CompressionMode.STORAGE),
-]
-
-
-@pytest.fixture(scope="module", params=list(itertools.product(KINDS, (1, 3))), ids=str)
-def bag(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    (storage, compression), files = request.param
-    size = -(-len(MISSION.messages) // files)
-    parts = [MISSION.between(size * i, size * (i + 1)) for i in range(files)]
-    folder = tmp_path_factory.mktemp("bags") / "mission"
-    return write_split_bag(folder, parts, storage=storage, compression=compression)
 
 
 def test_every_kind_of_bag_gives_its_messages_byte_for_byte_in_time_order(bag: Path) -> None:

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import itertools
 import sqlite3
 from collections.abc import Iterator
 from contextlib import closing
@@ -14,10 +13,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mcap.writer import CompressionType, IndexType
-from rosbags.rosbag2 import CompressionMode, StoragePlugin
+from rosbags.rosbag2 import StoragePlugin
 
 from adapters.rosbag.bag_factory import (
     GRIPPER,
+    KINDS,
     ODOM,
     START_NS,
     BagContent,
@@ -26,16 +26,11 @@ from adapters.rosbag.bag_factory import (
     write_bag,
     write_humble_file,
     write_mcap_file,
-    write_split_bag,
 )
 from smarttestudo.adapters.rosbag import open_recording
 from smarttestudo.domain.errors import RecordingError
 
 MISSION = small_mission()
-KINDS = [
-    *itertools.product(StoragePlugin, (CompressionMode.NONE, CompressionMode.FILE, CompressionMode.MESSAGE)),
-    (StoragePlugin.MCAP, CompressionMode.STORAGE),
-]
 Size = tuple[str, int, int]
 
 
@@ -55,15 +50,6 @@ def counted_in_full(path: Path) -> tuple[list[Size], list[str]]:
 
 def written(content: BagContent) -> list[Size]:
     return [(message.topic, message.stamp_ns, len(message.payload)) for message in content.messages]
-
-
-@pytest.fixture(scope="module", params=list(itertools.product(KINDS, (1, 3))), ids=str)
-def bag(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    (storage, compression), files = request.param
-    size = -(-len(MISSION.messages) // files)
-    parts = [MISSION.between(size * i, size * (i + 1)) for i in range(files)]
-    folder = tmp_path_factory.mktemp("bags") / "mission"
-    return write_split_bag(folder, parts, storage=storage, compression=compression)
 
 
 def test_every_kind_of_bag_gives_the_sizes_that_were_written(bag: Path) -> None:

@@ -20,9 +20,9 @@ from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.domain.rate import Rate
 from smarttestudo.use_cases.live.decisions import decision_line
-from smarttestudo.use_cases.live.fallback import is_hidden
 from smarttestudo.use_cases.live.output_topics import OutputTopic, is_output_topic, output_topics
 from smarttestudo.use_cases.live.rules import LiveRuleFiles, LiveRules, Reading, RuleWatch
+from smarttestudo.use_cases.live.visible_topics import is_visible
 
 GOOD = "begin\n  SetFrequency /imu 10\nend\n"
 
@@ -125,8 +125,8 @@ def test_any_change_of_the_files_can_be_seen_without_reading_them(tmp_path: Path
 
 
 def test_hidden_topics_and_output_topics_are_known_by_name() -> None:
-    assert is_hidden("/arm/_action/feedback")
-    assert not is_hidden("/arm_1/joint_states")
+    assert not is_visible("/arm/_action/feedback")
+    assert is_visible("/arm_1/joint_states")
     assert is_output_topic("/testudo/imu", OutputTopic(pattern="/testudo{topic}"))
     assert not is_output_topic("/testudo_imu", OutputTopic(pattern="/testudo{topic}"))
     assert is_output_topic("/op/imu/thin", OutputTopic(pattern="/op{topic}/thin"))

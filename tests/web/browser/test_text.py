@@ -4,10 +4,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Locator, expect
+from playwright.sync_api import Locator, Route, expect
 
 from web.browser.ruler_page import EXAMPLES, RulerPage
 
@@ -178,3 +179,46 @@ def test_a_mark_stays_on_its_words_when_a_block_is_added_above(ruler: RulerPage,
     expect(marked).to_have_text(["CheckValue /odom speed < -1"])
     ruler.button("Undo").click()
     expect(marked).to_have_text(["CheckValue /odom speed < -1"])
+
+
+def test_completions_grow_when_more_topics_are_known_while_they_are_open(
+    ruler: RulerPage, project: Path
+) -> None:
+    answer = _type_while_topics_wait(ruler, project, "SetFrequency /gripper 3\nSetFrequency /gr")
+    ruler.page.keyboard.press("Control+Space")
+    answer()
+    expect(ruler.page.get_by_role("option", name="/gripper")).to_be_visible()
+
+
+def test_the_list_of_a_field_grows_when_more_topics_are_known_while_it_is_open(
+    ruler: RulerPage, project: Path
+) -> None:
+    answer = _type_while_topics_wait(ruler, project, "SetFrequency /gripper 3")
+    ruler.field("Edit topic to send: /scan").click()
+    listed = ruler.page.locator("datalist option")
+    expect(listed).not_to_have_count(0)
+    assert "/gripper" not in [one.get_attribute("value") for one in listed.all()]
+    answer()
+    expect(ruler.page.locator("datalist option[value='/gripper']")).to_have_count(1)
+
+
+def _type_while_topics_wait(ruler: RulerPage, project: Path, typed: str) -> Callable[[], None]:
+    """Type instead of a line, and call the result to let the page know the topics of the text."""
+    (project / "speed.adirf").write_text(SPEED)
+    ruler.home()
+    ruler.open("speed.adirf")
+    ruler.field("Edit topic to send: /scan")
+    waiting: list[Route] = []
+
+    def hold(route: Route) -> None:
+        waiting.append(route)
+
+    def answer() -> None:
+        for route in waiting:
+            route.continue_()
+        ruler.page.unroute("**/api/vocabulary")
+
+    ruler.page.route("**/api/vocabulary", hold)
+    with ruler.page.expect_request("**/api/vocabulary"):
+        _replace_in_text(ruler, "SetFrequency /scan 3", typed)
+    return answer

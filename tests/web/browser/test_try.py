@@ -29,7 +29,7 @@ begin
     EndIf
 end
 """
-TRIAL = "smarttestudo.use_cases.ruler.trial_process"
+TRIAL = "smarttestudo.use_cases.ruler.child_process\0trial"
 
 
 @pytest.fixture

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
 from typing import cast
@@ -14,14 +14,14 @@ from rosbags.rosbag2 import Reader
 
 from smarttestudo.adapters.rosbag.definitions import normal_definition
 from smarttestudo.adapters.rosbag.qos import is_transient_local
-from smarttestudo.adapters.rosbag.stored_file import ChannelsByNumber, Outline, Recovery, StoredFile
+from smarttestudo.adapters.rosbag.stored_file import ChannelsByNumber, ContinuedFile, Outline, StoredFile
 from smarttestudo.domain.errors import RecordingError
-from smarttestudo.domain.recording import Channel, RecordedMessage
+from smarttestudo.domain.recording import Channel
 
 OutlineReader = Callable[[Path, ChannelsByNumber, int], Iterator[Outline]]
 
 
-class IntactFile:
+class IntactFile(ContinuedFile):
     """Reads with rosbags; where that fails half-way, ``recover`` reopens the file and reading goes on.
 
     ``outline`` reads the outlines of the messages in the file, as ``StoredFile.outlines`` does.
@@ -40,39 +40,18 @@ class IntactFile:
         }
         self.start_ns = self._reader.start_time
         self.end_ns = self._reader.end_time - 1
-        self._recovery = Recovery(partial(recover, path), self._reader.message_count)
-
-    def messages(self, channels: ChannelsByNumber) -> Iterator[RecordedMessage]:
-        """All messages in time order, each with its one of ``channels``."""
-        return self._recovery.continued(self._as_stored(channels), channels)
+        super().__init__(partial(recover, path), self._reader.message_count)
 
     def outlines(self, channels: ChannelsByNumber, head_bytes: int) -> Iterator[Outline]:
         """The outlines of ``messages``, without reading payloads."""
         return self._outline(self._path, channels, head_bytes)
 
-    def notices(self) -> Sequence[str]:
-        """What was lost, once all messages were read."""
-        return self._recovery.notices
-
-    @property
-    def message_count(self) -> int:
-        """Messages that can be read, as far as that is known."""
-        return self._recovery.message_count
-
-    @property
-    def readable_share(self) -> float | None:
-        """1, unless reading all messages met damage."""
-        return self._recovery.readable_share
-
     def close(self) -> None:
         """Let go of the file."""
         self._reader.close()
 
-    def _as_stored(self, channels: ChannelsByNumber) -> Iterator[RecordedMessage]:
-        for connection, stamp_ns, payload in self._reader.messages():
-            if not (isinstance(stamp_ns, int) and isinstance(payload, bytes)):
-                raise TypeError("a message without stamp or payload")
-            yield channels[connection.id], stamp_ns, payload
+    def _rows(self) -> Iterator[tuple[object, object, object]]:
+        return ((connection.id, stamp_ns, data) for connection, stamp_ns, data in self._reader.messages())
 
 
 def _channel(connection: Connection) -> Channel:

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import sqlite3
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing
 from itertools import islice
@@ -72,33 +73,56 @@ def read_so_far(file: StoredFile) -> str:
     return f"{readable_until(file.readable_share, file.end_ns)} after {file.message_count:,} messages"
 
 
-class Recovery:
-    """Opens a file once more, in the way of a damaged one, when reading it fails half-way.
+class ContinuedFile(ABC):
+    """A file that is opened once more, in the way of a damaged one, when reading it fails half-way.
 
-    ``message_count``, ``notices`` and ``readable_share`` are those of the file, and what that tells instead.
+    ``recover`` opens it so, ``message_count`` is what the file says until then.
     """
 
     def __init__(self, recover: Callable[[], StoredFile], message_count: int) -> None:
         self._recover = recover
-        self.message_count = message_count
-        self.notices: Sequence[str] = ()
-        self.readable_share: float | None = 1.0
+        self._message_count = message_count
+        self._damage: Sequence[str] = ()
+        self._readable_share: float | None = 1.0
 
-    def continued(
-        self, messages: Iterator[RecordedMessage], channels: ChannelsByNumber
-    ) -> Iterator[RecordedMessage]:
-        """``messages``, and where they fail, the rest of them from the file opened anew."""
+    def messages(self, channels: ChannelsByNumber) -> Iterator[RecordedMessage]:
+        """All messages in time order, each with its one of ``channels``."""
         delivered = 0
         try:
-            for message in messages:
+            for message in self._as_stored(channels):
                 yield message
                 delivered += 1
         except Exception as error:  # noqa: BLE001 - libraries leak all kinds; what is behind the damage is read
             with closing(self._recover()) as recovered:
                 yield from islice(recovered.messages(channels), delivered, None)
-                self.notices = recovered.notices() or [f"damaged: {error}"]
-                self.message_count = recovered.message_count
-                self.readable_share = recovered.readable_share
+                self._damage = recovered.notices() or [f"damaged: {error}"]
+                self._message_count = recovered.message_count
+                self._readable_share = recovered.readable_share
+
+    def notices(self) -> Sequence[str]:
+        """What was lost, once all messages were read."""
+        return self._damage
+
+    @property
+    def message_count(self) -> int:
+        """Messages that can be read, as far as that is known."""
+        return self._message_count
+
+    @property
+    def readable_share(self) -> float | None:
+        """1, unless reading all messages met damage."""
+        return self._readable_share
+
+    @abstractmethod
+    def _rows(self) -> Iterator[tuple[object, object, object]]:
+        """The number of its topic, the stamp and the payload of each message in time order."""
+
+    def _as_stored(self, channels: ChannelsByNumber) -> Iterator[RecordedMessage]:
+        for number, stamp_ns, payload in self._rows():
+            if not (isinstance(number, int) and isinstance(stamp_ns, int) and isinstance(payload, bytes)):
+                raise TypeError("a message without stamp or payload")
+            if number in channels:
+                yield channels[number], stamp_ns, payload
 
 
 class TimeIndex:

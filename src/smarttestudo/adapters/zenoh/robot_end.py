@@ -16,7 +16,7 @@ from smarttestudo.adapters.zenoh.compression import Compressor
 from smarttestudo.adapters.zenoh.keys import new_boot
 from smarttestudo.cdr import FrameReader
 from smarttestudo.domain.errors import LinkError
-from smarttestudo.domain.link import LinkState, StreamCounts, StreamInfo, LinkNeeds
+from smarttestudo.domain.link import LinkNeeds, LinkState, StreamCounts, StreamInfo
 from smarttestudo.domain.payload import Payload
 from smarttestudo.link.chunks import MAX_MESSAGE_BYTES
 from smarttestudo.link.reports import Report

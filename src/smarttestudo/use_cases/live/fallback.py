@@ -7,12 +7,12 @@ from __future__ import annotations
 from smarttestudo.adirf.rule_set import fallback_rules
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.robot import Robot
-from smarttestudo.use_cases.live.decisions import DECISIONS_TOPIC
 from smarttestudo.use_cases.live.output_topics import OutputTopic, is_output_topic, output_topics
 from smarttestudo.use_cases.live.rules import LiveRules
+from smarttestudo.use_cases.live.visible_topics import is_visible, testudo_nodes
 
-# Every node has the first two, and time has to come from one place.
-NOT_RELAYED = frozenset({"/rosout", "/parameter_events", "/clock"})
+# Time has to come from one place.
+_CLOCK_TOPIC = "/clock"
 
 
 class Fallback:
@@ -35,7 +35,7 @@ class Fallback:
         seen = len(self._output_topics)
         unknown = [topic for topic in self._robot.topics() if self._may_join(topic)]
         if unknown:
-            testudos = self._nodes(DECISIONS_TOPIC) | {self._robot.name}
+            testudos = testudo_nodes(self._robot)
             for topic in sorted(unknown):
                 if self._nodes(topic) - testudos:
                     self._join(topic)
@@ -58,16 +58,11 @@ class Fallback:
         return not (
             topic in self._output_topics
             or topic in self._refused
-            or topic in NOT_RELAYED
-            or is_hidden(topic)
+            or topic == _CLOCK_TOPIC
+            or not is_visible(topic)
             or is_output_topic(topic, self._output_topic)
             or not topic.startswith(f"{self._topic_prefix}/")
         )
 
     def _nodes(self, topic: str) -> frozenset[str]:
         return frozenset(endpoint.node for endpoint in self._robot.publishers(topic))
-
-
-def is_hidden(topic: str) -> bool:
-    """Whether a part of the name begins with an underscore, as those of actions do."""
-    return any(part.startswith("_") for part in topic.split("/"))

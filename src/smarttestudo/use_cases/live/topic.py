@@ -12,49 +12,6 @@ from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import DataPath, Endpoint, Publisher, Qos, Receive, Robot, Subscription
 
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class TopicLink:
-    """What a relayed topic is connected to on the graph.
-
-    ``incompatible`` are the nodes among the ``subscribers`` of the output that its QoS cannot serve.
-    """
-
-    output: str
-    type_name: str | None = None
-    publishers: int = 0
-    transient_local: bool = False
-    has_header: bool = False
-    subscribers: int = 0
-    incompatible: tuple[str, ...] = ()
-    problem: str | None = None
-
-
-def topic_link(
-    robot: Robot,
-    output: str,
-    source: LiveSource | None,
-    subscribers: Sequence[Endpoint],
-    problem: str | None,
-) -> TopicLink:
-    """The links of a topic whose publishers make ``source``, relayed to ``output``.
-
-    ``problem`` says why it cannot be relayed.
-    """
-    if source is None:
-        return TopicLink(output=output, subscribers=len(subscribers), problem=problem)
-    return TopicLink(
-        output=output,
-        type_name=source.type_name,
-        publishers=source.publishers,
-        transient_local=source.qos.transient_local,
-        has_header=robot.begins_with_header(source.type_name),
-        subscribers=len(subscribers),
-        incompatible=tuple(sorted({one.node for one in subscribers if not_offered(source.qos, one)})),
-        problem=problem,
-    )
-
-
 DEPTH = 10
 # The last messages of all publishers come at once, and one may keep more of them than ten others.
 LATCHED_SUBSCRIPTION_DEPTH = 100
@@ -123,6 +80,48 @@ def not_offered(offered: Qos, subscriber: Endpoint) -> tuple[str, ...]:
         "transient local durability": subscriber.transient_local and not offered.transient_local,
     }
     return (*(policy for policy, is_unmet in unmet.items() if is_unmet), *subscriber.asks)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TopicLink:
+    """What a relayed topic is connected to on the graph.
+
+    ``incompatible`` are the nodes among the ``subscribers`` of the output that its QoS cannot serve.
+    """
+
+    output: str
+    type_name: str | None = None
+    publishers: int = 0
+    transient_local: bool = False
+    has_header: bool = False
+    subscribers: int = 0
+    incompatible: tuple[str, ...] = ()
+    problem: str | None = None
+
+
+def topic_link(
+    robot: Robot,
+    output: str,
+    source: LiveSource | None,
+    subscribers: Sequence[Endpoint],
+    problem: str | None,
+) -> TopicLink:
+    """The links of a topic whose publishers make ``source``, relayed to ``output``.
+
+    ``problem`` says why it cannot be relayed.
+    """
+    if source is None:
+        return TopicLink(output=output, subscribers=len(subscribers), problem=problem)
+    return TopicLink(
+        output=output,
+        type_name=source.type_name,
+        publishers=source.publishers,
+        transient_local=source.qos.transient_local,
+        has_header=robot.begins_with_header(source.type_name),
+        subscribers=len(subscribers),
+        incompatible=tuple(sorted({one.node for one in subscribers if not_offered(source.qos, one)})),
+        problem=problem,
+    )
 
 
 MAX_PUBLISHERS = 64

@@ -16,8 +16,8 @@ from msgspec import Struct
 from smarttestudo.domain.decision import Reason
 from smarttestudo.domain.status import BlockStatus, RulesOrigin, Silence, TopicStatus
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
+from smarttestudo.use_cases.ruler.page_words import TruthName, truth_name
 from smarttestudo.use_cases.ruler.robot_watch import RuleWords, SeenRobot
-from smarttestudo.use_cases.ruler.truth_names import TruthName, truth_name
 
 
 class RobotSummary(Struct, frozen=True, kw_only=True):

@@ -1,25 +1,29 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The profiles of a project: their tables, which one rules are meant for, and new ones from bags."""
+"""The profiles of a project: their tables, which one rules are for, and new ones from bags and robots."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import os
+import time
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from itertools import islice
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 from msgspec import Struct
 
 from smarttestudo.adapters.files.profile import parse_profile
 from smarttestudo.adapters.files.project_folder import FileKind, ProjectFolder
-from smarttestudo.adirf.parser import parse
+from smarttestudo.adapters.ros import open_robot
+from smarttestudo.adirf.parser import ParseResult, parse
 from smarttestudo.domain.errors import ProfileError, TestudoError
+from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.rate import MAX_RATE_HZ
 from smarttestudo.optimizer.profiling import proposed_tiers_hz
+from smarttestudo.use_cases.live.profile import profile_of_robot
 from smarttestudo.use_cases.ruler.edits import TextAnswer
-from smarttestudo.use_cases.ruler.profile_choice import profile_for
 from smarttestudo.use_cases.ruler.profile_table import (
     ProfileCheckAnswer,
     ProfileParseRequest,
@@ -30,6 +34,7 @@ from smarttestudo.use_cases.ruler.profile_table import (
     six_rates,
     write_table,
 )
+from smarttestudo.use_cases.ruler.vocabulary import topics_in
 
 _MAX_PROFILES = 200
 
@@ -51,6 +56,16 @@ class ProfileMeasureRequest(Struct, frozen=True, kw_only=True):
     """``POST /api/profile/measure`` → ``TextAnswer``: a profile measured in a bag of the project."""
 
     bag: str
+
+
+class MeasureLiveRequest(Struct, frozen=True, kw_only=True):
+    """``POST /api/profile/measure-live`` → ``TextAnswer``: a profile of what the robot's nodes publish now.
+
+    ``run`` names it in the ``Progress`` messages of ``/ws``.
+    """
+
+    seconds: float
+    run: str = ""
 
 
 class LevelsRequest(Struct, frozen=True, kw_only=True):
@@ -91,6 +106,39 @@ class Profiles:
 
         with open_recording(self._folder.bag(request.bag)) as recording:
             return TextAnswer(text=profile_of_recording(recording, name=request.bag))
+
+
+def profile_for(name: str, rules: ParseResult, profiles: Mapping[str, Profile]) -> str | None:
+    """Of ``profiles``, by name, the one for the rule file ``name``; ``None`` where none has to do with it.
+
+    That is the one of the same name; else the one that knows the most of the rules' topics, of equals one in
+    the same folder. Rules without a topic yet are at home in their folder.
+    """
+    own = PurePosixPath(name)
+    topics = {resolve_topic(topic) for topic in topics_in(rules)}
+
+    def merits(candidate: str) -> tuple[bool, int, bool]:
+        path = PurePosixPath(candidate)
+        is_near = path.parent == own.parent
+        return is_near and path.stem == own.stem, len(topics & set(profiles[candidate].topics)), is_near
+
+    best = max(sorted(profiles), key=merits, default=None)
+    if best is None:
+        return None
+    is_namesake, known, is_near = merits(best)
+    return best if is_namesake or known > 0 or (is_near and not topics) else None
+
+
+def measured_on_robots(*, seconds: float, timeout_s: float, report: Callable[[float], None]) -> TextAnswer:
+    """A profile of what is published during ``seconds``; ``timeout_s`` is the wait for the first topic.
+
+    ``report`` is told which share is done. Raises ``TestudoError`` where nothing can be measured.
+    """
+    with open_robot(name=f"testudo_ruler_profile_{os.getpid()}") as robot:
+        profile = profile_of_robot(
+            robot, seconds=seconds, timeout_s=timeout_s, steady_s=time.monotonic, report=report
+        )
+    return TextAnswer(text=profile.text)
 
 
 def table_of(request: ProfileParseRequest) -> ProfileTable:

@@ -14,8 +14,8 @@ from smarttestudo.domain.recording import Channel, MessageDecoder, RecordingRead
 from smarttestudo.domain.signal import Truth
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.runtime.relay_loop import RelayLoop
+from smarttestudo.use_cases.ruler.page_words import TruthName, truth_name
 from smarttestudo.use_cases.ruler.trial_loss import LossWatch
-from smarttestudo.use_cases.ruler.truth_names import TruthName, truth_name
 from smarttestudo.visualizer.floor import PathPoint
 from smarttestudo.visualizer.trace import TraceAccumulator
 

@@ -15,9 +15,8 @@ from smarttestudo.adapters.rosbag.qos import QosReader
 from smarttestudo.adapters.rosbag.sqlite.database import BROKEN, open_database, read_topics
 from smarttestudo.adapters.rosbag.sqlite.log import WriteAheadLog
 from smarttestudo.adapters.rosbag.sqlite.recovered import RecoveredSqliteFile
-from smarttestudo.adapters.rosbag.stored_file import ChannelsByNumber, Outline, OutlineError, Recovery
+from smarttestudo.adapters.rosbag.stored_file import ChannelsByNumber, ContinuedFile, Outline, OutlineError
 from smarttestudo.domain.errors import RecordingError
-from smarttestudo.domain.recording import RecordedMessage
 
 # SQLite knows the length of a blob from the head of its row, and leaves the pages that hold the rest alone.
 _LENGTHS = """
@@ -52,7 +51,7 @@ _SPAN = "SELECT count(*), min(timestamp), max(timestamp) FROM messages"
 _MESSAGES = "SELECT topic_id, timestamp, data FROM messages ORDER BY timestamp, id"
 
 
-class SqliteFile:
+class SqliteFile(ContinuedFile):
     """The database at ``path`` with ``log`` taken in, as far as both are whole.
 
     Raises ``RecordingError`` where SQLite cannot read it.
@@ -71,11 +70,7 @@ class SqliteFile:
             except BROKEN as error:
                 raise RecordingError(f"SQLite cannot read it: {error}", place=str(path)) from error
             self._resources = opened.pop_all()
-        self._recovery = Recovery(partial(RecoveredSqliteFile, path, log), int(count))
-
-    def messages(self, channels: ChannelsByNumber) -> Iterator[RecordedMessage]:
-        """All messages in time order, each with its one of ``channels``."""
-        return self._recovery.continued(self._as_stored(channels), channels)
+        super().__init__(partial(RecoveredSqliteFile, path, log), int(count))
 
     def outlines(self, channels: ChannelsByNumber, head_bytes: int) -> Iterator[Outline]:
         """The outlines of ``messages``, without reading payloads."""
@@ -83,26 +78,13 @@ class SqliteFile:
 
     def notices(self) -> Sequence[str]:
         """What was lost, once all messages were read."""
-        log_notices = () if self._log is None or self._recovery.notices else self._log.notices()
-        return [*log_notices, *self._qos.notices, *self._recovery.notices]
-
-    @property
-    def message_count(self) -> int:
-        """Messages that can be read, as far as that is known."""
-        return self._recovery.message_count
-
-    @property
-    def readable_share(self) -> float | None:
-        """1, unless reading all messages met damage."""
-        return self._recovery.readable_share
+        damage = super().notices()
+        log_notices = () if self._log is None or damage else self._log.notices()
+        return [*log_notices, *self._qos.notices, *damage]
 
     def close(self) -> None:
         """Let go of the file and its log."""
         self._resources.close()
 
-    def _as_stored(self, channels: ChannelsByNumber) -> Iterator[RecordedMessage]:
-        for number, stamp_ns, payload in self._database.execute(_MESSAGES):
-            if not (isinstance(number, int) and isinstance(stamp_ns, int) and isinstance(payload, bytes)):
-                raise TypeError("a message without stamp or payload")
-            if number in channels:
-                yield channels[number], stamp_ns, payload
+    def _rows(self) -> Iterator[tuple[object, object, object]]:
+        return self._database.execute(_MESSAGES)

@@ -1,0 +1,59 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Work that takes long, in a process of its own, which can be ended at any time.
+
+The one argument is the value of a ``ChildWork``; its order comes on standard input.
+"""
+
+from __future__ import annotations
+
+import sys
+from enum import Enum
+from pathlib import Path
+
+from msgspec import Struct
+
+from smarttestudo.use_cases.ruler.child_messages import answer_order
+
+
+class ChildWork(Enum):
+    """What is done: a ``TryRequest`` or ``CurveRequest`` whose ``bag`` is a path, or a ``MeasureOrder``."""
+
+    TRIAL = "trial"
+    CURVE = "curve"
+    MEASURE = "measure"
+
+
+class MeasureOrder(Struct, frozen=True, kw_only=True):
+    """How long to measure running robots, and how long to wait for the first topic."""
+
+    seconds: float
+    timeout_s: float
+
+
+def _main(work: ChildWork) -> int:
+    match work:
+        case ChildWork.TRIAL:
+            # Each work loads its own libraries only.
+            from smarttestudo.use_cases.ruler.trial import TryRequest, try_rules  # noqa: PLC0415
+
+            return answer_order(TryRequest, lambda order, report: try_rules(order, Path(order.bag), report))
+        case ChildWork.CURVE:
+            from smarttestudo.use_cases.ruler.curve import CurveRequest, measured_curve  # noqa: PLC0415
+
+            return answer_order(
+                CurveRequest, lambda order, report: measured_curve(Path(order.bag), order.topic, report)
+            )
+        case ChildWork.MEASURE:
+            from smarttestudo.use_cases.ruler.profiles import measured_on_robots  # noqa: PLC0415
+
+            return answer_order(
+                MeasureOrder,
+                lambda order, report: measured_on_robots(
+                    seconds=order.seconds, timeout_s=order.timeout_s, report=report
+                ),
+            )
+
+
+if __name__ == "__main__":
+    sys.exit(_main(ChildWork(sys.argv[1])))
