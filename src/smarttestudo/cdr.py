@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Reads the few fields that pacing needs from serialized messages, and writes texts (CDR, little and big endian).
+"""Reads the few fields that pacing needs from serialized messages (CDR, either endian), and writes texts.
 
 Plain CDR as ROS 2 writes it: a 4-byte encapsulation header, then the fields, each aligned to its size
 counted from the end of that header (OMG DDS-XTYPES 1.3, 7.4.1 and 7.6.2). Nothing here raises on any bytes.

@@ -37,13 +37,8 @@ def resolve_topic(name: str, *, namespace: str = "/", node: str = "smarttestudo"
     return f"{prefix.rstrip('/')}{full}"
 
 
-<<<<<<< HEAD
 def output_name(topic: str, pattern: str, robot: str | None = None) -> str:
     """What ``topic`` is called by ``pattern``, in which ``{robot}`` stands for a ``robot`` that is given.
-=======
-def output_name(topic: str, pattern: str) -> str:
-    """The output topic of ``topic``.
->>>>>>> words
 
     Raises ``UsageError`` where ``pattern`` does not hold ``{topic}`` or makes no valid name of it.
     """

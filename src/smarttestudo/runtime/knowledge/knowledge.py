@@ -133,7 +133,7 @@ class Knowledge:
         self.undecodable: Counter[str] = Counter()
 
     def set_budget(self, budget: LinkBudget) -> None:
-        """The relayed topics may take so much from now on; of what was set and what was measured, the lesser."""
+        """The relayed topics may take so much from now on: the lesser of what was set and measured."""
         self._budgets[budget.is_measured] = budget.link_kb_per_s
         is_measured = min(self._budgets, key=lambda each: (self._budgets[each], each))
         budget_kb_per_s, reason = self._budgets[is_measured], Reason.LINK if is_measured else Reason.BUDGET

@@ -8,6 +8,7 @@ from collections.abc import Callable, Hashable
 
 from smarttestudo.adapters.files.own_process import read_own_process
 from smarttestudo.domain.errors import said
+from smarttestudo.domain.link import OutgoingLink
 from smarttestudo.domain.observation import LinkBudget
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Robot
@@ -15,6 +16,7 @@ from smarttestudo.domain.status import RulesInForce
 from smarttestudo.runtime.inputs import ChangeInput, LoopInput, MessageInput, RulesInput, WakeInput
 from smarttestudo.use_cases.live.decisions import LiveDecisions
 from smarttestudo.use_cases.live.input_recorder import InputRecorder
+from smarttestudo.use_cases.live.link_watch import LINK_PERIOD_S, LinkWatch
 from smarttestudo.use_cases.live.losses import LiveLosses
 from smarttestudo.use_cases.live.rules import LiveRules
 from smarttestudo.use_cases.live.sampling import LiveSampling
@@ -30,7 +32,12 @@ class LiveRun:
     """Drives a loop, which follows ``rules``, in the node's time."""
 
     def __init__(
-        self, robot: Robot, inputs: InputRecorder, rules: LiveRules, decisions: LiveDecisions
+        self,
+        robot: Robot,
+        inputs: InputRecorder,
+        rules: LiveRules,
+        decisions: LiveDecisions,
+        link: OutgoingLink | None = None,
     ) -> None:
         self._robot = robot
         self._inputs = inputs
@@ -40,6 +47,7 @@ class LiveRun:
         self._topics = LiveTopics(robot, self._receive, self._priority_of, is_lazy=not inputs.is_recording)
         self._topics.follow(rules.output_topics, loop.knowledge.watched, loop.relays.leaders)
         robot.log.info(f"Data path: {robot.data_path.description}")
+        self._link = None if link is None else LinkWatch(link)
         self._losses = LiveLosses(robot.log)
         self._sampling = LiveSampling(loop, may_rest=not inputs.is_recording)
         self._status = LiveStatus(robot.name, read_own_process())
@@ -52,6 +60,8 @@ class LiveRun:
         """Until ``stopped``."""
         self._robot.look_at_graph(self._look)
         self._robot.every(self._timer.period_s, self._tell)
+        if self._link is not None:
+            self._robot.every(LINK_PERIOD_S, self._look_at_link)
         while not stopped():
             self._report()
             self._robot.wait(self._wake_ns, LOOK_PERIOD_S)
@@ -113,6 +123,13 @@ class LiveRun:
             self._take(ChangeInput(stamp_ns=now_ns, change=heard))
         self._sampling.look(self._topics.lone_subscriptions(), now_ns)
         self._losses.look(self._topics.subscriptions(), now_ns)
+
+    def _look_at_link(self) -> None:
+        assert self._link is not None
+        self._link.follow(self._rules, self._loop.knowledge.plan)
+        budget = self._link.changed_budget()
+        if budget is not None:
+            self._take(ChangeInput(stamp_ns=self._robot.now_ns(), change=budget))
 
     def _take(self, given: LoopInput) -> None:
         self._inputs.record(given, self._rules)

@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import partial
 
+from smarttestudo.domain.link import OutgoingLink
 from smarttestudo.domain.robot import Robot
 from smarttestudo.use_cases.live.decisions import Decided, LiveDecisions
 from smarttestudo.use_cases.live.fallback import Fallback
@@ -24,8 +25,11 @@ def run_live(
     stopped: Callable[[], bool],
     decided: Sequence[Decided] = (),
     note: Note | None = None,
+    link: OutgoingLink | None = None,
 ) -> None:
     """Relay until ``stopped``; ``decided`` are given the decisions, ``note`` what the loop is given.
+
+    What ``link`` carries is the budget, and what ``robot`` publishes goes over it.
 
     Raises:
         RosError: decisions cannot be published at all.
@@ -47,7 +51,7 @@ def run_live(
     if first.rules is None:
         fallback.look()
     rules = first.rules or fallback.rules()
-    live = LiveRun(robot, InputRecorder(robot, request, note), rules, decisions)
+    live = LiveRun(robot, InputRecorder(robot, request, note), rules, decisions, link)
     live.set_status_hz(request.status_hz)
     keeper = RuleManager(robot, live, files, fallback, first)
     with keeper.keep():

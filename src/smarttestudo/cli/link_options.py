@@ -1,0 +1,75 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Options of the commands that have an end of a link."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+
+from smarttestudo.adapters.zenoh.security import LinkOptions
+from smarttestudo.cli.paths import file_path
+from smarttestudo.domain.errors import UsageError
+
+_NEED_A_LINK = ("robot", "zenoh_config", "insecure")
+
+
+def add_link(parser: argparse.ArgumentParser) -> None:
+    """Add ``--link`` and ``--link-listen``, which begin a link, and what goes with them."""
+    group = parser.add_argument_group("link to an operator")
+    group.add_argument(
+        "--link",
+        metavar="ENDPOINT",
+        action="append",
+        default=[],
+        help="send what is relayed to 'testudo receive' there, as in tcp/192.168.1.5:7447; the ROS graph gets "
+        "it too only with --output-topic or --output-domain",
+    )
+    group.add_argument(
+        "--link-listen",
+        metavar="ENDPOINT",
+        action="append",
+        default=[],
+        help="wait there for 'testudo receive --connect' instead",
+    )
+    group.add_argument(
+        "--robot", metavar="NAME", help="the robot's name for operators (default: this host's name)"
+    )
+    add_zenoh_config(group)
+
+
+def add_zenoh_config(parser: argparse._ActionsContainer) -> None:
+    """Add ``--zenoh-config`` and ``--insecure``."""
+    parser.add_argument(
+        "--zenoh-config",
+        metavar="FILE",
+        type=file_path,
+        help="certificates, users and access control of the link: a Zenoh configuration (JSON5)",
+    )
+    parser.add_argument(
+        "--insecure",
+        action="store_true",
+        help="allow endpoints that other machines reach, without certificates or a password",
+    )
+
+
+def link_options(arguments: argparse.Namespace) -> LinkOptions | None:
+    """The link of a robot's end, if there is one. Raises ``UsageError`` for its options without it."""
+    if arguments.link or arguments.link_listen:
+        return LinkOptions(
+            listen=tuple(arguments.link_listen),
+            connect=tuple(arguments.link),
+            config_file=arguments.zenoh_config,
+            insecure=arguments.insecure,
+        )
+    for name in _NEED_A_LINK:
+        if getattr(arguments, name):
+            option = "--" + name.replace("_", "-")
+            raise UsageError("it is about a link", place=option, remedy="add --link or --link-listen")
+    return None
+
+
+def warn(sentence: str) -> None:
+    """Say on standard error what somebody should read."""
+    sys.stderr.write(f"testudo: {sentence}\n")
+    sys.stderr.flush()
