@@ -54,5 +54,9 @@ class RosError(TestudoError):
     """Something that ROS 2 refuses or lacks."""
 
 
+class PortError(TestudoError):
+    """An address that cannot be listened on."""
+
+
 class UsageError(TestudoError):
     """A command line that does not fit together; the program exits with 2."""
