@@ -109,7 +109,7 @@ benchmarks: $(VENV)/dev.stamp $(PAGE)
 	for benchmark in benchmarks/*.py; do $(BIN)/python $$benchmark || exit 1; done
 
 clean:
-	rm -rf $(VENV) src/smarttestudo/web/static gui/node_modules build install log dist htmlcov .coverage demo-out .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
+	rm -rf $(VENV) src/smarttestudo/web/static gui/node_modules tests/adapters/foxglove/client/node_modules build install log dist htmlcov .coverage demo-out .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
 
 $(VENV)/bin/python:
 	@PYTHON=$(PYTHON) sh scripts/check_python.sh

