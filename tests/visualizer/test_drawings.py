@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from itertools import pairwise
 from xml.etree import ElementTree as ET
 
@@ -12,17 +13,19 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from smarttestudo.domain.decision import Decision, PlannedRate, Reason
 from smarttestudo.domain.floor_plan import FloorPlan, FloorZone, Rectangle
 from smarttestudo.domain.rate import Rate
+from smarttestudo.visualizer.comparison import Comparison
 from smarttestudo.visualizer.floor import PathPoint
-from smarttestudo.visualizer.report import TopicHistory, TopicSeries
-from smarttestudo.visualizer.report.floor_map import floor_map, path_pieces, thinned
-from smarttestudo.visualizer.report.rate_chart import rate_chart
+from smarttestudo.visualizer.report import RunReport, TopicHistory, TopicSeries
+from smarttestudo.visualizer.report.floor_map import draw_floor_map, floor_map, path_pieces, thinned
 from smarttestudo.visualizer.report.rule_styles import RuleStyles
 from smarttestudo.visualizer.report.scale import Scale, multiples, round_step
+from smarttestudo.visualizer.report.time_chart import Run, rate_charts, stacked_chart
+from smarttestudo.visualizer.report.time_drawing import SMALL, WIDE, draw_chart, number
 from smarttestudo.visualizer.rule_timeline import DecidingBlock, RuleSpan, block_at
 from smarttestudo.visualizer.series import SeriesPoint
-from smarttestudo.visualizer.targets import TargetSpan
 
 BLOCK = DecidingBlock(rule="Hall", line=3)
 SPANS = (RuleSpan(start_s=0.0, end_s=5.0, block=None), RuleSpan(start_s=5.0, end_s=9.0, block=BLOCK))
@@ -36,13 +39,28 @@ def constant(hz: int) -> TopicHistory:
 
 def chart(before_hz: int, after_hz: int, target: Rate | None = None) -> ET.Element:
     series = TopicSeries(topic="/imu", before=constant(before_hz), after=constant(after_hz))
-    targets = () if target is None else (TargetSpan(start_s=0.0, end_s=10.0, rate=target),)
-    return ET.fromstring(rate_chart(series, targets, (), RuleStyles(()), duration_s=10.0).html)
+    (drawn,) = rate_charts(report_of(series, () if target is None else (decided(target),)))
+    return ET.fromstring(draw_chart(drawn, SMALL, 100).html)
+
+
+def report_of(series: TopicSeries, decisions: tuple[Decision, ...] = ()) -> RunReport:
+    return RunReport(
+        title="", duration_s=10.0, comparison=Comparison(topics=()), series=(series,), decisions=decisions
+    )
+
+
+def decided(rate: Rate) -> Decision:
+    planned = PlannedRate(rate=rate, reason=Reason.DEFAULT, rule=None, line=None)
+    return Decision(t_s=0.0, stamp_ns=0, topic="/imu", from_rate=None, planned=planned, values={})
 
 
 def height(drawing: ET.Element, line: str) -> float:
-    found = next(one for one in drawing.iter("polyline") if one.get("class") == line)
-    return float(found.get("points", "").split()[0].partition(",")[2])
+    """The place in pixels from the top of the drawing at which a line begins."""
+    plot = next(one for one in drawing.iter("svg") if one.get("class") == "plot")
+    found = next(one for one in plot.iter("polyline") if one.get("class") == line)
+    value = float(found.get("points", "").split()[0].partition(",")[2])
+    _, top, _, tall = map(float, plot.get("viewBox", "").split())
+    return float(plot.get("y", "")) + (-value - top) / tall * float(plot.get("height", ""))
 
 
 def labels(drawing: ET.Element) -> dict[str, float]:
@@ -53,9 +71,9 @@ def labels(drawing: ET.Element) -> dict[str, float]:
 
 def map_of(path: list[tuple[float, float]], *zones: FloorZone) -> ET.Element:
     points = [PathPoint(t_s=float(at), x_m=x_m, y_m=y_m) for at, (x_m, y_m) in enumerate(path)]
-    drawing = floor_map(FloorPlan(zones=zones), points, SPANS, RuleStyles(SPANS))
-    assert drawing is not None
-    return ET.fromstring(drawing.drawing.html)
+    floor = floor_map(FloorPlan(zones=zones), points, SPANS, RuleStyles(SPANS))
+    assert floor is not None
+    return ET.fromstring(draw_floor_map(floor).html)
 
 
 rising = st.lists(st.floats(0, 1e6), min_size=2, max_size=5, unique=True).map(sorted)
@@ -109,6 +127,23 @@ def test_a_planned_rate_is_a_step_and_full_is_none(target: Rate, steps: int) -> 
     (line,) = (one for one in drawing.iter("path") if one.get("class") == "target")
     assert line.get("d", "").count("M") == steps
     assert labels(drawing)["0"] - height(drawing, "after") > 30
+
+
+@given(st.floats(1e-6, 1e9) | st.floats(-1e9, -1e-6) | st.just(0.0))
+def test_a_number_on_a_drawing_has_no_exponent_and_six_right_digits(value: float) -> None:
+    assert "e" not in number(value)
+    assert float(number(value)) == pytest.approx(value, rel=1e-5, abs=1e-6)
+
+
+def test_the_layers_of_a_stack_stand_on_each_other() -> None:
+    points = [
+        TopicHistory(kb_per_s=(SeriesPoint(t_s=1.0, lowest=kb, mean=kb, highest=kb),)) for kb in (20, 5)
+    ]
+    low, high = (TopicSeries(topic=f"/{index}", before=one) for index, one in enumerate(points))
+    report = replace(report_of(low), series=(high, low))
+    drawing = ET.fromstring(draw_chart(stacked_chart(report, Run.BEFORE), WIDE, 100).html)
+    tops = {one.get("data-name"): one.get("points", "").split()[0] for one in drawing.iter("polygon")}
+    assert tops == {"/0": "1,20", "/1": "1,25"}
 
 
 def test_one_metre_is_as_long_in_x_as_in_y() -> None:

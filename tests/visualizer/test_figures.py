@@ -7,19 +7,24 @@ from __future__ import annotations
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
+from xml.etree import ElementTree as ET
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from PIL import Image
 
 from smarttestudo.adapters.figures import FigureKind, draw_figures
-from smarttestudo.adapters.figures.styles import AREAS, rule_look
+from smarttestudo.adapters.figures.over_time import rates_figure
+from smarttestudo.adapters.figures.styles import HATCHES, rule_look
 from smarttestudo.adapters.files.whole_file import OutputFileError
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.visualizer.comparison import Comparison
 from smarttestudo.visualizer.report import RunReport, TopicHistory, TopicSeries
 from smarttestudo.visualizer.report.rule_styles import DEFAULTS, OTHERS, STYLED_BLOCKS, RuleStyle
+from smarttestudo.visualizer.report.time_chart import MOST_LAYERS, rate_charts
+from smarttestudo.visualizer.report.time_drawing import SMALL, draw_chart
 from smarttestudo.visualizer.series import SeriesPoint
 from smarttestudo.visualizer.statistics import IntervalHistogram
 from visualizer.demo_like_report import demo_like_report
@@ -49,6 +54,20 @@ def test_each_figure_is_a_png_and_an_svg_of_the_same_bytes_each_time(tmp_path: P
     for one, other in zip(once, again, strict=True):
         assert one.read_bytes() == other.read_bytes()
         assert one.stat().st_size > 5000
+
+
+def test_a_figure_shows_the_lines_and_labels_of_the_report() -> None:
+    report = small_report()
+    figure = rates_figure(report)
+    assert figure is not None
+    for axes, chart in zip(figure.axes, rate_charts(report), strict=True):
+        drawing = ET.fromstring(draw_chart(chart, SMALL, 1000).html)
+        lines = [one.get("points", "").split() for one in drawing.iter("polyline")]
+        for drawn, points in zip(axes.lines, lines, strict=False):
+            heights = [float(point.partition(",")[2]) for point in points]
+            assert np.asarray(drawn.get_ydata()).tolist() == pytest.approx(heights, rel=1e-4)
+        labels = [one.text for one in drawing.iter("text") if one.get("text-anchor") == "end"]
+        assert [label.get_text() for label in axes.get_yticklabels()] == labels[:-1]
 
 
 def test_only_what_was_asked_for_and_can_be_drawn_is_written(tmp_path: Path) -> None:
@@ -89,7 +108,8 @@ def test_looks_differ_by_more_than_their_colour() -> None:
     own = [RuleStyle(css_class=f"by-rule-{index}", name="") for index in range(1, STYLED_BLOCKS + 1)]
     lines = [rule_look(style) for style in (*own, DEFAULTS, OTHERS)]
     assert len({(line.dash, line.width) for line in lines}) == len(lines)
-    assert all(one.hatch != other.hatch for one, other in pairwise(AREAS))
+    assert len(HATCHES) == MOST_LAYERS + 1
+    assert all(one != other for one, other in pairwise(HATCHES))
 
 
 @given(st.lists(st.integers(1, 10**12), min_size=1, max_size=50))

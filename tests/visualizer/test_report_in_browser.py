@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -16,9 +17,14 @@ from smarttestudo.visualizer.report import RunReport, render_report
 from visualizer.demo_like_report import demo_like_report
 from visualizer.test_report import hostile_report
 
-SHARES_OF_WIDTH = """lines => lines.map(
-    (line) => new DOMMatrix(getComputedStyle(line).transform).e / line.parentNode.clientWidth,
-)"""
+BOXES = """texts => texts.map((text) => {
+    const { left, right, height } = text.getBoundingClientRect();
+    return [left, right, height];
+})"""
+SHARES_OF_WIDTH = """lines => lines.map((line) => {
+    const ground = line.parentNode.querySelector(".ground").getBoundingClientRect();
+    return (line.getBoundingClientRect().left - ground.left) / ground.width;
+})"""
 
 
 @pytest.fixture(scope="module")
@@ -46,11 +52,13 @@ class Opened:
         self.page.goto(path.as_uri())
 
     def chart(self, name: str) -> Locator:
-        return self.page.locator(f'figure[data-chart="{name}"]')
+        """A chart by its kind, and where there are several its number among them: ``rate 0``."""
+        kind, _, number = name.partition(" ")
+        return self.page.locator(f'figure[data-chart="{kind}"]').nth(int(number or 0))
 
     def point_at(self, chart: str, share: float) -> None:
         """Put the mouse over a chart, at a share of its width."""
-        area = self.chart(chart).locator(".u-over")
+        area = self.chart(chart).locator(".ground")
         area.scroll_into_view_if_needed()
         box = area.bounding_box()
         assert box is not None
@@ -73,7 +81,7 @@ def opened(browser: Browser, tmp_path: Path) -> Opened:
 
 def test_a_report_opens_without_a_complaint_and_asks_for_nothing(opened: Opened) -> None:
     expect(opened.page.locator(".time-bar")).to_be_visible()
-    assert opened.page.locator("canvas").count() == 12
+    assert opened.page.locator("svg.over-time:visible").count() == 12
     assert opened.complaints == []
     assert len(opened.requests) == 1
 
@@ -90,7 +98,7 @@ def test_the_cursor_is_at_one_time_in_all_charts_on_the_map_and_in_words(opened:
     expect(opened.words).to_contain_text("Scaffolding")
     expect(opened.chart("rate 6").locator(".readout")).to_have_text("195 → 10 Hz")
     expect(opened.chart("total").locator(".readout")).to_contain_text("KB/s")
-    lines = opened.page.locator(".u-cursor-x").evaluate_all(SHARES_OF_WIDTH)
+    lines = opened.page.locator(".cursor.known").evaluate_all(SHARES_OF_WIDTH)
     assert len(lines) == 12
     assert max(lines) - min(lines) < 0.02
     middle = opened.robot
@@ -145,7 +153,7 @@ def test_the_keyboard_reaches_the_time_the_tables_and_the_decisions(opened: Open
 
 def test_without_scripts_every_drawing_and_number_is_there(browser: Browser, tmp_path: Path) -> None:
     opened = Opened(browser, tmp_path, demo_like_report(), scripts=False)
-    assert opened.page.locator("svg.static:visible").count() == 12
+    assert opened.page.locator("svg.over-time:visible").count() == 12
     expect(opened.page.locator(".time-bar")).to_have_count(0)
     words = opened.page.locator("body").inner_text().replace("\N{NO-BREAK SPACE}", " ")
     for text in (
@@ -159,10 +167,38 @@ def test_without_scripts_every_drawing_and_number_is_there(browser: Browser, tmp
     assert opened.requests == [opened.page.url]
 
 
-def test_on_paper_the_drawings_take_the_place_of_the_charts(opened: Opened) -> None:
-    expect(opened.page.locator(".time-bar")).to_be_visible()
-    assert opened.page.locator("svg.static:visible").count() == 0
+def test_paper_has_the_drawings_of_the_screen_and_the_stretch_that_they_show(opened: Opened) -> None:
+    opened.page.get_by_role("slider").fill("100")
+    opened.page.get_by_role("button", name="Zoom in").click()
     opened.page.emulate_media(media="print")
-    assert opened.page.locator("svg.static:visible").count() == 12
-    assert opened.page.locator("canvas:visible").count() == 0
+    assert opened.page.locator("svg.over-time:visible").count() == 12
+    assert opened.chart("rate 0").locator(".times text").all_text_contents()[0] == "60"
     expect(opened.page.locator(".time-bar")).to_be_hidden()
+
+
+def test_a_zoomed_chart_names_its_times_and_the_bars_that_have_room(opened: Opened) -> None:
+    name = opened.chart("lanes").locator(".bar-name:visible", has_text="4 Hz").first
+    expect(name).to_be_visible()
+    opened.page.get_by_role("slider").fill("190")
+    for _ in range(3):
+        opened.page.get_by_role("button", name="Zoom in").click()
+    expect(name).to_have_count(0)
+    names = opened.chart("lanes").locator(".bar-name:visible").evaluate_all(BOXES)
+    ground = opened.chart("lanes").locator(".ground").evaluate_all(BOXES)
+    assert all(ground[0][0] <= left < right <= ground[0][1] for left, right, _ in names)
+    assert len(names) == 10
+    times = [
+        text.removesuffix(" s") for text in opened.chart("total").locator(".times text").all_text_contents()
+    ]
+    assert min(map(float, times)) >= 166
+    assert max(map(float, times)) <= 200
+
+
+def test_a_chart_fits_a_telephone_with_letters_of_the_usual_size(browser: Browser, tmp_path: Path) -> None:
+    opened = Opened(browser, tmp_path, demo_like_report())
+    opened.page.set_viewport_size({"width": 390, "height": 800})
+    opened.chart("total").scroll_into_view_if_needed()
+    boxes = opened.chart("total").locator(".times text").evaluate_all(BOXES)
+    assert all(height >= 11 for _, _, height in boxes)
+    assert all(right < left for (_, right, _), (left, _, _) in pairwise(boxes))
+    assert boxes[-1][1] <= 390

@@ -7,7 +7,21 @@ from __future__ import annotations
 import argparse
 
 from smarttestudo import __version__
-from smarttestudo.cli import bag, check, demo, echo, fmt, optimize, profile, replay, ruler, run, simulate, top
+from smarttestudo.cli import (
+    bag,
+    check,
+    demo,
+    echo,
+    fmt,
+    optimize,
+    profile,
+    receive,
+    replay,
+    ruler,
+    run,
+    simulate,
+    top,
+)
 
 
 def command_parser() -> argparse.ArgumentParser:
@@ -19,6 +33,20 @@ def command_parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"testudo {__version__}")
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    for command in (demo, check, fmt, run, top, echo, replay, bag, profile, optimize, ruler, simulate):
+    for command in (
+        demo,
+        check,
+        fmt,
+        run,
+        receive,
+        top,
+        echo,
+        replay,
+        bag,
+        profile,
+        optimize,
+        ruler,
+        simulate,
+    ):
         command.add_parser(commands)
     return parser

@@ -22,8 +22,8 @@ def add_link(parser: argparse.ArgumentParser) -> None:
         metavar="ENDPOINT",
         action="append",
         default=[],
-        help="send what is relayed to 'testudo receive' there, as in tcp/192.168.1.5:7447; the ROS graph gets "
-        "it too only with --output-topic or --output-domain",
+        help="send what is relayed to 'testudo receive' there, as in tcp/192.168.1.5:7447; the ROS graph "
+        "gets it too only with --output-topic or --output-domain",
     )
     group.add_argument(
         "--link-listen",

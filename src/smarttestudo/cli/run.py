@@ -5,6 +5,8 @@
 from __future__ import annotations
 
 import argparse
+import platform
+import re
 from contextlib import ExitStack
 
 from smarttestudo.adapters.files.decision_log import growing_decision_log
@@ -12,10 +14,12 @@ from smarttestudo.adapters.files.input_log import INPUTS_FILE, input_log
 from smarttestudo.adapters.files.outputs import require_separate
 from smarttestudo.adapters.files.rule_files import rule_files_named
 from smarttestudo.adapters.ros import open_robot
+from smarttestudo.adapters.zenoh import open_robot_end
+from smarttestudo.cli.link_options import add_link, link_options, warn
 from smarttestudo.cli.loop_options import add_output_domain, add_ros_arguments, add_rules, output_domain
 from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.terminal import stop_signals
-from smarttestudo.domain.names import is_topic_prefix
+from smarttestudo.domain.names import TOPIC_PLACEHOLDER, is_topic_prefix
 from smarttestudo.domain.parameter import ParameterValue
 from smarttestudo.domain.robot import DataPathKind
 from smarttestudo.use_cases.live.decisions import Decided
@@ -67,6 +71,7 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
         type=file_path,
         help="record the inputs of the loop in a new folder; 'testudo replay DIR' repeats the decisions",
     )
+    add_link(parser)
     add_ros_arguments(parser)
 
 
@@ -81,11 +86,17 @@ def run(arguments: argparse.Namespace) -> int:
     """Relay until a signal comes."""
     with ExitStack() as opened:
         stopped = opened.enter_context(stop_signals())
+        options = link_options(arguments)
+        link = None
+        if options is not None:
+            link = opened.enter_context(open_robot_end(_robot_name(arguments.robot), options, warn))
         robot = opened.enter_context(
             open_robot(
                 arguments.ros_args,
                 data_path=DataPathKind(arguments.data_path),
                 output_domain=output_domain(arguments),
+                link=link,
+                is_local=_is_local(arguments),
             )
         )
         parameters = RunParameters(robot, _given(arguments))
@@ -96,8 +107,18 @@ def run(arguments: argparse.Namespace) -> int:
         note = None
         if parameters.request.record_inputs is not None:
             note = opened.enter_context(input_log(parameters.request.record_inputs))
-        run_live(parameters, robot, stopped, decided, note)
+        run_live(parameters, robot, stopped, decided, note=note, link=link)
     return 0
+
+
+def _robot_name(given: str | None) -> str:
+    return given or re.sub(r"[^A-Za-z0-9_]", "_", platform.node()) or "robot"
+
+
+def _is_local(arguments: argparse.Namespace) -> bool:
+    """Whether the ROS graph gets what is relayed."""
+    has_link = bool(arguments.link or arguments.link_listen)
+    return not has_link or arguments.output_topic is not None or arguments.output_domain is not None
 
 
 def _require_separate(request: RunRequest) -> None:
@@ -116,7 +137,8 @@ def _given(arguments: argparse.Namespace) -> dict[str, ParameterValue]:
     return {
         "rules_file": None if arguments.rules is None else tuple(map(str, arguments.rules)),
         "profile_file": None if arguments.profile is None else str(arguments.profile),
-        "output_topic": arguments.output_topic,
+        # Over a link topics keep their names: nobody mistakes them for their sources there.
+        "output_topic": arguments.output_topic if _is_local(arguments) else TOPIC_PLACEHOLDER,
         "topic_prefix": arguments.topic_prefix,
         "when_slow": arguments.when_slow,
         "budget_kb_per_s": arguments.budget,

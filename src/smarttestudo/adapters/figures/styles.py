@@ -7,11 +7,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
 
-from smarttestudo.visualizer.report.rule_styles import DEFAULTS, OTHERS, RuleStyle
+from smarttestudo.visualizer.report.looks import BUDGET_DASH, DASHES, DEFAULTS_WIDTH, ON_PAPER, PATH_WIDTH
+from smarttestudo.visualizer.report.rule_styles import DEFAULTS, RuleStyle
 
-INK, QUIET, FAINT, WALL, RACK = "#1d2430", "#5d6878", "#e6e8ec", "#525c6b", "#c9cfd8"
+INK, QUIET, FAINT = ON_PAPER["ink"], ON_PAPER["quiet"], ON_PAPER["faint"]
 SETTINGS: dict[Any, Any] = {
     "font.family": "DejaVu Sans",
     "font.size": 8.0,
@@ -38,7 +39,7 @@ SETTINGS: dict[Any, Any] = {
     "svg.hashsalt": "smarttestudo",
 }
 
-Dash = Literal["-"] | tuple[int, tuple[int, ...]]
+Dash = Literal["-"] | tuple[int, tuple[float, ...]]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -50,48 +51,34 @@ class LineLook:
     width: float
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class AreaLook:
-    """How an area is told from others."""
-
-    colour: str
-    hatch: str
-
-
-BEFORE = LineLook(colour="#8a93a0", dash=(0, (4, 1)), width=1.1)
+BEFORE = LineLook(colour=ON_PAPER["before"], dash="-", width=1.1)
 AFTER = LineLook(colour=INK, dash="-", width=1.1)
-BUDGET = LineLook(colour="#c2410c", dash=(0, (6, 2, 1, 2)), width=1.2)
-
-AREAS = (
-    AreaLook(colour="#2f5d82", hatch=""),
-    AreaLook(colour="#9cc3dd", hatch="///"),
-    AreaLook(colour="#e8d9a0", hatch=""),
-    AreaLook(colour="#e2a36b", hatch="\\\\\\"),
-    AreaLook(colour="#f3e3d3", hatch="..."),
-    AreaLook(colour="#b96a5a", hatch="xxx"),
-    AreaLook(colour="#e6e8ec", hatch=""),
-)
-
+TARGET = LineLook(colour="#0003", dash="-", width=4.0)
+_PER_PX = 0.65
+BUDGET = LineLook(colour=INK, dash=(0, BUDGET_DASH), width=1.2)
+HATCHES = ("", "///", "", "\\\\\\", "...", "xxx", "")
+"""Of the layers of a stack, from its foot on."""
 _LABEL_CHARACTERS = 60
-_RULES = (
-    LineLook(colour="#0a66b0", dash="-", width=2.6),
-    LineLook(colour="#e08a00", dash=(0, (5, 1)), width=2.6),
-    LineLook(colour="#00785c", dash=(0, (1, 1)), width=2.6),
-    LineLook(colour="#c25b9b", dash=(0, (5, 1, 1, 1)), width=2.6),
-    LineLook(colour="#4aa8de", dash=(0, (3, 1)), width=2.6),
-    LineLook(colour="#c2410c", dash=(0, (5, 1, 1, 1, 1, 1)), width=2.6),
-)
-_DEFAULTS = LineLook(colour="#8b95a4", dash="-", width=1.3)
-_OTHERS = LineLook(colour=QUIET, dash=(0, (1, 3)), width=2.6)
 
 
 def rule_look(style: RuleStyle) -> LineLook:
-    """The look of a rule's line, in the colour that it has in the report."""
-    if style == DEFAULTS:
-        return _DEFAULTS
-    if style == OTHERS:
-        return _OTHERS
-    return _RULES[int(style.css_class.rpartition("-")[2]) - 1]
+    """The look of a rule's line, as it is in the report."""
+    dash = tuple(length / PATH_WIDTH for length in DASHES.get(style.colour, ()))
+    width = DEFAULTS_WIDTH if style == DEFAULTS else PATH_WIDTH
+    return LineLook(colour=ON_PAPER[style.colour], dash=(0, dash) if dash else "-", width=_PER_PX * width)
+
+
+def handle(name: str, look: LineLook) -> Line2D:
+    """What a legend shows of a line."""
+    return Line2D(
+        [],
+        [],
+        color=look.colour,
+        linestyle=look.dash,
+        linewidth=look.width,
+        dash_capstyle="round",
+        label=plain(name),
+    )
 
 
 def plain(text: str) -> str:
@@ -103,8 +90,3 @@ def plain(text: str) -> str:
         half = _LABEL_CHARACTERS // 2
         text = f"{text[:half]}…{text[-half:]}"
     return text.replace("$", r"\$")
-
-
-def label_time(axes: Axes) -> None:
-    """Write what the horizontal axis is."""
-    axes.set_xlabel("Time in s")

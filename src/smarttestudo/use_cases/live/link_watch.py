@@ -32,7 +32,9 @@ class LinkWatch:
         needs = {
             output: LinkNeeds(
                 priority=rules.profile.topic(topic).priority,
-                floor_hz=max(rules.rule_set.floors_hz.get(topic, 0.0), rules.profile.topic(topic).min_hz or 0.0),
+                floor_hz=max(
+                    rules.rule_set.floors_hz.get(topic, 0.0), rules.profile.topic(topic).min_hz or 0.0
+                ),
                 is_full=topic in plan and math.isinf(plan[topic].rate.hz),
             )
             for topic, output in rules.output_topics.items()

@@ -24,6 +24,7 @@ def run_live(
     robot: Robot,
     stopped: Callable[[], bool],
     decided: Sequence[Decided] = (),
+    *,
     note: Note | None = None,
     link: OutgoingLink | None = None,
 ) -> None:

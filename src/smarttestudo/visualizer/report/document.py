@@ -7,14 +7,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from smarttestudo.visualizer.report.chart_data import chart_data
 from smarttestudo.visualizer.report.decision_chart import Lane, lanes
 from smarttestudo.visualizer.report.decision_section import decision_section
 from smarttestudo.visualizer.report.floor_map import FloorMap, floor_map
 from smarttestudo.visualizer.report.headline import opening
 from smarttestudo.visualizer.report.markup import Markup, html_table, tag
 from smarttestudo.visualizer.report.rule_styles import RuleStyles, styles_of
-from smarttestudo.visualizer.report.run_report import RunReport, TopicSeries, charted_series
+from smarttestudo.visualizer.report.run_report import RunReport
 from smarttestudo.visualizer.report.scripts import content_policy, script_elements, style
 from smarttestudo.visualizer.report.sections import (
     bandwidth_section,
@@ -24,6 +23,7 @@ from smarttestudo.visualizer.report.sections import (
     rates_section,
     section,
 )
+from smarttestudo.visualizer.report.time_chart import TimeChart, rate_charts
 from smarttestudo.visualizer.rule_timeline import RuleSpan, deciding_spans
 
 
@@ -31,7 +31,7 @@ from smarttestudo.visualizer.rule_timeline import RuleSpan, deciding_spans
 class _Drawn:
     """What several parts of the report show."""
 
-    shown: Sequence[TopicSeries]
+    charts: Sequence[TimeChart]
     spans: Sequence[RuleSpan]
     styles: RuleStyles
     rows: Sequence[Lane]
@@ -41,13 +41,12 @@ class _Drawn:
 def render_report(report: RunReport) -> str:
     """One HTML document that needs nothing else: no network, no other file.
 
-    Its drawings and tables are there without scripts; with them, a cursor and a zoom run through all charts
-    and the map. Its size is bounded, whatever the length of the run and the number of topics.
+    Each drawing is there once, for the screen, for paper and without scripts; scripts add a cursor and a zoom
+    through all of them. Its size is bounded, whatever the length of the run and the number of topics.
     """
     drawn = _draw(report)
-    frame, path = (drawn.plan.frame, drawn.plan.line) if drawn.plan else (None, ())
-    data = chart_data(report, drawn.shown, drawn.rows, frame, path)
-    body = tag("body", tag("main", *_parts(report, drawn)), *script_elements(data))
+    scripts = script_elements(report.duration_s, drawn.plan.places if drawn.plan else ())
+    body = tag("body", tag("main", *_parts(report, drawn)), *scripts)
     return "<!DOCTYPE html>\n" + tag("html", _head(report.title), body, lang="en").html + "\n"
 
 
@@ -55,7 +54,7 @@ def _draw(report: RunReport) -> _Drawn:
     spans = deciding_spans(report.decisions, report.duration_s)
     styles = styles_of(report.decisions, report.duration_s)
     return _Drawn(
-        shown=charted_series(report),
+        charts=rate_charts(report),
         spans=spans,
         styles=styles,
         rows=lanes(report.decisions, report.duration_s, styles) if report.decisions else (),
@@ -79,8 +78,8 @@ def _parts(report: RunReport, drawn: _Drawn) -> Iterator[Markup]:
     yield opening(report, drawn.plan, drawn.spans, drawn.styles)
     if drawn.rows or report.rules:
         yield decision_section(report, drawn.rows, drawn.styles)
-    if drawn.shown:
-        yield rates_section(report, drawn.shown, drawn.styles)
+    if drawn.charts:
+        yield rates_section(report, drawn.charts, drawn.styles)
         yield bandwidth_section(report)
     if report.loss is not None:
         yield loss_section(report.loss, report.names)

@@ -9,11 +9,11 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import groupby, pairwise
 
-from smarttestudo.domain.floor_plan import FloorPlan, OccupancyMap
+from smarttestudo.domain.floor_plan import FloorPlan, FloorZone, OccupancyMap
 from smarttestudo.visualizer.floor import PathPoint
 from smarttestudo.visualizer.report.map_frame import MapFrame, axes, map_frame, markers, zone_names
 from smarttestudo.visualizer.report.markup import Markup, coordinate, tag
-from smarttestudo.visualizer.report.rule_styles import RuleStyles
+from smarttestudo.visualizer.report.rule_styles import RuleStyle, RuleStyles
 from smarttestudo.visualizer.rule_timeline import DecidingBlock, RuleSpan, block_at
 
 MAX_POINTS = 1000
@@ -113,11 +113,23 @@ def _strips(rows: Sequence[Sequence[bool]]) -> Iterator[tuple[int, int, int]]:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FloorMap:
-    """The drawing, the frame that it is drawn in, and the path as far as it is drawn."""
+    """What the map shows, the same in whichever form it is drawn.
 
-    drawing: Markup
+    ``zones`` and ``pieces`` of the path have the looks of their blocks; ``known`` are all places that are
+    known, ``line`` as many of them as are drawn.
+    """
+
+    plan: FloorPlan
     frame: MapFrame
+    known: tuple[PathPoint, ...]
     line: tuple[PathPoint, ...]
+    zones: tuple[tuple[FloorZone, RuleStyle], ...]
+    pieces: tuple[tuple[tuple[PathPoint, ...], RuleStyle], ...]
+
+    @property
+    def places(self) -> Iterator[tuple[float, float, float]]:
+        """When the robot was where on the drawing."""
+        return ((point.t_s, *self.frame.place(point)) for point in self.line)
 
 
 def floor_map(
@@ -125,39 +137,46 @@ def floor_map(
 ) -> FloorMap | None:
     """The map; ``None`` where there is neither a floor plan nor a known place."""
     plan = plan or FloorPlan()
-    places = known_places(path)
-    frame = map_frame(plan, places)
+    known = known_places(path)
+    frame = map_frame(plan, known)
     if frame is None:
         return None
-    line = thinned(places)
-    drawing = tag(
+    line = thinned(known)
+    return FloorMap(
+        plan=plan,
+        frame=frame,
+        known=tuple(known),
+        line=tuple(line),
+        zones=tuple((zone, styles.of_zone(zone.name)) for zone in plan.zones),
+        pieces=tuple((piece.points, styles.of(piece.block)) for piece in path_pieces(line, spans)),
+    )
+
+
+def draw_floor_map(floor: FloorMap) -> Markup:
+    """The map as an SVG element."""
+    frame = floor.frame
+    return tag(
         "svg",
         *axes(frame),
-        *_floor(plan, frame, styles),
-        *_path(line, frame, spans, styles),
-        *zone_names(plan.zones, line, frame),
-        *markers(places, frame),
+        *_floor(floor),
+        tag("polyline", class_="path-edge", points=frame.points(floor.line)),
+        *(
+            tag("polyline", class_=f"path {look.css_class}", points=frame.points(points))
+            for points, look in floor.pieces
+        ),
+        *zone_names(floor.plan.zones, floor.line, frame),
+        *markers(floor.known, frame),
         class_="map",
         viewBox=f"0 0 {coordinate(frame.width)} {coordinate(frame.height)}",
         role="img",
         aria_label="Floor plan with the robot's path, coloured by deciding rule",
     )
-    return FloorMap(drawing=drawing, frame=frame, line=tuple(line))
 
 
-def _floor(plan: FloorPlan, frame: MapFrame, styles: RuleStyles) -> Iterator[Markup]:
-    for zone in plan.zones:
-        yield frame.rectangle(zone.area, f"zone {styles.of_zone(zone.name).css_class}")
-    if plan.occupancy is not None:
-        yield occupied_cells(plan.occupancy, frame)
-    for obstacle in plan.obstacles:
-        yield frame.rectangle(obstacle.footprint, obstacle.kind.value)
-
-
-def _path(
-    places: Sequence[PathPoint], frame: MapFrame, spans: Sequence[RuleSpan], styles: RuleStyles
-) -> Iterator[Markup]:
-    yield tag("polyline", class_="path-edge", points=frame.points(places))
-    for piece in path_pieces(places, spans):
-        look = styles.of(piece.block).css_class
-        yield tag("polyline", class_=f"path {look}", points=frame.points(piece.points))
+def _floor(floor: FloorMap) -> Iterator[Markup]:
+    for zone, look in floor.zones:
+        yield floor.frame.rectangle(zone.area, f"zone {look.css_class}")
+    if floor.plan.occupancy is not None:
+        yield occupied_cells(floor.plan.occupancy, floor.frame)
+    for obstacle in floor.plan.obstacles:
+        yield floor.frame.rectangle(obstacle.footprint, obstacle.kind.value)

@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from smarttestudo.visualizer.report.floor_map import FloorMap
+from smarttestudo.visualizer.report.floor_map import FloorMap, draw_floor_map
 from smarttestudo.visualizer.report.legends import rule_legend
 from smarttestudo.visualizer.report.markup import Markup, tag
 from smarttestudo.visualizer.report.rule_styles import RuleStyles
@@ -58,7 +58,7 @@ def opening(
     )
     if plan is None:
         return tag("header", words)
-    return tag("header", words, tag("figure", plan.drawing), class_="with-map")
+    return tag("header", words, tag("figure", draw_floor_map(plan)), class_="with-map")
 
 
 def _kept_together(sentence: str) -> str:

@@ -6,10 +6,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from smarttestudo.visualizer.report.bandwidth_chart import Layer
 from smarttestudo.visualizer.report.markup import Markup, tag
 from smarttestudo.visualizer.report.rule_styles import RuleStyle, RuleStyles
 from smarttestudo.visualizer.report.run_report import RunReport
+from smarttestudo.visualizer.report.time_chart import Layer
 from smarttestudo.visualizer.rule_timeline import RuleSpan
 from smarttestudo.visualizer.summary import bandwidth_text
 
@@ -72,7 +72,7 @@ def _entry(sample: Markup, name: str, *more: Markup) -> Markup:
 
 
 def _strip(style: RuleStyle) -> Markup:
-    return tag("rect", class_=f"strip {style.css_class}", x=1.0, y=4.0, width=32.0, height=4.0)
+    return tag("path", class_=f"strip {style.css_class}", d="M1 6H33")
 
 
 def _sample(shape: Markup) -> Markup:

@@ -12,7 +12,7 @@ from smarttestudo.domain.decision import Decision
 from smarttestudo.visualizer.rule_timeline import DecidingBlock, RuleSpan, by_topic, deciding_spans
 
 STYLED_BLOCKS = 6
-"""How many blocks have a look of their own; the style sheet defines as many."""
+"""How many blocks have a look of their own, as there are colours for."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -21,6 +21,11 @@ class RuleStyle:
 
     css_class: str
     name: str
+
+    @property
+    def colour(self) -> str:
+        """The name of its colour and dash in ``looks``."""
+        return self.css_class.removeprefix("by-")
 
 
 DEFAULTS = RuleStyle(css_class="by-default", name="Defaults")

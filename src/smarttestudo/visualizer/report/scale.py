@@ -6,12 +6,11 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeVar
 
-from smarttestudo.visualizer.report.markup import Markup, coordinate, tag
-from smarttestudo.visualizer.rule_timeline import RuleSpan
+from smarttestudo.visualizer.report.rule_styles import RuleStyle
 from smarttestudo.visualizer.targets import TargetSpan
 
 _ROUND_STEPS = (1.0, 2.0, 5.0, 10.0)
@@ -60,16 +59,16 @@ def label(value: float, digits: int = 6) -> str:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class LaneSpan:
-    """From ``start_s`` to ``end_s``: what is written on the bar, and its look."""
+class LookSpan:
+    """From ``start_s`` to ``end_s``: the look of what is drawn, and what is written on it."""
 
     start_s: float
     end_s: float
-    text: str
-    css_class: str
+    look: RuleStyle
+    text: str = ""
 
 
-_Span = TypeVar("_Span", RuleSpan, TargetSpan, LaneSpan)
+_Span = TypeVar("_Span", TargetSpan, LookSpan)
 
 
 def long_enough(spans: Iterable[_Span], shortest_s: float) -> Iterator[_Span]:
@@ -82,53 +81,8 @@ def long_enough(spans: Iterable[_Span], shortest_s: float) -> Iterator[_Span]:
             start_s = None
 
 
-WIDTH = 1000.0
-LEFT, RIGHT, TOP, BOTTOM = 64.0, 24.0, 22.0, 30.0
-_TIME_TICKS = 10
-_VALUE_TICKS = 4
-_TIME_TOLERANCE = 1.005
-_HEADROOM = 1.08
-
-
-def time_scale(duration_s: float, left: float = LEFT) -> Scale:
-    """From seconds to places between the frame's sides."""
-    return linear((0.0, max(duration_s, 1e-3)), (left, WIDTH - RIGHT))
-
-
-def value_scale(highest: float, foot: float) -> Scale:
-    """From 0 to a little above ``highest``, upwards from ``foot``."""
-    return linear((0.0, highest * _HEADROOM or 1.0), (foot, TOP))
-
-
-def time_axis(x: Scale, height: float) -> Iterator[Markup]:
-    """Labels at round times under a chart of ``height``; the last one has the unit."""
-    times_s = multiples(round_step(x.values[1] / _TIME_TICKS), 0.0, x.values[1] * _TIME_TOLERANCE)
-    for value in times_s:
-        unit = " s" if value == times_s[-1] else ""
-        yield tag("text", label(value) + unit, class_="tick", x=x(value), y=height - 8, text_anchor="middle")
-
-
-def value_axis(y: Scale, unit: str) -> Iterator[Markup]:
-    """Lines at round values, labelled to their left, ``unit`` on top."""
-    for value in value_ticks(y):
-        at = y(value)
-        yield tag("line", class_="grid", x1=LEFT, x2=WIDTH - RIGHT, y1=at, y2=at)
-        yield tag("text", f"{value:,g}", class_="tick", x=LEFT - 6, y=at + 3.5, text_anchor="end")
-    yield tag("text", unit, class_="tick", x=LEFT - 6, y=12.0, text_anchor="end")
-
-
-def value_ticks(y: Scale) -> list[float]:
-    """The values to label."""
-    return multiples(round_step(y.values[-1] / _VALUE_TICKS), 0.0, y.values[-1])
-
-
-def wide_svg(*content: Markup, height: float, meaning: str, css_class: str) -> Markup:
-    """The drawing as an element that says what it shows."""
-    return tag(
-        "svg",
-        *content,
-        class_=f"static {css_class}",
-        viewBox=f"0 0 {coordinate(WIDTH)} {coordinate(height)}",
-        role="img",
-        aria_label=meaning,
-    )
+def bounded(spans: Sequence[_Span], most: int) -> Sequence[_Span]:
+    """``spans`` in at most about ``most``."""
+    if len(spans) <= most:
+        return spans
+    return tuple(long_enough(spans, (spans[-1].end_s - spans[0].start_s) / most))

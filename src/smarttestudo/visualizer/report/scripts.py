@@ -6,8 +6,11 @@ from __future__ import annotations
 
 import base64
 import hashlib
+from collections.abc import Iterable
 from importlib.resources import files
 
+from smarttestudo.domain.json_text import json_text
+from smarttestudo.visualizer.report.looks import colour_sheet
 from smarttestudo.visualizer.report.markup import Markup, tag
 
 DATA_ID = "chart-data"
@@ -15,9 +18,7 @@ _FOLDER = files("smarttestudo.visualizer.report")
 # In the order in which they build upon each other.
 _OWN = (
     "time.js",
-    "look.js",
-    "line_chart.js",
-    "charts.js",
+    "chart.js",
     "lanes.js",
     "map.js",
     "time_bar.js",
@@ -28,21 +29,20 @@ _OWN = (
 
 def style() -> str:
     """The style sheets as one."""
-    return _read("vendor/uplot/uPlot.min.css") + "\n" + _read("report.css")
+    return colour_sheet() + "\n" + _read("report.css")
 
 
 def script() -> str:
-    """The charts' library uPlot with its licence, and the report's own scripts."""
-    licence = _read("vendor/uplot/LICENSE").rstrip()
+    """The report's scripts as one."""
     own = "\n".join(_without_head(_read(f"script/{name}")) for name in _OWN)
-    library = _read("vendor/uplot/uPlot.iife.min.js")
-    return f'/*\n{licence}\n*/\n{library}\n(() => {{\n"use strict";\n{own}\n}})();\n'
+    return f'(() => {{\n"use strict";\n{own}\n}})();\n'
 
 
-def script_elements(data: str) -> tuple[Markup, Markup]:
-    """``data``, which is JSON without ``<``, and what shows it."""
-    holder = tag("script", Markup(data), type="application/json", id=DATA_ID)
-    return holder, tag("script", Markup(script()))
+def script_elements(duration_s: float, path: Iterable[tuple[float, float, float]]) -> tuple[Markup, Markup]:
+    """What no drawing tells, and what uses it: the duration, and when the robot was where on the map."""
+    places = [[round(t_s, 2), round(x, 1), round(y, 1)] for t_s, x, y in path]
+    data = json_text({"duration": max(duration_s, 1e-3), "path": places}, compact=True)
+    return tag("script", Markup(data), type="application/json", id=DATA_ID), tag("script", Markup(script()))
 
 
 def content_policy() -> str:

@@ -10,19 +10,19 @@ from smarttestudo.visualizer.comparison import TopicComparison
 from smarttestudo.visualizer.comparison_tables import RunNames
 from smarttestudo.visualizer.loss.report import LossReport
 from smarttestudo.visualizer.loss.tables import loss_tables
-from smarttestudo.visualizer.report.bandwidth_chart import layers, stacked_chart, total_chart
 from smarttestudo.visualizer.report.headline import Bar, bars
 from smarttestudo.visualizer.report.legends import layer_legend, rate_legend, run_legend
 from smarttestudo.visualizer.report.markup import Markup, html_table, name_parts, tag
-from smarttestudo.visualizer.report.rate_chart import MAX_POINTS, rate_chart
 from smarttestudo.visualizer.report.rule_styles import RuleStyles
-from smarttestudo.visualizer.report.run_report import Fact, RunReport, TopicSeries
-from smarttestudo.visualizer.rule_timeline import by_topic, deciding_spans
+from smarttestudo.visualizer.report.run_report import Fact, RunReport
+from smarttestudo.visualizer.report.time_chart import Run, TimeChart, stacked_chart, total_chart
+from smarttestudo.visualizer.report.time_drawing import SMALL, WIDE, draw_chart
 from smarttestudo.visualizer.summary import fixed_price, length_text, position_error
 from smarttestudo.visualizer.table import format_number
-from smarttestudo.visualizer.targets import target_spans
 
 _POINTS_OF_ALL_CHARTS = 2000
+_FEWEST_POINTS, _MOST_POINTS = 80, 1000
+_WIDE_POINTS = 400
 
 
 def section(heading: str, *content: Markup, explanation: str = "") -> Markup:
@@ -31,16 +31,15 @@ def section(heading: str, *content: Markup, explanation: str = "") -> Markup:
     return tag("section", tag("h2", heading), *lines, *content)
 
 
-def rates_section(report: RunReport, shown: Sequence[TopicSeries], styles: RuleStyles) -> Markup:
-    """A small chart for each topic that is ``shown``."""
-    charts = tag("div", *_rate_figures(report, shown, styles), class_="charts")
-    left_out = len(report.series) - len(shown)
+def rates_section(report: RunReport, charts: Sequence[TimeChart], styles: RuleStyles) -> Markup:
+    """A small chart for each topic that has one."""
+    left_out = len(report.series) - len(charts)
     note = [tag("p", f"{left_out:,} more topics are in the tables.", class_="note")] if left_out else []
     shading = ", shaded by the rule that decided the topic" if report.decisions else ""
     return section(
         "Rate of each topic",
         rate_legend(report, styles),
-        charts,
+        tag("div", *_rate_figures(report, charts), class_="charts"),
         *note,
         explanation=f"Messages in each second{shading}.{_stretches(report)}",
     )
@@ -48,17 +47,14 @@ def rates_section(report: RunReport, shown: Sequence[TopicSeries], styles: RuleS
 
 def bandwidth_section(report: RunReport) -> Markup:
     """All topics together over time, and what they consist of."""
-    stacked = report.names.after if report.is_pair else report.names.before
-    total = tag("figcaption", tag("span", "All topics", class_="name"))
-    parts = tag(
-        "figcaption", tag("span", f"{stacked}, by topic" if report.is_pair else "By topic", class_="name")
-    )
+    total, stack = total_chart(report), stacked_chart(report, Run.AFTER if report.is_pair else Run.BEFORE)
+    by_topic = f"{stack.name}, by topic" if report.is_pair else "By topic"
     return section(
         "Bandwidth",
         run_legend(report),
-        tag("figure", total, total_chart(report), class_="chart", data_chart="total"),
-        layer_legend(layers(report, of_second=report.is_pair)),
-        tag("figure", parts, stacked_chart(report), class_="chart", data_chart="stack"),
+        _figure("total", [tag("span", total.name, class_="name")], draw_chart(total, WIDE, _WIDE_POINTS)),
+        layer_legend(stack.layers),
+        _figure("stack", [tag("span", by_topic, class_="name")], draw_chart(stack, WIDE, _WIDE_POINTS)),
         explanation="What the topics shown here carry together in each second.",
     )
 
@@ -74,29 +70,24 @@ def provenance_section(facts: Sequence[Fact]) -> Markup:
     return section("Where this comes from", tag("dl", *entries, class_="facts"))
 
 
-def _rate_figures(report: RunReport, shown: Sequence[TopicSeries], styles: RuleStyles) -> Iterator[Markup]:
+def _rate_figures(report: RunReport, charts: Sequence[TimeChart]) -> Iterator[Markup]:
     pairs = {pair.topic: pair for pair in report.comparison.topics}
-    decisions = by_topic(report.decisions)
-    max_points = min(MAX_POINTS, _POINTS_OF_ALL_CHARTS // max(len(shown), 1))
-    for index, series in enumerate(shown):
-        own = decisions.get(series.topic, [])
-        spans = deciding_spans(own, report.duration_s)
-        targets = target_spans(own, report.duration_s)
-        chart = rate_chart(
-            series, targets, spans, styles, duration_s=report.duration_s, max_points=max_points
+    max_points = min(max(_POINTS_OF_ALL_CHARTS // len(charts), _FEWEST_POINTS), _MOST_POINTS)
+    for chart in charts:
+        yield _figure(
+            "rate", _caption(chart.name, pairs.get(chart.name)), draw_chart(chart, SMALL, max_points)
         )
-        caption = _caption(series.topic, pairs.get(series.topic))
-        yield tag("figure", caption, chart, class_="chart", data_chart=f"rate {index}")
 
 
-def _caption(topic: str, pair: TopicComparison | None) -> Markup:
+def _figure(kind: str, caption: Sequence[Markup], drawing: Markup) -> Markup:
+    """A drawing that scripts make interactive, as ``kind`` says."""
+    return tag("figure", tag("figcaption", *caption), drawing, class_="chart", data_chart=kind)
+
+
+def _caption(topic: str, pair: TopicComparison | None) -> list[Markup]:
     change = None if pair is None else pair.change_percent
     number = "" if change is None else f"{format_number(change, 0, signed=True)} %"
-    return tag(
-        "figcaption",
-        tag("span", *name_parts(topic), class_="words name"),
-        tag("span", number, class_="quiet readout"),
-    )
+    return [tag("span", *name_parts(topic), class_="words name"), tag("span", number, class_="quiet readout")]
 
 
 def _stretches(report: RunReport) -> str:

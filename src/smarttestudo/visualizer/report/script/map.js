@@ -7,8 +7,8 @@ const REACH = 40;
 
 function followOnMap(map) {
   const times = data.path.map(([t]) => t);
-  const stretch = mapShape("polyline", { class: "shown-path" });
-  const robot = mapShape("circle", { class: "robot", r: 8 });
+  const stretch = shape("polyline", { class: "shown-path" });
+  const robot = shape("circle", { class: "robot", r: 8 });
   map.append(stretch, robot);
 
   time.watch(() => {
@@ -42,10 +42,4 @@ function nearest(point) {
     }
   }
   return best;
-}
-
-function mapShape(name, attributes) {
-  const shape = document.createElementNS("http://www.w3.org/2000/svg", name);
-  Object.entries(attributes).forEach(([key, value]) => shape.setAttribute(key, value));
-  return shape;
 }

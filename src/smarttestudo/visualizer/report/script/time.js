@@ -68,16 +68,12 @@ function lastIndex(times, seconds) {
   return low - 1;
 }
 
-// The times of a course's points, which have the same distance throughout.
-function timesOf(course) {
-  return course.high.map((_, index) => course.start + index * course.step);
-}
-
 // The value of a course at the point nearest to `seconds`; null where it has none.
-function valueAt(course, seconds) {
-  if (!course.high.length) return null;
-  const index = Math.round((seconds - course.start) / course.step);
-  return course.high[clamp(index, 0, course.high.length - 1)];
+function valueAt({ times, values }, seconds) {
+  if (!times.length) return null;
+  const index = clamp(lastIndex(times, seconds), 0, times.length - 1);
+  const isNextNearer = index + 1 < times.length && times[index + 1] - seconds < seconds - times[index];
+  return values[isNextNearer ? index + 1 : index];
 }
 
 function number(value) {

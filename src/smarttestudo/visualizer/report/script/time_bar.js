@@ -3,7 +3,8 @@
 
 // The bar at the foot of the window: the time by keyboard, what holds then, and the zoom.
 
-function timeBar() {
+// `told` has the bars of the rule that decided most topics, and what says all topics' bandwidth.
+function timeBar(told) {
   const bar = document.createElement("form");
   bar.className = "time-bar";
   bar.setAttribute("aria-label", "Time");
@@ -23,19 +24,18 @@ function timeBar() {
   bar.addEventListener("submit", (event) => event.preventDefault());
   time.watch(() => {
     if (time.now !== null) slider.value = time.now;
-    slider.setAttribute("aria-valuetext", words.textContent = sentence());
+    slider.setAttribute("aria-valuetext", words.textContent = sentence(told));
     whole.disabled = time.isWhole();
   });
   document.body.append(bar);
 }
 
-function sentence() {
+function sentence({ leading, total }) {
   if (time.now === null) return "Point at a chart or the map; drag across a chart to zoom.";
   const parts = [seconds(time.now)];
-  const lane = data.lanes[0];
-  const span = lane && lane.spans.find(([start, end]) => start <= time.now && time.now < end);
-  if (span) parts.push(span[2]);
-  parts.push(`${number(valueAt(data.total.before, time.now))}${arrow(data.total.after)} KB/s`);
+  const bar = leading.find(({ start, end }) => start <= time.now && time.now < end);
+  if (bar) parts.push(bar.text);
+  if (total) parts.push(total());
   return parts.join(" · ");
 }
 
