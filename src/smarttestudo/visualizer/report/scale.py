@@ -123,7 +123,7 @@ def value_ticks(y: Scale) -> list[float]:
 
 
 def wide_svg(*content: Markup, height: float, meaning: str, css_class: str) -> Markup:
-    """The drawing as an element that says what it shows."""
+    """The drawing as an element with a description."""
     return tag(
         "svg",
         *content,
