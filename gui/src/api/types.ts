@@ -390,7 +390,7 @@ export interface LiveCheck {
 /**
  * A relayed topic now; `topic` is its full name, `reason` and `rule` are those of its rate.
  *
- * `silence` says why nobody receives anything, `problem` why it cannot be relayed.
+ * `silence` is why nothing is received, `problem` why it cannot be relayed.
  */
 export interface LiveTopic {
   topic: string;
@@ -529,7 +529,7 @@ export interface PlacedCollection {
 }
 
 /**
- * One thing the checker says.
+ * One finding of the checker.
  *
  * `statement` is the id of the statement it is about, `related` are those of others that it names.
  */
@@ -681,7 +681,7 @@ export interface PushAnswer {
 }
 
 /**
- * What a push would change, in sentences; `same` where a robot could not tell the rules apart.
+ * What a push would change, in sentences; `same` if the rules mean the same to the robot.
  *
  * `text_to_send` has numbers in the place of quality levels, since a robot may have no profile; `hash`
  * is its SHA-256. `robot_hash` is that of what the robot follows now.
@@ -735,7 +735,7 @@ export interface Refusal {
 /**
  * One way to make a part fit, best first: edits of the rules' text, or a greater budget in KB/s.
  *
- * `sentence` says all of it, `title` as much as a button holds.
+ * `sentence` is the full text, `title` a short one for a button.
  */
 export interface Repair {
   title: string;
@@ -764,7 +764,7 @@ export interface ResizeZone {
 }
 
 /**
- * One robot. `rules` says where its rules come from; `waiting`: pushed, and not confirmed yet.
+ * One robot. `rules` is the origin of its rules; `waiting`: pushed, and not confirmed yet.
  *
  * `waits_s` is how long those still hold unless they are confirmed. `is_heard` is false once it has
  * been silent for longer than it should be; `heard_s_ago` is the time since its last status.
@@ -783,7 +783,7 @@ export interface RobotSummary {
 /**
  * The robots, when something changes and every two seconds.
  *
- * `problem` says why ROS cannot be reached, null where it can.
+ * `problem` is why ROS cannot be reached, null if it can.
  */
 export interface Robots {
   kind: "robots";
@@ -885,7 +885,7 @@ export interface Sightings {
   late_max_s: number | null;
 }
 
-/** Why nobody receives anything of a relayed topic. The first that holds is said. */
+/** Why nothing is received of a relayed topic. The first that holds counts. */
 export type Silence =
   | "Off"
   | "no publisher"

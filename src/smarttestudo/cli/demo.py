@@ -92,7 +92,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _recorder(opened: ExitStack) -> Robot:
-    """The node that records a live demo; nobody but this machine hears of it, unless the user said so."""
+    """The node that records a live demo; visible on this machine only, unless the environment says more."""
     for name, value in discovery_variables(DiscoveryRange.LOCALHOST).items():
         os.environ.setdefault(name, value)
     return opened.enter_context(open_robot(["-r", "__node:=recorder"]))

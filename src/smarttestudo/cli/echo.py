@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""``testudo echo``: what a subscriber hears on topics."""
+"""``testudo echo``: what a subscriber receives on topics."""
 
 from __future__ import annotations
 
@@ -108,7 +108,7 @@ class _Listening:
         self._end_s = self._start_s + seconds
 
     def go_on(self) -> None:
-        """Hear what comes next. Raises ``RosError`` where a topic cannot be heard, or not in time."""
+        """Receive what comes next. Raises ``RosError`` if a topic cannot be received, or not in time."""
         now_s = time.monotonic()
         if now_s >= self._look_s:
             self._look_s = now_s + _LOOK_PERIOD_S
@@ -170,7 +170,7 @@ def _print_messages(wait: _Listening, topics: Sequence[EchoedTopic], arguments: 
 
 
 class _Notes:
-    """Says on standard error why a topic is not heard, each reason once."""
+    """Writes to standard error why a topic is not received, each reason once."""
 
     def __init__(self) -> None:
         self._said: dict[str, str] = {}

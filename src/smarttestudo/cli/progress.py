@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from typing import TextIO
 
 Report = Callable[[float], None]
-"""Is told the share of the work done, 0 … 1."""
+"""Takes the share of the work done, 0 … 1."""
 
 _ERASE_LINE = "\r\x1b[K"
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""``testudo top``: what the SmartTestudos of a ROS graph do now."""
+"""``testudo top``: the status of the SmartTestudo nodes of a ROS graph."""
 
 from __future__ import annotations
 

@@ -80,7 +80,7 @@ _MEASURES: dict[SortKey, Callable[[TopicStatus], float | None]] = {
 
 
 def summary_lines(status: RuntimeStatus, *, silent_s: float | None = None) -> list[Line]:
-    """The runtime itself and the link; ``silent_s`` is how long nothing was heard of it, where too long."""
+    """The runtime itself and the link; ``silent_s`` is the time without a status, if it is too long."""
     return [
         Line(_runtime(status), Look.HEADING),
         Line(_link(status), Look.ERROR if status.floors_break_budget else Look.PLAIN),

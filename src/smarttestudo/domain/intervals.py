@@ -10,7 +10,7 @@ from smarttestudo.domain.units import NS_PER_S
 
 
 class Intervals:
-    """How even a topic's messages are, told one by one in constant memory."""
+    """How even a topic's messages are, counted one by one in constant memory."""
 
     __slots__ = ("_last_ns", "_mean_ns", "_squares_ns2", "count", "longest_ns")
 

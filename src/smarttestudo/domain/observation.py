@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the loop is told about the robot."""
+"""The loop's observations of the robot."""
 
 from __future__ import annotations
 

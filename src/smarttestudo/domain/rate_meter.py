@@ -158,7 +158,7 @@ class FlowMeter:
         self.span_ns = self._window.span_ns
 
     def _limit_ns(self, stale_after_ns: int | None) -> int | None:
-        """How long the flow may be silent; ``None`` where nobody can say."""
+        """How long the flow may be silent; ``None`` if unknown."""
         if stale_after_ns is not None:
             return stale_after_ns if self.flow.messages else None
         if self.flow.messages <= INTERVALS_NEEDED or not self._window.intervals:

@@ -88,7 +88,7 @@ class RecordingReader(Protocol):
     def readable_share(self) -> float | None:
         """About how much of what was once recorded can be read, 0 … 1; known once all of it was read.
 
-        ``None`` where nothing tells how much is missing.
+        ``None`` if it is unknown how much is missing.
         """
 
     def messages(self) -> Iterator[RecordedMessage]:

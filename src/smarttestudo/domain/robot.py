@@ -14,7 +14,7 @@ from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.status import Diagnostic
 
 Receive = Callable[[Payload, Hashable], None]
-"""Takes a serialized message and what tells its publisher from others of the topic, or ``None``."""
+"""Takes a serialized message and the identity of its publisher, or ``None``."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,7 +52,7 @@ class DiscoveryRange(Enum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OutputDomain:
-    """The ROS domain of the operators, and how far it reaches; ``None``: as far as the environment says."""
+    """The ROS domain of the operators, and how far it reaches; ``None``: as the environment sets it."""
 
     number: int
     discovery: DiscoveryRange | None = None
@@ -61,7 +61,7 @@ class OutputDomain:
 class Subscription(Protocol):
     """A subscription to a source.
 
-    It can rest, where its path can: then messages wake nobody, and all but the newest are skipped.
+    It can rest, if its path can: then messages cause no wake-up, and all but the newest are skipped.
     """
 
     @property
@@ -147,10 +147,10 @@ class RobotLog(Protocol):
     """The node's log."""
 
     def info(self, message: str) -> None:
-        """Say what happened."""
+        """Log what happened."""
 
     def warning(self, message: str) -> None:
-        """Say what somebody should look at."""
+        """Log a warning."""
 
 
 LookAtGraph = Callable[[bool], None]

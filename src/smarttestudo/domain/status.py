@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a live runtime does at one moment, and how healthy it says that it is."""
+"""The status of a live runtime at one moment."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class Diagnostic:
 
 
 class Silence(Enum):
-    """Why nobody receives anything of a relayed topic. The first that holds is said."""
+    """Why nothing is received of a relayed topic. The first that holds counts."""
 
     OFF = "Off"
     NO_PUBLISHER = "no publisher"
@@ -166,7 +166,7 @@ class RuntimeStatus:
 
     ``stamp_ns`` is the node's clock, ``uptime_s`` real time since the start, ``cpu_percent`` of one core
     over the last second, ``memory_mb`` what is resident. ``status_hz`` is how often a status comes,
-    ``blocks`` tells which conditions hold.
+    ``blocks`` has the states of the conditions.
     """
 
     node: str

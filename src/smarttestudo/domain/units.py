@@ -11,7 +11,7 @@ BYTES_PER_KB = 1000
 
 
 LAST_STAMP_NS = 2**63 - 1
-"""The last time that ROS and recordings can tell, in the year 2262."""
+"""The latest time that ROS and recordings can represent, in the year 2262."""
 
 
 def ns_from_s(seconds: float) -> int:

@@ -27,7 +27,7 @@ class Infeasibility:
     remedies: tuple[str, ...]
 
     def finding(self) -> Finding:
-        """As the checker says it."""
+        """In the checker's words."""
         return Finding(
             code=CODE,
             severity=Severity.ERROR,

@@ -159,7 +159,7 @@ class IntervalBin:
 
 
 class IntervalHistogram:
-    """Counts the intervals between messages told one by one, in memory that their number does not change.
+    """Counts the intervals between messages, in constant memory.
 
     Stamps that do not rise, as of messages recorded at one instant, are left out.
     """

@@ -43,7 +43,7 @@ class PositionError:
 
 
 def position_error(loss: LossReport) -> PositionError | None:
-    """That of the first topic that tells positions; ``None`` where none does."""
+    """That of the first topic with positions; ``None`` if there is none."""
     for shared in loss.topics:
         received_m = loss.position_rmse_m(shared.topic)
         if received_m is not None:
@@ -59,10 +59,10 @@ def loss_sentences(loss: LossReport) -> tuple[str, ...]:
         return ()
     received = length_text(error.received_m, beside_m=error.fixed_m or 0.0)
     if error.fixed_m is None:
-        return (f"Who holds the last position of {error.topic} is {received} off (RMSE).",)
+        return (f"With the last position of {error.topic} held, the error is {received} (RMSE).",)
     fixed = length_text(error.fixed_m, beside_m=error.received_m)
     compared = (
-        f"Who holds the last position of {error.topic} is {received} off (RMSE); "
+        f"With the last position of {error.topic} held, the error is {received} (RMSE); "
         f"at the best fixed rates for the same bytes, {fixed}."
     )
     price = fixed_price(loss)

@@ -41,7 +41,7 @@ class Order:
 
 
 class ChildProcesses:
-    """Does one order at a time; ``listeners`` are told how far it is."""
+    """Does one order at a time; ``listeners`` get its progress."""
 
     def __init__(self, listeners: Listeners) -> None:
         self._listeners = listeners

@@ -59,7 +59,7 @@ class RequestError(TestudoError):
 
 
 def error_answer(error: TestudoError) -> Response:
-    """The answer that says what ``error`` says."""
+    """The response for ``error``."""
     findings: tuple[PlacedFinding, ...] = ()
     if isinstance(error, RefusedTextError):
         findings = placed_findings(error.checked.document, error.checked.findings)

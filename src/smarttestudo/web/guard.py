@@ -81,7 +81,7 @@ class ServerAddress:
         return f"testudo_ruler_{self.port}"
 
     def allows_host(self, host: str | None) -> bool:
-        """Whether ``Host`` names this server. A name can be made to point here by anybody, an address not."""
+        """Whether ``Host`` names this server. Any name can be made to point here, an address cannot."""
         name, port = _split(host or "")
         if name is None or port != self.port:
             return False

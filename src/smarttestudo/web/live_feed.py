@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""From the thread that hears robots to the pages that watch them."""
+"""From the thread of the ROS node to the pages that watch robots."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _ROBOTS_PERIOD_S = 2.0
 
 
 class LiveFeed:
-    """Tells the pages of ``listeners`` what ``link`` hears; of several statuses at a time, the newest."""
+    """Sends the pages of ``listeners`` what ``link`` receives; of several statuses at a time, the newest."""
 
     def __init__(self, link: RobotLink, listeners: Listeners) -> None:
         self._link = link
@@ -94,7 +94,7 @@ class LiveFeed:
         self._listeners.tell(Robots(problem=self._link.problem, robots=models))
 
     def _summary(self, models: Sequence[RobotSummary]) -> object:
-        """What pages are told at once when it changes."""
+        """What is sent to pages at once when it changes."""
         return self._link.problem, [
             (one.node, one.is_heard, one.rules_hash, one.rules, one.topics) for one in models
         ]

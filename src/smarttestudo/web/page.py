@@ -35,7 +35,7 @@ def is_page_built() -> bool:
 
 
 def page_files() -> ASGIApp:
-    """Serves the page, or one that says how to get it."""
+    """Serves the page, or one that explains how to build it."""
     if is_page_built():
         return StaticFiles(directory=PAGE_FOLDER, html=True)
     return Router([Route("/", _missing)])

@@ -32,7 +32,7 @@ def serve(
 ) -> None:
     """Serve ``folder`` until the process is asked to stop; port 0 takes a free one.
 
-    ``started`` is told how to get in, once the server listens. Raises ``PortError`` where it cannot listen.
+    ``started`` gets the address, once the server listens. Raises ``PortError`` where it cannot listen.
     """
     with listening(host, port) as listener:
         access = ServerAddress.at(host, listener.getsockname()[1], machine=socket.gethostname())
@@ -44,7 +44,7 @@ def serve(
 
 
 def server_of(app: ASGIApp) -> uvicorn.Server:
-    """``app`` as a server; it trusts no proxy, and says nothing of itself."""
+    """``app`` as a server; it trusts no proxy, and sends no server header."""
     config = uvicorn.Config(
         app,
         log_level="warning",

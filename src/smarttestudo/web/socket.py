@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the server tells open pages by itself, and what they may ask for."""
+"""What the server sends to open pages, and what they may request."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Progress(msgspec.Struct, frozen=True, kw_only=True, tag_field="kind", tag=
 class Robots(msgspec.Struct, frozen=True, kw_only=True, tag_field="kind", tag="robots"):
     """The robots, when something changes and every two seconds.
 
-    ``problem`` says why ROS cannot be reached, null where it can.
+    ``problem`` is why ROS cannot be reached, null if it can.
     """
 
     problem: str | None
@@ -48,7 +48,7 @@ class Robots(msgspec.Struct, frozen=True, kw_only=True, tag_field="kind", tag="r
 
 
 Push = Hello | Progress | Robots | Live
-"""What the server tells by itself."""
+"""What the server sends without a request."""
 
 
 class Watch(msgspec.Struct, frozen=True, kw_only=True, tag_field="kind", tag="watch"):
@@ -59,7 +59,7 @@ class Watch(msgspec.Struct, frozen=True, kw_only=True, tag_field="kind", tag="wa
 
 
 class OpenPage:
-    """A page with what it is still to be told: of each kind only the newest, however slow it reads."""
+    """A page with what is still to be sent to it: of each kind only the newest, however slow it reads."""
 
     def __init__(self, socket: WebSocket) -> None:
         self.watched: Watch = Watch(node=None)

@@ -96,7 +96,7 @@ def test_the_screen_and_the_report_show_what_fixed_rates_would_have_done(
     page = (demo_out / "report.html").read_text("utf-8")
 
     assert (
-        "Who holds the last position of /odom is 1.9 cm off (RMSE); at the best fixed rates"
+        "With the last position of /odom held, the error is 1.9 cm (RMSE); at the best fixed rates"
         in whole_demo.stdout
     )
     assert "Best fixed rates" in page

@@ -14,8 +14,8 @@ _PIECE_BYTES = 1 << 20
 def read_input(path: Path, most_bytes: int | None = None) -> bytes:
     """The bytes of the file at ``path``, at most the first ``most_bytes``.
 
-    A pipe is read for as long as somebody writes into it. Raises ``OSError`` for what cannot be
-    read, and for a pipe that nobody writes into.
+    A pipe is read until its writer closes it. Raises ``OSError`` for what cannot be read, and
+    for a pipe without a writer.
     """
     data = bytearray()
     # Path.open takes no opener.
@@ -33,7 +33,7 @@ def read_input(path: Path, most_bytes: int | None = None) -> bytes:
 
 
 def require_file(path: Path) -> None:
-    """Raise ``OSError`` unless there is a file at ``path`` that can be read without waiting for anybody."""
+    """Raise ``OSError`` unless there is a file at ``path`` that can be read without waiting."""
     mode = path.stat().st_mode
     if not stat.S_ISREG(mode):
         cause = "it is a folder" if stat.S_ISDIR(mode) else "it is a device or a pipe, not a file"

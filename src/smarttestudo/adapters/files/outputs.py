@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Whether what a command writes would destroy what it, or anybody, reads."""
+"""Whether an output of a command would overwrite an input or a recording."""
 
 from __future__ import annotations
 

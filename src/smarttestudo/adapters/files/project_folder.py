@@ -57,7 +57,7 @@ class MissingFileError(TestudoError):
 
 
 class ChangedFileError(TestudoError):
-    """A file that somebody else wrote since it was read."""
+    """A file that was changed on disk since it was read."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

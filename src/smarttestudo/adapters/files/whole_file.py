@@ -51,7 +51,7 @@ def whole_binary_file(
     def write(data: bytes) -> None:
         with _errors_at(path, content):
             file.write(data)
-            # A full disk is told before other outputs are in place.
+            # A full disk is reported before other outputs are in place.
             file.flush()
 
     try:

@@ -59,7 +59,7 @@ class StoredFile(Protocol):
     def readable_share(self) -> float | None:
         """How much of what the file was to hold can be read, 0 … 1, once that was tried.
 
-        ``None`` where nothing tells how much is missing.
+        ``None`` if it is unknown how much is missing.
         """
 
     def close(self) -> None:

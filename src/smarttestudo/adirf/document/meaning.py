@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a statement says, without how it is written."""
+"""The meaning of a statement, without its layout."""
 
 from __future__ import annotations
 

@@ -110,7 +110,7 @@ class Cursor:
 
     @property
     def token(self) -> Token:
-        """The token to read next, a misspelt keyword already mended."""
+        """The token to read next, with a misspelt keyword already corrected."""
         self.steps += 1
         return self._next
 

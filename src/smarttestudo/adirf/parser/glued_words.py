@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Words that only their place tells apart: keywords without a blank behind, and properties named like one.
+"""Words whose kind depends on their place: keywords without a blank after, and properties named like one.
 
 The grammar of the thesis is matched without a lexer: it reads ``ThenSetFrequency/odom 4`` and
 ``CheckValue /odom If > 3``.

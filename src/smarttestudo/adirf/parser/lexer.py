@@ -91,7 +91,7 @@ def tokenize(text: str) -> list[Token]:
 
 
 def _put_beside(tokens: list[Token], comment: Comment) -> None:
-    """A comment after ``AND`` at a line's end speaks about the check before it."""
+    """A comment after ``AND`` at a line's end belongs to the check before it."""
     at = len(tokens) - 1
     if at > 0 and tokens[at].kind in CONNECTIVES and tokens[at - 1].line == comment.span.line:
         at -= 1

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""From what somebody wrote to what the language calls it."""
+"""Suggestions: from a word as written to the word of the language."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The types that topics of the usual names have, for where nobody says the type."""
+"""The types that topics of the usual names have, if neither a profile nor a recording gives them."""
 
 from __future__ import annotations
 

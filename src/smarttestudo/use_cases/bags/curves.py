@@ -57,7 +57,7 @@ def measure_curves(
 ) -> LossCurves:
     """The loss at rates up to the source's, of ``topics`` (names or patterns, all if empty).
 
-    ``fields`` are the only ones looked at of the topics in it. ``report`` is told the share done.
+    ``fields`` are the only ones looked at of the topics in it. ``report`` gets the share done.
 
     Raises:
         RecordingError: the recording cannot be read or is empty; a topic or field does not exist.

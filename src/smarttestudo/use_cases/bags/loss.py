@@ -49,7 +49,7 @@ class LossQuestion:
 
     ``mapping`` pairs topics as for ``compare_bags``. ``topics`` are names or patterns, empty for all;
     ``fields`` are more fields than the default ones, by topic of A. ``rule_set`` gives the thresholds,
-    ``profile`` tiers and priorities for the third arm. ``report`` is told the share done, 0 … 1.
+    ``profile`` tiers and priorities for the third arm. ``report`` gets the share done, 0 … 1.
     """
 
     mapping: Mapping[str, str] = field(default_factory=dict)

@@ -90,7 +90,7 @@ class MeasuredRun:
 
 
 def measure_bag(path: Path, report: Callable[[float], None], *, with_latency: bool = False) -> BagSummary:
-    """The topics of the recording at ``path``, by name; ``report`` is told the share done now and then.
+    """The topics of the recording at ``path``, by name; ``report`` gets the share done now and then.
 
     Sizes are those that the recording declares, and where it does not, those of its messages. Latency needs
     the beginning of each payload.

@@ -109,7 +109,7 @@ class TransformPlaces:
 def places_in(
     channels: Sequence[Channel], decoder: MessageDecoder, start_ns: int, *, by_transforms: bool
 ) -> PathReader | None:
-    """What tells where the robot of a recording with ``channels`` was; ``None`` where nothing does.
+    """The source of the robot's position in a recording with ``channels``; ``None`` if there is none.
 
     That is its odometry, ``/odom`` before others, else its transforms; ``by_transforms`` takes those first.
     """

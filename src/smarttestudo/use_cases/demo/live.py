@@ -93,7 +93,7 @@ def recorded(
 
     Raises:
         RecordingError: it cannot be written.
-        RosError: a topic cannot be heard.
+        RosError: a topic cannot be received.
     """
     with create_recording(folder, declared_bytes=declared_bytes) as recording, ExitStack() as subscriptions:
         for channel in channels:

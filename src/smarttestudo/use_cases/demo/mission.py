@@ -31,7 +31,7 @@ def bytes_per_second(*, full_images: bool) -> int:
 def record_mission(
     path: Path, *, seconds: float, seed: int, full_images: bool, report: Callable[[float], None]
 ) -> None:
-    """Write ``seconds`` of the patrol to a new recording at ``path``; ``report`` is told the share done.
+    """Write ``seconds`` of the patrol to a new recording at ``path``; ``report`` gets the share done.
 
     Unless ``full_images``, camera frames are small, and the recording declares the size of whole ones.
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The rules of a demo: its own, or those that somebody made of them after a former demo."""
+"""The rules of a demo: its own, or those that the user edited after an earlier demo."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class DemoRules:
 
 
 def put_rules(folder: Path, former: Path) -> DemoRules:
-    """Put the rules into a new demo's ``folder``: those in ``former`` where somebody edited them.
+    """Put the rules into a new demo's ``folder``: those in ``former`` if the user edited them.
 
     Raises:
         RuleFileError: the edited rules cannot be read or have an error.

@@ -34,7 +34,7 @@ class SimulateRequest:
 def simulate(request: SimulateRequest, robot: Robot, stopped: Callable[[], bool]) -> None:
     """Publish what the robot's devices say, each reading when its time comes, until it drove or ``stopped``.
 
-    Topics whose message type is not installed are left out, and the log says so in passing.
+    Topics whose message type is not installed are left out and named in the log.
     """
     messages = RobotMessages(jpeg_bytes=JPEG_BYTES if request.full_images else None)
     publishers = _publishers(robot, messages, full_images=request.full_images)

@@ -69,7 +69,7 @@ def replay(request: ReplayRequest) -> ReplayOutcome:
     """Run the loop over the recording and write what it relays.
 
     Raises:
-        RecordingError: a check reads a topic whose type nobody knows; the output exists or cannot be written.
+        RecordingError: a check reads a topic of unknown type; the output exists or cannot be written.
         UsageError: ``output_topic`` gives no valid names.
     """
     started_s = time.perf_counter()

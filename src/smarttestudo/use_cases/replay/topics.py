@@ -15,7 +15,7 @@ from smarttestudo.domain.signal import ArrivalProperty
 
 
 def require_decodable(channels: Sequence[Channel], rule_set: RuleSet, decoder: MessageDecoder) -> None:
-    """Raise ``RecordingError`` for a topic that a check reads and whose type nobody defines."""
+    """Raise ``RecordingError`` for a topic that a check reads and whose type has no definition."""
     read = topics_decoded(rule_set)
     for channel in channels:
         if channel.topic in read and not decoder.can_decode(channel):

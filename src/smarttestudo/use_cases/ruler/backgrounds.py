@@ -160,7 +160,7 @@ class Backgrounds:
         """Where the robot of a bag was, by its odometry, else by its transforms.
 
         Raises:
-            RecordingError: the bag cannot be read, or says nothing of where the robot was.
+            RecordingError: the bag cannot be read, or has no positions of the robot.
         """
         return _driven(self._folder.bag(request.bag), request.bag)
 

@@ -40,7 +40,7 @@ class Draft(Struct, frozen=True, kw_only=True):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CheckedText:
-    """The statements of a text, and what the checker says of them."""
+    """The statements of a text, and the checker's findings."""
 
     document: Document
     findings: tuple[Finding, ...]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""How a child process of the Ruler speaks: one JSON object in, and one of these on each line out."""
+"""The messages of a child process of the Ruler: one JSON object in, and one of these on each line out."""
 
 from __future__ import annotations
 

@@ -51,7 +51,7 @@ class Curve(Struct, frozen=True, kw_only=True):
 
 
 def measured_curve(bag: Path, topic: str, report: Callable[[float], None]) -> Curve:
-    """The curve of ``topic``; ``report`` is told the share done. Raises ``RecordingError``."""
+    """The curve of ``topic``; ``report`` gets the share done. Raises ``RecordingError``."""
     curves = measure_curves(bag, topics=[topic], report=report)
     notices = tuple(curves.notices)
     curve = next(iter(curves.curves), None)

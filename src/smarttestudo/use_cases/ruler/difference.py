@@ -22,7 +22,7 @@ def differences(old: ParseResult, new: ParseResult) -> tuple[str, ...]:
 
 
 def mean_the_same(old: ParseResult, new: ParseResult) -> bool:
-    """Whether a robot could not tell one from the other but by a rule's place.
+    """Whether both mean the same to a robot, except for the lines of rules.
 
     Neither the order of blocks nor comments, layout and spellings matter.
     """

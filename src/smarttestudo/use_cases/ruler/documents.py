@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""A checked rule file as the page has it: its statements, and what the checker says of them."""
+"""A checked rule file as the page has it: its statements, and the checker's findings."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class PlacedFix(Struct, frozen=True, kw_only=True):
 
 
 class PlacedFinding(Struct, frozen=True, kw_only=True):
-    """One thing the checker says.
+    """One finding of the checker.
 
     ``statement`` is the id of the statement it is about, ``related`` are those of others that it names.
     """
@@ -80,7 +80,7 @@ class RuleDocument(Struct, frozen=True, kw_only=True):
 
 
 def rule_document(checked: CheckedText) -> RuleDocument:
-    """The statements of a text, and all that the checker says."""
+    """The statements of a text, and all findings of the checker."""
     document = checked.document
     writer = StatementWriter(document)
     return RuleDocument(

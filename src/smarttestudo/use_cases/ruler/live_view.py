@@ -21,7 +21,7 @@ from smarttestudo.use_cases.ruler.robot_watch import RuleWords, SeenRobot
 
 
 class RobotSummary(Struct, frozen=True, kw_only=True):
-    """One robot. ``rules`` says where its rules come from; ``waiting``: pushed, and not confirmed yet.
+    """One robot. ``rules`` is the origin of its rules; ``waiting``: pushed, and not confirmed yet.
 
     ``waits_s`` is how long those still hold unless they are confirmed. ``is_heard`` is false once it has
     been silent for longer than it should be; ``heard_s_ago`` is the time since its last status.
@@ -40,7 +40,7 @@ class RobotSummary(Struct, frozen=True, kw_only=True):
 class LiveTopic(Struct, frozen=True, kw_only=True):
     """A relayed topic now; ``topic`` is its full name, ``reason`` and ``rule`` are those of its rate.
 
-    ``silence`` says why nobody receives anything, ``problem`` why it cannot be relayed.
+    ``silence`` is why nothing is received, ``problem`` why it cannot be relayed.
     """
 
     topic: str

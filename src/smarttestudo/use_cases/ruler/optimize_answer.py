@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the optimizer says of a draft: rates, loads and repairs."""
+"""The optimizer's answer for a draft: rates, loads and repairs."""
 
 from __future__ import annotations
 

@@ -40,7 +40,7 @@ class OptimizedDraft:
 class Repair(Struct, frozen=True, kw_only=True):
     """One way to make a part fit, best first: edits of the rules' text, or a greater budget in KB/s.
 
-    ``sentence`` says all of it, ``title`` as much as a button holds.
+    ``sentence`` is the full text, ``title`` a short one for a button.
     """
 
     title: str

@@ -35,7 +35,7 @@ COLUMNS: Mapping[str, str] = MappingProxyType(
 
 
 def in_page_words(error: TestudoError) -> TestudoError:
-    """``error`` as somebody can act on it who sees the page only."""
+    """``error`` with a remedy that is possible on the page."""
     if not isinstance(error, MissingEntryError):
         return error
     if error.topic is None:

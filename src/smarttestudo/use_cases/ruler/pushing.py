@@ -49,7 +49,7 @@ class PushRequest(Draft, frozen=True, kw_only=True):
 
 
 class PushPreview(Struct, frozen=True, kw_only=True):
-    """What a push would change, in sentences; ``same`` where a robot could not tell the rules apart.
+    """What a push would change, in sentences; ``same`` if the rules mean the same to the robot.
 
     ``text_to_send`` has numbers in the place of quality levels, since a robot may have no profile; ``hash``
     is its SHA-256. ``robot_hash`` is that of what the robot follows now.
@@ -93,7 +93,7 @@ def preview(robots: Parameters, request: PushRequest) -> PushPreview:
     """What a push would change.
 
     Raises ``RefusedTextError`` for rules with errors, ``RuleFileError`` for levels that do not fit and
-    ``RosError`` where the robot does not tell its rules.
+    ``RosError`` if the robot does not report its rules.
     """
     text = download_text(request)
     texts = _texts_of(robots, request.node)

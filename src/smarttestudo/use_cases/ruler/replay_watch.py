@@ -50,7 +50,7 @@ class ArrivalWatch:
         try:
             position = self._decoder.decode(channel, payload).pose.pose.position  # type: ignore[attr-defined]
         except (RecordingError, AttributeError):
-            # The replay itself says what could not be decoded.
+            # The replay itself reports what could not be decoded.
             return
         t_s = (stamp_ns - self._start_ns) / NS_PER_S
         self.path.append(PathPoint(t_s=t_s, x_m=float(position.x), y_m=float(position.y)))

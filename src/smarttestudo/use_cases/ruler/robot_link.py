@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The Ruler among the robots: one thread owns the node, and whoever asks from another thread waits for it."""
+"""The Ruler's ROS node: one thread owns it, and requests of other threads wait for that."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ class RobotLink:
 
     @property
     def problem(self) -> str | None:
-        """Why no robot can be heard; ``None`` where one could be."""
+        """Why no robot can be reached; ``None`` if one could be."""
         return self._problem
 
     @property

@@ -50,7 +50,7 @@ _TRY_AGAIN_S = 3.0
 class StatusRateRequest:
     """What to set ``status_hz`` of one robot to.
 
-    Others may set it, too: nobody is given fewer than they had.
+    Others may set it, too: it is never set lower than before.
     """
 
     def __init__(self) -> None:
@@ -61,7 +61,7 @@ class StatusRateRequest:
 
     @property
     def is_settled(self) -> bool:
-        """Whether nobody watches, and nothing is to be put back."""
+        """Whether no page watches, and nothing is to be restored."""
         return self.wanted_hz is None and self._ours_hz is None
 
     def change_hz(self, status_hz: float, now_s: float) -> float | None:
@@ -187,7 +187,7 @@ class RobotWatch:
         try:
             self._words[node] = words_of(RuleTexts.from_text(str(values[TEXTS_PARAMETER])))
         except ValueError:
-            # A robot of an older version: states are told by their places alone.
+            # A robot of an older version: states have positions only.
             return
         self._ask_again_s.pop(node, None)
 

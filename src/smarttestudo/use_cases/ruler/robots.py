@@ -19,11 +19,11 @@ from smarttestudo.use_cases.ruler.robot_link import RobotLink
 
 
 class UnknownRobotError(RosError):
-    """A robot that was never heard."""
+    """A robot without any status so far."""
 
 
 class WatchedRobots:
-    """The robots that ``link`` hears."""
+    """The robots that ``link`` receives statuses of."""
 
     def __init__(self, link: RobotLink) -> None:
         self._link = link

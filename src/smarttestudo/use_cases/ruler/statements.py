@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a rule file says, and where: its statements as the page has them.
+"""The content of a rule file, with positions: its statements as the page has them.
 
 Every ``offset`` counts UTF-16 code units from the start of the text, as JavaScript strings do; a line end
 counts as many as it has (CRLF: two). ``line`` and ``column`` count from 1, in characters.

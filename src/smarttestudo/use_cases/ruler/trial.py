@@ -103,7 +103,7 @@ class TryAnswer(Struct, frozen=True, kw_only=True):
 def try_rules(
     draft: Draft, bag: Path, report: Callable[[float], None], limits: TrialLimits | None = None
 ) -> TryAnswer:
-    """Replay ``bag`` under ``draft``; nothing is written. ``report`` is told the share done.
+    """Replay ``bag`` under ``draft``; nothing is written. ``report`` gets the share done.
 
     Raises:
         RefusedTextError: the rules have errors.

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the checker says of a rule set and the profile's budget."""
+"""The findings on a rule set and the profile's budget."""
 
 from __future__ import annotations
 

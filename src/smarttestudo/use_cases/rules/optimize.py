@@ -142,7 +142,7 @@ def _solve_again(
 def infeasible_parts(done: Optimization) -> tuple[Infeasibility, ...]:
     """What does not fit, each with the smallest changes that would.
 
-    Where the defaults do not fit, they are to be mended first, and only they are named.
+    If the defaults do not fit, they must be changed first, and only they are named.
     """
     parts = done.blocks if done.defaults.feasible else (done.defaults,)
     return tuple(

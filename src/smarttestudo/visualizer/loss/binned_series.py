@@ -33,7 +33,7 @@ class TimeBins:
 
 
 def binned_error(sent: Series, received: Series, end_ns: int, bins: TimeBins) -> BinnedSeries:
-    """The largest error of who holds the last value received, in the field's unit."""
+    """The largest error when the last value received is held, in the field's unit."""
     picture = received.known()
     if not (sent.stamps_ns and picture.stamps_ns):
         return (None,) * bins.count

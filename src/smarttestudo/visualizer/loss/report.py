@@ -34,7 +34,7 @@ class ErrorSize:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FieldError:
-    """The error of who holds the last value received, and of who interpolates between those received."""
+    """The error when the last value received is held, and when those received are interpolated."""
 
     hold: ErrorSize
     interpolated: ErrorSize

@@ -142,7 +142,7 @@ def _field(name: str, spec: PropertySpec | None, *, is_asked: bool) -> Field:
 
 
 class TopicSamples:
-    """The messages of one topic, told one by one: 16 bytes for each, and 8 for each of its fields.
+    """The messages of one topic, added one by one: 16 bytes for each, and 8 for each of its fields.
 
     ``undecodable`` counts messages that could not be decoded; what they said is not known.
     """

@@ -25,9 +25,9 @@ _SMALL = 0.01
 _NOISE = 1e-9
 _PERCENT = 100.0
 _ERROR_NOTE = (
-    "Error over time against A, in the field's unit: of who holds the last value received, and of who looks "
-    "back and interpolates between those received. %: RMSE relative to the field's range in A. Fields that "
-    "never changed are left out."
+    "Error over time against A, in the field's unit: when the last value received is held, and when values "
+    "are interpolated afterwards between those received. %: RMSE relative to the field's range in A. Fields "
+    "that never changed are left out."
 )
 _AGE_NOTE = "Age: time since the newest message received. Hz: messages over the recording's duration."
 _CROSSING_NOTE = (
@@ -237,7 +237,7 @@ def curve_table(curve: LossCurve) -> Table:
     """The error of each field at rising rates; of many fields the first, all are in ``--json``."""
     shown = curve.fields[:_MOST_FIELDS]
     hidden = len(curve.fields) - len(shown)
-    title = f"{printable(curve.topic)}: RMSE over time of who holds the last value received, by rate"
+    title = f"{printable(curve.topic)}: RMSE over time when the last value received is held, by rate"
     if curve.breakpoints:
         tiers = ", ".join(f"{rate_hz:g}" for rate_hz in curve.breakpoints.tiers_hz)
         title += f"\nProposed tiers: {tiers} Hz\n({curve.breakpoints.origin})"

@@ -49,7 +49,7 @@ def thinned(
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class _Numbered(Sample):
-    """The message of that index, whose bytes nobody needs."""
+    """The message of that index, without its bytes."""
 
     index: int
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a report says first: the numbers that matter most."""
+"""The headline of a report: the numbers that matter most."""
 
 from __future__ import annotations
 

@@ -104,8 +104,8 @@ def _stretches(report: RunReport) -> str:
 def loss_section(loss: LossReport, names: RunNames) -> Markup:
     """The error of the position as bars, then fields, ages, crossings and images as tables."""
     explanation = (
-        "How far the operator's picture was from the robot, who holds the last message received. Fixed: the "
-        "best that rates which never change could have done with the same bytes, a rival that needs no rules."
+        "The error of the operator's data when the last message received is held. Fixed: the baseline, which "
+        "is the best fixed rates for the same bytes, without rules."
     )
     tables = (part for table in loss_tables(loss) for part in (tag("h3", table.title), html_table(table)))
     letters = f"In the tables, A is {names.before} and B is {names.after}."
