@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from optimizer.instances import ask
-from smarttestudo.adapters.solver.highs_change_finder import HighsChangeFinder
+from smarttestudo.adapters.solver.highs_solver import HighsChangeFinder
 from smarttestudo.domain.profile import TopicProfile
 from smarttestudo.domain.rate import Tier
 from smarttestudo.domain.source import Span

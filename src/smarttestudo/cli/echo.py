@@ -8,15 +8,16 @@ import argparse
 import json
 import math
 import os
+import shutil
 import sys
 import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
+from typing import TextIO
 
 from smarttestudo.adapters.ros import open_robot
 from smarttestudo.adirf.properties import is_field_path
 from smarttestudo.cli.echo_text import echo_block, echo_json, echo_line, message_block
-from smarttestudo.cli.live_lines import live_lines
 from smarttestudo.cli.loop_options import add_ros_arguments
 from smarttestudo.cli.tables import write_text
 from smarttestudo.cli.terminal import duration_s, stop_signals
@@ -208,3 +209,34 @@ def _count(text: str) -> int:
     if not text.isdecimal() or not int(text):
         raise argparse.ArgumentTypeError(f"a number of messages is a whole number above 0, not {text!r}")
     return int(text)
+
+
+_ERASE_TO_END_OF_LINE = "\x1b[K"
+_ERASE_BELOW = "\x1b[J"
+
+
+def live_lines(stream: TextIO) -> Callable[[Sequence[str]], None]:
+    """What writes lines to the terminal ``stream`` in place of those of the last call."""
+    shown = 0
+
+    def show(lines: Sequence[str]) -> None:
+        nonlocal shown
+        fitting = cropped(lines, *shutil.get_terminal_size())
+        if shown:
+            stream.write(f"\x1b[{shown}A\r")
+        for line in fitting:
+            stream.write(_ERASE_TO_END_OF_LINE)
+            write_text(line, stream)
+        stream.write(_ERASE_BELOW)
+        stream.flush()
+        shown = len(fitting)
+
+    return show
+
+
+def cropped(lines: Sequence[str], columns: int, height: int) -> list[str]:
+    """As many ``lines`` as fit above the cursor, none too long; the last says how many are missing."""
+    rows = max(height - 1, 1)
+    if len(lines) > rows:
+        lines = [*lines[: rows - 1], f"… {len(lines) - rows + 1} more lines: a taller window, or --fields"]
+    return [line if len(line) < columns else line[: max(columns - 2, 0)] + "…" for line in lines]

@@ -7,11 +7,13 @@ Little is imported before ``main``, so that it also hears a Ctrl-C that comes wh
 
 from __future__ import annotations
 
+import errno
+import os
 import sys
 from collections.abc import Sequence
 from contextlib import suppress
+from typing import TextIO, cast
 
-from smarttestudo.cli.standard_streams import forget_output, is_of_a_stream, open_closed_streams
 from smarttestudo.cli.terminal import Terminated, terminating_signals
 from smarttestudo.domain.errors import TestudoError, UsageError
 from smarttestudo.domain.packages import missing_package
@@ -80,3 +82,26 @@ def _fail(line: str, code: int) -> int:
     with suppress(OSError):
         print(line, file=sys.stderr)  # noqa: T201
     return code
+
+
+_OF_A_STREAM = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF})
+
+
+def open_closed_streams() -> None:
+    """Give a process that was started without them an output that refuses, and errors that go nowhere."""
+    if cast("TextIO | None", sys.stdout) is None:
+        # Only for reading, so that what is written fails with the system's own words.
+        sys.stdout = os.fdopen(os.open(os.devnull, os.O_RDONLY), "w")
+    if cast("TextIO | None", sys.stderr) is None:
+        sys.stderr = os.fdopen(os.open(os.devnull, os.O_WRONLY), "w")
+
+
+def is_of_a_stream(error: OSError) -> bool:
+    """Whether ``error`` is what printing raises: it has no file's name."""
+    return error.filename is None and error.errno in _OF_A_STREAM
+
+
+def forget_output() -> None:
+    """Whatever Python still writes to standard output at the end must not complain."""
+    with suppress(OSError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -28,14 +28,13 @@ from smarttestudo.use_cases.ruler.robots import WatchedRobots
 from smarttestudo.use_cases.ruler.trial import TryAnswer, TryRequest
 from smarttestudo.use_cases.ruler.vocabulary import Vocabulary, VocabularyRequest, vocabulary
 from smarttestudo.web.bodies import read_query
+from smarttestudo.web.child_work import CurveApi, MeasureApi, TryApi
 from smarttestudo.web.errors import GONE, RequestError, error_answer
 from smarttestudo.web.guard import Guard, ServerAddress
 from smarttestudo.web.live_feed import LiveFeed
-from smarttestudo.web.measure_api import MeasureApi
 from smarttestudo.web.page import page_files
 from smarttestudo.web.routes import ApiRoute, Handler, answering, long_work, telling
 from smarttestudo.web.socket import Listeners
-from smarttestudo.web.try_api import CurveApi, TryApi
 
 _PNG = "image/png"
 

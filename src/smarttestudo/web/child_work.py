@@ -5,17 +5,26 @@
 from __future__ import annotations
 
 import asyncio
+import math
 import sys
 from asyncio.subprocess import DEVNULL, PIPE, Process
 from dataclasses import dataclass
 
 import msgspec
+from msgspec.structs import replace
+from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
 from starlette.responses import Response
 
-from smarttestudo.domain.errors import TestudoError
+from smarttestudo.adapters.files.project_folder import ProjectFolder
+from smarttestudo.domain.errors import TestudoError, UsageError
+from smarttestudo.domain.names import is_topic_name, resolve_topic
+from smarttestudo.use_cases.ruler.checked_text import require_usable
 from smarttestudo.use_cases.ruler.child_messages import Done, Failure, Share
-from smarttestudo.use_cases.ruler.child_process import ChildWork
+from smarttestudo.use_cases.ruler.child_process import ChildWork, MeasureOrder
+from smarttestudo.use_cases.ruler.curve import CurveRequest
+from smarttestudo.use_cases.ruler.profiles import MeasureLiveRequest
+from smarttestudo.use_cases.ruler.trial import TryRequest
 from smarttestudo.web.errors import GONE, JSON, RequestError
 from smarttestudo.web.socket import Listeners, Progress
 
@@ -98,3 +107,79 @@ async def _left(request: Request) -> None:
     """Returns once the page that asked has gone."""
     while (await request.receive())["type"] != "http.disconnect":
         pass
+
+
+_TIMEOUT_S = 600.0
+_BAD_REQUEST = 400
+
+
+class TryApi:
+    """Tries rules on the bags of ``folder``, one at a time, each in a process that can be ended."""
+
+    def __init__(self, folder: ProjectFolder, listeners: Listeners) -> None:
+        self._folder = folder
+        self._work = ChildProcesses(listeners)
+
+    async def answer(self, request: Request, asked: TryRequest) -> Response:
+        """Replay a bag; who leaves ends it."""
+        bag = await run_in_threadpool(self._folder.bag, asked.bag)
+        await run_in_threadpool(require_usable, asked)
+        return await self._work.answer(
+            request, _order(ChildWork.TRIAL, replace(asked, bag=str(bag)), asked.bag)
+        )
+
+
+class CurveApi:
+    """Measures what topics of the bags of ``folder`` lose at each rate, one at a time."""
+
+    def __init__(self, folder: ProjectFolder, listeners: Listeners) -> None:
+        self._folder = folder
+        self._work = ChildProcesses(listeners)
+
+    async def answer(self, request: Request, asked: CurveRequest) -> Response:
+        """Measure a topic of a bag; who leaves ends it."""
+        if not is_topic_name(asked.topic):
+            raise RequestError(f"{asked.topic!r} is not a valid ROS 2 topic name", _BAD_REQUEST)
+        bag = await run_in_threadpool(self._folder.bag, asked.bag)
+        order = replace(asked, bag=str(bag), topic=resolve_topic(asked.topic))
+        return await self._work.answer(request, _order(ChildWork.CURVE, order, asked.bag))
+
+
+def _order(work: ChildWork, asked: TryRequest | CurveRequest, name: str) -> Order:
+    return Order(
+        work=work,
+        asked=asked,
+        run=asked.run,
+        timeout_s=_TIMEOUT_S,
+        too_long=TestudoError("the bag takes longer than ten minutes", remedy="try a shorter one"),
+        broken=TestudoError(
+            "reading the bag ended without a result", place=name, remedy="try testudo bag info on it"
+        ),
+    )
+
+
+MAX_SECONDS = 60.0
+# For the first topic to be seen, and for the process to begin and end.
+_FIRST_TOPIC_S = 5.0
+_MARGIN_S = 30.0
+
+
+class MeasureApi:
+    """Measures one at a time: it subscribes to everything."""
+
+    def __init__(self, listeners: Listeners) -> None:
+        self._work = ChildProcesses(listeners)
+
+    async def answer(self, request: Request, order: MeasureLiveRequest) -> Response:
+        """A profile of what is published now; who leaves ends it."""
+        if not (math.isfinite(order.seconds) and 1 <= order.seconds <= MAX_SECONDS):
+            raise UsageError(f"robots are measured for 1 to {MAX_SECONDS:g} s", place="seconds")
+        work = Order(
+            work=ChildWork.MEASURE,
+            asked=MeasureOrder(seconds=order.seconds, timeout_s=_FIRST_TOPIC_S),
+            run=order.run,
+            timeout_s=2 * (order.seconds + _FIRST_TOPIC_S) + _MARGIN_S,
+            too_long=TestudoError("measuring does not come to an end", remedy="try fewer seconds"),
+            broken=TestudoError("measuring ended without a result", remedy="try testudo profile --seconds"),
+        )
+        return await self._work.answer(request, work)

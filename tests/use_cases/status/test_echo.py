@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from smarttestudo.cli.echo import cropped, live_lines
 from smarttestudo.cli.echo_text import echo_block, echo_json, echo_line, message_block
-from smarttestudo.cli.live_lines import cropped, live_lines
 from smarttestudo.cli.main import main
 from smarttestudo.use_cases.live.echo import Bounds, Echo, EchoedTopic, message_values, unheard_error
 from use_cases.status.virtual_robot import Source, VirtualRobot

@@ -24,8 +24,7 @@ from smarttestudo.adapters.ros.parameters import REMOTE_LOOK_PERIOD_S, NodeParam
 from smarttestudo.adapters.ros.qos import further_policies, is_reliable, is_transient_local, qos_profile
 from smarttestudo.adapters.ros.real_timers import RealTimers
 from smarttestudo.adapters.ros.ros_errors import ros_errors
-from smarttestudo.adapters.ros.services import offer_trigger
-from smarttestudo.domain.errors import RosError, UsageError
+from smarttestudo.domain.errors import RosError, TestudoError, UsageError
 from smarttestudo.domain.parameter import Accept, Parameter, ParameterValue, RemoteParameters
 from smarttestudo.domain.robot import (
     DataPath,
@@ -42,6 +41,7 @@ from smarttestudo.domain.units import NS_PER_S
 if TYPE_CHECKING:
     from smarttestudo.adapters.ros.rcl.path import RclPath
     from smarttestudo.adapters.ros.rclpy_path import RclpyPath
+
 
 CLOCK_PERIOD_S = 1.0
 """How often to look whether time is simulated; a parameter of the node may change that."""
@@ -262,3 +262,27 @@ def _endpoint(info: Any) -> Endpoint:
         gid=bytes(info.endpoint_gid),
         asks=further_policies(info.qos_profile),
     )
+
+
+def offer_trigger(node: Any, name: str, act: Callable[[], str]) -> None:
+    """Offer a std_srvs/srv/Trigger service that calls ``act``. Raises ``RosError``.
+
+    It succeeds with the message that ``act`` returns, and fails with its ``TestudoError``.
+    """
+    try:
+        from std_srvs.srv import Trigger  # noqa: PLC0415  a robot may lack it
+    except ImportError as error:
+        remedy = "install the ROS package std_srvs"
+        raise RosError("the type of this service is not installed", place=name, remedy=remedy) from error
+
+    def called(_request: Any, response: Any) -> Any:
+        try:
+            response.message = act()
+            response.success = True
+        except TestudoError as error:
+            response.message = str(error)
+            response.success = False
+        return response
+
+    with ros_errors(name):
+        node.create_service(Trigger, name, called)

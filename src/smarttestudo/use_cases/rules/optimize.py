@@ -178,7 +178,7 @@ def lowered_where_too_much(
 def _changes(solved: SolvedPart, done: Optimization) -> list[Change] | None:
     # A robot has no HiGHS; that something does not fit, and by how much, is known without it.
     try:
-        from smarttestudo.adapters.solver.highs_change_finder import HighsChangeFinder  # noqa: PLC0415
+        from smarttestudo.adapters.solver.highs_solver import HighsChangeFinder  # noqa: PLC0415
     except ModuleNotFoundError:
         return None
     return smallest_changes(solved, done.budget_kb_per_s, model=done.model, finder=HighsChangeFinder())
