@@ -13,6 +13,8 @@ from smarttestudo.adapters.zenoh import open_operator_end, open_robot_end
 from smarttestudo.adapters.zenoh.arrivals import RobotPresence, StreamSaid
 from smarttestudo.adapters.zenoh.security import LinkOptions
 
+pytestmark = pytest.mark.process
+
 
 @pytest.mark.parametrize("payload", [b"", b"x", bytes(300_000), random.Random(1).randbytes(100_000)])
 def test_a_message_arrives_byte_for_byte_with_its_type_and_qos(payload: bytes) -> None:

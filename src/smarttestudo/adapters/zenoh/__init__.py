@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
+from smarttestudo.adapters.zenoh.arrivals import MAX_WAITING_BYTES
 from smarttestudo.adapters.zenoh.security import LinkOptions
 from smarttestudo.domain.errors import LinkError
 
@@ -43,11 +44,16 @@ def open_robot_end(
 
 @contextmanager
 def open_operator_end(
-    options: LinkOptions, warn: Warn, *, clock: Callable[[], int] = time.monotonic_ns
+    options: LinkOptions,
+    warn: Warn,
+    *,
+    clock: Callable[[], int] = time.monotonic_ns,
+    most_waiting_bytes: int = MAX_WAITING_BYTES,
 ) -> Iterator[OperatorEnd]:
     """The operator's end of the links of all robots that are or will be there.
 
-    It is a router, so that further ends can connect to where it listens. ``clock`` gives ns from any start.
+    It is a router, so that further ends can connect to where it listens. ``clock`` gives ns from any start;
+    ``most_waiting_bytes`` may wait to be read.
     Raises ``LinkError`` as ``open_robot_end`` does.
     """
     _require_zenoh()
@@ -55,7 +61,7 @@ def open_operator_end(
     from smarttestudo.adapters.zenoh.session import open_session  # noqa: PLC0415  needs zenoh
 
     with open_session(options, "router", warn) as session:
-        end = OperatorEnd(session, warn, clock)
+        end = OperatorEnd(session, warn, clock, most_waiting_bytes)
         try:
             yield end
         finally:

@@ -43,7 +43,7 @@ class Arrivals:
     Where nobody reads for long, the oldest messages that are not latched give way, then the oldest events.
     """
 
-    def __init__(self, most_bytes: int = MAX_WAITING_BYTES) -> None:
+    def __init__(self, most_bytes: int) -> None:
         self.dropped = 0
         """Events that gave way."""
         self._most_bytes = most_bytes

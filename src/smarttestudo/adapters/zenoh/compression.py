@@ -49,7 +49,7 @@ def decompress(data: bytes, most_bytes: int) -> bytes:
     """What was compressed. Raises ``LinkError``, also for what would have more than ``most_bytes``."""
     try:
         size_bytes = zstandard.frame_content_size(data)
-        if not 0 <= size_bytes <= most_bytes:
+        if not 0 < size_bytes <= most_bytes:
             raise LinkError(f"a compressed message says that it has {size_bytes} bytes")
         payload = zstandard.ZstdDecompressor().decompress(data, allow_extra_data=False)
     except (zstandard.ZstdError, MemoryError) as error:

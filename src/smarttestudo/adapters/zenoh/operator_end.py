@@ -35,14 +35,20 @@ class _Robot:
 class OperatorEnd:
     """Finds robots, receives what they send, and reports it to them; no thread waits for who reads it."""
 
-    def __init__(self, session: zenoh.Session, warn: Callable[[str], None], clock: Callable[[], int]) -> None:
+    def __init__(
+        self,
+        session: zenoh.Session,
+        warn: Callable[[str], None],
+        clock: Callable[[], int],
+        most_waiting_bytes: int,
+    ) -> None:
         self.strays = 0
         """Chunks of robots that are not known here."""
         self._session = session
         self._warn = warn
         self._clock = clock
         self._receiver = secrets.randbits(64)
-        self._arrivals = Arrivals()
+        self._arrivals = Arrivals(most_waiting_bytes)
         self._robots: dict[str, _Robot] = {}
         self._said_twice: set[str] = set()
         self._was_full = False

@@ -26,12 +26,12 @@ def check_certificates(options: LinkOptions, config: Mapping[str, object]) -> No
                 _context(*files)
 
 
-def why_unreachable(endpoint: str, config: Mapping[str, object]) -> str | None:
-    """One line on why nobody can be reached at ``endpoint`` (TCP or TLS); ``None`` where that is not seen."""
+def why_unreachable(endpoint: str, config: Mapping[str, object]) -> str:
+    """One line on why there is no link to ``endpoint``, from a look at it where it is TCP or TLS."""
     locator = Locator.of(endpoint)
     port = locator.address.rpartition(":")[2]
     if locator.protocol not in ("tcp", "tls") or not port.isdecimal():
-        return None
+        return f"{endpoint}: it cannot be reached, or does not let us in"
     try:
         with socket.create_connection((locator.host, int(port)), _ANSWER_WITHIN_S) as connection:
             if locator.protocol == "tls":
@@ -39,18 +39,16 @@ def why_unreachable(endpoint: str, config: Mapping[str, object]) -> str | None:
     except ssl.SSLCertVerificationError as error:
         return f"{endpoint}: its certificate is not accepted here: {error.verify_message}"
     except ssl.SSLError as error:
-        return f"{endpoint}: it does not accept our certificate: {error.reason or error}"
+        reason = (error.reason or str(error)).replace("_", " ").lower()
+        return f"{endpoint}: it does not accept our certificate: {reason}"
     except (OSError, OverflowError, LinkError) as error:
-        return f"{endpoint}: nobody answers: {getattr(error, 'strerror', None) or error}"
-    return None
+        return f"{endpoint}: it cannot be reached: {getattr(error, 'strerror', None) or error}"
+    return f"{endpoint}: somebody answers, but does not let us in: check user and password in --zenoh-config"
 
 
 def _shake_hands(connection: socket.socket, locator: Locator, config: Mapping[str, object]) -> None:
     settings = tls_settings(locator, config)
-    files = key_files(settings, "connect")
-    if files is None:
-        return
-    context = _context(*files)
+    context = _context(*(key_files(settings, "connect") or (settings.get("root_ca_certificate"),)))
     context.check_hostname = settings.get("verify_name_on_connect", "true") == "true"
     with context.wrap_socket(connection, server_hostname=locator.host) as secured:
         secured.settimeout(_REFUSED_WITHIN_S)
@@ -61,25 +59,30 @@ def _shake_hands(connection: socket.socket, locator: Locator, config: Mapping[st
             return
 
 
-def _context(authority: str, certificate: str, key: str) -> ssl.SSLContext:
+def _context(authority: str | None, certificate: str | None = None, key: str | None = None) -> ssl.SSLContext:
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
+    path = ""
     try:
-        context.load_verify_locations(authority)
-    except OSError as error:
-        raise _unusable(authority, error) from error
-    path = certificate
-    try:
-        for path in (certificate, key):
+        for path in filter(None, (authority, certificate, key)):
             Path(path).open("rb").close()
-        # Without a password, one would be asked for in the terminal.
-        context.load_cert_chain(certificate, key, password="")
+        if authority:
+            path = authority
+            context.load_verify_locations(path)
+        else:
+            context.load_default_certs()
+        if certificate:
+            path = f"{certificate} or {key}"
+            # Without a password, one would be asked for in the terminal.
+            context.load_cert_chain(certificate, key, password="")
     except OSError as error:
         raise _unusable(path, error) from error
     return context
 
 
 def _unusable(path: str, error: OSError) -> LinkError:
-    cause = error.reason if isinstance(error, ssl.SSLError) else error.strerror
+    cause = (
+        (error.reason or "").replace("_", " ").lower() if isinstance(error, ssl.SSLError) else error.strerror
+    )
     return LinkError(
         f"it cannot be used as a certificate: {cause or error}", place=path, remedy="check --zenoh-config"
     )

@@ -20,7 +20,7 @@ from smarttestudo.domain.errors import LinkError
 
 _MOST_CONFIG_BYTES = 1_000_000
 _MOST_CAUSE = 300
-_LOOK_AFTER_S = 5.0
+_LOOK_PERIOD_S = 2.0
 _SOURCE_LINE = re.compile(r"\s+at \S+\.rs:\d+\.?")
 
 _SETTINGS: Mapping[str, object] = {
@@ -104,18 +104,19 @@ def _watch(
     warn: Callable[[str], None],
     is_closed: threading.Event,
 ) -> None:
-    """Say why nobody is connected, again where the cause changed."""
+    """Say why nobody is connected, each cause once, when it was there twice: the other end may just start."""
     said: set[str] = set()
-    while not is_closed.wait(_LOOK_AFTER_S):
+    seen: set[str] = set()
+    while not is_closed.wait(_LOOK_PERIOD_S):
         try:
             is_connected = bool(session.info.routers_zid() or session.info.peers_zid())
         except zenoh.ZError:
             return
         if is_connected:
-            said.clear()
+            said, seen = set(), set()
             continue
-        for endpoint in endpoints:
-            why = why_unreachable(endpoint, config)
-            if why is not None and why not in said and not is_closed.is_set():
-                said.add(why)
+        before, seen = seen, {why_unreachable(endpoint, config) for endpoint in endpoints}
+        if not is_closed.is_set():
+            for why in sorted(before & seen - said):
                 warn(why)
+            said |= before & seen
