@@ -40,7 +40,8 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         "receive",
         help="receive what robots send with 'testudo run --link'",
         description="Receive the relayed topics of robots over their links, the newest first, and publish "
-        "them on the ROS graph here, record them, or serve them to Foxglove. Ends on SIGINT (Ctrl-C) and SIGTERM.",
+        "them on the ROS graph here, record them, or serve them to Foxglove. Ends on SIGINT (Ctrl-C) "
+        "and SIGTERM.",
     )
     parser.add_argument(
         "--listen",

@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from adapters.zenoh.ends import MAP, ODOM
-from smarttestudo.adapters.zenoh.arrivals import Arrivals, LinkEvent, RobotPresence
+from smarttestudo.adapters.zenoh.arrivals import EventQueue, LinkEvent, RobotPresence
 from smarttestudo.domain.link import ReceivedMessage, StreamInfo
 
 
@@ -18,7 +18,7 @@ def message(stream: StreamInfo, number: int, size_bytes: int = 10_000) -> Receiv
 
 
 def test_what_arrived_is_read_once_and_in_order() -> None:
-    arrivals = Arrivals(60_000)
+    arrivals = EventQueue(60_000)
     events: list[LinkEvent] = [
         RobotPresence(robot="r1", boot="0", is_present=True),
         message(ODOM, 1),
@@ -32,7 +32,7 @@ def test_what_arrived_is_read_once_and_in_order() -> None:
 
 
 def test_the_oldest_messages_give_way_and_latched_ones_stay() -> None:
-    arrivals = Arrivals(60_000)
+    arrivals = EventQueue(60_000)
     presence = RobotPresence(robot="r1", boot="0", is_present=True)
     arrivals.put(presence)
     arrivals.put(message(MAP, 0))
@@ -43,7 +43,7 @@ def test_the_oldest_messages_give_way_and_latched_ones_stay() -> None:
 
 
 def test_what_waits_is_bounded_whatever_it_is() -> None:
-    arrivals = Arrivals(60_000)
+    arrivals = EventQueue(60_000)
     for number in range(100):
         arrivals.put(message(MAP, number))
         arrivals.put(RobotPresence(robot="r1", boot=str(number), is_present=True))
@@ -54,7 +54,7 @@ def test_what_waits_is_bounded_whatever_it_is() -> None:
 
 
 def test_the_newest_arrives_though_it_is_too_large() -> None:
-    arrivals = Arrivals(10)
+    arrivals = EventQueue(10)
     large = message(replace(ODOM, topic="/large"), 7)
     arrivals.put(message(ODOM, 1))
     arrivals.put(large)

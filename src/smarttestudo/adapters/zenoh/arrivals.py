@@ -37,7 +37,7 @@ class StreamSaid:
 LinkEvent = RobotPresence | StreamSaid | ReceivedMessage
 
 
-class Arrivals:
+class EventQueue:
     """Events in the order of their arrival, of at most ``most_bytes``. Any thread may ``put``.
 
     Where nobody reads for long, the oldest messages that are not latched give way, then the oldest events.

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 
 import zenoh
 
-from smarttestudo.adapters.zenoh.arrivals import Arrivals, LinkEvent, RobotPresence, StreamSaid
+from smarttestudo.adapters.zenoh.arrivals import EventQueue, LinkEvent, RobotPresence, StreamSaid
 from smarttestudo.adapters.zenoh.compression import decompress
 from smarttestudo.adapters.zenoh.keys import ALL_BOOTS, ALL_DATA, Boot, boot_of
 from smarttestudo.domain.units import NS_PER_S
@@ -48,7 +48,7 @@ class OperatorEnd:
         self._warn = warn
         self._clock = clock
         self._receiver = secrets.randbits(64)
-        self._arrivals = Arrivals(most_waiting_bytes)
+        self._arrivals = EventQueue(most_waiting_bytes)
         self._robots: dict[str, _Robot] = {}
         self._said_twice: set[str] = set()
         self._was_full = False
