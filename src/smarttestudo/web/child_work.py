@@ -179,7 +179,7 @@ class MeasureApi:
             asked=MeasureOrder(seconds=order.seconds, timeout_s=_FIRST_TOPIC_S),
             run=order.run,
             timeout_s=2 * (order.seconds + _FIRST_TOPIC_S) + _MARGIN_S,
-            too_long=TestudoError("measuring does not come to an end", remedy="try fewer seconds"),
+            too_long=TestudoError("measuring did not finish", remedy="try fewer seconds"),
             broken=TestudoError("measuring ended without a result", remedy="try testudo profile --seconds"),
         )
         return await self._work.answer(request, work)
