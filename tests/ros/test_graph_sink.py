@@ -13,7 +13,7 @@ import pytest
 from ros.ros_processes import LINE_TIMEOUT_S, SmallRobot
 from ros.small_graph import TEXT, SmallGraph
 from smarttestudo.adapters.ros import open_robot
-from smarttestudo.adapters.ros.graph_sink import GraphSink
+from smarttestudo.adapters.ros.graph_sink import MAX_DEPTH, GraphSink
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.link import ReceivedMessage, StreamInfo
 from smarttestudo.domain.robot import DataPathKind, Qos, Robot
@@ -135,3 +135,11 @@ def test_a_robot_whose_name_makes_no_topic_is_named_and_costs_no_other() -> None
     assert graph.published == [("/ada/odom", text("ada"))]
     assert len(said) == 1
     assert "'/robot 1/odom' is not a valid ROS 2 topic name" in said[0]
+
+
+@pytest.mark.parametrize(("announced", "depth"), [(-1, 1), (0, 1), (7, 7), (10**30, MAX_DEPTH)])
+def test_whatever_depth_a_robot_announces_memory_is_bounded(announced: int, depth: int) -> None:
+    graph = SmallGraph()
+    sink = GraphSink(graph, pytest.fail)
+    sink.open("ada", stream("/odom", qos=Qos(reliable=True, transient_local=True, depth=announced)))
+    assert [publisher.qos.depth for publisher in graph.advertised] == [depth]

@@ -29,11 +29,11 @@ class FoxgloveClient:
     def await_channels(self, *topics: str) -> None:
         """Until these are announced, and no other."""
         while {*self.channels} != {*topics}:
-            self._receive()
+            self.receive()
 
     def await_type(self, topic: str, type_name: str) -> None:
         while self.channels.get(topic, {}).get("schemaName") != type_name:
-            self._receive()
+            self.receive()
 
     def subscribe(self, topic: str) -> None:
         number = len(self.subscribed)
@@ -43,10 +43,10 @@ class FoxgloveClient:
 
     def await_messages(self, count: int) -> list[tuple[str, int, bytes]]:
         while len(self.messages) < count:
-            self._receive()
+            self.receive()
         return self.messages
 
-    def _receive(self) -> None:
+    def receive(self) -> None:
         data = self.connection.recv(timeout=TIMEOUT_S)
         if isinstance(data, bytes):
             assert data[0] == _MESSAGE_DATA

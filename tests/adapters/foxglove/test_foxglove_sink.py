@@ -12,6 +12,7 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -39,6 +40,7 @@ from smarttestudo.domain.robot import Qos
 ROOT = Path(__file__).parents[3]
 TEXT = "std_msgs/msg/String"
 BEST_EFFORT = Qos(reliable=False, transient_local=False, depth=5)
+IDL = "module robot_msgs { module msg { struct Gripper { double opening; boolean holds; }; }; };"
 LATCHED = Qos(reliable=True, transient_local=True, depth=2)
 ODOM = StreamInfo(topic="/odom", type_name="nav_msgs/msg/Odometry", qos=BEST_EFFORT)
 GRIPPER = StreamInfo(topic="/gripper", type_name=CUSTOM_TYPE, qos=BEST_EFFORT, definition=CUSTOM_DEFINITION)
@@ -106,6 +108,28 @@ def test_a_late_client_gets_the_last_messages_of_each_publisher_of_a_latched_top
             ("/names", START_NS + 2, words("hall")),
             ("/names", START_NS + 3, words("new hall")),
         ]
+
+
+def test_a_publisher_that_tells_no_definition_uses_that_of_another(sink: FoxgloveSink) -> None:
+    defined = replace(GRIPPER, qos=LATCHED)
+    held = cdr(CUSTOM_TYPE, message_of(CUSTOM_TYPE, opening=0.5))
+    for stream in (defined, replace(defined, publisher=1, definition="")):
+        sink.open("ada", stream)
+        take(sink, stream, held)
+    with foxglove_client(sink.port) as client:
+        client.await_channels("/gripper")
+        client.subscribe("/gripper")
+        assert len(client.await_messages(2)) == 2
+        assert client.channels["/gripper"]["schema"] == CUSTOM_DEFINITION
+
+
+def test_a_definition_in_idl_is_announced_as_such(sink: FoxgloveSink) -> None:
+    definition = f"{'=' * 80}\nIDL: {CUSTOM_TYPE}\n{IDL}"
+    sink.open("ada", replace(GRIPPER, definition=definition))
+    with foxglove_client(sink.port) as client:
+        client.await_channels("/gripper")
+    channel = client.channels["/gripper"]
+    assert (channel["schemaEncoding"], channel["schema"]) == ("ros2idl", definition)
 
 
 def test_a_topic_with_another_type_is_announced_anew(sink: FoxgloveSink) -> None:

@@ -35,8 +35,9 @@ class _Topic:
     latched: dict[int, deque[tuple[bytes, int]]] = field(default_factory=dict)
 
     def is_served_as(self, stream: StreamInfo) -> bool:
-        """Whether clients can read the messages of ``stream``."""
-        return (self.stream.type_name, self.stream.definition) == (stream.type_name, stream.definition)
+        """Whether clients can read the messages of ``stream``, whose definition need not be told again."""
+        is_defined = stream.definition in ("", self.stream.definition)
+        return self.stream.type_name == stream.type_name and is_defined
 
 
 class FoxgloveSink:

@@ -5,13 +5,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from smarttestudo.domain.errors import TestudoError
 from smarttestudo.domain.link import ReceivedMessage, StreamInfo
 from smarttestudo.domain.names import TOPIC_PLACEHOLDER, output_name
 from smarttestudo.domain.robot import DataPath, Publisher
 
+MAX_DEPTH = 1000
+"""Messages that a publisher keeps at most, whatever depth a robot announces."""
 _StreamKey = tuple[str, str, int]
 
 
@@ -71,7 +73,8 @@ class GraphSink:
     def _advertise(self, robot: str, stream: StreamInfo) -> Publisher | None:
         try:
             output = output_name(stream.topic, self._pattern, robot)
-            publisher = self._path.advertise(output, stream.type_name, stream.qos)
+            qos = replace(stream.qos, depth=min(max(stream.qos.depth, 1), MAX_DEPTH))
+            publisher = self._path.advertise(output, stream.type_name, qos)
         except TestudoError as error:
             self._say(str(error))
             return None
