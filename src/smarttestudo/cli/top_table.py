@@ -15,7 +15,9 @@ from pathlib import Path
 
 from smarttestudo.cli.tables import is_unicode, write_text
 from smarttestudo.domain.decision import Reason
+from smarttestudo.domain.link_state import LinkState
 from smarttestudo.domain.status import DiagnosticLevel, RuntimeStatus, Silence, TopicStatus
+from smarttestudo.domain.units import counted
 from smarttestudo.use_cases.live.diagnostics import topic_health
 from smarttestudo.visualizer.table import (
     Align,
@@ -93,10 +95,13 @@ def topic_lines(status: RuntimeStatus, sort: SortKey, width: int | None = None) 
     """Headings, a rule, and one line for each topic; at most ``width`` wide where that is possible."""
     is_wide = width is None or width >= WIDE
     topics = _sorted(status, sort)
+    has_link = status.link is not None
     table = Table(
         title="",
-        columns=_columns(is_wide=is_wide),
-        rows=tuple(Row(cells=_cells(source, topic, is_wide=is_wide)) for source, topic in topics),
+        columns=_columns(is_wide=is_wide, has_link=has_link),
+        rows=tuple(
+            Row(cells=_cells(source, topic, is_wide=is_wide, has_link=has_link)) for source, topic in topics
+        ),
     )
     lines = plain_table(table, width=width).split("\n")
     heading_lines = len(lines) - len(topics)
@@ -120,10 +125,21 @@ def _link(status: RuntimeStatus) -> str:
     )
     budget_kb_per_s = status.budget_kb_per_s
     if budget_kb_per_s is None:
-        return f"{text}, no budget"
+        return f"{text}, no budget{_capacity(status.link)}"
     share = f" ({100 * status.out_kb_per_s / budget_kb_per_s:.0f} %)" if budget_kb_per_s else ""
     floors = "   the floors alone exceed it" if status.floors_break_budget else ""
-    return f"{text} of {format_number(budget_kb_per_s, 1)}{share}{floors}"
+    return f"{text} of {format_number(budget_kb_per_s, 1)}{share}{floors}{_capacity(status.link)}"
+
+
+def _capacity(link: LinkState | None) -> str:
+    """How the link to the operator does."""
+    if link is None:
+        return ""
+    if not link.is_connected:
+        return "   link: no operator is connected"
+    capacity = "not the limit" if link.capacity_kb_per_s is None else f"{link.capacity_kb_per_s:,.1f} KB/s"
+    trip = "" if link.round_trip_ms is None else f", round trip {link.round_trip_ms:.0f} ms"
+    return f"   link: {capacity}{trip}, {counted(link.outages, 'outage')}"
 
 
 def _sorted(status: RuntimeStatus, sort: SortKey) -> list[tuple[str, TopicStatus]]:
@@ -138,7 +154,7 @@ def _or_least(number: float | None) -> float:
     return -math.inf if number is None else number
 
 
-def _columns(*, is_wide: bool) -> tuple[Column, ...]:
+def _columns(*, is_wide: bool, has_link: bool) -> tuple[Column, ...]:
     return (
         Column(heading="Topic", align=Align.LEFT),
         Column(heading="Source", unit="Hz"),
@@ -147,12 +163,13 @@ def _columns(*, is_wide: bool) -> tuple[Column, ...]:
         Column(heading="Error", unit="%"),
         *((Column(heading="In", unit="KB/s"),) if is_wide else ()),
         Column(heading="Out", unit="KB/s"),
+        *((Column(heading="Age", unit="ms"),) if has_link else ()),
         *((Column(heading="Rule", align=Align.LEFT),) if is_wide else ()),
         Column(heading="State" if is_wide else "Rule, or state", align=Align.LEFT),
     )
 
 
-def _cells(source: str, topic: TopicStatus, *, is_wide: bool) -> tuple[Cell, ...]:
+def _cells(source: str, topic: TopicStatus, *, is_wide: bool, has_link: bool) -> tuple[Cell, ...]:
     health, rule = topic_health(topic), _rule(topic)
     is_well = topic.silence is None and health.level is DiagnosticLevel.OK
     summary = "" if is_well else health.summary
@@ -166,6 +183,7 @@ def _cells(source: str, topic: TopicStatus, *, is_wide: bool) -> tuple[Cell, ...
         Number(topic.error_percent, signed=True),
         *((Number(topic.in_kb_per_s, decimals=1),) if is_wide else ()),
         Number(topic.out_kb_per_s, decimals=1),
+        *((Number(None if topic.on_link is None else topic.on_link.age_ms, decimals=0),) if has_link else ()),
         *why,
     )
 

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
+from smarttestudo.domain.link_state import LinkState, StreamCounts
 from smarttestudo.domain.robot import Publisher, Qos
 
 
@@ -52,34 +53,6 @@ class ReceivedMessage:
     payload: bytes
     offered_ns: int
     age_ns: int | None
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class StreamCounts:
-    """Messages of one topic at the robot's end of a link, since the start.
-
-    ``sent`` went out whole. ``replaced`` gave way to newer ones before their first byte was sent;
-    ``overflowed`` were dropped because the queue of the topic was full. ``queued_bytes`` wait now.
-    """
-
-    sent: int = 0
-    replaced: int = 0
-    overflowed: int = 0
-    queued_bytes: int = 0
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class LinkState:
-    """What the robot's end knows of the link; ``None`` for what was not measured yet.
-
-    ``capacity_kb_per_s`` is what the link carries, ``round_trip_ms`` the least of the last seconds,
-    ``outages`` how often the operator's end was silent while something was under way to it.
-    """
-
-    is_connected: bool = False
-    capacity_kb_per_s: float | None = None
-    round_trip_ms: float | None = None
-    outages: int = 0
 
 
 class OutgoingLink(Protocol):

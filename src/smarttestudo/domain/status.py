@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from enum import Enum, IntEnum
 
 from smarttestudo.domain.decision import Reason
+from smarttestudo.domain.link_state import LinkState, TopicOnLink
 from smarttestudo.domain.signal import Truth
 
 
@@ -158,6 +159,7 @@ class TopicStatus:
     silence: Silence | None
     counts: TopicCounts
     frames: int | None = None
+    on_link: TopicOnLink | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -180,6 +182,8 @@ class RuntimeStatus:
     topics: Mapping[str, TopicStatus]
     status_hz: float = 1.0
     blocks: tuple[BlockStatus, ...] = ()
+    link: LinkState | None = None
+    """The link to an operator's end, if there is one."""
 
     @property
     def in_kb_per_s(self) -> float:

@@ -10,7 +10,8 @@ from collections.abc import Callable, Hashable, Iterator
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from smarttestudo.domain.link import LinkNeeds, StreamCounts
+from smarttestudo.domain.link import LinkNeeds
+from smarttestudo.domain.link_state import StreamCounts
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.link.chunks import CONTROL_STREAM, Chunk
 

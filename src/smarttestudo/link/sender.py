@@ -7,7 +7,8 @@ from __future__ import annotations
 from collections.abc import Hashable, Mapping
 from dataclasses import replace
 
-from smarttestudo.domain.link import LinkNeeds, LinkState, StreamCounts, StreamInfo
+from smarttestudo.domain.link import LinkNeeds, StreamInfo
+from smarttestudo.domain.link_state import LinkState, StreamCounts
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
 from smarttestudo.link.chunks import CONTROL_STREAM, HEADER_BYTES, MAX_STREAMS, Chunk
 from smarttestudo.link.outbox import Encode, Outbox, plain

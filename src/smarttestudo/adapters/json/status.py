@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping
 from typing import TypeVar
 
 from smarttestudo.domain.decision import Reason
+from smarttestudo.domain.link_state import LinkState, StreamCounts, TopicOnLink
 from smarttestudo.domain.signal import Truth
 from smarttestudo.domain.status import (
     BlockStatus,
@@ -111,6 +112,7 @@ def status_to_json(status: RuntimeStatus) -> dict[str, object]:
         "memory_mb": _rounded(status.memory_mb),
         "topics": {source: _topic_to_json(topic) for source, topic in status.topics.items()},
         "blocks": [block_to_json(block) for block in status.blocks],
+        **({} if status.link is None else {"link": _link_to_json(status.link)}),
     }
 
 
@@ -135,6 +137,7 @@ def status_from_text(text: str) -> RuntimeStatus:
             },
             status_hz=record.optional(record.number, "status_hz") or 1.0,
             blocks=blocks_from_json(record.entries.get("blocks")),
+            link=_link(record.optional(record.record, "link")),
         )
     except (TypeError, RecursionError) as error:
         raise ValueError(str(error)) from error
@@ -147,6 +150,49 @@ def _rules_to_json(rules: RulesInForce) -> dict[str, object]:
         "origin": rules.origin.value,
         "waits_s": _rounded(rules.waits_s),
     }
+
+
+def _link_to_json(link: LinkState) -> dict[str, object]:
+    return {
+        "connected": link.is_connected,
+        "capacity_kb_per_s": _rounded(link.capacity_kb_per_s),
+        "round_trip_ms": _rounded(link.round_trip_ms),
+        "outages": link.outages,
+    }
+
+
+def _link(record: _Record | None) -> LinkState | None:
+    if record is None:
+        return None
+    return LinkState(
+        is_connected=record.flag("connected"),
+        capacity_kb_per_s=record.optional(record.number, "capacity_kb_per_s"),
+        round_trip_ms=record.optional(record.number, "round_trip_ms"),
+        outages=record.integer("outages"),
+    )
+
+
+def _on_link_to_json(topic: TopicOnLink) -> dict[str, object]:
+    counts = topic.counts
+    return {
+        "age_ms": _rounded(topic.age_ms),
+        "sent": counts.sent,
+        "replaced": counts.replaced,
+        "overflowed": counts.overflowed,
+        "queued_bytes": counts.queued_bytes,
+    }
+
+
+def _on_link(record: _Record | None) -> TopicOnLink | None:
+    if record is None:
+        return None
+    counts = StreamCounts(
+        sent=record.integer("sent"),
+        replaced=record.integer("replaced"),
+        overflowed=record.integer("overflowed"),
+        queued_bytes=record.integer("queued_bytes"),
+    )
+    return TopicOnLink(counts=counts, age_ms=record.optional(record.number, "age_ms"))
 
 
 def _topic_to_json(topic: TopicStatus) -> dict[str, object]:
@@ -179,6 +225,7 @@ def _topic_to_json(topic: TopicStatus) -> dict[str, object]:
         "discarded": counts.discarded,
         "undecodable": counts.undecodable,
         **({} if topic.frames is None else {"frames": topic.frames}),
+        **({} if topic.on_link is None else {"link": _on_link_to_json(topic.on_link)}),
     }
 
 
@@ -267,4 +314,5 @@ def _topic(record: _Record) -> TopicStatus:
             undecodable=record.integer("undecodable"),
         ),
         frames=record.optional(record.integer, "frames"),
+        on_link=_on_link(record.optional(record.record, "link")),
     )

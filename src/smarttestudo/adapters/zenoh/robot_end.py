@@ -16,7 +16,8 @@ from smarttestudo.adapters.zenoh.compression import Compressor
 from smarttestudo.adapters.zenoh.keys import new_boot
 from smarttestudo.cdr import FrameReader
 from smarttestudo.domain.errors import LinkError
-from smarttestudo.domain.link import LinkNeeds, LinkState, StreamCounts, StreamInfo
+from smarttestudo.domain.link import LinkNeeds, StreamInfo
+from smarttestudo.domain.link_state import LinkState, StreamCounts
 from smarttestudo.domain.payload import Payload
 from smarttestudo.link.chunks import MAX_MESSAGE_BYTES
 from smarttestudo.link.reports import Report

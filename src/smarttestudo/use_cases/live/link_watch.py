@@ -6,10 +6,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 
 from smarttestudo.domain.decision import PlannedRate
 from smarttestudo.domain.link import LinkNeeds, OutgoingLink
+from smarttestudo.domain.link_state import StreamCounts, TopicOnLink
 from smarttestudo.domain.observation import LinkBudget
+from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.use_cases.live.rules import LiveRules
 
 LINK_PERIOD_S = 0.25
@@ -42,6 +45,19 @@ class LinkWatch:
         if needs != self._needs:
             self._needs = needs
             self._link.follow(needs)
+
+    def added_to(self, status: RuntimeStatus) -> RuntimeStatus:
+        """``status`` with the state of the link and of each topic on it."""
+        counts = self._link.counts()
+        topics = {
+            source: replace(topic, on_link=self._on_link(topic.output, counts))
+            for source, topic in status.topics.items()
+        }
+        return replace(status, topics=topics, link=self._link.state)
+
+    def _on_link(self, output: str, counts: Mapping[str, StreamCounts]) -> TopicOnLink | None:
+        known = counts.get(output)
+        return None if known is None else TopicOnLink(counts=known, age_ms=self._link.age_ms(output))
 
     def changed_budget(self) -> LinkBudget | None:
         """What the link carries, where that is clearly another budget than was told last."""

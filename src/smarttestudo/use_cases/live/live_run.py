@@ -158,6 +158,8 @@ class LiveRun:
             now_ns,
             status_hz=self._timer.status_hz,
         )
+        if self._link is not None:
+            status = self._link.added_to(status)
         self._publisher.announce(status, diagnostics_too=self._timer.is_diagnosis_due(process.steady_ns))
         return self._timer.next_s(read_own_process().cpu_ns - process.cpu_ns)
 
