@@ -10,8 +10,8 @@ from dataclasses import replace
 from smarttestudo.domain.link import LinkNeeds, StreamInfo
 from smarttestudo.domain.link_state import LinkState, StreamCounts
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
-from smarttestudo.link.chunks import CONTROL_STREAM, HEADER_BYTES, MAX_STREAMS, Chunk
-from smarttestudo.link.outbox import Encode, Outbox, plain
+from smarttestudo.link.chunks import CONTROL_STREAM, HEADER_BYTES, MAX_STREAMS
+from smarttestudo.link.outbox import Encode, Encoded, Outbox, plain
 from smarttestudo.link.reports import Announcement, Report, RoundTrip, control_message
 from smarttestudo.link.window import Window
 
@@ -22,6 +22,8 @@ STALLED_AFTER_NS = NS_PER_S
 BUDGET_PERIOD_NS = NS_PER_S // 4
 
 _NS_PER_MS = 1_000_000
+_KEPT_SHARE = 0.99
+"""How much an earlier message counts beside the newest: about the last hundred say what compression saves."""
 _USABLE = 0.95
 """The share of the capacity that is planned with; the rest carries what nobody planned."""
 _GROWTH = ((0.5, 1.4), (0.15, 1.07), (0.05, 1.0))
@@ -38,7 +40,8 @@ class LinkSender:
     """
 
     def __init__(self, encode: Encode = plain) -> None:
-        self._outbox = Outbox(encode)
+        self._encode = encode
+        self._outbox = Outbox(self._encoded)
         self._outbox.open(CONTROL_STREAM)
         self._infos: dict[int, StreamInfo] = {}
         self._needs: Mapping[str, LinkNeeds] = {}
@@ -124,7 +127,6 @@ class LinkSender:
             self._idle_ns += now_ns - self._idle_since_ns
             self._idle_since_ns = None
         data = chunk.to_bytes()
-        self._count(chunk)
         self._window.sent(len(data), now_ns)
         self._outbox.sent_until(chunk, self._window.sent_bytes)
         return data
@@ -195,10 +197,14 @@ class LinkSender:
         said = Announcement(stream=stream, info=self._infos.get(stream))
         self._outbox.offer(CONTROL_STREAM, control_message(said), now_ns)
 
-    def _count(self, chunk: Chunk) -> None:
-        """Keep the share of bytes that compression saves, over about the last megabyte."""
-        self._wire_bytes = self._wire_bytes * 0.99 + HEADER_BYTES + len(chunk.body)
-        self._payload_bytes = self._payload_bytes * 0.99 + len(chunk.body)
+    def _encoded(self, stream: int, payload: bytes) -> Encoded:
+        """What travels of a message; of those that are planned, it is kept how many bytes that saves."""
+        encoded = self._encode(stream, payload)
+        info = self._infos.get(stream)
+        if info is not None and info.topic in self._needs:
+            self._payload_bytes = self._payload_bytes * _KEPT_SHARE + len(payload)
+            self._wire_bytes = self._wire_bytes * _KEPT_SHARE + len(encoded.data) + HEADER_BYTES
+        return encoded
 
     def _look_at_budget(self, now_ns: int) -> None:
         """Set the budget to the capacity where the link is the limit, and let it grow where it is not."""

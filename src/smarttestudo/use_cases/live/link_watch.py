@@ -13,13 +13,16 @@ from smarttestudo.domain.link import LinkNeeds, OutgoingLink
 from smarttestudo.domain.link_state import StreamCounts, TopicOnLink
 from smarttestudo.domain.observation import LinkBudget
 from smarttestudo.domain.status import RuntimeStatus
+from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.use_cases.live.rules import LiveRules
 
 LINK_PERIOD_S = 0.25
 """How often to look what the link carries."""
-_FALL = 0.95
-_RISE = 1.1
-"""A budget that rises by less is not worth another plan."""
+_FALL, _RISE = 0.95, 1.1
+"""Shares of the budget that was told last: what lies between them is not worth another plan."""
+_HOLDS_AFTER_NS = 10 * NS_PER_S
+_LEAST_WAIT_NS = NS_PER_S
+_LONGEST_WAIT_NS = 60 * NS_PER_S
 
 
 class LinkWatch:
@@ -29,6 +32,9 @@ class LinkWatch:
         self._link = link
         self._needs: Mapping[str, LinkNeeds] = {}
         self._told_kb_per_s: float | None = None
+        self._told_ns = 0
+        self._wait_ns = _LEAST_WAIT_NS
+        self._has_risen = False
 
     def follow(self, rules: LiveRules, plan: Mapping[str, PlannedRate]) -> None:
         """Have topics served by the floors of ``rules``, their priorities and the planned rates."""
@@ -59,12 +65,26 @@ class LinkWatch:
         known = counts.get(output)
         return None if known is None else TopicOnLink(counts=known, age_ms=self._link.age_ms(output))
 
-    def changed_budget(self) -> LinkBudget | None:
-        """What the link carries, where that is clearly another budget than was told last."""
+    def changed_budget(self, now_ns: int) -> LinkBudget | None:
+        """What the link carries at ``now_ns``, where that is worth another plan than the last that was told.
+
+        A fall counts at once. A rise waits, twice as long each time that a fall soon undid one: rates that
+        the link nearly carries do not swing.
+        """
         budget_kb_per_s, told = self._link.budget_kb_per_s, self._told_kb_per_s
-        if budget_kb_per_s is None:
+        if budget_kb_per_s is None or (told is not None and not self._is_due(budget_kb_per_s / told, now_ns)):
             return None
-        if told is not None and _FALL * told <= budget_kb_per_s <= _RISE * told:
-            return None
-        self._told_kb_per_s = budget_kb_per_s
+        self._told_kb_per_s, self._told_ns = budget_kb_per_s, now_ns
         return LinkBudget(link_kb_per_s=budget_kb_per_s, is_measured=True)
+
+    def _is_due(self, change: float, now_ns: int) -> bool:
+        has_held = now_ns - self._told_ns > _HOLDS_AFTER_NS
+        if change < _FALL:
+            if self._has_risen:
+                self._wait_ns = _LEAST_WAIT_NS if has_held else min(2 * self._wait_ns, _LONGEST_WAIT_NS)
+            self._has_risen = False
+            return True
+        if change <= _RISE or now_ns - self._told_ns < self._wait_ns:
+            return False
+        self._has_risen = True
+        return True
