@@ -5,15 +5,34 @@
 from __future__ import annotations
 
 import random
+import struct
+from contextlib import ExitStack
+from dataclasses import replace
 
 import pytest
 
-from adapters.zenoh.ends import MAP, ODOM, Reader, free_endpoint, operator_end, robot_end, until
+from adapters.zenoh.ends import (
+    MAP,
+    ODOM,
+    Reader,
+    free_endpoint,
+    operator_end,
+    refuse_warning,
+    robot_end,
+    until,
+)
 from smarttestudo.adapters.zenoh import open_operator_end, open_robot_end
 from smarttestudo.adapters.zenoh.arrivals import RobotPresence, StreamSaid
 from smarttestudo.adapters.zenoh.security import LinkOptions
 
 pytestmark = pytest.mark.process
+
+
+def transform(frame: str, z: float) -> bytes:
+    """A tf2_msgs/msg/TFMessage with one transform."""
+    parent, child = (struct.pack("<I8s", 8, name.encode()) for name in ("map", frame))
+    place = struct.pack("<4x7d", 0.0, 0.0, z, 0.0, 0.0, 0.0, 1.0)
+    return b"\0\1\0\0" + struct.pack("<III", 1, 0, 0) + parent + child + place
 
 
 @pytest.mark.parametrize("payload", [b"", b"x", bytes(300_000), random.Random(1).randbytes(100_000)])
@@ -47,14 +66,61 @@ def test_each_side_may_be_the_one_that_listens_and_both_may_meet_elsewhere() -> 
             until(lambda: bool(reader.payloads()), lambda: publisher.publish(b"one"))  # noqa: B023
 
 
-def test_the_robot_knows_what_became_of_its_messages() -> None:
+def test_a_closed_stream_sends_nothing_and_is_said_to_be_closed() -> None:
     endpoint = free_endpoint()
     with operator_end(endpoint) as operator, robot_end(endpoint) as robot:
-        reader, publisher = Reader(operator), robot.advertise(ODOM)
+        reader, first = Reader(operator), robot.advertise(ODOM)
+        until(lambda: bool(reader.payloads()), lambda: first.publish(b"first"))
+        first.close()
+        first.close()
+        second = robot.advertise(MAP)
+        first.publish(b"after its end")
+        second.publish(b"map")
+        until(lambda: bool(reader.payloads("/map")))
+        assert reader.payloads("/map") == [b"map"]
+        assert [event.info for event in reader.events if isinstance(event, StreamSaid)] == [ODOM, None, MAP]
+
+
+def test_each_set_of_child_frames_replaces_only_itself() -> None:
+    endpoint = free_endpoint()
+    with robot_end(endpoint, warn=print) as robot:
+        publisher = robot.advertise(replace(ODOM, topic="/tf", type_name="tf2_msgs/msg/TFMessage"))
+        for z in (1.0, 2.0):
+            for frame in ("odom", "base"):
+                publisher.publish(transform(frame, z))
+        newest = [transform(frame, 2.0) for frame in ("odom", "base")]
+        with operator_end(endpoint) as operator:
+            reader = Reader(operator)
+            until(lambda: len(reader.payloads("/tf")) == 2)
+            assert reader.payloads("/tf") == newest
+
+
+def test_one_operator_is_served_and_the_next_when_that_is_gone() -> None:
+    endpoint = free_endpoint()
+    connects = LinkOptions(connect=(endpoint,))
+    with (
+        open_robot_end("r1", LinkOptions(listen=(endpoint,)), refuse_warning) as robot,
+        ExitStack() as second_end,
+    ):
+        publisher = robot.advertise(ODOM)
+        with open_operator_end(connects, refuse_warning) as first:
+            reader = Reader(first)
+            until(lambda: bool(reader.payloads()), lambda: publisher.publish(b"one"))
+            second = second_end.enter_context(open_operator_end(connects, refuse_warning))
+            until(lambda: bool(second.counts()), reader.read)
+        reader = Reader(second)
+        until(lambda: b"two" in reader.payloads(), lambda: publisher.publish(b"two"))
+
+
+def test_the_robot_knows_what_became_of_its_messages() -> None:
+    endpoint = free_endpoint()
+    with robot_end(endpoint, warn=print) as robot:
+        publisher = robot.advertise(ODOM)
         assert not robot.state.is_connected
-        until(lambda: len(reader.payloads()) >= 20, lambda: publisher.publish(bytes(1000)))
-        until(lambda: robot.age_ms("/odom") is not None, reader.read)
-        assert robot.state.is_connected
-        assert robot.state.round_trip_ms is not None
-        assert robot.state.round_trip_ms < 1000
-        assert robot.counts()["/odom"].sent >= 20
+        with operator_end(endpoint) as operator:
+            reader = Reader(operator)
+            until(lambda: len(reader.payloads()) >= 20, lambda: publisher.publish(bytes(1000)))
+            until(lambda: robot.age_ms("/odom") is not None, reader.read)
+            assert robot.state.is_connected
+            assert robot.state.round_trip_ms is not None
+            assert robot.counts()["/odom"].sent >= 20

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import socket
+import sys
 from pathlib import Path
 
 import pytest
@@ -58,6 +59,15 @@ def test_a_configuration_that_is_missing_or_a_folder_is_said_in_one_line(tmp_pat
         said = refusal(LinkOptions(connect=(free_endpoint(),), config_file=path))
         assert f"{path}: error: " in said
         assert "--zenoh-config" in said
+
+
+@pytest.mark.parametrize("module", ["zenoh", "zstandard"])
+def test_without_the_extra_its_name_is_said(monkeypatch: pytest.MonkeyPatch, module: str) -> None:
+    # As where it is not installed.
+    monkeypatch.setitem(sys.modules, module, None)
+    said = refusal(LinkOptions(connect=(free_endpoint(),)))
+    assert module in said
+    assert "pip install 'smarttestudo[link]'" in said
 
 
 def test_a_link_without_an_endpoint_is_refused() -> None:

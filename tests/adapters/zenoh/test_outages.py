@@ -22,7 +22,7 @@ from adapters.zenoh.ends import (
     until,
 )
 from adapters.zenoh.operator_process import OperatorProcess
-from smarttestudo.adapters.zenoh import open_operator_end
+from smarttestudo.adapters.zenoh import open_operator_end, open_robot_end
 from smarttestudo.adapters.zenoh.arrivals import RobotPresence
 from smarttestudo.adapters.zenoh.security import LinkOptions
 
@@ -51,6 +51,17 @@ def test_latched_messages_come_to_an_operator_that_starts_later_and_again_to_the
                 until(lambda: bool(reader.payloads("/map")))  # noqa: B023
                 assert reader.payloads("/map") == [b"map"]
                 until(lambda: bool(reader.payloads()), lambda: other.publish(b"pose"))  # noqa: B023
+
+
+def test_an_operator_that_leaves_makes_room_at_once() -> None:
+    endpoint = free_endpoint()
+    # Where no time passes, nobody is missed because of silence.
+    with open_robot_end("r1", LinkOptions(connect=(endpoint,)), print, clock=lambda: 1) as robot:
+        robot.advertise(MAP).publish(b"map")
+        for _ in range(2):
+            with operator_end(endpoint) as operator:
+                reader = Reader(operator)
+                until(lambda: bool(reader.payloads("/map")))  # noqa: B023
 
 
 def test_a_killed_operator_that_starts_again_gets_what_is_sent_from_then_on() -> None:

@@ -183,11 +183,14 @@ class RobotPublisher:
         self._number = number
         self._topic = stream.topic
         self._was_refused = False
+        self._is_closed = False
         kind = StreamKind.of(type_name=stream.type_name, transient_local=False)
         self._frames = FrameReader() if kind is StreamKind.TRANSFORMS else None
 
     def publish(self, payload: Payload) -> None:
         """Send a serialized message, unless it is too large, which is said once."""
+        if self._is_closed:
+            return
         if len(payload) > MAX_MESSAGE_BYTES:
             if not self._was_refused:
                 self._was_refused = True
@@ -199,4 +202,6 @@ class RobotPublisher:
 
     def close(self) -> None:
         """Send nothing more."""
-        self._end.end(self._number)
+        if not self._is_closed:
+            self._is_closed = True
+            self._end.end(self._number)
