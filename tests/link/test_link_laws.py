@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -12,7 +13,7 @@ from smarttestudo.domain.errors import LinkError
 from smarttestudo.domain.link import LinkNeeds
 from smarttestudo.link.chunks import Chunk
 from smarttestudo.link.receiver import LinkReceiver
-from smarttestudo.link.reports import Report
+from smarttestudo.link.reports import Report, read_control_message
 from smarttestudo.link.sender import LinkSender
 
 rates = st.sampled_from([0.0, 5_000.0, 60_000.0, 400_000.0, 3_000_000.0])
@@ -132,3 +133,44 @@ def test_a_sender_that_nobody_hears_keeps_the_newest_only() -> None:
     ends.run(20)
     assert sender.counts()["/a"].queued_bytes == 5_000
     assert sender.counts()["/a"].replaced == len(ends.payloads["/a"]) - 1
+
+
+@pytest.mark.parametrize(
+    "record",
+    [
+        b'{"round_trip_ms": 1e400}',
+        b'{"round_trip_ms": NaN}',
+        b'{"round_trip_ms": -1}',
+        b'{"stream": 1e400}',
+        b"[" * 100_000,
+        b'{"stream": 4096}',
+        b"null",
+        b'{"stream": 1, "topic": "/a", "type": "../x", "depth": 1, "publisher": 0, "definition": ""}',
+    ],
+)
+def test_a_control_message_that_lies_is_refused(record: bytes) -> None:
+    with pytest.raises(LinkError):
+        read_control_message(record)
+
+
+def test_a_session_that_somebody_else_claimed_does_not_end_the_link() -> None:
+    ends = Ends(Link(((0.0, 1e6),)), (Source(topic="/a", size_bytes=500, rate_hz=10),))
+    forged = Chunk(
+        session=2**31,
+        stream=5,
+        number=0,
+        offset=0,
+        size_bytes=3,
+        offered_ns=0,
+        sent_ns=0,
+        is_compressed=False,
+        is_kept=False,
+        body=b"abc",
+    )
+
+    def forge(now_ns: int) -> None:
+        ends.receiver.take(forged.to_bytes(), now_ns)
+
+    ends.at(1 * S, forge)
+    ends.run(10)
+    assert len(ends.ages_s("/a", 4)) >= 55

@@ -19,6 +19,9 @@ from smarttestudo.link.chunks import MAX_STREAMS
 
 MAX_REPORT_BYTES = 256_000
 _MAX_DEPTH = 1_000
+_MAX_DEFINITION_BYTES = 256_000
+_MAX_DURATION_MS = 1e9
+_UNREADABLE = (ValueError, TypeError, LookupError, AttributeError, ArithmeticError, RecursionError)
 _TYPE_NAME = re.compile(r"[A-Za-z]\w{0,99}/msg/[A-Za-z]\w{0,99}", re.ASCII)
 _VERSION = 1
 # version, receiver, session, received bytes
@@ -56,8 +59,8 @@ class Report:
         _, receiver, session, received_bytes = _HEAD.unpack_from(data)
         try:
             ages = json.loads(data[_HEAD.size :]) if len(data) > _HEAD.size else {}
-            ages_ms = {int(stream): float(age) for stream, age in ages.items()}
-        except (ValueError, TypeError, AttributeError, RecursionError) as error:
+            ages_ms = {int(stream): _duration_ms(age) for stream, age in ages.items()}
+        except _UNREADABLE as error:
             raise LinkError("the ages of a report are not readable") from error
         return Report(receiver=receiver, session=session, received_bytes=received_bytes, ages_ms=ages_ms)
 
@@ -101,19 +104,29 @@ def read_control_message(data: bytes) -> Announcement | RoundTrip:
     try:
         record = json.loads(data)
         if "round_trip_ms" in record:
-            return RoundTrip(round_trip_ms=float(record["round_trip_ms"]))
+            return RoundTrip(round_trip_ms=_duration_ms(record["round_trip_ms"]))
         stream = int(record["stream"])
         if not 0 < stream < MAX_STREAMS:
             raise LinkError(f"there is no stream {stream}")
         return Announcement(stream=stream, info=_info(record) if "topic" in record else None)
-    except (ValueError, TypeError, LookupError, RecursionError) as error:
+    except _UNREADABLE as error:
         raise LinkError("a message of the control stream is not readable") from error
+
+
+def _duration_ms(value: object) -> float:
+    number = float(str(value))
+    if not 0 <= number <= _MAX_DURATION_MS:
+        raise ValueError(f"{number} ms")
+    return number
 
 
 def _info(record: Mapping[str, object]) -> StreamInfo:
     topic, type_name, depth = str(record["topic"]), str(record["type"]), int(str(record["depth"]))
     if not is_topic_name(topic) or not _TYPE_NAME.fullmatch(type_name) or not 0 < depth <= _MAX_DEPTH:
         raise LinkError(f"{topic[:80]!r} is no topic")
+    definition = str(record["definition"])
+    if len(definition) > _MAX_DEFINITION_BYTES:
+        raise LinkError(f"the definition of {type_name} is too long", place=topic)
     return StreamInfo(
         topic=topic,
         type_name=type_name,
@@ -123,5 +136,5 @@ def _info(record: Mapping[str, object]) -> StreamInfo:
             depth=depth,
         ),
         publisher=int(str(record["publisher"])),
-        definition=str(record["definition"]),
+        definition=definition,
     )

@@ -24,6 +24,7 @@ BUDGET_PERIOD_NS = NS_PER_S // 4
 _NS_PER_MS = 1_000_000
 _KEPT_SHARE = 0.99
 """How much an earlier message counts beside the newest: about the last hundred say what compression saves."""
+_LAST_SESSION = 2**32 - 1
 _USABLE = 0.95
 """The share of the capacity that is planned with; the rest carries what nobody planned."""
 _GROWTH = ((0.5, 1.4), (0.15, 1.07), (0.05, 1.0))
@@ -35,7 +36,7 @@ class LinkSender:
     """Streams, what waits in them and the window of the link, in the time that is passed in.
 
     The driver gives it messages (``offer``) and reports (``take_report``), and sends what ``next_chunk``
-    gives while that gives something; another look is due at ``wake_ns`` or after a message or a report.
+    gives while that gives something; another look is due after a message or a report.
     It serves one operator's end at a time: the first that reports, until that is silent.
     """
 
@@ -94,6 +95,9 @@ class LinkSender:
             return
         must_restart = report.receiver != self._receiver or report.session == 0
         self._receiver, self._heard_ns = report.receiver, now_ns
+        if self._session < report.session < _LAST_SESSION:
+            # Somebody else's chunks were taken for ours; ours count again from the next session on.
+            self._session, must_restart = report.session, True
         if not must_restart and report.session == self._session:
             is_stalled = self.is_stalled(now_ns)
             if self._window.acknowledge(report.received_bytes, now_ns):
