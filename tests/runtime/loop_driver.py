@@ -71,8 +71,8 @@ class LoopDriver:
         given = RulesInput(stamp_ns=self.now_ns, rule_set=rule_set, profile=profile or Profile())
         self.keep(self.loop.take(given))
 
-    def budget(self, budget_kb_per_s: float) -> None:
-        change = LinkBudget(link_kb_per_s=budget_kb_per_s)
+    def budget(self, budget_kb_per_s: float, *, is_measured: bool = False) -> None:
+        change = LinkBudget(link_kb_per_s=budget_kb_per_s, is_measured=is_measured)
         self.keep(self.loop.take(ChangeInput(stamp_ns=self.now_ns, change=change)))
 
     def wait_until(self, at_ns: int) -> None:

@@ -230,6 +230,45 @@ def test_a_budget_can_be_set_on_a_loop_that_had_none() -> None:
     assert robot.rates()["/scan"] == pytest.approx(10, rel=0.05)
 
 
+def assert_scan_has(robot: LoopDriver, rate_hz: float, reason: Reason) -> None:
+    planned = robot.loop.knowledge.plan["/scan"]
+    assert planned.reason is reason
+    assert planned.rate.hz == pytest.approx(rate_hz, rel=0.03)
+
+
+def test_what_a_link_was_measured_to_carry_cuts_and_says_so() -> None:
+    robot = LoopDriver(RULES.format(floor=""), profile())
+    robot.drive(0, 1.0, 0.0)
+    robot.budget(20.0, is_measured=True)
+    stream(robot, {"/scan": 1000}, 0, 3)
+    assert_scan_has(robot, 20, Reason.LINK)
+    cut = robot.decisions[-1]
+    assert (cut.topic, cut.planned.rule, cut.to_json()["reason"]) == ("/scan", "near", "link")
+
+
+def test_a_budget_that_was_set_stays_the_ceiling_of_a_link_that_carries_more() -> None:
+    robot = driver(20.0)
+    robot.drive(0, 1.0, 0.0)
+    stream(robot, {"/scan": 1000}, 0, 3)
+    robot.budget(1000.0, is_measured=True)
+    assert robot.loop.knowledge.budget_kb_per_s == 20
+    assert_scan_has(robot, 20, Reason.BUDGET)
+
+
+def test_the_lesser_of_what_is_set_and_measured_holds_and_is_the_reason() -> None:
+    robot = driver(20.0)
+    robot.drive(0, 1.0, 0.0)
+    stream(robot, {"/scan": 1000}, 0, 3)
+    robot.budget(10.0, is_measured=True)
+    assert_scan_has(robot, 10, Reason.LINK)
+    robot.budget(5.0)
+    assert_scan_has(robot, 5, Reason.BUDGET)
+    robot.budget(1000.0)
+    assert_scan_has(robot, 10, Reason.LINK)
+    robot.budget(1000.0, is_measured=True)
+    assert_scan_has(robot, 40, Reason.BLOCK)
+
+
 def test_a_source_that_falls_silent_leaves_its_share_to_the_others() -> None:
     robot = driver(100.0)
     robot.drive(0, 5.0, 0.0)

@@ -28,7 +28,7 @@ _TRIP_WINDOW_NS = 10 * NS_PER_S
 _DRAIN_AFTER_NS = 5 * NS_PER_S
 """A least round trip that was not seen again for so long is looked for with a nearly empty link."""
 _DRAIN_NS = 200 * _MS
-_ALLOWANCE_NS = ACKNOWLEDGE_PERIOD_NS + 5 * _MS
+_ALLOWANCE_NS = ACKNOWLEDGE_PERIOD_NS + 10 * _MS
 """Bytes that have arrived are under way until the next acknowledgement."""
 _LEAST_WINDOW_BYTES = 3_000
 _CHUNK_S = 0.02
@@ -101,16 +101,20 @@ class Window:
         trip_ns = _FIRST_TRIP_NS if self.round_trip_ns is None else self.round_trip_ns
         if self._drain_until_ns is not None:
             return max(_LEAST_WINDOW_BYTES, int(self.capacity_bytes_per_s * trip_ns / NS_PER_S / 2))
-        has_room = self._last_trip_ns < trip_ns * 1.25 + 15 * _MS
-        gain = _GROW_GAIN if has_room and self._is_growing else _PROBE_GAIN
-        ahead_s = (gain * trip_ns + _ALLOWANCE_NS) / NS_PER_S
+        # On a short link most of a round trip is the wait for the acknowledgement.
+        has_room = self._last_trip_ns < trip_ns * 1.25 + _ALLOWANCE_NS
+        ahead_ns = _PROBE_GAIN * trip_ns + _ALLOWANCE_NS
+        if has_room and self._is_growing:
+            ahead_ns = _GROW_GAIN * (trip_ns + ACKNOWLEDGE_PERIOD_NS)
+        ahead_s = ahead_ns / NS_PER_S
         return max(_LEAST_WINDOW_BYTES, int(self.capacity_bytes_per_s * ahead_s))
 
     @property
     def chunk_bytes(self) -> int:
         """How long the next chunk may be: 20 ms of the link within 1.2 to 16 KB; 0 while there is no room."""
         room_bytes = self.size_bytes - self.in_flight_bytes
-        if room_bytes < _LEAST_CHUNK_BYTES:
+        # A small rest is used too: else a window of little more than a chunk never shows that there is more.
+        if room_bytes <= 0:
             return 0
         most_bytes = int(self.capacity_bytes_per_s * _CHUNK_S)
         return max(_LEAST_CHUNK_BYTES, min(_MOST_CHUNK_BYTES, most_bytes, room_bytes))

@@ -54,7 +54,7 @@ def live_rules(text: str) -> LiveRules:
 
 
 def drive(note: Note) -> list[Decision]:
-    """Ten seconds with a walk across a threshold, silence, a bad message, a budget and other rules."""
+    """Ten seconds with a walk across a threshold, silence, a bad message, budgets and other rules."""
     recorder, rules = InputRecorder(VirtualRobot(), RunRequest(), note), live_rules(RULES)
     loop = recorder.loop(rules, 0)
 
@@ -75,6 +75,9 @@ def drive(note: Note) -> list[Decision]:
             take(MessageInput(now_ns, "/tb3/odom", payload, len(payload), message))
         if now_ns == 5000 * MS:
             take(ChangeInput(stamp_ns=now_ns, change=LinkBudget(link_kb_per_s=20.0)))
+        if now_ns in {5600 * MS, 6600 * MS}:
+            measured = LinkBudget(link_kb_per_s=now_ns / (1000 * MS), is_measured=True)
+            take(ChangeInput(stamp_ns=now_ns, change=measured))
         if now_ns in {6200 * MS, 8400 * MS}:
             change = ListenersChanged(topic="/scan", are_there=now_ns == 8400 * MS)
             take(ChangeInput(stamp_ns=now_ns, change=change))
@@ -91,7 +94,7 @@ def test_the_decisions_are_the_same_line_for_line(tmp_path: Path) -> None:
     assert main(["replay", str(tmp_path / "inputs"), "--decisions", str(again)]) == 0
     lines = [json.loads(line) for line in again.read_text(encoding="utf-8").splitlines()]
     assert lines == [json.loads(json.dumps(decision.to_json())) for decision in decisions]
-    assert {line["reason"] for line in lines} >= {"unknown", "default", "block", "budget", "reload"}
+    assert {line["reason"] for line in lines} >= {"unknown", "default", "block", "budget", "link", "reload"}
 
 
 def test_of_a_message_only_what_decides_is_recorded() -> None:

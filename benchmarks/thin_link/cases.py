@@ -1,0 +1,245 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What is sent over which link, and what an operator should see of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+from thin_link.roles import Topic
+
+WARM_S = 2.0
+"""What is not counted at the beginning: nothing is known of the link then."""
+_WINDOW_S = 1.0
+
+ODOM = Topic(name="/odom", size_bytes=720, hz=25, priority=5, zenoh_priority="INTERACTIVE_HIGH")
+IMU = Topic(name="/imu", size_bytes=320, hz=50, priority=4, zenoh_priority="DATA_HIGH")
+SCAN = Topic(name="/scan", size_bytes=3_000, hz=5, priority=4, zenoh_priority="DATA_HIGH")
+IMAGE = Topic(name="/image", size_bytes=60_000, hz=10, priority=1, zenoh_priority="DATA_LOW")
+SMALL = (ODOM, IMU, SCAN)
+HEARTBEAT = Topic(name="/heartbeat", size_bytes=100, hz=1, priority=9, zenoh_priority="REAL_TIME", floor_hz=1)
+BURST = Topic(name="/burst", size_bytes=40_000, hz=5, priority=1, zenoh_priority="DATA", from_s=35)
+BATTERY = Topic(name="/battery", size_bytes=200, hz=1, priority=1, zenoh_priority="REAL_TIME", floor_hz=1)
+CAMERA = Topic(name="/camera", size_bytes=100_000, hz=25, priority=9, zenoh_priority="DATA")
+# As much of their bytes is noise as makes raw images and clouds fit that link at all.
+LARGE = (
+    replace(SCAN, hz=8),
+    Topic(name="/image", size_bytes=900_000, hz=12, priority=1, zenoh_priority="DATA_LOW", noise=0.35),
+    Topic(name="/cloud", size_bytes=7_400_000, hz=1 / 3, priority=2, zenoh_priority="DATA", noise=0.35),
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Arrival:
+    """A message that arrived: when it was published and when it was there, in s from the start."""
+
+    number: int
+    sent_s: float
+    at_s: float
+
+    @property
+    def age_s(self) -> float:
+        """How old it was."""
+        return self.at_s - self.sent_s
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Seen:
+    """What one contender brought to the operator; ``used`` is of the link, ``flow_share`` of that."""
+
+    arrived: Mapping[str, Sequence[Arrival]]
+    sent: Mapping[str, int]
+    seconds: float
+    used: float
+    cpu_s_per_mb: float
+    flow_share: float | None = None
+
+    def of(self, topic: Topic, from_s: float = WARM_S, to_s: float = float("inf")) -> list[Arrival]:
+        """What arrived of a topic in that time."""
+        return [one for one in self.arrived.get(topic.name, ()) if from_s <= one.at_s < to_s]
+
+    def ages_s(
+        self, topics: Sequence[Topic], from_s: float = WARM_S, to_s: float = float("inf")
+    ) -> list[float]:
+        """How old messages were that arrived in that time, sorted."""
+        return sorted(one.age_s for topic in topics for one in self.of(topic, from_s, to_s))
+
+
+def quantile(values: Sequence[float], share: float) -> float:
+    """The value that ``share`` of the sorted ``values`` do not exceed; without values, infinite."""
+    return values[min(len(values) - 1, int(len(values) * share))] if values else float("inf")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Target:
+    """A number that should be at most, or at least, a limit."""
+
+    name: str
+    value: float
+    limit: float
+    is_least: bool = False
+
+    @property
+    def is_met(self) -> bool:
+        """Whether it is."""
+        return self.value >= self.limit if self.is_least else self.value <= self.limit
+
+    def __str__(self) -> str:
+        sign = "≥" if self.is_least else "≤"
+        return f"{self.name} {self.value:.3g} ({sign} {self.limit:g}: {'met' if self.is_met else 'MISSED'})"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Case:
+    """One link and its traffic. ``steps`` are rates in Mbit/s from each time on; 0 is no link."""
+
+    title: str
+    topics: Sequence[Topic]
+    steps: Sequence[tuple[float, float]]
+    seconds: float
+    judge: Callable[[Seen], list[Target]]
+    has_flow: bool = False
+    takes_minutes: bool = False
+
+    def capacity_bytes(self, from_s: float, to_s: float) -> float:
+        """What the link can carry in that time."""
+        ends = [*(at_s for at_s, _ in self.steps[1:]), float("inf")]
+        spans = (
+            (max(0.0, min(end_s, to_s) - max(at_s, from_s)), rate)
+            for (at_s, rate), end_s in zip(self.steps, ends, strict=True)
+        )
+        return sum(span_s * mbit * 125_000 for span_s, mbit in spans)
+
+
+def _judge_thin(seen: Seen) -> list[Target]:
+    return [
+        *(
+            Target(name=f"{one.name} p95 s", value=quantile(seen.ages_s([one]), 0.95), limit=0.15)
+            for one in SMALL
+        ),
+        Target(name="/image p95 s", value=quantile(seen.ages_s([IMAGE]), 0.95), limit=0.6),
+        Target(name="link used", value=seen.used, limit=0.9, is_least=True),
+    ]
+
+
+_FALLS_S, _RISES_S = 7.0, 15.0
+
+
+def _judge_step(seen: Seen) -> list[Target]:
+    ends_s = [_RISES_S + 0.1 * step for step in range(10, 60)]
+    enough = 0.9 * IMAGE.hz * _WINDOW_S
+    back = (end for end in ends_s if len(seen.of(IMAGE, end - _WINDOW_S, end)) >= enough)
+    low = [quantile(seen.ages_s([one], _FALLS_S, _RISES_S), 0.95) for one in SMALL]
+    return [
+        Target(
+            name="small at the fall, max s",
+            value=quantile(seen.ages_s(SMALL, _FALLS_S, _FALLS_S + 2), 1.0),
+            limit=0.6,
+        ),
+        Target(name="small while low, p95 s", value=max(low), limit=0.25),
+        Target(name="90 % of the images again after s", value=next(back, float("inf")) - _RISES_S, limit=3.0),
+    ]
+
+
+_CUT_S, _BACK_S, _ROUND_TRIP_S = 5.0, 15.0, 0.15
+
+
+def _judge_outage(seen: Seen) -> list[Target]:
+    late = [first[0].age_s - 1 / one.hz for one in SMALL if (first := seen.of(one, _BACK_S))]
+    newest = quantile(seen.ages_s(SMALL, _BACK_S), 1.0)
+    again = [one.at_s for one in seen.of(ODOM, _BACK_S)]
+    return [
+        Target(
+            name="first message of small, age beyond a period s",
+            value=max(late, default=float("inf")),
+            limit=_ROUND_TRIP_S,
+        ),
+        Target(name="small after it, max s", value=newest, limit=1 / SCAN.hz + _ROUND_TRIP_S),
+        Target(name="first message after s", value=min(again, default=float("inf")) - _BACK_S, limit=3.0),
+    ]
+
+
+def _judge_idle(seen: Seen) -> list[Target]:
+    heartbeats = len({one.number for one in seen.of(HEARTBEAT, 0)})
+    # The last may be under way.
+    burst = len(seen.of(BURST, BURST.from_s, BURST.from_s + 2.0))
+    return [
+        Target(name="heartbeats lost", value=seen.sent[HEARTBEAT.name] - heartbeats, limit=0),
+        Target(name="share of the burst in 2 s", value=burst / (2 * BURST.hz), limit=0.9, is_least=True),
+    ]
+
+
+def _judge_floor(seen: Seen) -> list[Target]:
+    got = seen.of(BATTERY, 0)
+    gaps_s = [after.at_s - before.at_s for before, after in pairwise(got)]
+    targets = [
+        Target(name="floor topic lost", value=seen.sent[BATTERY.name] - len(got), limit=0),
+        Target(name="its longest gap s", value=max(gaps_s, default=float("inf")), limit=2 / BATTERY.hz),
+    ]
+    if seen.flow_share is not None:
+        targets.append(Target(name="TCP flow's share", value=seen.flow_share, limit=0.4, is_least=True))
+    return targets
+
+
+def _judge_large(seen: Seen) -> list[Target]:
+    _, image, cloud = LARGE
+    gaps_s = [after.at_s - before.at_s for before, after in pairwise(seen.of(cloud, 0))]
+    return [
+        Target(
+            name="images Hz", value=len(seen.of(image)) / (seen.seconds - WARM_S), limit=4.4, is_least=True
+        ),
+        Target(name="longest gap between clouds s", value=max(gaps_s, default=float("inf")), limit=3.5),
+    ]
+
+
+CASES: Mapping[str, Case] = {
+    "thin": Case(
+        title="2 Mbit/s, 5 offered", topics=(*SMALL, IMAGE), steps=[(0, 2)], seconds=20, judge=_judge_thin
+    ),
+    "step": Case(
+        title="8, 0.8 and again 8 Mbit/s, 5 offered",
+        topics=(*SMALL, IMAGE),
+        steps=[(0, 8), (_FALLS_S, 0.8), (_RISES_S, 8)],
+        seconds=22,
+        judge=_judge_step,
+    ),
+    "outage": Case(
+        title="2 Mbit/s, and 10 s without a link",
+        topics=(*SMALL, IMAGE),
+        steps=[(0, 2), (_CUT_S, 0), (_BACK_S, 2)],
+        seconds=25,
+        judge=_judge_outage,
+    ),
+    "idle": Case(
+        title="2 Mbit/s, 35 s of heartbeats, then 1.6 Mbit/s",
+        topics=(HEARTBEAT, BURST),
+        steps=[(0, 2)],
+        seconds=40,
+        judge=_judge_idle,
+    ),
+    "overload": Case(
+        title="2 Mbit/s, 20 offered, a floor for one topic",
+        topics=(BATTERY, CAMERA),
+        steps=[(0, 2)],
+        seconds=60,
+        judge=_judge_floor,
+        takes_minutes=True,
+    ),
+    "beside": Case(
+        title="The same beside a TCP flow",
+        topics=(BATTERY, CAMERA),
+        steps=[(0, 2)],
+        seconds=20,
+        judge=_judge_floor,
+        has_flow=True,
+    ),
+    "large": Case(
+        title="25 Mbit/s, large messages, 106 offered before compression",
+        topics=LARGE,
+        steps=[(0, 25)],
+        seconds=20,
+        judge=_judge_large,
+    ),
+}

@@ -1,0 +1,230 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The processes at both ends of a thin link: SmartTestudo's, plain Zenoh's, and a plain TCP flow beside them.
+
+A payload begins with the time of its publication and its number. Both ends run on one machine and read the
+same monotonic clock, so that arrival minus publication is the age.
+"""
+
+from __future__ import annotations
+
+import heapq
+import json
+import os
+import resource
+import socket
+import struct
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+from thin_link.network import OPERATOR_ADDRESS
+
+ENDPOINT = f"tcp/{OPERATOR_ADDRESS}:7447"
+FLOW_PORT = 7448
+_HEAD = struct.Struct("<qI")
+_BLOCK_BYTES = 4_000
+_CONNECTED_WITHIN_S = 15.0
+
+Publish = Callable[[bytes], object]
+Note = Callable[[str, bytes], None]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Topic:
+    """What the robot sends from ``from_s`` on; ``noise`` is the share of a payload that cannot be compressed.
+
+    ``priority`` and ``floor_hz`` are SmartTestudo's, ``zenoh_priority`` is plain Zenoh's.
+    """
+
+    name: str
+    size_bytes: int
+    hz: float
+    priority: float
+    zenoh_priority: str
+    floor_hz: float = 0.0
+    from_s: float = 0.0
+    noise: float = 1.0
+
+    def payload(self) -> bytes:
+        """Its payload without the head."""
+        noise_bytes = int(_BLOCK_BYTES * self.noise)
+        blocks = -(-self.size_bytes // _BLOCK_BYTES)
+        data = b"".join(os.urandom(noise_bytes) + bytes(_BLOCK_BYTES - noise_bytes) for _ in range(blocks))
+        return data[_HEAD.size : self.size_bytes]
+
+
+def be_robot(contender: str, topics: Sequence[Topic], seconds: float) -> None:
+    """Connect, wait for a line, publish for ``seconds``, and tell what that took."""
+    opened = {"testudo": _testudo_robot, "zenoh": _zenoh_robot}[contender]
+    with opened(topics) as (publishers, is_connected):
+        give_up_s = time.monotonic() + _CONNECTED_WITHIN_S
+        while not is_connected():
+            if time.monotonic() > give_up_s:
+                return
+            time.sleep(0.05)
+        print(json.dumps("connected"), flush=True)
+        sys.stdin.readline()
+        cpu_s = _cpu_s()
+        start_ns = time.monotonic_ns()
+        print(json.dumps(start_ns), flush=True)
+        sent = _publish(topics, publishers, start_ns, seconds)
+        print(json.dumps({"sent": sent, "cpu_s": _cpu_s() - cpu_s}), flush=True)
+        sys.stdin.readline()
+
+
+def be_operator(contender: str, topics: Sequence[Topic]) -> None:
+    """Receive until a line comes, and tell what arrived: topic, number, published and arrived in ns, size."""
+    arrived: list[tuple[str, int, int, int, int]] = []
+
+    def note(topic: str, payload: bytes) -> None:
+        stamp_ns, number = _HEAD.unpack_from(payload)
+        arrived.append((topic, number, stamp_ns, time.monotonic_ns(), len(payload)))
+
+    opened = {"testudo": _testudo_operator, "zenoh": _zenoh_operator}[contender]
+    with opened(note, topics):
+        print(json.dumps("listening"), flush=True)
+        sys.stdin.readline()
+        print(json.dumps(arrived), flush=True)
+
+
+def be_flow_source(seconds: float) -> None:
+    """Send as much as TCP lets through."""
+    block = os.urandom(65_536)
+    with socket.create_connection((OPERATOR_ADDRESS, FLOW_PORT)) as flow:
+        end_s = time.monotonic() + seconds
+        while time.monotonic() < end_s:
+            flow.send(block)
+
+
+def be_flow_sink() -> None:
+    """Receive one flow, and tell how many bytes had come by when, in ns."""
+    seen: list[tuple[int, int]] = []
+    listener = socket.create_server((OPERATOR_ADDRESS, FLOW_PORT))
+
+    def receive() -> None:
+        flow, _ = listener.accept()
+        total = 0
+        while data := flow.recv(65_536):
+            total += len(data)
+            seen.append((time.monotonic_ns(), total))
+
+    threading.Thread(target=receive, daemon=True).start()
+    print(json.dumps("listening"), flush=True)
+    sys.stdin.readline()
+    print(json.dumps(seen), flush=True)
+
+
+def _publish(
+    topics: Sequence[Topic], publishers: Sequence[Publish], start_ns: int, seconds: float
+) -> dict[str, int]:
+    """Publish each topic on its grid; how many messages of each."""
+    bodies = [topic.payload() for topic in topics]
+    sent = dict.fromkeys((topic.name for topic in topics), 0)
+    due = [(topic.from_s, at) for at, topic in enumerate(topics)]
+    heapq.heapify(due)
+    while due[0][0] < seconds:
+        due_s, at = heapq.heappop(due)
+        time.sleep(max(0.0, due_s - (time.monotonic_ns() - start_ns) / 1e9))
+        name = topics[at].name
+        publishers[at](_HEAD.pack(time.monotonic_ns(), sent[name]) + bodies[at])
+        sent[name] += 1
+        heapq.heappush(due, (due_s + 1 / topics[at].hz, at))
+    return sent
+
+
+def _cpu_s() -> float:
+    used = resource.getrusage(resource.RUSAGE_SELF)
+    return used.ru_utime + used.ru_stime
+
+
+def _warn(text: str) -> None:
+    print(text, file=sys.stderr)
+
+
+@contextmanager
+def _testudo_robot(topics: Sequence[Topic]) -> Iterator[tuple[list[Publish], Callable[[], bool]]]:
+    from smarttestudo.adapters.zenoh import open_robot_end  # noqa: PLC0415  the rival needs none of it
+    from smarttestudo.adapters.zenoh.security import LinkOptions  # noqa: PLC0415
+    from smarttestudo.domain.link import LinkNeeds, StreamInfo  # noqa: PLC0415
+    from smarttestudo.domain.robot import Qos  # noqa: PLC0415
+
+    qos = Qos(reliable=False, transient_local=False, depth=5)
+    with open_robot_end("robot", LinkOptions(connect=(ENDPOINT,), insecure=True), _warn) as end:
+        end.follow({one.name: LinkNeeds(priority=one.priority, floor_hz=one.floor_hz) for one in topics})
+        infos = [StreamInfo(topic=one.name, type_name="std_msgs/msg/String", qos=qos) for one in topics]
+        yield [end.advertise(info).publish for info in infos], lambda: end.state.is_connected
+
+
+@contextmanager
+def _testudo_operator(note: Note, _topics: Sequence[Topic]) -> Iterator[None]:
+    from smarttestudo.adapters.zenoh import open_operator_end  # noqa: PLC0415  the rival needs none of it
+    from smarttestudo.adapters.zenoh.security import LinkOptions  # noqa: PLC0415
+    from smarttestudo.domain.link import ReceivedMessage  # noqa: PLC0415
+
+    is_closed = threading.Event()
+    with open_operator_end(LinkOptions(listen=(ENDPOINT,), insecure=True), _warn) as end:
+
+        def read() -> None:
+            while not is_closed.is_set():
+                for event in end.wait(0.1):
+                    if isinstance(event, ReceivedMessage):
+                        note(event.stream.topic, event.payload)
+
+        reader = threading.Thread(target=read)
+        reader.start()
+        try:
+            yield
+        finally:
+            is_closed.set()
+            reader.join()
+
+
+@contextmanager
+def _zenoh_session(mode: str, side: str, topics: Sequence[Topic]) -> Iterator[Any]:
+    import zenoh  # noqa: PLC0415
+
+    config = zenoh.Config()
+    settings = {
+        "mode": mode,
+        f"{side}/endpoints": [ENDPOINT],
+        "scouting/multicast/enabled": False,
+        # Namespaces share /dev/shm: with shared memory, nothing would cross the link.
+        "transport/shared_memory/enabled": False,
+        "transport/unicast/compression/enabled": any(topic.noise < 1 for topic in topics),
+    }
+    for key, value in settings.items():
+        config.insert_json5(key, json.dumps(value))
+    with zenoh.open(config) as session:
+        yield session
+
+
+@contextmanager
+def _zenoh_robot(topics: Sequence[Topic]) -> Iterator[tuple[list[Publish], Callable[[], bool]]]:
+    import zenoh  # noqa: PLC0415
+
+    with _zenoh_session("client", "connect", topics) as session:
+        publishers = [
+            session.declare_publisher(
+                f"rival{one.name}",
+                priority=getattr(zenoh.Priority, one.zenoh_priority),
+                congestion_control=zenoh.CongestionControl.DROP,
+            )
+            for one in topics
+        ]
+        yield [one.put for one in publishers], lambda: bool(publishers[0].matching_status.matching)
+
+
+@contextmanager
+def _zenoh_operator(note: Note, topics: Sequence[Topic]) -> Iterator[None]:
+    with _zenoh_session("router", "listen", topics) as session:
+        kept = session.declare_subscriber(
+            "rival/**",
+            lambda sample: note(str(sample.key_expr).removeprefix("rival"), sample.payload.to_bytes()),
+        )
+        yield
+        kept.undeclare()
