@@ -6,12 +6,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from itertools import pairwise
 
 from runtime.loop_driver import LoopDriver, rule_set_of
-from smarttestudo.domain.link import LinkNeeds, LinkState, StreamCounts, StreamInfo
+from smarttestudo.domain.link import LinkNeeds, StreamInfo
+from smarttestudo.domain.link_state import LinkState, StreamCounts
 from smarttestudo.domain.observation import LinkBudget
 from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.domain.robot import Publisher
+from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.use_cases.live.link_watch import LinkWatch
 from smarttestudo.use_cases.live.rules import LiveRules
 
@@ -63,10 +66,10 @@ def live_rules(profile: Profile = PROFILE) -> LiveRules:
 
 
 def told(watch: LinkWatch, link: MemoryLink, *budgets_kb_per_s: float | None) -> list[LinkBudget | None]:
-    """What the loop is told as the link carries one budget after the other."""
+    """What the loop is told as the link carries one budget after the other, a second each."""
     changes = []
-    for link.budget_kb_per_s in budgets_kb_per_s:
-        changes.append(watch.changed_budget())
+    for second, link.budget_kb_per_s in enumerate(budgets_kb_per_s):
+        changes.append(watch.changed_budget(second * NS_PER_S))
     return changes
 
 
@@ -127,3 +130,33 @@ def test_a_link_that_carries_nothing_any_more_is_told_once_and_so_is_its_return(
     link = MemoryLink()
     changes = told(LinkWatch(link), link, 50.0, 0.0, 0.0, 50.0)
     assert [None if one is None else one.link_kb_per_s for one in changes] == [50.0, 0.0, None, 50.0]
+
+
+def test_rates_that_the_link_nearly_carries_swing_ever_less_often() -> None:
+    link = MemoryLink()
+    watch, rises_s = LinkWatch(link), []
+    has_risen = False
+    for quarter in range(4 * 120):
+        # The link carries 100; whenever the plan takes more, that shows half a second later.
+        link.budget_kb_per_s = 100.0 if has_risen else 140.0
+        change = watch.changed_budget(quarter * NS_PER_S // 4)
+        if change is not None:
+            has_risen = change.link_kb_per_s > 100
+            rises_s += [quarter / 4] * has_risen
+    waits_s = [after - before for before, after in pairwise(rises_s)]
+    assert waits_s == sorted(waits_s)
+    assert len(rises_s) <= 8
+    assert waits_s[-1] >= 30
+
+
+def test_a_rise_that_held_makes_the_next_one_quick_again() -> None:
+    link = MemoryLink()
+    watch = LinkWatch(link)
+    swinging = (100.0, 140.0, 100.0, 140.0, 140.0, 100.0)
+    assert [one is not None for one in told(watch, link, *swinging)] == [True, True, True, False, True, True]
+    link.budget_kb_per_s = 140.0
+    assert watch.changed_budget(30 * NS_PER_S) is not None
+    link.budget_kb_per_s = 100.0
+    assert watch.changed_budget(50 * NS_PER_S) is not None
+    link.budget_kb_per_s = 140.0
+    assert watch.changed_budget(51 * NS_PER_S) is not None

@@ -72,19 +72,19 @@ class LinkWatch:
         the link nearly carries do not swing.
         """
         budget_kb_per_s, told = self._link.budget_kb_per_s, self._told_kb_per_s
-        if budget_kb_per_s is None or (told is not None and not self._is_due(budget_kb_per_s / told, now_ns)):
+        if budget_kb_per_s is None or (told is not None and not self._is_due(budget_kb_per_s, told, now_ns)):
             return None
         self._told_kb_per_s, self._told_ns = budget_kb_per_s, now_ns
         return LinkBudget(link_kb_per_s=budget_kb_per_s, is_measured=True)
 
-    def _is_due(self, change: float, now_ns: int) -> bool:
+    def _is_due(self, budget_kb_per_s: float, told: float, now_ns: int) -> bool:
         has_held = now_ns - self._told_ns > _HOLDS_AFTER_NS
-        if change < _FALL:
+        if budget_kb_per_s < _FALL * told:
             if self._has_risen:
                 self._wait_ns = _LEAST_WAIT_NS if has_held else min(2 * self._wait_ns, _LONGEST_WAIT_NS)
             self._has_risen = False
             return True
-        if change <= _RISE or now_ns - self._told_ns < self._wait_ns:
+        if budget_kb_per_s <= _RISE * told or now_ns - self._told_ns < self._wait_ns:
             return False
         self._has_risen = True
         return True
