@@ -8,7 +8,8 @@ Prints ``heard N`` when every topic has been heard for N times SPAN_S, first to 
 prints it whenever of each topic the last ``messages`` (default 1) have come, and were due ``within_s``
 (default: any time), and all its ``values`` came. The line ``graph`` on stdin prints the topics there are, any
 other the result so far, and ``stop`` ends it: arrivals as [seconds, value, seconds at which it was due], the
-value being the x of an Odometry or the text of a String or what a Bool says.
+value being the x of an Odometry or the text of a String or what a Bool says, or the serialized message in hex
+where the topic is ``raw``.
 """
 
 from __future__ import annotations
@@ -52,6 +53,7 @@ class Station:
             topic.get("topic", f"/testudo/{name}"),
             lambda message: self.note(name, message),
             qos,
+            raw=topic.get("raw", False),
         )
 
     def note(self, name: str, message: Any) -> None:
@@ -74,6 +76,8 @@ class Station:
 
 
 def value_of(message: Any) -> Any:
+    if isinstance(message, bytes):
+        return message.hex()
     if hasattr(message, "pose"):
         return message.pose.pose.position.x
     data = getattr(message, "data", None)

@@ -1,0 +1,257 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""``testudo run --link`` on a robot and ``testudo receive`` at its operator's, each in its own ROS domain."""
+
+from __future__ import annotations
+
+import json
+import re
+import signal
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from adapters.zenoh.ends import free_endpoint
+from ros.calm_window import Arrival, calm_window
+from ros.ros_processes import LINE_TIMEOUT_S, TESTUDO, Process, SmallRobot
+from smarttestudo.adapters.ros import open_robot
+from smarttestudo.domain.robot import DataPathKind
+
+# An old lark, which rclpy imports, uses a module of Python that is deprecated.
+pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
+
+IMU = "sensor_msgs/msg/Imu"
+ODOMETRY = "nav_msgs/msg/Odometry"
+TEXT = "std_msgs/msg/String"
+RULES = "begin SetFrequency /imu Full SetFrequency /odom 10 SetFrequency /names Full end"
+SOURCES: dict[str, Any] = {
+    "imu": {"type": IMU, "hz": 50},
+    "odom": {"type": ODOMETRY, "hz": 50, "reliable": False},
+    "names": {"type": TEXT, "texts": ["hall", "yard"]},
+}
+NAMES: dict[str, Any] = {
+    "type": TEXT,
+    "topic": "/names",
+    "transient_local": True,
+    "values": ["hall", "yard"],
+}
+# Without rclpy, and on a terminal, on which Ctrl-C is typed.
+WITHOUT_ROS = f"import sys; sys.modules['rclpy'] = None; {TESTUDO}"
+ON_A_TERMINAL = "import os, pty, sys; sys.exit(os.waitstatus_to_exitcode(pty.spawn(sys.argv[1:])))"
+CTRL_C = "\x03"
+PROCESS = re.compile(r"_\d+$")
+TARGETS_HZ = {"imu": 20, "odom": 8}
+SPAN_S = 5.0
+RUN_S = 8.0
+# Of about so many seconds.
+LAST = {name: round(RUN_S * rate_hz) for name, rate_hz in TARGETS_HZ.items()}
+ATTEMPTS = 15
+# Longer than a test waits: it ends because all was heard.
+ENDLESS_S = "3600"
+
+
+@pytest.fixture
+def endpoint() -> str:
+    return free_endpoint()
+
+
+@pytest.fixture
+def operators(robot: SmallRobot, other_domain: int, tmp_path: Path) -> Iterator[SmallRobot]:
+    """Processes at the operator's, where no topic of the robot's domain is seen."""
+    folder = tmp_path / "operators"
+    folder.mkdir()
+    there = SmallRobot(other_domain, folder)
+    yield there
+    there.end()
+
+
+def receiver(operators: SmallRobot, endpoint: str, *arguments: str) -> Process:
+    process = operators.testudo("receive", "--listen", endpoint, *arguments)
+    process.line_with("Receiving")
+    return process
+
+
+def linked_runtime(robot: SmallRobot, endpoint: str, *arguments: str, rules: str = RULES) -> Process:
+    return robot.runtime(rules, "--link", endpoint, "--robot", "tb3", *arguments)
+
+
+def endpoints(
+    topic: str, publishers: int, domain: int, monkeypatch: pytest.MonkeyPatch
+) -> set[tuple[str, str, bool, bool]]:
+    """Node, type and QoS of those who publish a topic in a domain, once so many of them are known."""
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    end_s = time.monotonic() + LINE_TIMEOUT_S
+    with open_robot(name="onlooker", data_path=DataPathKind.RCLPY) as node:
+        while (
+            len(known := [one for one in node.publishers(topic) if "UNKNOWN" not in one.node]) != publishers
+        ):
+            assert time.monotonic() < end_s, f"{topic} has the publishers {known}"
+            node.wait(None, 0.1)
+    return {(PROCESS.sub("", one.node), one.type_name, one.reliable, one.transient_local) for one in known}
+
+
+def mean_hz(arrivals: list[Arrival]) -> float:
+    return (len(arrivals) - 1) / (arrivals[-1].at_s - arrivals[0].at_s)
+
+
+def values(station: Process, name: str) -> list[str]:
+    return [value for _, value, _ in station.result("go on")[name]]
+
+
+def test_what_arrives_is_byte_for_byte_what_the_robot_published(
+    robot: SmallRobot, operators: SmallRobot, endpoint: str
+) -> None:
+    raw = {"type": IMU, "topic": "/imu", "raw": True, "reliable": True, "messages": 50}
+    receiver(operators, endpoint)
+    there = operators.operator(imu=raw)
+    linked_runtime(robot, endpoint)
+    here = robot.operator(imu=raw)
+    robot.source(**SOURCES)
+    there.line_with("heard")
+    arrived, published = values(there, "imu"), set[str]()
+    end_s = time.monotonic() + LINE_TIMEOUT_S
+    while not published >= set(arrived):
+        assert time.monotonic() < end_s, f"{set(arrived) - published} was never published"
+        here.line_with("heard")
+        published = set(values(here, "imu"))
+    assert len(set(arrived)) == len(arrived), "stamps tell messages apart"
+
+
+def test_publishers_stay_apart_with_type_and_qos_and_a_late_subscriber_gets_what_each_latched(
+    robot: SmallRobot,
+    operators: SmallRobot,
+    other_domain: int,
+    endpoint: str,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    linked_runtime(robot, endpoint)
+    robot.source(**SOURCES)
+    receiver(operators, endpoint)
+    node = "/testudo_receive"
+    assert endpoints("/names", 2, other_domain, monkeypatch) == {(node, TEXT, True, True)}
+    assert endpoints("/imu", 1, other_domain, monkeypatch) == {(node, IMU, True, False)}
+    assert endpoints("/odom", 1, other_domain, monkeypatch) == {(node, ODOMETRY, False, False)}
+    late = operators.operator(names=NAMES)
+    late.line_with("heard")
+    assert sorted(values(late, "names")) == ["hall", "yard"]
+
+
+def test_the_rates_at_the_operator_are_those_of_the_rules(
+    robot: SmallRobot, operators: SmallRobot, endpoint: str
+) -> None:
+    receiver(operators, endpoint)
+    station = operators.operator(
+        span_s=RUN_S, imu={"type": IMU, "topic": "/imu"}, odom={"type": ODOMETRY, "topic": "/odom"}
+    )
+    linked_runtime(robot, endpoint, rules="begin SetFrequency /imu 20 SetFrequency /odom 8 end")
+    robot.source(imu={"type": IMU, "hz": 50}, odom={"type": ODOMETRY, "hz": 30})
+    seen = []
+    for attempt in range(1, ATTEMPTS + 1):
+        station.line_with(f"heard {attempt}")
+        arrivals = {name: [Arrival(*one) for one in all_] for name, all_ in station.result("go on").items()}
+        # While a process stands still, newer messages replace those that wait, and are not late.
+        window = calm_window({name: all_[-LAST[name] :] for name, all_ in arrivals.items()}, SPAN_S)
+        if window is None:
+            continue
+        seen.append({name: mean_hz(inside) for name, inside in window.items()})
+        assert all(rate_hz <= 1.02 * TARGETS_HZ[name] for name, rate_hz in seen[-1].items())
+        if seen[-1] == pytest.approx(TARGETS_HZ, rel=0.02):
+            return
+    pytest.fail(f"in no five seconds were these the rates: {seen}")
+
+
+def test_an_operator_s_top_shows_the_status_of_the_robot(
+    robot: SmallRobot, operators: SmallRobot, endpoint: str
+) -> None:
+    receiver(operators, endpoint)
+    linked_runtime(robot, endpoint)
+    robot.source(**SOURCES)
+    operators.operator(imu={"type": IMU, "topic": "/imu"}).line_with("heard")
+    top = operators.testudo("top", "--once", "--json", "--timeout", ENDLESS_S)
+    assert top.exit_code() == 0
+    nodes = json.loads("".join(top.output))["nodes"]
+    assert nodes.keys() == {"/smarttestudo"}
+    assert nodes["/smarttestudo"]["topics"].keys() == {"/imu", "/odom", "/names"}
+
+
+def test_the_robot_s_own_graph_gets_nothing_of_what_goes_over_the_link(
+    robot: SmallRobot,
+    operators: SmallRobot,
+    domain: int,
+    endpoint: str,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    receiver(operators, endpoint)
+    linked_runtime(robot, endpoint)
+    robot.source(**SOURCES)
+    here = robot.operator(imu={"type": IMU, "topic": "/imu"})
+    operators.operator(imu={"type": IMU, "topic": "/imu"}).line_with("heard")
+    assert endpoints("/imu", 1, domain, monkeypatch) == {("/source", IMU, True, False)}
+    assert not any(
+        topic.startswith("/testudo") for topic in here.topics() - {"/testudo/decisions", "/testudo/status"}
+    )
+
+
+def test_with_an_output_topic_both_graphs_get_it(
+    robot: SmallRobot, operators: SmallRobot, endpoint: str
+) -> None:
+    receiver(operators, endpoint)
+    linked_runtime(robot, endpoint, "--output-topic", "/op{topic}")
+    robot.source(**SOURCES)
+    for side in (robot, operators):
+        side.operator(imu={"type": IMU, "topic": "/op/imu"}).line_with("heard")
+
+
+def test_an_operator_s_end_that_was_killed_gets_everything_again_when_it_is_back(
+    robot: SmallRobot, operators: SmallRobot, endpoint: str
+) -> None:
+    runtime = linked_runtime(robot, endpoint)
+    robot.source(**SOURCES)
+    topics: dict[str, Any] = {"imu": {"type": IMU, "topic": "/imu", "messages": 10}, "names": NAMES}
+    for _ in range(2):
+        receiving = receiver(operators, endpoint)
+        operators.operator(**topics).line_with("heard")
+        receiving.signal(signal.SIGKILL)
+        assert receiving.exit_code() == -signal.SIGKILL
+    runtime.signal(signal.SIGINT)
+    assert runtime.exit_code() == 0
+
+
+def test_without_ros_a_laptop_records_and_shows_what_arrives_until_ctrl_c(
+    robot: SmallRobot, operators: SmallRobot, endpoint: str
+) -> None:
+    folder = operators.folder / "recorded"
+    receive = ["receive", "--no-ros", "--record", str(folder), "--listen", endpoint]
+    laptop = [sys.executable, "-c", WITHOUT_ROS]
+    receiving = operators.command(sys.executable, "-c", ON_A_TERMINAL, *laptop, *receive)
+    linked_runtime(robot, endpoint)
+    robot.source(**SOURCES)
+    receiving.line_with("tb3 ")
+    while int(receiving.line_with("/imu ").split()[4]) < 10:
+        pass
+    receiving.say(CTRL_C)
+    assert receiving.exit_code() == 0
+    info = operators.command(*laptop, "bag", "info", str(folder / "tb3"), "--json")
+    assert info.exit_code() == 0
+    topics = json.loads("".join(info.output))["topics"]
+    assert topics.keys() >= {"/imu", "/names"}
+    assert topics["/imu"]["messages"] >= 10
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_ends_both_ends_cleanly(
+    robot: SmallRobot, operators: SmallRobot, endpoint: str, number: signal.Signals
+) -> None:
+    receiving = receiver(operators, endpoint)
+    runtime = linked_runtime(robot, endpoint)
+    robot.source(**SOURCES)
+    operators.operator(imu={"type": IMU, "topic": "/imu"}).line_with("heard")
+    for process in (runtime, receiving):
+        process.signal(number)
+        assert process.exit_code() == 0
+        assert not [line for line in process.output if "Traceback" in line or "error" in line]
