@@ -22,7 +22,7 @@ from typing import Any
 
 from live.processes import Process
 from thin_link.cases import CASES, WARM_S, Arrival, Case, Seen, quantile
-from thin_link.network import NetworkError, ThinLink, thin_link
+from thin_link.network import NetworkError, ThinLink, can_make_links, thin_link
 from thin_link.roles import be_flow_sink, be_flow_source, be_operator, be_robot
 
 CONTENDERS = {"testudo": "SmartTestudo", "zenoh": "plain Zenoh"}
@@ -172,12 +172,14 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, help=argparse.SUPPRESS)
     arguments = parser.parse_args()
     match arguments.be:
+        case None if not can_make_links():
+            print("this benchmark makes network namespaces: run it as root, with iproute2 (ip and tc)")
         case None:
             signal.signal(signal.SIGTERM, lambda _number, _frame: sys.exit(1))
             try:
                 compare(arguments)
             except NetworkError as error:
-                print(error)
+                parser.exit(1, f"{error}\n")
         case ["robot", contender]:
             be_robot(contender, CASES[arguments.only].topics, arguments.seconds)
         case ["operator", contender]:
