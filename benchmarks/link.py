@@ -22,7 +22,7 @@ from typing import Any
 
 from live.processes import Process
 from thin_link.cases import CASES, WARM_S, Arrival, Case, Seen, quantile
-from thin_link.network import NetworkError, ThinLink, thin_link
+from thin_link.network import NetworkError, ThinLink, can_make_links, thin_link
 from thin_link.roles import be_flow_sink, be_flow_source, be_operator, be_robot
 
 CONTENDERS = {"testudo": "SmartTestudo", "zenoh": "plain Zenoh"}
@@ -67,7 +67,6 @@ def measure(name: str, case: Case, contender: str, seconds: float, link: ThinLin
     span_bytes = counters[1] - counters[0]
     return Seen(
         arrived=by_topic(arrived, start_ns),
-        sent=told["sent"],
         seconds=seconds,
         used=span_bytes / case.capacity_bytes(WARM_S, seconds),
         cpu_s_per_mb=told["cpu_s"] / (carried_bytes / 1e6),
@@ -173,6 +172,8 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, help=argparse.SUPPRESS)
     arguments = parser.parse_args()
     match arguments.be:
+        case None if not can_make_links():
+            print("this benchmark makes network namespaces: run it as root, with iproute2 (ip and tc)")
         case None:
             signal.signal(signal.SIGTERM, lambda _number, _frame: sys.exit(1))
             try:

@@ -50,7 +50,6 @@ class Seen:
     """What one contender brought to the operator; ``used`` is of the link, ``flow_share`` of that."""
 
     arrived: Mapping[str, Sequence[Arrival]]
-    sent: Mapping[str, int]
     seconds: float
     used: float
     cpu_s_per_mb: float
@@ -65,6 +64,11 @@ class Seen:
     ) -> list[float]:
         """How old messages were that arrived in that time, sorted."""
         return sorted(one.age_s for topic in topics for one in self.of(topic, from_s, to_s))
+
+
+def lost(got: Sequence[Arrival]) -> int:
+    """How many messages are missing before the last that arrived; later ones may be under way."""
+    return max((one.number + 1 for one in got), default=0) - len({one.number for one in got})
 
 
 def quantile(values: Sequence[float], share: float) -> float:
@@ -162,11 +166,10 @@ def _judge_outage(seen: Seen) -> list[Target]:
 
 
 def _judge_idle(seen: Seen) -> list[Target]:
-    heartbeats = len({one.number for one in seen.of(HEARTBEAT, 0)})
     # The last may be under way.
     burst = len(seen.of(BURST, BURST.from_s, BURST.from_s + 2.0))
     return [
-        Target(name="heartbeats lost", value=seen.sent[HEARTBEAT.name] - heartbeats, limit=0),
+        Target(name="heartbeats lost", value=lost(seen.of(HEARTBEAT, 0)), limit=0),
         Target(name="share of the burst in 2 s", value=burst / (2 * BURST.hz), limit=0.9, is_least=True),
     ]
 
@@ -175,7 +178,7 @@ def _judge_floor(seen: Seen) -> list[Target]:
     got = seen.of(BATTERY, 0)
     gaps_s = [after.at_s - before.at_s for before, after in pairwise(got)]
     targets = [
-        Target(name="floor topic lost", value=seen.sent[BATTERY.name] - len(got), limit=0),
+        Target(name="floor topic lost", value=lost(got), limit=0),
         Target(name="its longest gap s", value=max(gaps_s, default=float("inf")), limit=2 / BATTERY.hz),
     ]
     if seen.flow_share is not None:

@@ -59,6 +59,11 @@ class ThinLink:
         return int(_run("ip", "netns", "exec", self.operator, "cat", counter))
 
 
+def can_make_links() -> bool:
+    """Whether this user may make network namespaces, and has what it takes."""
+    return os.geteuid() == 0 and all(shutil.which(tool) for tool in ("ip", "tc"))
+
+
 @contextmanager
 def thin_link() -> Iterator[ThinLink]:
     """A link of its own, removed at the end. Raises ``NetworkError``."""
