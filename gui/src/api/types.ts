@@ -722,7 +722,7 @@ export interface RawStatement {
 }
 
 /** What decided a rate. */
-export type Reason = "default" | "block" | "unknown" | "floor" | "budget" | "fallback" | "reload";
+export type Reason = "default" | "block" | "unknown" | "floor" | "budget" | "link" | "fallback" | "reload";
 
 /** Why a part does not fit; `rule` is the statement's id, null for the defaults. */
 export interface Refusal {
