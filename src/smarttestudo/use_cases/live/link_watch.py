@@ -68,8 +68,8 @@ class LinkWatch:
     def changed_budget(self, now_ns: int) -> LinkBudget | None:
         """What the link carries at ``now_ns``, where that is worth another plan than the last that was told.
 
-        A fall counts at once. A rise waits, twice as long each time that a fall soon undid one: rates that
-        the link nearly carries do not swing.
+        ``now_ns`` is of a clock that never jumps. A fall counts at once. A rise waits, twice as long each
+        time that a fall soon undid one: rates that the link nearly carries do not swing.
         """
         budget_kb_per_s, told = self._link.budget_kb_per_s, self._told_kb_per_s
         if budget_kb_per_s is None or (told is not None and not self._is_due(budget_kb_per_s, told, now_ns)):

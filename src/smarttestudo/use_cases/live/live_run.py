@@ -127,10 +127,9 @@ class LiveRun:
     def _look_at_link(self) -> None:
         assert self._link is not None
         self._link.follow(self._rules, self._loop.knowledge.plan)
-        now_ns = self._robot.now_ns()
-        budget = self._link.changed_budget(now_ns)
+        budget = self._link.changed_budget(self._robot.steady_ns())
         if budget is not None:
-            self._take(ChangeInput(stamp_ns=now_ns, change=budget))
+            self._take(ChangeInput(stamp_ns=self._robot.now_ns(), change=budget))
 
     def _take(self, given: LoopInput) -> None:
         self._inputs.record(given, self._rules)
