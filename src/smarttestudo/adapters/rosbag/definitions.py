@@ -6,22 +6,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from rosbags.serde import SerdeError
 from rosbags.typesys import Stores, TypesysError, get_types_from_idl, get_types_from_msg, get_typestore
 
+from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import Channel
 
 if TYPE_CHECKING:
     from rosbags.interfaces.typing import Typesdict
     from rosbags.typesys.store import Typestore
-from typing import TYPE_CHECKING
-
-from rosbags.serde import SerdeError
-
-from smarttestudo.domain.errors import RecordingError
-
-if TYPE_CHECKING:
-    from rosbags.typesys.store import Typestore
-
 
 _SEPARATOR = "=" * 80 + "\n"
 _IDL_HEADER = f"{_SEPARATOR}IDL: "
