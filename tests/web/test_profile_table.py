@@ -90,7 +90,7 @@ def test_tables_written_in_one_line_are_not_guessed_at(text: str) -> None:
     table = read_table(text, P_TOML)
     assert write_table(table, text, P_TOML) == text
     changed = ProfileTable(rows=(replace(table.rows[0], message_kb=2.0),), budget_kb_per_s=None)
-    with pytest.raises(ProfileError, match="a way that a table cannot edit"):
+    with pytest.raises(ProfileError, match="cannot edit a profile that is written this way"):
         write_table(changed, text, P_TOML)
 
 
