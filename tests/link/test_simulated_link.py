@@ -134,3 +134,11 @@ def test_ages_are_told_right_whatever_the_clocks_say() -> None:
     for at_ns, message in both.arrived["/odom"][50:]:
         assert message.age_ns is not None
         assert abs(message.age_ns - (at_ns - message.offered_ns)) <= 0.03 * S
+
+
+@pytest.mark.parametrize("bytes_per_s", [1_000, 2_000, 5_000])
+def test_a_link_of_some_kilobits_is_slow_and_not_taken_for_an_outage(bytes_per_s: int) -> None:
+    both = ends((0, bytes_per_s), sources=(Source(topic="/odom", size_bytes=720, rate_hz=25),))
+    both.run(120)
+    # Half of what the link could carry, headers included.
+    assert len(both.ages_s("/odom", 30)) >= 0.5 * 90 * bytes_per_s / 760

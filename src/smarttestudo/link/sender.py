@@ -19,6 +19,8 @@ LOST_AFTER_NS = 3 * NS_PER_S
 """An operator's end that said nothing for so long is no longer there; it says something twice a second."""
 STALLED_AFTER_NS = NS_PER_S
 """Bytes that were under way for so long, and four round trips, met an outage."""
+FIRST_STALLED_AFTER_NS = 15 * NS_PER_S
+"""The same for the first bytes, which may be many for a link of which nothing is known."""
 BUDGET_PERIOD_NS = NS_PER_S // 4
 
 _NS_PER_MS = 1_000_000
@@ -141,9 +143,9 @@ class LinkSender:
 
     def is_stalled(self, now_ns: int) -> bool:
         """Whether what is under way should long have arrived."""
-        since_ns = self._window.waiting_since_ns
-        trip_ns = self._window.round_trip_ns or 0
-        return since_ns is not None and now_ns - since_ns > STALLED_AFTER_NS + 4 * trip_ns
+        since_ns, trip_ns = self._window.waiting_since_ns, self._window.round_trip_ns
+        limit_ns = FIRST_STALLED_AFTER_NS if trip_ns is None else STALLED_AFTER_NS + 4 * trip_ns
+        return since_ns is not None and now_ns - since_ns > limit_ns
 
     def disconnect(self) -> None:
         """The operator's end is gone; the next that reports gets a new session."""
