@@ -68,9 +68,7 @@ def page(browser: Browser, world: World) -> Iterator[RulerPage]:
     """The Ruler with the robot's rules open and the tab Robot chosen."""
     context = browser.new_context(viewport={"width": 1440, "height": 900})
     page = RulerPage(context.new_page(), world.url)
-    page.home()
-    page.open("patrol.adirf")
-    page.page.get_by_role("tab", name="Robot", exact=True).click()
+    _reopen(page)
     yield page
     context.close()
     assert page.complaints == []
@@ -223,7 +221,7 @@ def test_a_lost_confirmation_is_not_called_without_effect(
     expect(failure).not_to_contain_text("Nothing was changed")
     page.forgive("ERR_FAILED")
     # A page that compares rules while the robot ends gets a 504, which Chromium logs.
-    page.page.goto("about:blank")
+    _reopen(page)
 
 
 def test_topics_of_the_robot_are_suggested_and_measured(page: RulerPage, runtime: Process) -> None:
@@ -243,6 +241,12 @@ def test_topics_of_the_robot_are_suggested_and_measured(page: RulerPage, runtime
     )
     expect(rate).to_have_value(re.compile(r"^[45]\d(\.\d+)?$"))
     expect(size).to_have_value(re.compile(r"^0\.3\d*$"))
+
+
+def _reopen(page: RulerPage) -> None:
+    page.home()
+    page.open("patrol.adirf")
+    page.page.get_by_role("tab", name="Robot", exact=True).click()
 
 
 def _append(page: RulerPage, line: str, text: str) -> None:
