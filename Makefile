@@ -36,9 +36,9 @@ help:
 demo: $(VENV)/studio.stamp
 	@$(BIN)/testudo demo $(DEMO_ARGS)
 
-# Each law tries a tenth of its examples; what starts processes or takes seconds is left to `make test`.
+# Each law tries a twentieth of its examples; what starts processes or takes seconds is left to `make test`.
 quick: lint
-	$(BIN)/pytest --numprocesses 2 --dist worksteal -m "not process and not slow" --examples-factor 0.1 --quiet
+	$(BIN)/pytest --numprocesses 2 --dist worksteal -m "not process and not slow" --examples-factor 0.05 --quiet
 
 # Live tests go alone: they judge at which rates real messages come.
 test: test-length lint test-gui $(PAGE)

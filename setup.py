@@ -22,7 +22,7 @@ from setuptools.command.build_py import build_py
 
 ROOT = Path(__file__).resolve().parent
 SHARE = "share/smarttestudo"
-SHARED_FOLDERS = ("launch", "worlds", "profiles", "examples", "examples/quality", "extras")
+SHARED_FOLDERS = ("launch", "worlds", "profiles", "examples", "examples/quality", "extras", "extras/grafana")
 FIRST_TO_READ_PYPROJECT = 61
 PAGE = ROOT / "src" / "smarttestudo" / "web" / "static" / "index.html"
 MAKE_PAGE = ROOT / "scripts" / "make_gui.sh"

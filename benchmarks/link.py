@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What an operator sees over a thin link: SmartTestudo's two ends beside plain Zenoh with the same traffic.
+"""What an operator sees over a thin link: SmartTestudo's two ends beside plain Zenoh and Fast DDS.
 
-Run it as root with ``python benchmarks/link.py``; it takes nine minutes. It makes two network namespaces with
-a link between them (veth, token buckets with a queue of 400 ms at both ends) and removes them at the end. The
-rival publishes with Zenoh's priorities, drops what does not fit its queues, and compresses where that helps.
+Run it as root with ``python benchmarks/link.py``; it takes eighteen minutes. It makes two network namespaces
+with a link between them (veth, token buckets with a queue of 400 ms at both ends) and removes them.
+Zenoh publishes with its priorities, drops what does not fit its queues, and compresses where that helps.
 Ages are those of messages that arrived after the first two seconds; the share of the link counts all headers.
 """
 
@@ -16,40 +16,40 @@ import os
 import signal
 import sys
 import time
-from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from collections.abc import Sequence
+from contextlib import ExitStack
 from typing import Any
 
-from live.processes import Process
-from thin_link.cases import CASES, WARM_S, Arrival, Case, Seen, quantile
-from thin_link.network import NetworkError, ThinLink, can_make_links, thin_link
-from thin_link.roles import be_flow_sink, be_flow_source, be_operator, be_robot
+from smarttestudo.adapters.network_namespaces import ThinLink, require_links, thin_link
+from smarttestudo.domain.errors import NetworkError
+from thin_link.cases import CASES, WARM_S, Arrival, Case, Seen, Target
+from thin_link.ends import role
+from thin_link.fleet import be_fleet, be_router, be_stuck
+from thin_link.limits import LIMITS, TRAFFIC, measure_limit
+from thin_link.roles import Topic, be_flow_sink, be_flow_source, be_operator, be_robot
+from thin_link.tables import print_arrivals, print_limits, print_targets
 
-CONTENDERS = {"testudo": "SmartTestudo", "zenoh": "plain Zenoh"}
+CONTENDERS = {"testudo": "SmartTestudo", "zenoh": "plain Zenoh", "fastdds": "Fast DDS"}
 GRACE_S = 0.5
+BITS_PER_MBIT = 1e6
 
 
-@contextmanager
-def role(namespace: str, *arguments: str) -> Iterator[Process]:
-    """A process of one end, which is ended at the end."""
-    command = ["ip", "netns", "exec", namespace, sys.executable, __file__, "--be", *arguments]
-    process = Process(command, dict(os.environ))
-    try:
-        yield process
-    finally:
-        process.end()
+def topics_of(traffic: str) -> Sequence[Topic]:
+    """What the robot sends in the case of that name."""
+    return CASES[traffic].topics if traffic in CASES else TRAFFIC[traffic]
 
 
-def measure(name: str, case: Case, contender: str, seconds: float, link: ThinLink) -> Seen | None:
+def measure(case: Case, contender: str, seconds: float, link: ThinLink) -> Seen | None:
     """One run of one contender; ``None`` where its ends do not meet."""
-    link.set_rate(case.steps[0][1])
+    link.set_rate(case.steps[0][1] * BITS_PER_MBIT)
+    name = next(name for name, one in CASES.items() if one is case)
     with ExitStack() as opened:
-        operator = opened.enter_context(role(link.operator, "operator", contender, "--only", name))
+        operator = opened.enter_context(role(link.operator, "operator", contender, "--traffic", name))
         operator.line()
         sink = opened.enter_context(role(link.operator, "flow-sink")) if case.has_flow else None
         if sink is not None:
             sink.line()
-        arguments = ("robot", contender, "--only", name, "--seconds", str(seconds))
+        arguments = ("robot", contender, "--traffic", name, "--seconds", str(seconds))
         robot = opened.enter_context(role(link.robot, *arguments))
         if not robot.line():
             return None
@@ -63,7 +63,8 @@ def measure(name: str, case: Case, contender: str, seconds: float, link: ThinLin
         carried_bytes = link.carried_bytes() - start_bytes
         arrived = operator.ask("end")
         flow = sink.ask("end") if sink is not None else None
-    check_path(sum(each[4] for each in arrived), case, carried_bytes)
+    least_share = 0.9 * min(topic.noise for topic in case.topics)
+    link.require_carried(least_share * sum(each[4] for each in arrived), start_bytes)
     span_bytes = counters[1] - counters[0]
     return Seen(
         arrived=by_topic(arrived, start_ns),
@@ -86,15 +87,8 @@ def run_link(case: Case, seconds: float, start_ns: int, link: ThinLink) -> tuple
             link.cut()
         else:
             link.mend()
-            link.set_rate(rate)
+            link.set_rate(rate * BITS_PER_MBIT)
     return counters[0], counters[1]
-
-
-def check_path(arrived_bytes: int, case: Case, carried_bytes: int) -> None:
-    """Traffic of one machine finds other ways easily; then nothing was measured."""
-    least_share = min(topic.noise for topic in case.topics)
-    if carried_bytes < 0.9 * least_share * arrived_bytes:
-        raise NetworkError(f"{arrived_bytes} bytes arrived, but the link carried only {carried_bytes}")
 
 
 def by_topic(arrived: Sequence[Sequence[Any]], start_ns: int) -> dict[str, list[Arrival]]:
@@ -112,48 +106,52 @@ def flow_bytes(seen: Sequence[tuple[int, int]], start_ns: int, seconds: float) -
     return totals[-1] - totals[0] if totals else 0
 
 
-def print_case(case: Case, seen: dict[str, Seen | None]) -> None:
-    """A table with a row for each topic, and the targets."""
-    print(f"\n**{case.title}**\n")
-    columns = "".join(f" {CONTENDERS[one]}: Hz | age p50 s | p95 | max |" for one in seen)
-    print(f"| topic | offered Hz |{columns}")
-    print("| --- | ---: |" + " ---: |" * (4 * len(seen)))
-    for topic in case.topics:
-        cells = []
-        for one in seen.values():
-            ages_s = one.ages_s([topic]) if one is not None else []
-            if one is None or not ages_s:
-                cells += ["0", "–", "–", "–"]
-                continue
-            hz = len(ages_s) / (one.seconds - max(WARM_S, topic.from_s))
-            cells += [f"{hz:.2f}", *(f"{quantile(ages_s, share):.3f}" for share in (0.5, 0.95, 1.0))]
-        print(f"| {topic.name} | {topic.hz:.3g} | " + " | ".join(cells) + " |")
-    print()
-    for contender, one in seen.items():
-        if one is None:
-            print(f"- {CONTENDERS[contender]}: its ends did not meet")
-            continue
-        facts = [f"link used {one.used:.0%}", f"{one.cpu_s_per_mb:.3f} s of CPU a MB sent"]
-        print(
-            f"- {CONTENDERS[contender]}: {', '.join(facts)}; " + "; ".join(map(str, case.judge(one))),
-            flush=True,
-        )
+def measured(case: Case, contender: str, seconds: float) -> Seen | None:
+    """One run on a link of its own; ``None``, with a line that says why, where it showed nothing."""
+    print(f"{case.title}: {CONTENDERS[contender]}", file=sys.stderr)
+    try:
+        with thin_link() as link:
+            brought = measure(case, contender, seconds, link)
+    except NetworkError as error:
+        print(error, file=sys.stderr)
+        return None
+    if brought is None:
+        print("its ends did not meet", file=sys.stderr)
+    return brought
 
 
 def compare(arguments: argparse.Namespace) -> None:
-    """All cases, or one."""
-    print(f"load of this machine: {os.getloadavg()[0]:.1f} on {os.cpu_count()} processors")
+    """All cases, or one, and what came of them as the tables of docs/benchmarks.md."""
+    print(f"Load of this machine: {os.getloadavg()[0]:.1f} on {os.cpu_count()} processors", flush=True)
+    chosen = [name for name in (*CASES, *LIMITS) if arguments.only in (None, name)]
+    contenders = [arguments.contender] if arguments.contender else list(CONTENDERS)
+    seen: dict[Case, dict[str, list[Seen]]] = {CASES[name]: {} for name in chosen if name in CASES}
+    limits: dict[str, list[list[Target]]] = {name: [] for name in chosen if name in LIMITS}
     for _ in range(arguments.runs):
-        for name, case in CASES.items():
-            if arguments.only not in (None, name):
-                continue
+        for case, brought in seen.items():
             seconds = arguments.minutes * 60 if case.takes_minutes else case.seconds * arguments.longer
-            contenders = [arguments.contender] if arguments.contender else list(CONTENDERS)
-            seen = {}
             for contender in contenders:
-                with thin_link() as link:
-                    seen[contender] = measure(name, case, contender, seconds, link)
-            print_case(case, seen)
+                one = measured(case, contender, seconds)
+                if one is not None:
+                    brought.setdefault(contender, []).append(one)
+        for name, runs in limits.items():
+            runs.extend(measured_limit(name))
+    names = {one: CONTENDERS[one] for one in contenders}
+    if seen:
+        print_arrivals(seen, names)
+        print_targets(seen, names)
+    if limits:
+        print_limits({LIMITS[name][0]: runs for name, runs in limits.items() if runs})
+
+
+def measured_limit(name: str) -> list[list[Target]]:
+    """One run, if it showed anything."""
+    print(LIMITS[name][0], file=sys.stderr)
+    try:
+        return [measure_limit(name)]
+    except NetworkError as error:
+        print(error, file=sys.stderr)
+        return []
 
 
 def main() -> None:
@@ -161,7 +159,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--only", choices=CASES, help="one case")
+    parser.add_argument("--only", choices=[*CASES, *LIMITS], help="one case")
     parser.add_argument("--contender", choices=CONTENDERS, help="only this one")
     parser.add_argument("--runs", type=int, default=1, help="how often (default: %(default)s)")
     parser.add_argument("--minutes", type=float, default=1.0, help="of the overload (default: %(default)s)")
@@ -170,20 +168,26 @@ def main() -> None:
     )
     parser.add_argument("--be", nargs="+", help=argparse.SUPPRESS)
     parser.add_argument("--seconds", type=float, help=argparse.SUPPRESS)
+    parser.add_argument("--traffic", choices=[*CASES, *TRAFFIC], help=argparse.SUPPRESS)
     arguments = parser.parse_args()
     match arguments.be:
-        case None if not can_make_links():
-            print("this benchmark makes network namespaces: run it as root, with iproute2 (ip and tc)")
         case None:
             signal.signal(signal.SIGTERM, lambda _number, _frame: sys.exit(1))
             try:
+                require_links()
                 compare(arguments)
             except NetworkError as error:
                 parser.exit(1, f"{error}\n")
         case ["robot", contender]:
-            be_robot(contender, CASES[arguments.only].topics, arguments.seconds)
+            be_robot(contender, topics_of(arguments.traffic), arguments.seconds)
         case ["operator", contender]:
-            be_operator(contender, CASES[arguments.only].topics)
+            be_operator(contender, topics_of(arguments.traffic))
+        case ["fleet", count, endpoint]:
+            be_fleet(int(count), endpoint)
+        case ["router"]:
+            be_router()
+        case ["stuck"]:
+            be_stuck()
         case ["flow-source"]:
             be_flow_source(arguments.seconds)
         case _:

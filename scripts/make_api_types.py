@@ -9,6 +9,7 @@ import sys
 from collections.abc import Iterator
 from dataclasses import MISSING, fields, is_dataclass
 from enum import Enum
+from functools import partial
 from pathlib import Path
 from types import UnionType
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
@@ -16,8 +17,9 @@ from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 import msgspec
 
 from smarttestudo.adapters.files.project_folder import ProjectFolder
+from smarttestudo.adapters.ros import open_graph_robots
 from smarttestudo.domain.rate import Tier
-from smarttestudo.use_cases.ruler.robot_link import RobotLink, ruler_node
+from smarttestudo.use_cases.ruler.robot_link import RobotLink
 from smarttestudo.web import socket
 from smarttestudo.web.app import api_routes
 from smarttestudo.web.errors import ErrorAnswer
@@ -43,7 +45,9 @@ _WORDS = {
 
 def types_text() -> str:
     """The whole file."""
-    routes = list(api_routes(ProjectFolder(Path()), RobotLink(ruler_node), socket.Listeners()))
+    routes = list(
+        api_routes(ProjectFolder(Path()), RobotLink(partial(open_graph_robots, "")), socket.Listeners())
+    )
     asked = [socket.Watch, *(route.asked for route in routes if route.asked is not None)]
     writer = _Writer(_reached(asked))
     for root in (*asked, *(route.answered for route in routes), ErrorAnswer, socket.Push):

@@ -1,16 +1,26 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Write docs/reference from the code: the checks with their examples, and the properties that checks read."""
+"""Write docs/reference from the code: checks with their examples, properties that checks read, metrics."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
+from smarttestudo.adapters.openmetrics.status import STATUS_METRICS
 from smarttestudo.adirf.checks import CHECKS, Example, RuleCheck
-from smarttestudo.adirf.properties import ARRIVAL_PROPERTIES, PropertySpec, known_types, properties_of
+from smarttestudo.adirf.properties import (
+    ARRIVAL_PROPERTIES,
+    PropertySpec,
+    known_types,
+    properties_for_bounds,
+    properties_of,
+)
 from smarttestudo.domain.finding import Severity
+from smarttestudo.domain.metric import MetricName
 from smarttestudo.domain.profile import Profile
+from smarttestudo.use_cases.live.run_metrics import DECISIONS
+from smarttestudo.use_cases.receive.reception_metrics import RECEPTION_METRICS
 
 REFERENCE = Path(__file__).resolve().parent.parent / "docs" / "reference"
 NOTE = "<!-- Written by scripts/make_reference.py; change the code instead. -->"
@@ -22,6 +32,7 @@ def pages() -> Mapping[Path, str]:
     return {
         REFERENCE / "checks.md": "\n".join(checks_page()),
         REFERENCE / "properties.md": "\n".join(properties_page()),
+        REFERENCE / "metrics.md": "\n".join(metrics_page()),
     }
 
 
@@ -79,6 +90,10 @@ def properties_page() -> Iterator[str]:
     yield from ("", *property_table(ARRIVAL_PROPERTIES.values()), "")
     for type_name in known_types():
         yield from (f"## {type_name}", "", *property_table(properties_of(type_name).values()), "")
+    yield from ("## For KeepWithin", "")
+    yield from ("A `KeepWithin` can name these, and whatever checks can read of a message.", "")
+    for type_name, specs in properties_for_bounds().items():
+        yield from (f"### {type_name}", "", *property_table(specs), "")
 
 
 def property_table(specs: Iterable[PropertySpec]) -> Iterator[str]:
@@ -95,6 +110,27 @@ def range_text(spec: PropertySpec) -> str:
     opening = "[" if spec.includes_minimum else "("
     closing = ", ∞)" if spec.maximum is None else f", {spec.maximum:g}]"
     return f"{opening}{spec.minimum:g}{closing}".replace("-", "−")
+
+
+def metrics_page() -> Iterator[str]:
+    """What Prometheus can collect."""
+    yield from (NOTE, "# Metrics", "")
+    yield "What `--openmetrics` serves. Every metric of a robot has the label `robot`: the name that"
+    yield "`--robot` gave it, else that of its machine. A number that is not known has no sample."
+    yield from ("", "## A robot", "")
+    yield "From `testudo run`, and, except the decisions, from `testudo receive` for each robot whose status"
+    yield "arrives there."
+    yield from ("", *metric_table((DECISIONS, *STATUS_METRICS)), "", "## The operator's end", "")
+    yield "From `testudo receive`."
+    yield from ("", *metric_table(RECEPTION_METRICS), "")
+
+
+def metric_table(names: Iterable[MetricName]) -> Iterator[str]:
+    """A row for each metric."""
+    yield from ("| metric | type | labels | meaning |", "|---|---|---|---|")
+    for name in names:
+        labels = ", ".join(f"`{label}`" for label in name.labels)
+        yield f"| `{name.sample_name}` | {name.kind.value} | {labels} | {name.help} |"
 
 
 def main() -> None:

@@ -28,6 +28,8 @@ ROS = {
     "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
     "PYTHONUNBUFFERED": "1",
 }
+LINKED, ALONE = "tcp/127.0.0.1:7457", "tcp/127.0.0.1:7458"
+"""Where an operator's end listens, and where none does."""
 RECORDING = "demo-out/baseline"
 IN_CORRIDOR = r"^{topic}.*4\.\d.*Warehouse Corridor\s*relayed"
 LISTEN = """
@@ -142,6 +144,19 @@ def robot(browser: Browser, url: str) -> None:
     page.screenshot(path=IMAGES / "ruler-robot.png")
 
 
+def robots(browser: Browser, url: str, silent: subprocess.Popen[str]) -> None:
+    """Three robots, of which one falls silent and one has no operator."""
+    page = open_page(browser, f"{url}#/robots/", height=390)
+    rows = page.get_by_role("table", name="Robots").locator("tbody").get_by_role("row")
+    rows.nth(2).wait_for(timeout=120_000)
+    rows.filter(has_text=re.compile(r"/ada/.*(not the limit|[^.]\d\d KB/s), round trip.*\d+ ms /")).wait_for(
+        timeout=120_000
+    )
+    silent.terminate()
+    rows.filter(has_text=re.compile(r"silent for 1\d s")).wait_for(timeout=120_000)
+    page.screenshot(path=IMAGES / "ruler-robots.png")
+
+
 @contextmanager
 def running(command: list[str], settings: Mapping[str, str]) -> Iterator[subprocess.Popen[str]]:
     """A process that ends with the block."""
@@ -159,6 +174,22 @@ def served(project: Path) -> Iterator[str]:
     with running(command, ROS) as server:
         assert server.stdout is not None
         yield server.stdout.readline().split(": ", 1)[1].split()[0]
+
+
+def draw_robots(browser: Browser, url: str, rules: str) -> None:
+    """Start three runs beside one simulated robot, of which two have a link."""
+    run = [*TESTUDO, "run", "--rules", rules]
+    names = [["--ros-args", "-r", f"__ns:=/{name}"] for name in ("ada", "bob", "cleo")]
+    with ExitStack() as stack:
+        for command in (
+            [*TESTUDO, "simulate"],
+            [*TESTUDO, "receive", "--no-ros", "--openmetrics", "0", "--listen", LINKED],
+            [*run, "--budget", "400", "--robot", "ada", "--link", LINKED, *names[0]],
+            [*run, "--robot", "bob", "--link", ALONE, *names[1]],
+        ):
+            stack.enter_context(running(command, ROS))
+        silent = stack.enter_context(running([*run, "--output-topic", "/cleo{topic}", *names[2]], ROS))
+        robots(browser, url, silent)
 
 
 def main() -> None:
@@ -182,6 +213,7 @@ def main() -> None:
                 ):
                     stack.enter_context(running(command, ROS))
                 robot(browser, url)
+            draw_robots(browser, url, str(project / "warehouse.adirf"))
         browser.close()
 
 

@@ -6,16 +6,39 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 
-from smarttestudo.domain.parameter import Accept, Parameter, ParameterValue, RemoteParameters
+from smarttestudo.domain.parameter import (
+    Accept,
+    Parameter,
+    ParameterValue,
+    Refusals,
+    RemoteParameters,
+    Values,
+)
+from smarttestudo.domain.robot import Endpoint, Publisher, Qos
 
 
 class UnaskedRobot:
-    """The parameters and services of a robot in memory: it has none, and asking for them fails the test."""
+    """What a robot in memory has none of: parameters, services, and nodes that listen to operators.
+
+    Asking for them fails the test.
+    """
+
+    def own_subscribers(self, topic: str) -> Sequence[Endpoint]:
+        raise NotImplementedError
+
+    def own_publisher(self, topic: str, type_name: str, qos: Qos) -> Publisher:
+        raise NotImplementedError
 
     def declare(self, parameters: Sequence[Parameter], accept: Accept) -> Mapping[str, ParameterValue]:
         raise NotImplementedError
 
     def show(self, name: str, value: ParameterValue) -> None:
+        raise NotImplementedError
+
+    def parameters(self, names: Sequence[str]) -> Values:
+        raise NotImplementedError
+
+    def set_parameters(self, values: Values) -> Refusals:
         raise NotImplementedError
 
     def offer_trigger(self, name: str, act: Callable[[], str]) -> None:

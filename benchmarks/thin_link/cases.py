@@ -14,14 +14,20 @@ WARM_S = 2.0
 """What is not counted at the beginning: nothing is known of the link then."""
 _WINDOW_S = 1.0
 
-ODOM = Topic(name="/odom", size_bytes=720, hz=25, priority=5, zenoh_priority="INTERACTIVE_HIGH")
+ODOM = Topic(
+    name="/odom", size_bytes=720, hz=25, priority=5, zenoh_priority="INTERACTIVE_HIGH", reliable=True
+)
 IMU = Topic(name="/imu", size_bytes=320, hz=50, priority=4, zenoh_priority="DATA_HIGH")
 SCAN = Topic(name="/scan", size_bytes=3_000, hz=5, priority=4, zenoh_priority="DATA_HIGH")
 IMAGE = Topic(name="/image", size_bytes=60_000, hz=10, priority=1, zenoh_priority="DATA_LOW")
 SMALL = (ODOM, IMU, SCAN)
-HEARTBEAT = Topic(name="/heartbeat", size_bytes=100, hz=1, priority=9, zenoh_priority="REAL_TIME", floor_hz=1)
+HEARTBEAT = Topic(
+    name="/heartbeat", size_bytes=100, hz=1, priority=9, zenoh_priority="REAL_TIME", reliable=True, floor_hz=1
+)
 BURST = Topic(name="/burst", size_bytes=40_000, hz=5, priority=1, zenoh_priority="DATA", from_s=35)
-BATTERY = Topic(name="/battery", size_bytes=200, hz=1, priority=1, zenoh_priority="REAL_TIME", floor_hz=1)
+BATTERY = Topic(
+    name="/battery", size_bytes=200, hz=1, priority=1, zenoh_priority="REAL_TIME", reliable=True, floor_hz=1
+)
 CAMERA = Topic(name="/camera", size_bytes=100_000, hz=25, priority=9, zenoh_priority="DATA")
 # As much of their bytes is noise as makes raw images and clouds fit that link at all.
 LARGE = (
@@ -59,6 +65,11 @@ class Seen:
         """What arrived of a topic in that time."""
         return [one for one in self.arrived.get(topic.name, ()) if from_s <= one.at_s < to_s]
 
+    def rate_hz(self, topic: Topic) -> float:
+        """How many messages of a topic arrived in a second while the robot sent them."""
+        from_s = max(WARM_S, topic.from_s)
+        return len(self.of(topic, from_s, self.seconds)) / (self.seconds - from_s)
+
     def ages_s(
         self, topics: Sequence[Topic], from_s: float = WARM_S, to_s: float = float("inf")
     ) -> list[float]:
@@ -90,12 +101,13 @@ class Target:
         """Whether it is."""
         return self.value >= self.limit if self.is_least else self.value <= self.limit
 
-    def __str__(self) -> str:
-        sign = "≥" if self.is_least else "≤"
-        return f"{self.name} {self.value:.3g} ({sign} {self.limit:g}: {'met' if self.is_met else 'MISSED'})"
+    @property
+    def wanted(self) -> str:
+        """The target in words."""
+        return f"{self.name} {'≥' if self.is_least else '≤'} {self.limit:g}"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Case:
     """One link and its traffic. ``steps`` are rates in Mbit/s from each time on; 0 is no link."""
 

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The processes at both ends of a thin link: SmartTestudo's, plain Zenoh's, and a plain TCP flow beside them.
 
-A payload begins with the time of its publication and its number. Both ends run on one machine and read the
+A payload begins with the time at which it was due and its number. Both ends run on one machine and read the
 same monotonic clock, so that arrival minus publication is the age.
 """
 
@@ -20,9 +20,9 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any
 
-from thin_link.network import OPERATOR_ADDRESS
+from smarttestudo.adapters.network_namespaces import OPERATOR_ADDRESS
+from thin_link.fast_dds import fast_dds_operator, fast_dds_robot
 
 ENDPOINT = f"tcp/{OPERATOR_ADDRESS}:7447"
 FLOW_PORT = 7448
@@ -38,7 +38,8 @@ Note = Callable[[str, bytes], None]
 class Topic:
     """What the robot sends from ``from_s`` on; ``noise`` is the share of a payload that cannot be compressed.
 
-    ``priority`` and ``floor_hz`` are SmartTestudo's, ``zenoh_priority`` is plain Zenoh's.
+    ``priority`` and ``floor_hz`` are SmartTestudo's, ``zenoh_priority`` is plain Zenoh's, ``reliable``
+    Fast DDS's.
     """
 
     name: str
@@ -46,6 +47,7 @@ class Topic:
     hz: float
     priority: float
     zenoh_priority: str
+    reliable: bool = False
     floor_hz: float = 0.0
     from_s: float = 0.0
     noise: float = 1.0
@@ -60,7 +62,9 @@ class Topic:
 
 def be_robot(contender: str, topics: Sequence[Topic], seconds: float) -> None:
     """Connect, wait for a line, publish for ``seconds``, and tell what that took."""
-    opened = {"testudo": _testudo_robot, "zenoh": _zenoh_robot}[contender]
+    opened = {"testudo": _testudo_robot, "zenoh": _zenoh_robot, "fastdds": fast_dds_robot, "none": _no_robot}[
+        contender
+    ]
     with opened(topics) as (publishers, is_connected):
         give_up_s = time.monotonic() + _CONNECTED_WITHIN_S
         while not is_connected():
@@ -72,8 +76,8 @@ def be_robot(contender: str, topics: Sequence[Topic], seconds: float) -> None:
         cpu_s = _cpu_s()
         start_ns = time.monotonic_ns()
         print(json.dumps(start_ns), flush=True)
-        _publish(topics, publishers, start_ns, seconds)
-        print(json.dumps({"cpu_s": _cpu_s() - cpu_s}), flush=True)
+        published = _publish(topics, publishers, start_ns, seconds)
+        print(json.dumps({"cpu_s": _cpu_s() - cpu_s, "published": published}), flush=True)
         sys.stdin.readline()
 
 
@@ -85,7 +89,7 @@ def be_operator(contender: str, topics: Sequence[Topic]) -> None:
         stamp_ns, number = _HEAD.unpack_from(payload)
         arrived.append((topic, number, stamp_ns, time.monotonic_ns(), len(payload)))
 
-    opened = {"testudo": _testudo_operator, "zenoh": _zenoh_operator}[contender]
+    opened = {"testudo": _testudo_operator, "zenoh": _zenoh_operator, "fastdds": fast_dds_operator}[contender]
     with opened(note, topics):
         print(json.dumps("listening"), flush=True)
         sys.stdin.readline()
@@ -119,18 +123,22 @@ def be_flow_sink() -> None:
     print(json.dumps(seen), flush=True)
 
 
-def _publish(topics: Sequence[Topic], publishers: Sequence[Publish], start_ns: int, seconds: float) -> None:
-    """Publish each topic on its grid."""
+def _publish(
+    topics: Sequence[Topic], publishers: Sequence[Publish], start_ns: int, seconds: float
+) -> Sequence[int]:
+    """Publish each topic on its grid; how many messages that were."""
     bodies = [topic.payload() for topic in topics]
     numbers = [0] * len(topics)
     due = [(topic.from_s, at) for at, topic in enumerate(topics)]
     heapq.heapify(due)
-    while due[0][0] < seconds:
+    # A publisher may block; what was due then is late, and is old when it arrives.
+    while due[0][0] < seconds and time.monotonic_ns() - start_ns < seconds * 1e9:
         due_s, at = heapq.heappop(due)
         time.sleep(max(0.0, due_s - (time.monotonic_ns() - start_ns) / 1e9))
-        publishers[at](_HEAD.pack(time.monotonic_ns(), numbers[at]) + bodies[at])
+        publishers[at](_HEAD.pack(start_ns + round(due_s * 1e9), numbers[at]) + bodies[at])
         numbers[at] += 1
         heapq.heappush(due, (due_s + 1 / topics[at].hz, at))
+    return numbers
 
 
 def _cpu_s() -> float:
@@ -138,7 +146,8 @@ def _cpu_s() -> float:
     return used.ru_utime + used.ru_stime
 
 
-def _warn(text: str) -> None:
+def warn(text: str) -> None:
+    """Say what somebody should read."""
     print(text, file=sys.stderr)
 
 
@@ -150,10 +159,16 @@ def _testudo_robot(topics: Sequence[Topic]) -> Iterator[tuple[list[Publish], Cal
     from smarttestudo.domain.robot import Qos  # noqa: PLC0415
 
     qos = Qos(reliable=False, transient_local=False, depth=5)
-    with open_robot_end("robot", LinkOptions(connect=(ENDPOINT,), insecure=True), _warn) as end:
+    with open_robot_end("robot", LinkOptions(connect=(ENDPOINT,), insecure=True), warn) as end:
         end.follow({one.name: LinkNeeds(priority=one.priority, floor_hz=one.floor_hz) for one in topics})
         infos = [StreamInfo(topic=one.name, type_name="std_msgs/msg/String", qos=qos) for one in topics]
         yield [end.advertise(info).publish for info in infos], lambda: end.state.is_connected
+
+
+@contextmanager
+def _no_robot(topics: Sequence[Topic]) -> Iterator[tuple[list[Publish], Callable[[], bool]]]:
+    """The same source without a link."""
+    yield [lambda _payload: None for _ in topics], lambda: True
 
 
 @contextmanager
@@ -163,7 +178,7 @@ def _testudo_operator(note: Note, _topics: Sequence[Topic]) -> Iterator[None]:
     from smarttestudo.domain.link import ReceivedMessage  # noqa: PLC0415
 
     is_closed = threading.Event()
-    with open_operator_end(LinkOptions(listen=(ENDPOINT,), insecure=True), _warn) as end:
+    with open_operator_end(LinkOptions(listen=(ENDPOINT,), insecure=True), warn) as end:
 
         def read() -> None:
             while not is_closed.is_set():
@@ -181,46 +196,21 @@ def _testudo_operator(note: Note, _topics: Sequence[Topic]) -> Iterator[None]:
 
 
 @contextmanager
-def _zenoh_session(mode: str, side: str, topics: Sequence[Topic]) -> Iterator[Any]:
-    import zenoh  # noqa: PLC0415
-
-    config = zenoh.Config()
-    settings = {
-        "mode": mode,
-        f"{side}/endpoints": [ENDPOINT],
-        "scouting/multicast/enabled": False,
-        # Namespaces share /dev/shm: with shared memory, nothing would cross the link.
-        "transport/shared_memory/enabled": False,
-        "transport/unicast/compression/enabled": any(topic.noise < 1 for topic in topics),
-    }
-    for key, value in settings.items():
-        config.insert_json5(key, json.dumps(value))
-    with zenoh.open(config) as session:
-        yield session
-
-
-@contextmanager
 def _zenoh_robot(topics: Sequence[Topic]) -> Iterator[tuple[list[Publish], Callable[[], bool]]]:
-    import zenoh  # noqa: PLC0415
+    from smarttestudo.adapters.zenoh.plain import plain_robot  # noqa: PLC0415  needs zenoh
 
-    with _zenoh_session("client", "connect", topics) as session:
-        publishers = [
-            session.declare_publisher(
-                f"rival{one.name}",
-                priority=getattr(zenoh.Priority, one.zenoh_priority),
-                congestion_control=zenoh.CongestionControl.DROP,
-            )
-            for one in topics
-        ]
-        yield [one.put for one in publishers], lambda: bool(publishers[0].matching_status.matching)
+    priorities = {one.name: one.zenoh_priority for one in topics}
+    with plain_robot(ENDPOINT, priorities, compresses=_compresses(topics)) as (puts, is_connected):
+        yield [puts[one.name] for one in topics], is_connected
 
 
 @contextmanager
 def _zenoh_operator(note: Note, topics: Sequence[Topic]) -> Iterator[None]:
-    with _zenoh_session("router", "listen", topics) as session:
-        kept = session.declare_subscriber(
-            "rival/**",
-            lambda sample: note(str(sample.key_expr).removeprefix("rival"), sample.payload.to_bytes()),
-        )
+    from smarttestudo.adapters.zenoh.plain import plain_operator  # noqa: PLC0415  needs zenoh
+
+    with plain_operator(ENDPOINT, note, compresses=_compresses(topics)):
         yield
-        kept.undeclare()
+
+
+def _compresses(topics: Sequence[Topic]) -> bool:
+    return any(topic.noise < 1 for topic in topics)

@@ -46,10 +46,12 @@ class ChapterRenderer extends Renderer {
 
   override table(token: Tokens.Table): string {
     const table = super.table(token).replace("<table>", '<table class="reference">');
-    return `<div class="table-scroll">${table}</div>\n`;
+    return `<div class="table-scroll" tabindex="0">${table}</div>\n`;
   }
 
   override tablecell(token: Tokens.TableCell): string {
+    // A column without a name, such as that of names, has no header to tell.
+    if (token.header && token.text === "") return "<td></td>\n";
     return super.tablecell(token).replace(/^<th\b/, '<th scope="col"');
   }
 

@@ -7,7 +7,9 @@ import type { Project } from "./api/types";
 import { HomePage } from "./pages/home";
 import type { PageProps } from "./pages/page_props";
 import { type Route, readRoute, toRoute } from "./route";
+import { browserStorage, Drafts } from "./state/drafts";
 import { OpenEditors } from "./state/open_editors";
+import { OpenTabs } from "./state/open_tabs";
 import { Notice } from "./ui/notice";
 
 // The heavy parts (Blockly, CodeMirror, plots) load with the page that needs them.
@@ -15,12 +17,14 @@ const LAZY: Record<Exclude<Route["page"], "home">, () => Promise<ComponentType<P
   rules: async () => (await import("./pages/editor")).EditorPage,
   topics: async () => (await import("./pages/topics")).TopicsPage,
   help: async () => (await import("./pages/help")).HelpPage,
+  robots: async () => (await import("./pages/robots")).RobotsPage,
 };
 
 export function App({ api }: { api: Api }) {
   const [project, setProject] = useState<Project | null>(null);
   const [problem, setProblem] = useState("");
-  const editors = useMemo(() => new OpenEditors(), []);
+  const root = project?.root_hash;
+  const editors = useMemo(() => (root === undefined ? null : openEditors(root)), [root]);
   useUnsavedWarning(editors);
   const route = useRoute();
   const refresh = async () => {
@@ -37,9 +41,9 @@ export function App({ api }: { api: Api }) {
     if (project?.opened && location.hash === "") toRoute({ page: "rules", name: project.opened });
   }, [project]);
   if (problem) return <Notice kind="error" text={problem} action={{ label: "Try again", act: refresh }} />;
-  if (project === null) return <p class="quiet center">Opening the project …</p>;
+  if (project === null || editors === null) return <p class="quiet center">Opening the project …</p>;
   if (route.page === "home") return <HomePage {...{ api, project, refresh, editors }} name="" />;
-  const props = { api, project, refresh, editors, name: route.name };
+  const props = { api, project, refresh, editors, name: route.name, robot: route.robot };
   return <LazyPage key={`${route.page} ${route.name}`} load={LAZY[route.page]} props={props} />;
 }
 
@@ -49,14 +53,20 @@ function LazyPage({ load, props }: { load: () => Promise<ComponentType<PageProps
   return page ? <page.Page {...props} /> : <p class="quiet center">Loading …</p>;
 }
 
-function useUnsavedWarning(editors: OpenEditors): void {
+/** The files of a project, with drafts in this browser. */
+function openEditors(project: string): OpenEditors {
+  const tabs = new OpenTabs(crypto.getRandomValues(new Uint32Array(4)).join("-"));
+  return new OpenEditors(new Drafts(browserStorage(), project, tabs.own, () => tabs.others()));
+}
+
+function useUnsavedWarning(editors: OpenEditors | null): void {
   useEffect(() => {
     const ask = (event: BeforeUnloadEvent) => {
-      if (editors.hasUnsaved) event.preventDefault();
+      if (editors?.wouldLose) event.preventDefault();
     };
     addEventListener("beforeunload", ask);
     return () => removeEventListener("beforeunload", ask);
-  }, []);
+  }, [editors]);
 }
 
 function useRoute(): Route {

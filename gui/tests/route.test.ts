@@ -16,6 +16,9 @@ test.each([
   { page: "rules", name: "night shift/50 %/#1?.adirf" },
   { page: "topics", name: "prüfstand.toml" },
   { page: "help", name: "blocks-clash" },
+  { page: "robots", name: "" },
+  { page: "robots", name: "/tb3_0/smarttestudo" },
+  { page: "rules", name: "what?/a&b.adirf", robot: "/tb3 0/smart?testudo" },
 ] as const)("the link to $page $name leads there", (route) => {
   address(href(route));
   expect(readRoute()).toEqual(route);

@@ -7,7 +7,18 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from smarttestudo.adirf.comments import Comment, Trivia
-from smarttestudo.adirf.syntax import And, Block, Condition, Group, Not, Or, RuleFile, Statement
+from smarttestudo.adirf.syntax import (
+    Action,
+    And,
+    Block,
+    Condition,
+    Group,
+    Not,
+    Or,
+    RuleFile,
+    Statement,
+    Timed,
+)
 
 
 def comments_by_owner(file: RuleFile) -> list[tuple[str, int]]:
@@ -27,7 +38,7 @@ class _Walker:
                 yield from self._statement(statement)
         yield from _owned(file.footer, 0)
 
-    def _statement(self, statement: Statement) -> Iterator[tuple[str, int]]:
+    def _statement(self, statement: Statement | Action) -> Iterator[tuple[str, int]]:
         self._owners += 1
         yield from _owned(_of(statement.trivia), self._owners)
         if isinstance(statement, Block):
@@ -56,6 +67,8 @@ def _of_condition(condition: Condition) -> list[Comment]:
             return [comment for operand in condition.operands for comment in _of_condition(operand)]
         case Group():
             return [*_of(condition.trivia), *_of_condition(condition.operand), *condition.closing]
+        case Timed():
+            return _of_condition(condition.operand)
         case Not():
             return [*_of(condition.trivia), *_of_condition(condition.operand)]
         case _:

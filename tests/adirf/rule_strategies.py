@@ -19,22 +19,30 @@ from hypothesis import strategies as st
 
 from smarttestudo.adirf.parser.tokens import KEYWORDS
 from smarttestudo.adirf.syntax import (
+    Action,
     And,
     Block,
     Check,
     Collection,
     Condition,
+    Duration,
+    DurationUnit,
     Group,
     KeepAtLeast,
+    KeepWithin,
     Not,
     Operator,
     Or,
     RateExpression,
     RateWord,
+    RecordIncident,
     RuleFile,
     SetFrequency,
     Statement,
+    Timed,
+    TimeWord,
     TopicName,
+    Until,
 )
 from smarttestudo.domain.rate import Tier
 from smarttestudo.domain.source import Span
@@ -57,6 +65,16 @@ PROPERTIES = (
 )
 RATE_TEXTS = ("0", "10", "5.0", "007", "2.5", ".5", "7.", "+3", "1e3", "1E-2", "1e6")
 NUMBER_TEXTS = (*RATE_TEXTS, "-13", "-0.5", "+.25e+1", "-1e300")
+DURATIONS = tuple(
+    Duration(text=text, unit=unit, ns=ns, span=NOWHERE)
+    for text, unit, ns in (
+        ("500", DurationUnit.MILLISECONDS, 500_000_000),
+        (".5", DurationUnit.SECONDS, 500_000_000),
+        ("0", DurationUnit.SECONDS, 0),
+        ("1e1", DurationUnit.SECONDS, 10_000_000_000),
+        ("+2.50", DurationUnit.MINUTES, 150_000_000_000),
+    )
+)
 NOT_MEANING = frozenset({"span", "property_span", "label", "path"})
 
 
@@ -95,7 +113,7 @@ def checks(
     topics: Sequence[str] = TOPICS, properties: Sequence[str] = PROPERTIES
 ) -> st.SearchStrategy[Check]:
     return st.builds(
-        lambda topic, name, operator, text: Check(
+        lambda topic, name, operator, text, until: Check(
             topic=topic,
             property=name,
             property_span=NOWHERE,
@@ -103,9 +121,19 @@ def checks(
             value=float(text),
             text=text,
             span=NOWHERE,
+            until=until,
         ),
         topic_names(topics),
         st.sampled_from(properties),
+        st.sampled_from(Operator),
+        st.sampled_from(NUMBER_TEXTS),
+        st.one_of(st.none(), st.none(), _untils()),
+    )
+
+
+def _untils() -> st.SearchStrategy[Until]:
+    return st.builds(
+        lambda operator, text: Until(operator=operator, value=float(text), text=text, span=NOWHERE),
         st.sampled_from(Operator),
         st.sampled_from(NUMBER_TEXTS),
     )
@@ -120,9 +148,16 @@ def conditions(
         lambda inner: st.one_of(
             inner.map(lambda operand: Not(operand=operand, span=NOWHERE)),
             _expressions(inner).map(lambda operand: Group(operand=operand, span=NOWHERE)),
+            st.builds(_timed, inner, st.sampled_from(TimeWord), st.sampled_from(DURATIONS)),
         ),
         max_leaves=max_checks,
     )
+
+
+def _timed(operand: Condition, word: TimeWord, duration: Duration) -> Condition:
+    """Behind a ``Not`` without parentheses, the time would belong to what is negated."""
+    grouped = Group(operand=operand, span=NOWHERE) if isinstance(operand, Not) else operand
+    return Timed(operand=grouped, word=word, duration=duration, span=NOWHERE)
 
 
 def _expressions(factor: st.SearchStrategy[Condition]) -> st.SearchStrategy[Condition]:
@@ -142,20 +177,66 @@ def keep_at_leasts(topics: Sequence[str] = TOPICS) -> st.SearchStrategy[KeepAtLe
     return st.builds(KeepAtLeast, topic=topic_names(topics), rate=hertz(), span=st.just(NOWHERE))
 
 
+def keep_withins(
+    topics: Sequence[str] = TOPICS, properties: Sequence[str] = PROPERTIES
+) -> st.SearchStrategy[KeepWithin]:
+    return st.builds(
+        lambda topic, name, text: KeepWithin(
+            topic=topic, property=name, property_span=NOWHERE, bound=float(text), text=text, span=NOWHERE
+        ),
+        topic_names(topics),
+        # A keyword is a property only where a comparison follows.
+        st.sampled_from([name for name in (*properties, "position", "orientation") if name not in KEYWORDS]),
+        st.sampled_from(RATE_TEXTS),
+    )
+
+
+def names() -> st.SearchStrategy[str]:
+    return st.text("abc \"\\é'//", min_size=1, max_size=8).filter(str.strip)
+
+
+def records(topics: Sequence[str] = TOPICS) -> st.SearchStrategy[RecordIncident]:
+    return st.builds(
+        RecordIncident,
+        name=names(),
+        topics=st.lists(topic_names(topics), max_size=2).map(tuple),
+        before=st.sampled_from(DURATIONS),
+        # A window of no time at all is refused.
+        after=st.sampled_from([one for one in DURATIONS if one.ns]),
+        span=st.just(NOWHERE),
+    )
+
+
+def _spoken_of(action: SetFrequency | KeepWithin) -> tuple[str, ...]:
+    """What a branch should say once."""
+    return (action.topic.text, action.property) if isinstance(action, KeepWithin) else (action.topic.text,)
+
+
+@st.composite
+def actions(
+    draw: st.DrawFn, topics: Sequence[str] = TOPICS, properties: Sequence[str] = PROPERTIES
+) -> tuple[Action, ...]:
+    """The statements of a branch; no topic is set and no property bound twice."""
+    some = st.one_of(set_frequencies(topics), keep_withins(topics, properties))
+    found: list[Action] = [
+        *draw(st.lists(some, min_size=1, max_size=3, unique_by=_spoken_of)),
+        *draw(st.lists(records(topics), max_size=1)),
+    ]
+    return tuple(draw(st.permutations(found)))
+
+
 @st.composite
 def blocks(draw: st.DrawFn, topics: Sequence[str] = TOPICS, properties: Sequence[str] = PROPERTIES) -> Block:
     """A block, with or without name, priority, ``Else`` and ``EndIf``; no topic twice in a branch."""
-    name = draw(st.none() | st.text("abc \"\\é'//", min_size=1, max_size=8).filter(str.strip))
-    sets = st.lists(
-        set_frequencies(topics), min_size=1, max_size=3, unique_by=lambda one: one.topic.text
-    ).map(tuple)
+    name = draw(st.none() | names())
+    some = actions(topics, properties)
     return Block(
         name=name,
         priority=draw(st.none() | st.integers(-5, 100)) if name is not None else None,
         label=name or "",
         condition=draw(conditions(topics, properties)),
-        then=draw(sets),
-        otherwise=draw(st.just(()) | sets),
+        then=draw(some),
+        otherwise=draw(st.just(()) | some),
         has_end_if=draw(st.booleans()),
         span=NOWHERE,
     )
@@ -171,7 +252,12 @@ def rule_files(
     max_collections: int = 2,
 ) -> RuleFile:
     """A syntax tree that some text parses to."""
-    statement = st.one_of(set_frequencies(topics), keep_at_leasts(topics), blocks(topics, properties))
+    statement = st.one_of(
+        set_frequencies(topics),
+        keep_at_leasts(topics),
+        keep_withins(topics, properties),
+        blocks(topics, properties),
+    )
     lists = draw(st.lists(st.lists(statement, max_size=max_statements), min_size=1, max_size=max_collections))
     collections = tuple(
         Collection(statements=tuple(_separable(statements)), span=NOWHERE) for statements in lists
@@ -236,10 +322,18 @@ class _Speller:
         self._owners += 1
         return self._owners
 
-    def _statement(self, statement: Statement) -> Iterator[Word]:
+    def _statement(self, statement: Statement | Action) -> Iterator[Word]:
         owner = self._next_owner()
         if isinstance(statement, Block):
             yield from self._block(statement, owner)
+        elif isinstance(statement, KeepWithin):
+            words = ["KeepWithin", statement.topic.text, statement.property, statement.text]
+            yield from _owned(words, owner)
+        elif isinstance(statement, RecordIncident):
+            yield from _owned(["Record", _quoted(statement.name)], owner)
+            yield from _owned([topic.text for topic in statement.topics], owner)
+            for keyword, duration in (("Before", statement.before), ("After", statement.after)):
+                yield from _owned([keyword, duration.text, duration.unit.value], owner)
         else:
             keyword = type(statement).__name__
             unit = ["Hz"] if statement.rate.has_unit else []
@@ -249,8 +343,7 @@ class _Speller:
 
     def _block(self, block: Block, owner: int) -> Iterator[Word]:
         if block.name is not None:
-            escaped = block.name.replace("\\", "\\\\").replace('"', '\\"')
-            yield from _owned(["Rule", f'"{escaped}"'], owner)
+            yield from _owned(["Rule", _quoted(block.name)], owner)
         if block.priority is not None:
             yield from _owned(["Priority", str(block.priority)], owner)
         yield from _owned(["If", *_condition_words(block.condition), "Then"], owner)
@@ -264,6 +357,11 @@ class _Speller:
             yield Word(text="EndIf", owner=owner)
 
 
+def _quoted(name: str) -> str:
+    escaped = name.replace("\\", "\\\\").replace('"', '\\"')
+    return f'"{escaped}"'
+
+
 def _owned(texts: Sequence[str], owner: int) -> Iterator[Word]:
     return (Word(text=text, owner=owner) for text in texts)
 
@@ -272,9 +370,14 @@ def _condition_words(condition: Condition) -> list[str]:
     match condition:
         case Check():
             name, operator = condition.property, condition.operator.value
-            return ["CheckValue", condition.topic.text, name, operator, condition.text]
+            until = condition.until
+            ending = [] if until is None else ["Until", until.operator.value, until.text]
+            return ["CheckValue", condition.topic.text, name, operator, condition.text, *ending]
         case Not():
             return ["Not", *_condition_words(condition.operand)]
+        case Timed():
+            time = [condition.word.value, condition.duration.text, condition.duration.unit.value]
+            return [*_condition_words(condition.operand), *time]
         case Group():
             return ["(", *_condition_words(condition.operand), ")"]
         case And() | Or():
@@ -313,10 +416,13 @@ def lay_out(words: Sequence[Word], random: Random) -> tuple[str, dict[str, int]]
     return "".join(pieces), owners
 
 
+_UNITS = ("Hz", *(unit.value for unit in DurationUnit))
+
+
 def _may_touch(first: str, second: str) -> bool:
     if first in KEYWORDS and (second in KEYWORDS or second.startswith("/")):
         return True
-    return not (_is_of_word(first[-1:]) and _is_of_word(second[:1])) or second == "Hz"
+    return not (_is_of_word(first[-1:]) and _is_of_word(second[:1])) or second in _UNITS
 
 
 def _is_of_word(character: str) -> bool:

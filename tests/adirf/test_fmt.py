@@ -67,7 +67,7 @@ def test_a_file_with_errors_is_left_and_explained_and_the_others_are_formatted(
     assert err.splitlines() == [
         "missing.adirf: error: there is no such file; check the path",
         "broken.adirf:2:3: error[expected-statement]: expected a statement "
-        "('SetFrequency', 'KeepAtLeast', 'Rule' or 'If') or 'end', found 'SetFrequncy'",
+        "('SetFrequency', 'KeepAtLeast', 'KeepWithin', 'Rule' or 'If') or 'end', found 'SetFrequncy'",
         "    SetFrequncy /odom 10",
         "    ^^^^^^^^^^^",
         "    hint: did you mean 'SetFrequency'?",

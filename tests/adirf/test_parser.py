@@ -20,6 +20,7 @@ from smarttestudo.adirf.syntax import (
     Or,
     RateWord,
     SetFrequency,
+    sets_in,
 )
 from smarttestudo.domain.rate import Tier
 from smarttestudo.domain.source import Span
@@ -90,7 +91,7 @@ def test_rates_are_numbers_tiers_and_words() -> None:
 
 def test_a_set_frequency_behind_an_open_block_belongs_to_it() -> None:
     read = block("begin If CheckValue /x a > 1 Then SetFrequency /x 1\n\nSetFrequency /y 2 end")
-    assert [one.topic.text for one in read.then] == ["/x", "/y"]
+    assert [one.topic.text for one in sets_in(read.then)] == ["/x", "/y"]
 
 
 def test_a_set_frequency_behind_end_if_is_a_default() -> None:
@@ -151,7 +152,7 @@ def test_spans_cover_statements_and_their_parts() -> None:
     assert cut(text, check.topic.span) == "/odom"
     assert cut(text, check.property_span) == "pose_x"
     assert cut(text, read.then[0].span) == "SetFrequency /odom 4 Hz"
-    assert cut(text, read.then[0].rate.span) == "4 Hz"
+    assert cut(text, sets_in(read.then)[0].rate.span) == "4 Hz"
 
 
 def cut(text: str, span: Span) -> str:

@@ -20,7 +20,17 @@ from hypothesis import strategies as st
 
 from smarttestudo.adirf.formatter import format_rules
 from smarttestudo.adirf.parser import parse
-from smarttestudo.adirf.syntax import And, Block, Check, Condition, Group, Or, SetFrequency, Statement
+from smarttestudo.adirf.syntax import (
+    Action,
+    And,
+    Block,
+    Check,
+    Condition,
+    Group,
+    Or,
+    SetFrequency,
+    Statement,
+)
 
 TOPICS = ("/cmd_vel", "/odom", "/scan", "/camera/image_raw/compressed", "/camera/image_raw", "/tf")
 BLANK = re.compile(r"(?:[ \t\r\n]|//[^\n]*)*")
@@ -107,7 +117,7 @@ def our_meaning(text: str) -> Meaning:
     return tuple(tuple(map(statement_meaning, one.statements)) for one in result.file.collections)
 
 
-def statement_meaning(statement: Statement) -> Meaning:
+def statement_meaning(statement: Statement | Action) -> Meaning:
     if isinstance(statement, Block):
         assert not statement.otherwise
         return ("If", condition_meaning(statement.condition), tuple(map(statement_meaning, statement.then)))

@@ -17,6 +17,7 @@ from pathlib import Path
 
 import pytest
 
+from made_once import made_once
 from smarttestudo.adirf.formatter import format_rules
 from smarttestudo.adirf.parser import parse
 
@@ -63,6 +64,17 @@ def run(command: Command, folder: Path) -> str:
     return done.stdout + done.stderr
 
 
+def run_demo(command: Command, folder: Path, factory: pytest.TempPathFactory) -> str:
+    """The same as ``run``; several documents begin with the same demo."""
+
+    def make(made: Path) -> None:
+        (made / "printed.txt").write_text(run(command, made), encoding="utf-8")
+
+    made = made_once(factory, re.sub(r"\W+", "-", command.line), make)
+    shutil.copytree(made / "demo-out", folder / "demo-out")
+    return (made / "printed.txt").read_text(encoding="utf-8")
+
+
 def wrong_examples(document: Path, folder: Path) -> str:
     """Where the Python examples of ``document``, run in ``folder``, print something else."""
     examples = folder / "examples.txt"
@@ -82,10 +94,13 @@ def agrees(shown: str, printed: str) -> bool:
 
 
 @pytest.mark.parametrize("document", documents_with("console"), ids=lambda path: path.name)
-def test_commands_print_what_the_document_shows(document: Path, tmp_path: Path) -> None:
+def test_commands_print_what_the_document_shows(
+    document: Path, tmp_path: Path, tmp_path_factory: pytest.TempPathFactory
+) -> None:
     shutil.copytree(ROOT / "examples", tmp_path / "examples")
     for command in commands(document):
-        printed = run(command, tmp_path)
+        is_demo = command.line.startswith("testudo demo")
+        printed = run_demo(command, tmp_path, tmp_path_factory) if is_demo else run(command, tmp_path)
         assert agrees(command.output, printed), f"$ {command.line}\n{printed}"
     assert wrong_examples(document, tmp_path) == ""
 

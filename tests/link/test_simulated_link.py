@@ -83,6 +83,7 @@ def test_an_idle_link_is_not_taken_for_a_thin_one(delay_s: float) -> None:
     assert len(both.ages_s("/burst", 35, 37.001)) >= 9
 
 
+@pytest.mark.slow
 def test_topics_with_floors_keep_them_under_tenfold_overload() -> None:
     sources = (
         Source(topic="/battery", size_bytes=200, rate_hz=1),

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rosbags.typesys import Stores, get_typestore
 
-from smarttestudo.cdr import MAX_TRANSFORMS, child_frames, header_stamp
+from smarttestudo.cdr import MAX_TRANSFORMS, child_frames, header_stamp, string_message, string_text
 
 STORE = get_typestore(Stores.ROS2_HUMBLE)
 names = st.text(st.characters(exclude_characters="\x00", exclude_categories=["Cs"]), max_size=20)
@@ -49,6 +49,23 @@ def test_the_child_frames_are_those_that_were_serialized(
     payload = serialized(transforms(frames), "tf2_msgs/msg/TFMessage", little_endian=little_endian)
     expected = tuple(dict.fromkeys(child for _, child in frames))
     assert child_frames(payload) == child_frames(memoryview(payload)) == expected
+
+
+@given(names, endings)
+def test_the_text_of_a_string_is_what_was_serialized(text: str, little_endian: bool) -> None:
+    message = STORE.types["std_msgs/msg/String"](data=text)
+    assert string_text(serialized(message, "std_msgs/msg/String", little_endian=little_endian)) == text
+    assert string_text(memoryview(string_message(text))) == text
+
+
+@given(names, st.integers(0, 90), st.binary(max_size=12))
+def test_a_string_that_is_cut_or_whose_bytes_are_not_a_text_is_none(
+    text: str, kept: int, rest: bytes
+) -> None:
+    whole = string_message(text)
+    assert string_text(whole[: min(kept, len(whole) - 1)]) is None
+    assert string_text(whole[:8] + b"\xff" * (len(whole) - 9) + b"\0") in (None, "")
+    string_text(rest)
 
 
 @given(stamps, names, endings)

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from adapters.zenoh.ends import free_endpoint
 from ros.ros_domains import free_domain
 from ros.ros_processes import SmallRobot
 
@@ -35,3 +36,19 @@ def robot(domain: int, tmp_path: Path) -> Iterator[SmallRobot]:
     small_robot = SmallRobot(domain, tmp_path)
     yield small_robot
     small_robot.end()
+
+
+@pytest.fixture
+def operators(robot: SmallRobot, other_domain: int, tmp_path: Path) -> Iterator[SmallRobot]:
+    """Processes at the operator's, where no topic of the robot's domain is seen."""
+    folder = tmp_path / "operators"
+    folder.mkdir()
+    there = SmallRobot(other_domain, folder)
+    yield there
+    there.end()
+
+
+@pytest.fixture
+def endpoint() -> str:
+    """Where nobody listens yet."""
+    return free_endpoint()

@@ -82,6 +82,10 @@ class Process:
         self.say("more")
         self.line_with("more")
 
+    @property
+    def pid(self) -> int:
+        return self._process.pid
+
     def signal(self, number: int) -> None:
         self._process.send_signal(number)
 
@@ -163,6 +167,12 @@ class SmallRobot:
         """``testudo run`` on an rclpy that lacks something; see ``other_rclpy.py``."""
         path = self._rule_file(rules)
         return self._start([str(FOLDER / "other_rclpy.py"), lack, "run", "--rules", path, *arguments])
+
+    def receiver(self, endpoint: str, *arguments: str) -> Process:
+        """``testudo receive`` that listens at ``endpoint``."""
+        process = self.testudo("receive", "--listen", endpoint, *arguments)
+        process.line_with("Receiving")
+        return process
 
     def recorder(self, folder: Path, **topics: dict[str, Any]) -> Process:
         """A process that records the topics into ``folder``; see ``recorder.py``."""

@@ -192,7 +192,7 @@ class SmallGraph(UnaskedRobot):
     def diagnostics_publisher(self, topic: str) -> Callable[[Sequence[Diagnostic]], None]:
         return lambda diagnostics: None
 
-    def text_publisher(self, topic: str, qos: Qos) -> Callable[[str], None]:
+    def text_publisher(self, topic: str, qos: Qos, *, goes_over_link: bool = True) -> Callable[[str], None]:
         return lambda text: None
 
     def every(self, period_s: float, act: Callable[[], float | None]) -> None: ...

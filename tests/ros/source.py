@@ -39,7 +39,7 @@ class Stream:
         self.publisher = node.create_publisher(
             type(self.message), f"/{topic.get('topic', name)}", qos_of(topic)
         )
-        if hasattr(self.message, "pose"):
+        if is_odometry(self.message):
             self.message.pose.pose.position.x = topic.get("x", 0.0)
         self.period_s = 1.0 / topic["hz"]
         self.clock_ns = topic.get("from_s", 0) * NS_PER_S
@@ -80,6 +80,10 @@ def write_due(message: Any, due_s: float) -> None:
         message.linear.y = due_s
 
 
+def is_odometry(message: Any) -> bool:
+    return hasattr(getattr(message, "pose", None), "pose")
+
+
 def message_class(type_name: str) -> Any:
     package, _, name = type_name.split("/")
     return getattr(importlib.import_module(f"{package}.msg"), name)
@@ -95,7 +99,7 @@ def latch(node: Any, name: str, topic: dict[str, Any]) -> list[Any]:
 
 
 def obey(stream: Stream, command: str) -> None:
-    if command in PLACES_M and hasattr(stream.message, "pose"):
+    if command in PLACES_M and is_odometry(stream.message):
         stream.message.pose.pose.position.x = PLACES_M[command]
     elif command == "hush":
         stream.period_s = math.inf

@@ -9,15 +9,13 @@ import re
 import signal
 import sys
 import time
-from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import pytest
 
-from adapters.zenoh.ends import free_endpoint
 from ros.calm_window import Arrival, calm_window
 from ros.ros_processes import LINE_TIMEOUT_S, TESTUDO, Process, SmallRobot
+from ros.test_telling import diagnostics_when
 from smarttestudo.adapters.ros import open_robot
 from smarttestudo.domain.robot import DataPathKind
 
@@ -54,27 +52,6 @@ ATTEMPTS = 15
 ENDLESS_S = "3600"
 
 
-@pytest.fixture
-def endpoint() -> str:
-    return free_endpoint()
-
-
-@pytest.fixture
-def operators(robot: SmallRobot, other_domain: int, tmp_path: Path) -> Iterator[SmallRobot]:
-    """Processes at the operator's, where no topic of the robot's domain is seen."""
-    folder = tmp_path / "operators"
-    folder.mkdir()
-    there = SmallRobot(other_domain, folder)
-    yield there
-    there.end()
-
-
-def receiver(operators: SmallRobot, endpoint: str, *arguments: str) -> Process:
-    process = operators.testudo("receive", "--listen", endpoint, *arguments)
-    process.line_with("Receiving")
-    return process
-
-
 def linked_runtime(robot: SmallRobot, endpoint: str, *arguments: str, rules: str = RULES) -> Process:
     return robot.runtime(rules, "--link", endpoint, "--robot", "tb3", *arguments)
 
@@ -107,7 +84,7 @@ def test_what_arrives_is_byte_for_byte_what_the_robot_published(
     robot: SmallRobot, operators: SmallRobot, endpoint: str
 ) -> None:
     raw = {"type": IMU, "topic": "/imu", "raw": True, "reliable": True, "messages": 50}
-    receiver(operators, endpoint)
+    operators.receiver(endpoint)
     there = operators.operator(imu=raw)
     linked_runtime(robot, endpoint)
     here = robot.operator(imu=raw)
@@ -136,7 +113,7 @@ def test_publishers_stay_apart_with_type_and_qos_and_a_late_subscriber_gets_what
 ) -> None:
     linked_runtime(robot, endpoint)
     robot.source(**SOURCES)
-    receiver(operators, endpoint)
+    operators.receiver(endpoint)
     node = "/testudo_receive"
     assert endpoints("/names", 2, other_domain, monkeypatch) == {(node, TEXT, True, True)}
     assert endpoints("/imu", 1, other_domain, monkeypatch) == {(node, IMU, True, False)}
@@ -149,7 +126,7 @@ def test_publishers_stay_apart_with_type_and_qos_and_a_late_subscriber_gets_what
 def test_the_rates_at_the_operator_are_those_of_the_rules(
     robot: SmallRobot, operators: SmallRobot, endpoint: str
 ) -> None:
-    receiver(operators, endpoint)
+    operators.receiver(endpoint)
     station = operators.operator(
         span_s=RUN_S, imu={"type": IMU, "topic": "/imu"}, odom={"type": ODOMETRY, "topic": "/odom"}
     )
@@ -173,15 +150,15 @@ def test_the_rates_at_the_operator_are_those_of_the_rules(
 def test_an_operator_s_top_shows_the_status_of_the_robot(
     robot: SmallRobot, operators: SmallRobot, endpoint: str
 ) -> None:
-    receiver(operators, endpoint)
+    operators.receiver(endpoint)
     linked_runtime(robot, endpoint)
     robot.source(**SOURCES)
     operators.operator(imu={"type": IMU, "topic": "/imu"}).line_with("heard")
     top = operators.testudo("top", "--once", "--json", "--timeout", ENDLESS_S)
     assert top.exit_code() == 0
     nodes = json.loads("".join(top.output))["nodes"]
-    assert nodes.keys() == {"/smarttestudo"}
-    assert nodes["/smarttestudo"]["topics"].keys() == {"/imu", "/odom", "/names"}
+    assert nodes.keys() == {"tb3:/smarttestudo"}
+    assert nodes["tb3:/smarttestudo"]["topics"].keys() == {"/imu", "/odom", "/names"}
 
 
 def test_the_robot_s_own_graph_gets_nothing_of_what_goes_over_the_link(
@@ -191,7 +168,7 @@ def test_the_robot_s_own_graph_gets_nothing_of_what_goes_over_the_link(
     endpoint: str,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    receiver(operators, endpoint)
+    operators.receiver(endpoint)
     linked_runtime(robot, endpoint)
     robot.source(**SOURCES)
     here = robot.operator(imu={"type": IMU, "topic": "/imu"})
@@ -205,7 +182,7 @@ def test_the_robot_s_own_graph_gets_nothing_of_what_goes_over_the_link(
 def test_with_an_output_topic_both_graphs_get_it(
     robot: SmallRobot, operators: SmallRobot, endpoint: str
 ) -> None:
-    receiver(operators, endpoint)
+    operators.receiver(endpoint)
     linked_runtime(robot, endpoint, "--output-topic", "/op{topic}")
     robot.source(**SOURCES)
     for side in (robot, operators):
@@ -219,7 +196,7 @@ def test_an_operator_s_end_that_was_killed_gets_everything_again_when_it_is_back
     robot.source(**SOURCES)
     topics: dict[str, Any] = {"imu": {"type": IMU, "topic": "/imu", "messages": 10}, "names": NAMES}
     for _ in range(2):
-        receiving = receiver(operators, endpoint)
+        receiving = operators.receiver(endpoint)
         operators.operator(**topics).line_with("heard")
         receiving.signal(signal.SIGKILL)
         assert receiving.exit_code() == -signal.SIGKILL
@@ -248,11 +225,30 @@ def test_without_ros_a_laptop_records_and_shows_what_arrives_until_ctrl_c(
     assert topics["/imu"]["messages"] >= 10
 
 
+def test_the_robots_own_diagnostics_say_whether_an_operator_is_connected_and_how_topics_do(
+    robot: SmallRobot, operators: SmallRobot, endpoint: str
+) -> None:
+    listener = robot.diagnostics()
+    linked_runtime(robot, endpoint)
+    robot.source(**SOURCES)
+    alone = diagnostics_when(listener, lambda statuses: "smarttestudo" in statuses)["smarttestudo"]
+    assert (alone["level"], alone["message"]) == (1, "no operator is connected over the link")
+    operators.receiver(endpoint)
+
+    def has_aged(statuses: dict[str, Any]) -> bool:
+        return bool(statuses["/imu"]["values"].get("link_age_ms", "N/A") != "N/A")
+
+    statuses = diagnostics_when(listener, has_aged)
+    assert statuses["smarttestudo"]["values"]["link_connected"] == "true"
+    assert int(statuses["/imu"]["values"]["link_sent"]) > 0
+    assert statuses["/imu"]["values"]["link_overflowed"] == "0"
+
+
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_ends_both_ends_cleanly(
     robot: SmallRobot, operators: SmallRobot, endpoint: str, number: signal.Signals
 ) -> None:
-    receiving = receiver(operators, endpoint)
+    receiving = operators.receiver(endpoint)
     runtime = linked_runtime(robot, endpoint)
     robot.source(**SOURCES)
     operators.operator(imu={"type": IMU, "topic": "/imu"}).line_with("heard")

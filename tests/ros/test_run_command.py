@@ -40,6 +40,15 @@ def test_a_prefix_goes_before_every_topic(robot: SmallRobot) -> None:
     assert topics == ["/tb3_0/arm/imu", "/tb3_0/odom"]
 
 
+def test_rules_that_record_are_followed_and_that_nothing_is_recorded_is_said(robot: SmallRobot) -> None:
+    runtime = robot.runtime(
+        "begin SetFrequency /imu 10 If CheckValue /imu rate > 1 Then "
+        'Record "moving" Before 1 s After 1 s SetFrequency /imu 20 EndIf end'
+    )
+    runtime.line_with("the rules have a Record, which a live run does not carry out")
+    runtime.line_with("/imu: 10 Hz (default)")
+
+
 @pytest.mark.parametrize("pattern", ["{topic}", "/odom"])
 def test_an_output_that_is_no_name_of_its_own_is_refused_without_rules_too(
     robot: SmallRobot, pattern: str

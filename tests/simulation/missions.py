@@ -7,6 +7,7 @@ from __future__ import annotations
 from itertools import takewhile
 
 from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.simulation.camera import FrameSize
 from smarttestudo.simulation.mission import MissionRequest, drive_mission
 from smarttestudo.simulation.readings import Reading, TimedReading, Topic
 from smarttestudo.simulation.warehouse import patrol, warehouse
@@ -14,10 +15,8 @@ from smarttestudo.simulation.warehouse import patrol, warehouse
 START_NS = 1_750_000_000 * NS_PER_S
 
 
-def readings(seconds: float, *, seed: int = 1, full_images: bool = False) -> list[TimedReading]:
-    request = MissionRequest(
-        plan=warehouse(), route=patrol(), seed=seed, start_ns=START_NS, full_images=full_images
-    )
+def readings(seconds: float, *, seed: int = 1, frames: FrameSize = FrameSize.SMALL) -> list[TimedReading]:
+    request = MissionRequest(plan=warehouse(), route=patrol(), seed=seed, start_ns=START_NS, frames=frames)
     end_ns = START_NS + round(seconds * NS_PER_S)
     return list(takewhile(lambda reading: reading.time_ns < end_ns, drive_mission(request)))
 

@@ -9,6 +9,7 @@ import pytest
 
 from simulation.missions import of_topic, readings
 from smarttestudo.simulation.body_sensors import GRAVITY_M_PER_S2
+from smarttestudo.simulation.camera import FrameSize
 from smarttestudo.simulation.geometry import Pose, Quaternion
 from smarttestudo.simulation.lidar import Lidar, RayCaster
 from smarttestudo.simulation.readings import (
@@ -25,6 +26,7 @@ from smarttestudo.simulation.robot import OPTICAL_FRAME, DifferentialDrive, Driv
 from smarttestudo.simulation.warehouse import warehouse
 
 
+@pytest.mark.slow
 def test_a_scan_is_360_rays_within_the_range_or_infinite(patrol_readings: list[TimedReading]) -> None:
     scans = [r for r in of_topic(patrol_readings, Topic.SCAN) if isinstance(r, Scan)]
     ranges_m = np.array([scan.ranges_m for scan in scans])
@@ -37,6 +39,7 @@ def test_a_scan_is_360_rays_within_the_range_or_infinite(patrol_readings: list[T
     assert 0.05 < np.isinf(ranges_m).mean() < 0.95
 
 
+@pytest.mark.slow
 def test_a_scan_measures_the_walls_from_where_the_odometry_says_the_lidar_is(
     patrol_readings: list[TimedReading],
 ) -> None:
@@ -130,7 +133,7 @@ def test_small_frames_say_by_binning_how_they_come_from_the_whole_sensor() -> No
 
 
 def test_full_images_change_nothing_but_the_images() -> None:
-    small, full = readings(0.3), readings(0.3, full_images=True)
+    small, full = readings(0.3), readings(0.3, frames=FrameSize.FULL)
     camera = {Topic.IMAGE, Topic.COMPRESSED_IMAGE, Topic.CAMERA_INFO}
 
     assert [r.time_ns for r in small] == [r.time_ns for r in full]

@@ -8,6 +8,7 @@ import pytest
 
 from ros.small_graph import SmallGraph
 from smarttestudo.adapters.simulated_robot.messages import RobotMessages
+from smarttestudo.simulation.camera import FrameSize
 from smarttestudo.use_cases.demo.simulate import SimulateRequest, simulate
 
 TYPES = {channel.type_name for channel in RobotMessages().channels.values()}
@@ -32,5 +33,5 @@ class WithoutWarnings(SmallGraph):
 def test_a_type_that_is_not_installed_is_no_warning(missing: set[str], said: str) -> None:
     graph = WithoutWarnings()
     graph.installed = TYPES - missing
-    simulate(SimulateRequest(seconds=1, seed=0, full_images=False), graph, lambda: True)
+    simulate(SimulateRequest(seconds=1, seed=0, frames=FrameSize.SMALL), graph, lambda: True)
     assert graph.lines == [said]

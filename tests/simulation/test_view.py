@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from smarttestudo.domain.floor_plan import FloorPlan, Obstacle, ObstacleKind, Point, Rectangle
-from smarttestudo.simulation.camera import Viewpoint, raspberry_pi_lens, render
+from smarttestudo.simulation.camera import FrameSize, Viewpoint, raspberry_pi_lens, render
 from smarttestudo.simulation.lidar import RayCaster
 
 
@@ -17,7 +17,7 @@ def _view(distance_m: float) -> np.ndarray:
     )
     viewpoint = Viewpoint(place=Point(0.0, 0.0), yaw_rad=0.0, height_m=0.1)
     return render(
-        plan, RayCaster(plan), viewpoint, raspberry_pi_lens(full_size=True), np.random.default_rng(0)
+        plan, RayCaster(plan), viewpoint, raspberry_pi_lens(FrameSize.FULL), np.random.default_rng(0)
     )
 
 
@@ -35,7 +35,7 @@ def test_what_stands_to_the_right_is_on_the_right_of_the_image() -> None:
 
 @pytest.mark.parametrize("distance_m", [1.0, 2.0, 4.0])
 def test_an_obstacle_covers_focal_length_times_height_over_distance(distance_m: float) -> None:
-    focal_px = raspberry_pi_lens(full_size=True).focal_px
+    focal_px = raspberry_pi_lens(FrameSize.FULL).focal_px
 
     rows = np.flatnonzero(_is_blue(_view(distance_m))[:, 965])
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from itertools import groupby, pairwise
 
+import pytest
+
 from simulation.missions import of_topic
 from smarttestudo.domain.floor_plan import Point
 from smarttestudo.simulation.readings import Odometry, TimedReading, Topic
@@ -21,6 +23,7 @@ def _zone(place: Point) -> str | None:
     return next((zone.name for zone in warehouse().zones if zone.area.contains(place)), None)
 
 
+@pytest.mark.slow
 def test_a_patrol_goes_through_hall_corridor_and_scaffolding_and_back(
     patrol_readings: list[TimedReading],
 ) -> None:

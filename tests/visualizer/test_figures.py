@@ -86,6 +86,7 @@ def test_names_from_strangers_are_drawn_as_they_are(tmp_path: Path) -> None:
     assert "<script>" not in (tmp_path / "rates.svg").read_text()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", [FigureKind.RATES, FigureKind.TOTAL, FigureKind.INTERVALS])
 def test_a_figure_is_no_wider_for_a_name_without_end(tmp_path: Path, kind: FigureKind) -> None:
     report = small_report()

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Locator, Page, expect
 
+from axe import violations
 from real_browser import chromium
 from smarttestudo.visualizer.report import RunReport, render_report
 from visualizer.demo_like_report import demo_like_report
@@ -202,3 +203,7 @@ def test_a_chart_fits_a_telephone_with_letters_of_the_usual_size(browser: Browse
     assert all(height >= 11 for _, _, height in boxes)
     assert all(right < left for (_, right, _), (left, _, _) in pairwise(boxes))
     assert boxes[-1][1] <= 390
+
+
+def test_axe_finds_nothing(browser: Browser, tmp_path: Path) -> None:
+    assert violations(Opened(browser, tmp_path, demo_like_report()).page) == []

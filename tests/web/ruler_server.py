@@ -9,11 +9,14 @@ import threading
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from http.client import HTTPConnection
 from pathlib import Path
 from typing import Any
 
 from smarttestudo.adapters.files.project_folder import ProjectFolder
+from smarttestudo.adapters.ros import open_graph_robots
+from smarttestudo.use_cases.ruler.robot_link import OpenRobots
 from smarttestudo.web.app import ruler_app
 from smarttestudo.web.guard import ServerAddress
 from smarttestudo.web.server import listening, server_of
@@ -77,15 +80,24 @@ class Page:
             connection.close()
 
 
+on_the_graph: OpenRobots = partial(open_graph_robots, "testudo_ruler")
+
+
 @contextmanager
-def served(folder: Path, *, opened: str | None = None, token: str | None = None) -> Iterator[Page]:
+def served(
+    folder: Path,
+    *,
+    opened: str | None = None,
+    token: str | None = None,
+    open_robots: OpenRobots = on_the_graph,
+) -> Iterator[Page]:
     """The server of ``folder`` while the block lasts; with ``token`` as if other machines could reach it."""
     with listening("127.0.0.1", 0) as listener:
         port = listener.getsockname()[1]
         access = ServerAddress.at("127.0.0.1", port)
         if token is not None:
             access = ServerAddress(host="0.0.0.0", port=port, names=frozenset({"robot.local"}), token=token)
-        server = server_of(ruler_app(ProjectFolder(folder), access, opened=opened))
+        server = server_of(ruler_app(ProjectFolder(folder), access, open_robots, opened=opened))
         thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]})
         thread.start()
         try:

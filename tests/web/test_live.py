@@ -57,7 +57,15 @@ def test_every_check_says_whether_it_holds_and_every_topic_what_it_gets(
         watched(socket)
         battery = ("/battery_state", "level", "unknown", None)
         away = [("/odom", "pose_x", "false", 0.0), battery]
-        live = socket.next("live", lambda live: states(live) == away and live["topics"][0]["target_hz"] == 10)
+        # The name of the rule is known once the robot was asked for its rules.
+        live = socket.next(
+            "live",
+            lambda live: (
+                states(live) == away
+                and live["topics"][0]["target_hz"] == 10
+                and all(one["label"] for one in live["blocks"])
+            ),
+        )
         assert [(one["label"], one["state"]) for one in live["blocks"]] == [("Far", "false")]
         places = [
             (one["file"], one["line"], one["column"], one["op"], one["limit"]) for one in live["checks"]

@@ -332,6 +332,14 @@ export interface LevelsRequest {
   source_hz: number;
 }
 
+/** A robot's link to its operator: what it carries, its least round trip, and how often it was down. */
+export interface LinkView {
+  connected: boolean;
+  capacity_kb_per_s: number | null;
+  round_trip_ms: number | null;
+  outages: number;
+}
+
 /**
  * What a robot does now; `stamp_s` is its own clock, in seconds since 1970.
  *
@@ -350,6 +358,7 @@ export interface Live {
   budget_kb_per_s: number | null;
   out_kb_per_s: number;
   status_kb_per_s: number;
+  link: LinkView | null;
   topics: LiveTopic[];
   blocks: LiveBlock[];
   checks: LiveCheck[];
@@ -408,6 +417,7 @@ export interface LiveTopic {
   reason: Reason;
   silence: Silence | null;
   problem: string | null;
+  link: TopicLinkView | null;
 }
 
 /**
@@ -478,6 +488,12 @@ export interface NotCondition {
 export interface OffRate {
   kind: "off";
   value?: null;
+}
+
+/** The topic whose last message was the oldest when it arrived at the operator. */
+export interface OldestTopic {
+  topic: string;
+  age_ms: number;
 }
 
 /** A comparison; the value is its spelling. */
@@ -647,10 +663,11 @@ export interface Progress {
  * `GET /api/project`. `opened` is the file that the command line named, if any.
  *
  * A bag is named by its folder, or by its file where it has no metadata. `ros` is whether the server can
- * reach ROS 2; `version` is that of SmartTestudo.
+ * reach ROS 2; `version` is that of SmartTestudo. `root_hash` tells folders of one name apart.
  */
 export interface Project {
   root_name: string;
+  root_hash: string;
   opened: string | null;
   files: FoundFile[];
   version: string;
@@ -709,7 +726,11 @@ export interface PushRequest {
 
 export type Rate = Hz | TierRate | FullRate | OffRate;
 
-/** Text that does not parse, as it stands in the file; in a request `text` is what to write. */
+/**
+ * Text that does not parse, or says what the page has no words for, as it stands in the file.
+ *
+ * In a request `text` is what to write.
+ */
 export interface RawStatement {
   kind: "raw";
   comments?: string[] | null;
@@ -723,6 +744,14 @@ export interface RawStatement {
 
 /** What decided a rate. */
 export type Reason = "default" | "block" | "unknown" | "floor" | "budget" | "link" | "fallback" | "reload";
+
+/** `Record "name" topics Before before_s After after_s`; no topics stand for all that the rules name. */
+export interface RecordStatement {
+  name: string;
+  topics: string[];
+  before_s: number;
+  after_s: number;
+}
 
 /** Why a part does not fit; `rule` is the statement's id, null for the defaults. */
 export interface Refusal {
@@ -766,11 +795,13 @@ export interface ResizeZone {
 /**
  * One robot. `rules` is the origin of its rules; `waiting`: pushed, and not confirmed yet.
  *
- * `waits_s` is how long those still hold unless they are confirmed. `is_heard` is false once it has
- * been silent for longer than it should be; `heard_s_ago` is the time since its last status.
+ * `label` is what people call it. `waits_s` is how long pushed rules still hold unless they are
+ * confirmed. `is_heard` is false once it has been silent for longer than it should be; `heard_s_ago` is
+ * the time since its last status. `lost` counts messages that overflowed on the link, of all topics.
  */
 export interface RobotSummary {
   node: string;
+  label: string;
   is_heard: boolean;
   heard_s_ago: number;
   rules_hash: string;
@@ -778,6 +809,11 @@ export interface RobotSummary {
   rules: RulesOrigin;
   waits_s: number | null;
   topics: number;
+  budget_kb_per_s: number | null;
+  out_kb_per_s: number;
+  link: LinkView | null;
+  lost: number;
+  oldest: OldestTopic | null;
 }
 
 /**
@@ -806,7 +842,8 @@ export interface RuleDocument {
 /**
  * `[Rule "name" [Priority n]] If … Then … [Else …]`; in JSON `otherwise` is called `else`.
  *
- * `label` (answers only) is what findings and decisions call the rule.
+ * `label` (answers only) is what findings and decisions call the rule. `then_records` and
+ * `else_records` left out of a request stay as they are in the rule that it replaces.
  */
 export interface RuleStatement {
   kind: "rule";
@@ -823,6 +860,8 @@ export interface RuleStatement {
   name?: string | null;
   priority?: number;
   label?: string;
+  then_records?: RecordStatement[] | null;
+  else_records?: RecordStatement[] | null;
 }
 
 /**
@@ -943,6 +982,18 @@ export interface TopicArm {
   messages: number;
   size_bytes: number;
   age: Age | null;
+}
+
+/**
+ * A topic on a link: the age of its last message at the operator, and its messages since the start.
+ *
+ * `replaced` gave way to newer ones, `overflowed` are lost though none may be.
+ */
+export interface TopicLinkView {
+  age_ms: number | null;
+  replaced: number;
+  overflowed: number;
+  queued_bytes: number;
 }
 
 /** What one topic takes of the link in one situation; `rate_hz` is null for Full. */

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { useComputed, useSignal } from "@preact/signals";
+import { type Signal, useComputed, useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useEffect, useMemo, useState } from "preact/hooks";
 import { ApiError } from "../api/client";
@@ -22,6 +22,7 @@ import type { Trial } from "../state/trial";
 import { ConflictDialog } from "../ui/conflict_dialog";
 import { Header } from "../ui/header";
 import { Notice } from "../ui/notice";
+import { RestoredNotice } from "../ui/restored_notice";
 import { useRobot } from "../ui/robot_state";
 import { type Choice, Tabs } from "../ui/tabs";
 import { Toast } from "../ui/toast";
@@ -31,12 +32,13 @@ import type { PageProps } from "./page_props";
 export type Tool = "findings" | "optimize" | "try" | "robot";
 
 /** Blocks and text of one rule file side by side, and below them what can be said about it. */
-export function EditorPage({ api, project, name, editors, refresh }: PageProps) {
+export function EditorPage({ api, project, name, robot: node, editors, refresh }: PageProps) {
   const editor = useMemo(() => editors.of(api, name), []);
   const robot = useRobotSide(api, editor);
   const tries = useMemo(() => new BagWork<Trial>(), []);
   useEffect(() => () => tries.cancel(), []);
   const tool = useSignal<Tool>("findings");
+  useShownRobot(node, tool);
   const [state, setState] = useState<"opening" | "open" | { problem: string }>("opening");
   useEffect(() => void open(editor, setState), []);
   useUndoKeys(editor);
@@ -44,9 +46,12 @@ export function EditorPage({ api, project, name, editors, refresh }: PageProps) 
   if (state !== "open") return <Notice kind="error" text={state.problem} />;
   return (
     <div class="editor">
-      <EditorBar editor={editor} rulePush={robot.rulePush} onTool={(next) => (tool.value = next)}>
-        <ShareButtons {...{ editor, api, project }} />
-      </EditorBar>
+      <div>
+        <EditorBar editor={editor} rulePush={robot.rulePush} onTool={(next) => (tool.value = next)}>
+          <ShareButtons {...{ editor, api, project }} />
+        </EditorBar>
+        <RestoredNotice file={editor} />
+      </div>
       <main class="split">
         <BlocksPane editor={editor} robotRules={robot.robotRules} />
         <SidePane {...{ editor, api }} />
@@ -71,6 +76,16 @@ export function EditorPage({ api, project, name, editors, refresh }: PageProps) 
       <SendDialog rulePush={robot.rulePush} />
     </div>
   );
+}
+
+/** Turns to the robot that the address names. */
+function useShownRobot(node: string | undefined, tool: Signal<Tool>): void {
+  const link = useRobot();
+  useEffect(() => {
+    if (node === undefined) return;
+    link.choose(node);
+    tool.value = "robot";
+  }, [node]);
 }
 
 /** What links the open rules with a running robot, for as long as the page is open. */

@@ -108,7 +108,7 @@ function Start() {
           <Key keys="M" does="Move the block with the arrow keys; Enter puts it down" />
           <Key keys="Delete" does="Delete the block" />
           <Key keys="Ctrl+Space" does="In the text: suggestions" />
-          <Key keys="Esc, then Tab" does="Leave the text" />
+          <Key keys="Ctrl+] and Ctrl+[" does="In the text: indent the line more and less" />
         </tbody>
       </table>
     </>

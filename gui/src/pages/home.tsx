@@ -40,7 +40,7 @@ export function HomePage({ api, project, refresh, editors }: PageProps) {
       <RobotState />
       <div class="hero">
         <img src="./icon.svg" alt="" width="56" height="56" />
-        <h1>ADIRF Ruler</h1>
+        <h1 tabIndex={-1}>ADIRF Ruler</h1>
         <p>Say how often each topic of your robot is worth sending, and when. No programming needed.</p>
       </div>
       <nav class="cards" aria-label="Start">
@@ -53,6 +53,11 @@ export function HomePage({ api, project, refresh, editors }: PageProps) {
           title="Configure Topic Parameters"
           text="Message sizes, the six quality levels and the bandwidth of the link."
           act={() => toRoute({ page: "topics", name: profile })}
+        />
+        <Card
+          title="Watch Robots"
+          text="Every robot that is heard: its link, its rules and what arrives late."
+          act={() => toRoute({ page: "robots", name: "" })}
         />
         <Card
           title="Documentation"
@@ -88,10 +93,12 @@ export function HomePage({ api, project, refresh, editors }: PageProps) {
 function Card({ title, text, act }: { title: string; text: string; act: () => void }) {
   const id = useId();
   return (
-    <button type="button" class="card" aria-label={title} aria-describedby={id} onClick={act}>
-      <strong>{title}</strong>
-      <span id={id}>{text}</span>
-    </button>
+    <div class="card">
+      <button type="button" aria-describedby={id} onClick={act}>
+        {title}
+      </button>
+      <p id={id}>{text}</p>
+    </div>
   );
 }
 

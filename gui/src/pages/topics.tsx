@@ -9,6 +9,7 @@ import { toRoute } from "../route";
 import { ConflictDialog } from "../ui/conflict_dialog";
 import { Header } from "../ui/header";
 import { Notice } from "../ui/notice";
+import { RestoredNotice } from "../ui/restored_notice";
 import { Toast } from "../ui/toast";
 import { useUndoKeys } from "../ui/undo_keys";
 import type { PageProps } from "./page_props";
@@ -58,6 +59,7 @@ export function TopicsPage({ api, project, name, refresh, editors }: PageProps) 
         </button>
       </Header>
       <main class="topics">
+        <RestoredNotice file={editor} />
         {problem && <Notice kind="error" text={problem} />}
         {isOpen && <TopicTable editor={editor} />}
         {isOpen && <LevelPanel {...{ editor, api, bags }} />}

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+import { href } from "../route";
 import { RULES_WORDS } from "../state/connection";
 import { type RobotLink, UPDATE_RATES_HZ } from "../state/robot_link";
 import type { RobotRules } from "../state/robot_rules";
@@ -19,6 +20,7 @@ export function RobotPanel(props: { editor: RuleEditor; robotRules: RobotRules; 
       <RulePushSteps rulePush={props.rulePush} editor={props.editor} />
       <div class="row">
         <RobotChoice link={link} />
+        <a href={href({ page: "robots", name: "" })}>All robots</a>
         <p>
           <Situation link={link} />
         </p>
@@ -39,9 +41,9 @@ function RobotChoice({ link }: { link: RobotLink }) {
       <label>
         Robot
         <select value={link.node.value ?? ""} onChange={(event) => link.choose(event.currentTarget.value)}>
-          {robots.map(({ node, is_heard }) => (
+          {robots.map(({ node, label, is_heard }) => (
             <option key={node} value={node}>
-              {is_heard ? node : `${node} (silent)`}
+              {is_heard ? label : `${label} (silent)`}
             </option>
           ))}
         </select>

@@ -9,8 +9,9 @@ import { Sparkline } from "./sparkline";
 /** Every relayed topic of a robot as it is now. */
 export function RobotTopics({ link, live }: { link: RobotLink; live: Live }) {
   return (
-    <div class="table-scroll">
-      <table class="robot-topics" aria-label="Topics of the robot">
+    // biome-ignore lint/a11y/noNoninteractiveTabindex: the keyboard scrolls only what it can reach
+    <div class="table-scroll" tabIndex={0}>
+      <table class={live.link ? "robot-topics linked" : "robot-topics"} aria-label="Topics of the robot">
         <thead>
           <tr>
             <th scope="col">Topic</th>
@@ -19,13 +20,25 @@ export function RobotTopics({ link, live }: { link: RobotLink; live: Live }) {
             <th scope="col">Actual (Hz)</th>
             <th scope="col">Actual, last 48 s</th>
             <th scope="col">Sent (KB/s)</th>
+            {live.link &&
+              LINK_COLUMNS.map((name) => (
+                <th key={name} scope="col">
+                  {name}
+                </th>
+              ))}
             <th scope="col">Decided by</th>
             <th scope="col">State</th>
           </tr>
         </thead>
         <tbody>
           {live.topics.map((topic) => (
-            <TopicRow key={topic.topic} link={link} topic={topic.topic} cells={cellsOf(topic)} />
+            <TopicRow
+              key={topic.topic}
+              link={link}
+              topic={topic.topic}
+              cells={cellsOf(topic)}
+              linkCells={live.link ? linkCellsOf(topic) : null}
+            />
           ))}
         </tbody>
       </table>
@@ -48,7 +61,17 @@ function cellsOf(topic: LiveTopic): string {
   ].join("\n");
 }
 
-function relayed({ keeps_rate, error_percent }: LiveTopic): string {
+const LINK_COLUMNS = ["Age (ms)", "Replaced", "Queue (KB)"];
+
+/** The same for the columns of a link. */
+function linkCellsOf({ link }: LiveTopic): string {
+  if (link === null) return "–\n–\n–";
+  const age = link.age_ms === null ? "–" : String(Math.round(link.age_ms));
+  return [age, readable(link.replaced), readable(link.queued_bytes / 1000)].join("\n");
+}
+
+function relayed({ keeps_rate, error_percent, link }: LiveTopic): string {
+  if (link?.overflowed) return `${readable(link.overflowed)} lost on the link`;
   if (keeps_rate || error_percent === null) return "relayed";
   return `rate off by ${error_percent.toFixed(0).replace("-", "−")} %`;
 }
@@ -62,8 +85,15 @@ const REASONS: Record<string, string> = {
   reload: "new rules",
 };
 
-/** One row; `cells` is one text, so that a row in which nothing changed is left alone. */
-function TopicRow({ link, topic, cells }: { link: RobotLink; topic: string; cells: string }) {
+interface RowProps {
+  link: RobotLink;
+  topic: string;
+  /** One text, so that a row in which nothing changed is left alone. */
+  cells: string;
+  linkCells: string | null;
+}
+
+function TopicRow({ link, topic, cells, linkCells }: RowProps) {
   return useMemo(() => {
     const [source, target, actual, sent, decider, state, look] = cells.split("\n");
     return (
@@ -76,9 +106,14 @@ function TopicRow({ link, topic, cells }: { link: RobotLink; topic: string; cell
           <Sparkline link={link} topic={topic} />
         </td>
         <td class="number">{sent}</td>
+        {linkCells?.split("\n").map((cell, column) => (
+          <td key={LINK_COLUMNS[column]} class="number">
+            {cell}
+          </td>
+        ))}
         <td>{decider}</td>
         <td>{state}</td>
       </tr>
     );
-  }, [topic, cells]);
+  }, [topic, cells, linkCells]);
 }

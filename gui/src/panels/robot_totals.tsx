@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import type { Live } from "../api/types";
+import { linkWords } from "../state/robot_trouble";
 import { readable } from "../ui/numbers";
 
 /** What all topics take of the link together, and what the runtime takes of its machine. */
@@ -22,6 +23,7 @@ export function RobotTotals({ live }: { live: Live }) {
           <meter min={0} max={1} value={Math.min(sent / budget, 1)} aria-label="Sent: share of the budget" />
         )}
       </div>
+      {live.link && <Figure name="Link" value={linkWords(live.link)} />}
       <Figure name="Watching" value={`up to ${readable(live.status_kb_per_s)} KB/s`} />
       <Figure name="Received" value={`${readable(heard)} KB/s`} />
       <Figure name="CPU" value={live.cpu_percent === null ? "–" : `${live.cpu_percent.toFixed(1)} %`} />

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { Signal } from "@preact/signals";
 import { type Api, ApiError } from "../api/client";
+import type { Restored } from "./drafts";
 
 /** A text that was not saved, since somebody else changed the file; `theirs` and `hash` are null where it is gone. */
 export interface Conflict {
@@ -10,12 +11,23 @@ export interface Conflict {
   hash: string | null;
 }
 
+export interface OnDisk {
+  text: string;
+  hash: string;
+}
+
 /** An open file that can meet a conflict; each way out fails with an ApiError and then changes nothing. */
 export interface Contested {
   readonly name: string;
   readonly conflict: Signal<Conflict | null>;
   /** Takes what is on disk; undo brings the own text back. */
   readAgain(): Promise<void>;
+  /** What was restored, until it is saved or dropped. */
+  readonly restored: Signal<Restored | null>;
+  /** Shows the conflict with what is on disk now. */
+  compare(): Promise<void>;
+  /** Goes back to what is on disk; undo brings what was restored back. */
+  dropRestored(): Promise<void>;
   /** Replaces what is on disk. */
   saveAnyway(): Promise<void>;
   /** Saves the own text as a new file and leaves this one as it is on disk. */
@@ -36,7 +48,12 @@ export async function saveOver(
   }
   const onDisk = await readIfThere(api, name);
   // The same text, as after a save whose answer got lost, is saved.
-  return onDisk?.text === text ? onDisk : { mine: text, theirs: onDisk?.text ?? null, hash: onDisk?.hash ?? null };
+  return onDisk?.text === text ? onDisk : conflictWith(text, onDisk);
+}
+
+/** An own text beside what is on disk. */
+export function conflictWith(mine: string, onDisk: OnDisk | null): Conflict {
+  return { mine, theirs: onDisk?.text ?? null, hash: onDisk?.hash ?? null };
 }
 
 /** Whether the server answered with this status. */
@@ -44,7 +61,8 @@ export function isStatus(error: unknown, status: number): boolean {
   return error instanceof ApiError && error.status === status;
 }
 
-async function readIfThere(api: Api, name: string): Promise<{ text: string; hash: string } | null> {
+/** What is on disk under a name; null where nothing is. */
+export async function readIfThere(api: Api, name: string): Promise<OnDisk | null> {
   try {
     return await api.read(name);
   } catch (error) {

@@ -49,7 +49,7 @@ export function layoutName(name: string): string {
 export async function readLayout(api: Api, name: string): Promise<SideFile & { hash: string | null }> {
   try {
     const { text, hash } = await api.read(layoutName(name));
-    return { ...parseLayout(text), hash };
+    return { ...sideFileOf(text), hash };
   } catch (error) {
     if (error instanceof ApiError) return { layout: {}, map: PLAIN_GRID, hash: null };
     throw error;
@@ -68,11 +68,13 @@ export function isPlain({ layout, map }: SideFile): boolean {
   return Object.keys(layout).length === 0 && map === PLAIN_GRID;
 }
 
-function parseLayout(text: string): SideFile {
+/** What a side file says, and the rules that a draft has beside it; what cannot be read is left out. */
+export function sideFileOf(json: string): SideFile & { text?: string } {
   try {
-    const { blocks, map } = JSON.parse(text) as { blocks?: unknown; map?: unknown };
+    const { blocks, map, text } = JSON.parse(json) as { blocks?: unknown; map?: unknown; text?: unknown };
     const entries = Object.entries(blocks ?? {}).filter(([, place]) => isPlace(place));
-    return { layout: Object.fromEntries(entries) as Layout, map: { ...PLAIN_GRID, ...likePlainGrid(map ?? {}) } };
+    const side = { layout: Object.fromEntries(entries) as Layout, map: { ...PLAIN_GRID, ...likePlainGrid(map ?? {}) } };
+    return typeof text === "string" ? { ...side, text } : side;
   } catch {
     return { layout: {}, map: PLAIN_GRID };
   }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { ReadonlySignal } from "@preact/signals";
 import type { Api } from "../api/client";
+import type { Drafts } from "./drafts";
 import { ProfileEditor } from "./profile_editor";
 import { RuleEditor } from "./rule_editor";
 
@@ -10,25 +11,27 @@ export class OpenEditors {
   private readonly rules = new Map<string, RuleEditor>();
   private readonly profiles = new Map<string, ProfileEditor>();
 
+  constructor(private readonly drafts: Drafts) {}
+
   /** The editor of a rule file: the one with unsaved changes, else a new one. */
   of(api: Api, name: string): RuleEditor {
-    return unsavedOrNew(this.rules, name, () => new RuleEditor(api, name));
+    return unsavedOrNew(this.rules, name, () => new RuleEditor(api, name, this.drafts));
   }
 
   /** The editor of a profile: the one with unsaved changes, else a new one. */
   profileOf(api: Api, name: string): ProfileEditor {
-    return unsavedOrNew(this.profiles, name, () => new ProfileEditor(api, name));
+    return unsavedOrNew(this.profiles, name, () => new ProfileEditor(api, name, this.drafts));
   }
 
-  /** The files with changes that are on this page only; a new one may not be on disk yet. */
+  /** The files with changes that are in this browser only; a new one may not be on disk yet. */
   unsaved(kind: "rules" | "profile"): string[] {
-    return [...this[kind === "rules" ? "rules" : "profiles"]]
-      .filter(([, editor]) => !editor.isSaved.value)
-      .map(([name]) => name);
+    const open = [...this[kind === "rules" ? "rules" : "profiles"]].filter(([, editor]) => !editor.isSaved.value);
+    return [...new Set([...open.map(([name]) => name), ...this.drafts.names(kind)])];
   }
 
-  get hasUnsaved(): boolean {
-    return this.unsaved("rules").length + this.unsaved("profile").length > 0;
+  /** Whether a reload would lose something: it is not saved, and the browser keeps no draft of it. */
+  get wouldLose(): boolean {
+    return !this.drafts.hasRoom && this.unsaved("rules").length + this.unsaved("profile").length > 0;
   }
 }
 

@@ -1,10 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { computed, signal } from "@preact/signals";
+import { computed, effect, signal } from "@preact/signals";
 import { type Api, ApiError } from "../api/client";
 import type { FoundFile, LevelsAnswer, ProfileRow, ProfileTable } from "../api/types";
 import { typedNumber } from "../ui/numbers";
-import { type Conflict, type Contested, saveOver } from "./conflict";
+import { type Conflict, type Contested, conflictWith, readIfThere, saveOver } from "./conflict";
+import { type Draft, type Drafts, NO_ROOM, type Restored } from "./drafts";
 import { History } from "./history";
 
 export const TIER_COUNT = 6;
@@ -39,6 +40,7 @@ export class ProfileEditor implements Contested {
   readonly budget = signal("");
   readonly message = signal("");
   readonly conflict = signal<Conflict | null>(null);
+  readonly restored = signal<Restored | null>(null);
   readonly isSaved = signal(true);
   readonly history = new History();
   /** Why the server would not save the table. */
@@ -56,11 +58,13 @@ export class ProfileEditor implements Contested {
   constructor(
     private readonly api: Api,
     readonly name: string,
+    private readonly drafts: Drafts,
   ) {}
 
-  /** Reads the profile, once; one that is not among the `files` of the project is an empty table. */
+  /** Reads the profile and what was not saved of it, once; one that is not among the `files` is an empty table. */
   async open(files: readonly FoundFile[]): Promise<void> {
     if (this.isOpen) return;
+    const draft = await this.drafts.takeOver("profile", this.name);
     if (files.some((each) => each.name === this.name)) {
       const file = await this.api.read(this.name);
       this.hash = file.hash;
@@ -70,6 +74,44 @@ export class ProfileEditor implements Contested {
     }
     this.isOpen = true;
     this.isSaved.value = true;
+    if (draft !== null) this.takeUp(draft);
+    if (this.drafts.isElsewhere("profile", this.name)) {
+      this.message.value = `Another tab has unsaved changes of ${this.name}`;
+    }
+    effect(() => this.keepDraft());
+  }
+
+  /** Goes on with what was not saved; where the file is another one by now, a save meets that. */
+  private takeUp({ content, hash, changedMs }: Draft): void {
+    const table = tableOf(content);
+    if (table === null) return;
+    this.restored.value = { changedMs, isContested: hash !== this.hash };
+    this.remember();
+    this.baseText = table.baseText;
+    this.rows.value = table.rows.map((row) => ({ ...row, key: this.nextKey++ }));
+    this.budget.value = table.budget;
+    this.hash = hash;
+    this.changed();
+  }
+
+  private keepDraft(): void {
+    const content = this.snapshot();
+    if (this.isSaved.value) {
+      this.drafts.drop("profile", this.name);
+      this.restored.value = null;
+      return;
+    }
+    const draft = { content, hash: this.hash, changedMs: Date.now() };
+    if (!this.drafts.keep("profile", this.name, draft)) this.message.value = NO_ROOM;
+  }
+
+  async compare(): Promise<void> {
+    const { text } = await this.api.writeProfile(this.name, this.table(), this.baseText);
+    this.conflict.value = conflictWith(text, await readIfThere(this.api, this.name));
+  }
+
+  dropRestored(): Promise<void> {
+    return this.readAgain();
   }
 
   /** Replaces the table by one measured in a bag. */
@@ -113,10 +155,12 @@ export class ProfileEditor implements Contested {
     const done = await saveOver(this.api, this.name, text, baseHash);
     this.conflict.value = "mine" in done ? done : null;
     if ("mine" in done) return;
-    // What was typed meanwhile is not in the file.
-    this.isSaved.value = asked === this.snapshot();
+    const isWhole = asked === this.snapshot();
     this.hash = done.hash;
     this.baseText = text;
+    // What was typed meanwhile is not in the file.
+    this.isSaved.value = isWhole;
+    if (!isWhole) this.keepDraft();
     this.message.value = `Saved ${this.name}`;
   }
 
@@ -249,6 +293,24 @@ export class ProfileEditor implements Contested {
   private table(): ProfileTable {
     const rows = this.rows.value.filter((row) => row.topic.trim() !== "");
     return { rows: rows.map(finished), budget_kb_per_s: toNumber(this.budget.value) };
+  }
+}
+
+/** The table that a draft holds; null where it cannot be read. */
+function tableOf(content: string): { rows: DraftRow[]; budget: string; baseText: string } | null {
+  try {
+    const { rows, budget, baseText } = JSON.parse(content) as { rows: DraftRow[]; budget: string; baseText: string };
+    const isTable = rows.every(
+      ({ topic, tiers_hz, ...cells }) =>
+        typeof topic === "string" &&
+        tiers_hz.length === TIER_COUNT &&
+        [...tiers_hz, cells.message_kb, cells.priority, cells.source_hz, cells.min_hz, cells.max_hz].every(
+          (cell) => typeof cell === "string",
+        ),
+    );
+    return isTable && typeof budget === "string" && typeof baseText === "string" ? { rows, budget, baseText } : null;
+  } catch {
+    return null;
   }
 }
 

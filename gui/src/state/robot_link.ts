@@ -31,10 +31,11 @@ export class RobotLink {
   readonly samples = signal(0);
   readonly node = computed(() => chosenOf(this.robots.value, this.choice.value));
   readonly robot = computed(() => this.robots.value?.robots.find(({ node }) => node === this.node.value) ?? null);
-  readonly connection = computed(() => {
-    const sinceToldS = Math.max(0, this.nowMs.value - this.toldMs.value) / 1000;
-    return connectionOf(this.server.value, this.robots.value, this.node.value, sinceToldS);
-  });
+  /** How old `robots` is. */
+  readonly sinceToldS = computed(() => Math.max(0, this.nowMs.value - this.toldMs.value) / 1000);
+  readonly connection = computed(() =>
+    connectionOf(this.server.value, this.robots.value, this.node.value, this.sinceToldS.value),
+  );
   private readonly newest = signal<Live | null>(null);
   readonly updateHz = signal(Number(localStorage.getItem(RATE_KEY)) || USUAL_HZ);
   private readonly choice = signal<string | null>(localStorage.getItem(NODE_KEY));

@@ -1,17 +1,26 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { batch, computed, signal } from "@preact/signals";
+import { batch, computed, effect, signal } from "@preact/signals";
 import { type Api, ApiError, type Rules } from "../api/client";
 import type { Edit, PlacedFinding, Repair, RuleDocument, Statement, Vocabulary } from "../api/types";
 import { recipeRules } from "../recipes/recipe_rules";
-import { type Conflict, type Contested, saveOver } from "./conflict";
+import { type Conflict, type Contested, conflictWith, readIfThere, saveOver } from "./conflict";
+import { type Draft, type Drafts, NO_ROOM, type Restored } from "./drafts";
 import { History } from "./history";
-import { isPlain, type Layout, layoutName, type MapSetting, PLAIN_GRID, readLayout, writeLayout } from "./layout";
-import { topicsIn } from "./topics_in";
+import {
+  isPlain,
+  type Layout,
+  layoutName,
+  type MapSetting,
+  PLAIN_GRID,
+  readLayout,
+  sideFileOf,
+  writeLayout,
+} from "./layout";
+import { Words } from "./words";
 
 const CHECK_AFTER_MS = 150;
 const CHECK_WITHIN_MS = 1000;
-const WORDS_KEPT_MS = 5000;
 const EMPTY: RuleDocument = { collections: [], findings: [], parses: true };
 
 /** A stretch of the text that one side points at and the other shows. */
@@ -19,13 +28,6 @@ export interface Spot {
   offset: number;
   end_offset: number;
   from: "text" | "blocks" | "findings" | "map" | "try";
-}
-
-/** What to suggest, and for which topics and profile. */
-interface Words {
-  key: string;
-  askedMs: number;
-  vocabulary: Vocabulary;
 }
 
 /** One open rule file. Its text is the truth; blocks and findings are what the server reads in it. */
@@ -39,6 +41,7 @@ export class RuleEditor implements Contested {
   readonly spot = signal<Spot | null>(null);
   readonly message = signal<string>("");
   readonly conflict = signal<Conflict | null>(null);
+  readonly restored = signal<Restored | null>(null);
   readonly layout = signal<Layout>({});
   /** What zones are drawn on. */
   readonly map = signal<MapSetting>(PLAIN_GRID);
@@ -80,21 +83,25 @@ export class RuleEditor implements Contested {
   private asking: Promise<void> = Promise.resolve();
   /** How long the server took to answer. */
   private answerMs = 0;
-  private words: Words | null = null;
+  private readonly words: Words;
 
   constructor(
     private readonly api: Api,
     readonly name: string,
-  ) {}
+    private readonly drafts: Drafts,
+  ) {
+    this.words = new Words(api);
+  }
 
   /** The file as every call of the server names it. */
   get rules(): Rules {
     return { text: this.text.value, name: this.name, profile_text: this.profile.value?.text ?? null };
   }
 
-  /** Reads the file, and its side file if the project has one. */
+  /** Reads the file, its side file if the project has one, and what was not saved of them. */
   async open(): Promise<void> {
-    const reading = [this.api.read(this.name), this.api.project(), recipeRules(this.api)] as const;
+    const draft = await this.drafts.takeOver("rules", this.name);
+    const reading = [this.readFor(draft), this.api.project(), recipeRules(this.api)] as const;
     const [file, { files }, recipes] = await Promise.all(reading);
     this.recipes = recipes;
     const hasLayout = files.some((each) => each.name === layoutName(this.name));
@@ -107,9 +114,54 @@ export class RuleEditor implements Contested {
       this.saved.value = { text: file.text, hash: file.hash, layout: side.layout, map: side.map };
       this.text.value = file.text;
       this.history.clear();
+      if (draft !== null) this.restore(draft);
     });
+    if (this.drafts.isElsewhere("rules", this.name))
+      this.message.value = `Another tab has unsaved changes of ${this.name}`;
     this.isOpen = true;
+    effect(() => this.keepDraft());
     await this.check();
+  }
+
+  /** What is on disk; what was not saved of a file that is gone can still be saved. */
+  private async readFor(draft: Draft | null): Promise<{ text: string; hash: string | null }> {
+    return draft ? ((await readIfThere(this.api, this.name)) ?? { text: "", hash: null }) : this.api.read(this.name);
+  }
+
+  /** Goes on with what was not saved; where the file is another one by now, a save meets that. */
+  private restore({ content, hash, changedMs }: Draft): void {
+    const mine = sideFileOf(content);
+    if (mine.text === undefined) return;
+    const { saved } = this;
+    this.history.push(saved.value.text);
+    this.text.value = mine.text;
+    if (JSON.stringify(mine.layout) !== JSON.stringify(saved.value.layout)) this.layout.value = mine.layout;
+    if (JSON.stringify(mine.map) !== JSON.stringify(saved.value.map)) this.map.value = mine.map;
+    this.restored.value = { changedMs, isContested: hash !== saved.value.hash };
+    saved.value = { ...saved.value, hash };
+  }
+
+  private keepDraft(): void {
+    const [text, blocks, map, { hash }] = [this.text.value, this.layout.value, this.map.value, this.saved.value];
+    if (this.isSaved.value) {
+      this.drafts.drop("rules", this.name);
+      this.restored.value = null;
+      return;
+    }
+    const content = JSON.stringify({ text, blocks, map });
+    if (!this.drafts.keep("rules", this.name, { content, hash, changedMs: Date.now() })) this.message.value = NO_ROOM;
+  }
+
+  async compare(): Promise<void> {
+    this.conflict.value = conflictWith(this.text.value, await readIfThere(this.api, this.name));
+  }
+
+  async dropRestored(): Promise<void> {
+    await this.readAgain();
+    batch(() => {
+      this.layout.value = this.saved.value.layout;
+      this.map.value = this.saved.value.map;
+    });
   }
 
   async useProfile(name: string | null): Promise<void> {
@@ -283,11 +335,10 @@ export class RuleEditor implements Contested {
       const askedMs = performance.now();
       const document = await this.api.document(rules);
       this.answerMs = performance.now() - askedMs;
-      const words = await this.wordsFor(rules, document);
+      const vocabulary = await this.words.of(rules, document);
       if (rules.text !== this.text.value) return;
       batch(() => {
-        this.words = words;
-        this.vocabulary.value = words.vocabulary;
+        this.vocabulary.value = vocabulary;
         this.accept(document, rules.text);
       });
     } catch (error) {
@@ -295,14 +346,6 @@ export class RuleEditor implements Contested {
     } finally {
       if (this.asked === rules) this.asked = null;
     }
-  }
-
-  /** What to suggest; asked for when the rules name other topics than before, or a robot may have others by now. */
-  private async wordsFor(rules: Rules, document: RuleDocument): Promise<Words> {
-    const key = JSON.stringify([rules.profile_text, [...topicsIn(document)].sort()]);
-    const askedMs = performance.now();
-    if (key === this.words?.key && askedMs - this.words.askedMs < WORDS_KEPT_MS) return this.words;
-    return { key, askedMs, vocabulary: await this.api.vocabulary(rules.text, rules.profile_text) };
   }
 
   /** Whether the text has no errors, once it was read and says all that the blocks say. */
@@ -329,10 +372,8 @@ export class RuleEditor implements Contested {
 
   private withoutBlocks(): string {
     const count = this.blocksLeftOut;
-    if (count === 0) return "";
-    return count === 1
-      ? " without 1 block that is not in the text"
-      : ` without ${count} blocks that are not in the text`;
+    const blocks = count === 1 ? "1 block that is" : `${count} blocks that are`;
+    return count === 0 ? "" : ` without ${blocks} not in the text`;
   }
 
   private accept(document: RuleDocument, text: string): void {

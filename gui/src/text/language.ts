@@ -6,9 +6,25 @@ import { tags } from "@lezer/highlight";
 import { TIERS, type Vocabulary } from "../api/types";
 import { ON_ROBOT } from "../blocks/suggestions";
 
-const KEYWORDS = ["begin", "end", "SetFrequency", "KeepAtLeast", "Rule", "Priority", "If", "Then", "Else", "EndIf"];
-const LOGIC = ["AND", "OR", "Not", "CheckValue"];
+const KEYWORDS = [
+  "begin",
+  "end",
+  "SetFrequency",
+  "KeepAtLeast",
+  "KeepWithin",
+  "Record",
+  "Before",
+  "After",
+  "Rule",
+  "Priority",
+  "If",
+  "Then",
+  "Else",
+  "EndIf",
+];
+const LOGIC = ["AND", "OR", "Not", "CheckValue", "For", "Within", "Until"];
 const RATES = [...TIERS, "Full", "Off", "Hz"];
+const UNITS_OF_TIME = ["ms", "s", "min"];
 
 const RESERVED = [...KEYWORDS, ...LOGIC].join("|");
 /** A keyword, also where the next keyword or a topic follows without a blank. */
@@ -38,7 +54,7 @@ export const adirf = StreamLanguage.define<{ place: "topic" | "property" | null 
     const word = stream.match(WORD) as RegExpMatchArray | null;
     if (word === null) stream.next();
     else if (place === "topic") state.place = "property";
-    return place === null && RATES.includes(word?.[0] ?? "") ? "atom" : null;
+    return place === null && [...RATES, ...UNITS_OF_TIME].includes(word?.[0] ?? "") ? "atom" : null;
   },
   tokenTable: { logic: tags.logicOperator },
   languageData: { commentTokens: { line: "//" } },
@@ -76,7 +92,7 @@ function options(before: string, word: string, vocabulary: Vocabulary | null): C
       type: "property",
     }));
   }
-  if (word.startsWith("/") || /(SetFrequency|KeepAtLeast|CheckValue)\s*$/.test(before)) {
+  if (word.startsWith("/") || /(SetFrequency|KeepAtLeast|KeepWithin|CheckValue|Record\s+"[^"]*")\s*$/.test(before)) {
     return topics.map(({ topic, type, source }) => ({
       label: topic,
       detail: [type, source === "robot" ? ON_ROBOT : null].filter(Boolean).join(", "),

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { autocompletion, completionKeymap, completionStatus, startCompletion } from "@codemirror/autocomplete";
-import { defaultKeymap, indentWithTab } from "@codemirror/commands";
+import { defaultKeymap } from "@codemirror/commands";
 import { indentUnit } from "@codemirror/language";
 import { type Diagnostic, lintGutter, lintKeymap, setDiagnostics } from "@codemirror/lint";
 import { EditorSelection, EditorState, StateEffect, StateField } from "@codemirror/state";
@@ -17,6 +17,9 @@ import {
 import type { PlacedFinding, Vocabulary } from "../api/types";
 import { difference } from "./difference";
 import { adirf, adirfColours, suggest } from "./language";
+
+/** The list turns pages and does not scroll: the keyboard cannot reach a part that does. */
+const SUGGESTIONS_SHOWN = 10;
 
 /** What the text tells and asks. */
 export interface TextOwner {
@@ -67,9 +70,12 @@ export class TextEditor {
           adirf,
           adirfColours,
           indentUnit.of("    "),
-          autocompletion({ override: [(context) => suggest(context, owner.vocabulary())] }),
-          keymap.of([...completionKeymap, ...lintKeymap, ...defaultKeymap, indentWithTab]),
-          EditorView.contentAttributes.of({ "aria-label": "Rules as text", spellcheck: "false" }),
+          autocompletion({
+            override: [(context) => suggest(context, owner.vocabulary())],
+            maxRenderedOptions: SUGGESTIONS_SHOWN,
+          }),
+          keymap.of([...completionKeymap, ...lintKeymap, ...defaultKeymap]),
+          EditorView.contentAttributes.of({ "aria-label": "Rules as text", spellcheck: "false", tabindex: "0" }),
           EditorView.updateListener.of((update) => {
             if (this.isOurs) return;
             if (update.docChanged) owner.typed(update.state.doc.toString());

@@ -85,7 +85,8 @@ function Version({ title, text }: { title: string; text: string }) {
   return (
     <figure aria-label={title}>
       <figcaption class="quiet">{title}</figcaption>
-      <pre>{text || "(nothing)"}</pre>
+      {/* biome-ignore lint/a11y/noNoninteractiveTabindex: the keyboard scrolls only what it can reach */}
+      <pre tabIndex={0}>{text || "(nothing)"}</pre>
     </figure>
   );
 }

@@ -19,8 +19,11 @@ export function FormDialog(props: {
   useEffect(() => {
     const shown = dialog.current;
     shown?.showModal();
-    // Closing gives the focus back to what opened it.
-    return () => shown?.close();
+    return () => {
+      // Closing gives the focus back to what opened it, which may be gone or disabled with the next picture.
+      shown?.close();
+      requestAnimationFrame(() => requestAnimationFrame(focusPage));
+    };
   }, []);
   return (
     <dialog ref={dialog} class={props.isWide ? "wide" : ""} aria-label={props.title} onClose={props.onClose}>
@@ -45,4 +48,10 @@ export function FormDialog(props: {
       </form>
     </dialog>
   );
+}
+
+/** Gives the focus to the page where nothing has it. */
+function focusPage(): void {
+  const holder = document.activeElement;
+  if (holder === document.body || holder?.matches(":disabled")) document.querySelector<HTMLElement>("h1")?.focus();
 }

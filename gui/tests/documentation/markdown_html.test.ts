@@ -46,7 +46,8 @@ test("links between documents stay on the page, and only the words of others sta
 
 test("wide tables and code can be scrolled, tables are told by their headers", () => {
   const table = html("| unit |\n|---|\n| Hz |");
-  expect(table).toMatch(/^<div class="table-scroll"><table class="reference">/);
+  expect(table).toMatch(/^<div class="table-scroll" tabindex="0"><table class="reference">/);
   expect(table).toContain('<th scope="col">unit</th>');
+  expect(html("| unit | |\n|---|---|\n| Hz | rate |")).toContain("unit</th>\n<td></td>");
   expect(html("```adirf\nbegin\n```")).toMatch(/^<pre tabindex="0"><code/);
 });

@@ -82,6 +82,15 @@ class Region:
         return Region.union_of(region.complement() for region in given).complement()
 
     @property
+    def comparison(self) -> tuple[Operator, float] | None:
+        """The comparison with one number that holds here only, ``None`` where there is none."""
+        for value, _ in self.cuts[:1]:
+            for operator in Operator:
+                if Region.where(operator, value) == self:
+                    return operator, value
+        return None
+
+    @property
     def is_empty(self) -> bool:
         """Whether no number is in it."""
         return not self.pieces

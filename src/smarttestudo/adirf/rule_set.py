@@ -6,18 +6,33 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
-from smarttestudo.adirf.normal_form import Form, Resolve, normal_form, signals_of
+from smarttestudo.adirf.normal_form import (
+    Form,
+    LastSeen,
+    Resolve,
+    check_form,
+    normal_form,
+    over_states,
+    signals_of,
+)
 from smarttestudo.adirf.region import Region
 from smarttestudo.adirf.syntax import (
+    Action,
     Block,
+    Check,
     KeepAtLeast,
+    KeepWithin,
     RateExpression,
     RateWord,
+    RecordIncident,
     RuleFile,
     SetFrequency,
+    bounds_in,
     checks_in,
+    records_in,
+    sets_in,
 )
 from smarttestudo.domain.decision import Reason
 from smarttestudo.domain.errors import RuleFileError
@@ -26,10 +41,22 @@ from smarttestudo.domain.signal import Signal
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Recording:
+    """What a ``Record`` asks for: topics by full name, from ``before_ns`` before to ``after_ns`` after."""
+
+    name: str
+    line: int
+    topics: tuple[str, ...]
+    before_ns: int
+    after_ns: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class RuleBlock:
     """A condition with the rates it sets; an ``Else`` is one of its own with the negated condition.
 
-    ``order`` is its place among all blocks of the rule set, ``line`` that in its file.
+    ``bounds`` are those of the receiver's picture that it sets, by topic and property. ``order`` is its place
+    among all blocks of the rule set, ``line`` that in its file; ``recordings`` begin when it begins to hold.
     """
 
     order: int
@@ -39,16 +66,22 @@ class RuleBlock:
     priority: int
     form: Form
     rates: Mapping[str, Rate]
+    bounds: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    recordings: tuple[Recording, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WrittenCheck:
-    """One check where it is written: true while its signal lies in ``region``, whatever is around it."""
+    """One check where it is written: true while its signal lies in ``region``, whatever is around it.
+
+    With an ``Until`` it is as ``latch`` remembers, unknown while the signal is.
+    """
 
     line: int
     column: int
     signal: Signal
     region: Region
+    latch: LastSeen | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -67,10 +100,10 @@ class WrittenBlock:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RuleSet:
-    """Defaults, floors in Hz and blocks; topics by full name.
+    """Defaults, floors in Hz, bounds of the receiver's picture and blocks; topics by full name.
 
-    ``default_reason`` is what decisions give as the reason of a default. ``written`` are the blocks as the
-    files have them, an If and its Else once.
+    ``bounds`` are those outside blocks, by topic and property. ``default_reason`` is what decisions give as
+    the reason of a default. ``written`` are the blocks as the files have them, an If and its Else once.
     """
 
     defaults: Mapping[str, Rate]
@@ -79,6 +112,7 @@ class RuleSet:
     blocks: tuple[RuleBlock, ...]
     default_reason: Reason = Reason.DEFAULT
     written: tuple[WrittenBlock, ...] = ()
+    bounds: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
 
     @property
     def relayed(self) -> tuple[str, ...]:
@@ -89,9 +123,27 @@ class RuleSet:
         return tuple(names)
 
     @property
+    def has_recordings(self) -> bool:
+        """Whether any block records."""
+        return any(block.recordings for block in self.blocks)
+
+    @property
+    def recorded(self) -> frozenset[str]:
+        """The topics that recordings keep."""
+        return frozenset(
+            topic for block in self.blocks for recording in block.recordings for topic in recording.topics
+        )
+
+    @property
     def signals(self) -> frozenset[Signal]:
         """Everything that checks read."""
         return frozenset().union(*(signals_of(block.form) for block in self.blocks))
+
+    def over_states(self) -> RuleSet:
+        """The same rules for single states, in which what was before is a signal like any other."""
+        return replace(
+            self, blocks=tuple(replace(block, form=over_states(block.form)) for block in self.blocks)
+        )
 
 
 def fallback_rules(topics: Iterable[str]) -> RuleSet:
@@ -136,6 +188,7 @@ class _Compiler:
         self._defaults: dict[str, Rate] = {}
         self._default_lines: dict[str, int] = {}
         self._floors_hz: dict[str, float] = {}
+        self._bounds: dict[str, dict[str, float]] = {}
         self._blocks: list[RuleBlock] = []
         self._written: list[WrittenBlock] = []
         self._files = 0
@@ -151,17 +204,31 @@ class _Compiler:
                 case KeepAtLeast():
                     floor_hz = _number(statement.rate)
                     self._floors_hz[topic] = max(floor_hz, self._floors_hz.get(topic, 0.0))
+                case KeepWithin():
+                    _tighten(self._bounds, topic, statement)
                 case Block():
                     self._written.append(self._as_written(statement))
                     self._blocks.extend(self._blocks_of(statement, file.path))
 
     def rule_set(self) -> RuleSet:
+        rules = self._without_topics()
+        if not rules.has_recordings:
+            return rules
+        bounds = (rules.bounds, *(block.bounds for block in rules.blocks))
+        others = {topic for of_topics in bounds for topic in of_topics} | rules.recorded
+        names = (*rules.relayed, *sorted(signal.topic for signal in rules.signals), *sorted(others))
+        named = tuple(dict.fromkeys(names))
+        return replace(rules, blocks=tuple(_recording_all(block, named) for block in rules.blocks))
+
+    def _without_topics(self) -> RuleSet:
+        """The rule set in which recordings of all topics have none yet."""
         return RuleSet(
             defaults=self._defaults,
             default_lines=self._default_lines,
             floors_hz=self._floors_hz,
             blocks=tuple(self._blocks),
             written=tuple(self._written),
+            bounds=self._bounds,
         )
 
     def _as_written(self, block: Block) -> WrittenBlock:
@@ -170,22 +237,25 @@ class _Compiler:
             line=block.span.line,
             column=block.span.column,
             order=len(self._blocks),
-            checks=tuple(
-                WrittenCheck(
-                    line=check.span.line,
-                    column=check.span.column,
-                    signal=Signal(self._resolve(check.topic.text), check.property),
-                    region=Region.where(check.operator, check.value),
-                )
-                for check in checks_in(block.condition)
-            ),
+            checks=tuple(map(self._check_as_written, checks_in(block.condition))),
+        )
+
+    def _check_as_written(self, check: Check) -> WrittenCheck:
+        signal = Signal(self._resolve(check.topic.text), check.property)
+        found = check_form(check, signal).signal
+        return WrittenCheck(
+            line=check.span.line,
+            column=check.span.column,
+            signal=signal,
+            region=Region.where(check.operator, check.value),
+            latch=found if isinstance(found, LastSeen) else None,
         )
 
     def _blocks_of(self, block: Block, path: str) -> Iterator[RuleBlock]:
         order = len(self._blocks)
         sides = ((block.then, False, block.label), (block.otherwise, True, f"{block.label} (Else)"))
-        for offset, (statements, negated, label) in enumerate(sides):
-            if statements:
+        for offset, (actions, negated, label) in enumerate(sides):
+            if actions:
                 yield RuleBlock(
                     order=order + offset,
                     label=label,
@@ -193,8 +263,25 @@ class _Compiler:
                     path=path,
                     priority=block.priority or 0,
                     form=normal_form(block.condition, self._resolve, negated=negated),
-                    rates={self._resolve(one.topic.text): self._rate(one, path) for one in statements},
+                    rates={self._resolve(one.topic.text): self._rate(one, path) for one in sets_in(actions)},
+                    bounds=self._bounds_of(actions),
+                    recordings=tuple(map(self._recording, records_in(actions))),
                 )
+
+    def _bounds_of(self, actions: Iterable[Action]) -> Mapping[str, Mapping[str, float]]:
+        bounds: dict[str, dict[str, float]] = {}
+        for one in bounds_in(actions):
+            _tighten(bounds, self._resolve(one.topic.text), one)
+        return bounds
+
+    def _recording(self, record: RecordIncident) -> Recording:
+        return Recording(
+            name=record.name,
+            line=record.span.line,
+            topics=tuple(dict.fromkeys(self._resolve(topic.text) for topic in record.topics)),
+            before_ns=record.before.ns,
+            after_ns=record.after.ns,
+        )
 
     def _rate(self, statement: SetFrequency, path: str) -> Rate:
         value = statement.rate.value
@@ -203,6 +290,18 @@ class _Compiler:
         if isinstance(value, RateWord):
             return Rate.full() if value is RateWord.FULL else Rate.off()
         return Rate(value)
+
+
+def _tighten(bounds: dict[str, dict[str, float]], topic: str, one: KeepWithin) -> None:
+    """Of several bounds of one property the tightest counts."""
+    of_topic = bounds.setdefault(topic, {})
+    of_topic[one.property] = min(one.bound, of_topic.get(one.property, math.inf))
+
+
+def _recording_all(block: RuleBlock, topics: tuple[str, ...]) -> RuleBlock:
+    """``block`` whose recordings keep ``topics`` where they name none."""
+    recordings = tuple(one if one.topics else replace(one, topics=topics) for one in block.recordings)
+    return replace(block, recordings=recordings)
 
 
 def _number(rate: RateExpression) -> float:

@@ -7,7 +7,7 @@ Fields that hold comments and blank lines do not count when trees are compared.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from enum import Enum
 
@@ -55,9 +55,49 @@ class RateExpression:
     has_unit: bool = False
 
 
+class TimeWord(Enum):
+    """How a condition is taken over the time before; the value is its spelling."""
+
+    FOR = "For"
+    """At every instant of it."""
+    WITHIN = "Within"
+    """At some instant of it."""
+
+
+class DurationUnit(Enum):
+    """A unit of time; the value is its spelling."""
+
+    MILLISECONDS = "ms"
+    SECONDS = "s"
+    MINUTES = "min"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Duration:
+    """A number of a unit; ``text`` is the number as written, ``ns`` the nanoseconds nearest to it."""
+
+    text: str
+    unit: DurationUnit
+    ns: int = field(compare=False)
+    span: Span
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Until:
+    """``Until op NUMBER`` behind a check; ``text`` is the number as written."""
+
+    operator: Operator
+    value: float
+    text: str
+    span: Span
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Check:
-    """``CheckValue TOPIC PROPERTY op NUMBER``; ``text`` is the number as written."""
+    """``CheckValue TOPIC PROPERTY op NUMBER [Until op NUMBER]``; ``text`` is the number as written.
+
+    ``span`` is that of all of it.
+    """
 
     topic: TopicName
     property: str
@@ -66,6 +106,7 @@ class Check:
     value: float
     text: str
     span: Span
+    until: Until | None = None
     trivia: Trivia = field(default=NO_TRIVIA, compare=False, repr=False)
 
 
@@ -104,7 +145,20 @@ class Group:
     closing: tuple[Comment, ...] = field(default=(), compare=False, repr=False)
 
 
-Condition = Check | Not | And | Or | Group
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Timed:
+    """``condition For DURATION`` or ``condition Within DURATION``.
+
+    Its comments are those of the check or the parentheses in it.
+    """
+
+    operand: Condition
+    word: TimeWord
+    duration: Duration
+    span: Span
+
+
+Condition = Check | Not | And | Or | Group | Timed
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -128,6 +182,38 @@ class KeepAtLeast:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class RecordIncident:
+    """``Record "name" {TOPIC} Before DURATION After DURATION``; no topics: all that the rules name."""
+
+    name: str
+    topics: tuple[TopicName, ...]
+    before: Duration
+    after: Duration
+    span: Span
+    trivia: Trivia = field(default=NO_TRIVIA, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class KeepWithin:
+    """``KeepWithin TOPIC PROPERTY NUMBER``: how far off the receiver's picture of a property may be.
+
+    ``bound`` is in the unit of the property, ``text`` the number as written. Outside a block it always holds.
+    """
+
+    topic: TopicName
+    property: str
+    property_span: Span
+    bound: float
+    text: str
+    span: Span
+    trivia: Trivia = field(default=NO_TRIVIA, compare=False, repr=False)
+
+
+Action = SetFrequency | KeepWithin | RecordIncident
+"""What stands in a Then or Else."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Block:
     """``[Rule "name" [Priority n]] If … Then … [Else …] [EndIf]``.
 
@@ -140,8 +226,8 @@ class Block:
     priority: int | None
     label: str
     condition: Condition
-    then: tuple[SetFrequency, ...]
-    otherwise: tuple[SetFrequency, ...]
+    then: tuple[Action, ...]
+    otherwise: tuple[Action, ...]
     has_end_if: bool
     span: Span
     trivia: Trivia = field(default=NO_TRIVIA, compare=False, repr=False)
@@ -151,7 +237,7 @@ class Block:
     end_if_trivia: Trivia = field(default=NO_TRIVIA, compare=False, repr=False)
 
 
-Statement = SetFrequency | KeepAtLeast | Block
+Statement = SetFrequency | KeepAtLeast | KeepWithin | Block
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -182,13 +268,52 @@ class RuleFile:
         return tuple(statement for part in self.collections for statement in part.statements)
 
 
+def sets_in(actions: Iterable[Action]) -> tuple[SetFrequency, ...]:
+    """The rates among ``actions``, in their order."""
+    return tuple(action for action in actions if isinstance(action, SetFrequency))
+
+
+def bounds_in(actions: Iterable[Action]) -> tuple[KeepWithin, ...]:
+    """The bounds among ``actions``, in their order."""
+    return tuple(action for action in actions if isinstance(action, KeepWithin))
+
+
+def records_in(actions: Iterable[Action]) -> tuple[RecordIncident, ...]:
+    """The recordings among ``actions``, in their order."""
+    return tuple(action for action in actions if isinstance(action, RecordIncident))
+
+
+def rates_in(statement: Statement) -> Iterator[RateExpression]:
+    """The rates that a statement writes, in their order."""
+    match statement:
+        case Block():
+            yield from (one.rate for one in sets_in((*statement.then, *statement.otherwise)))
+        case SetFrequency() | KeepAtLeast():
+            yield statement.rate
+        case KeepWithin():
+            pass
+
+
 def checks_in(condition: Condition) -> Iterator[Check]:
     """The checks of a condition, in their order."""
     match condition:
         case Check():
             yield condition
-        case Group() | Not():
+        case Group() | Not() | Timed():
             yield from checks_in(condition.operand)
         case And() | Or():
             for operand in condition.operands:
                 yield from checks_in(operand)
+
+
+def has_time(condition: Condition) -> bool:
+    """Whether a ``For``, ``Within`` or ``Until`` stands in ``condition``."""
+    match condition:
+        case Check():
+            return condition.until is not None
+        case Timed():
+            return True
+        case Group() | Not():
+            return has_time(condition.operand)
+        case And() | Or():
+            return any(map(has_time, condition.operands))

@@ -7,18 +7,23 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TypeVar
 
 from smarttestudo.adapters.files.profile import load_profile
 from smarttestudo.adapters.files.rule_files import find_rule_files, read_rule_text
+from smarttestudo.adapters.zenoh import open_link_robots
 from smarttestudo.adirf.checks import CheckContext
 from smarttestudo.adirf.parser import parse
 from smarttestudo.cli.finding_text import print_findings, summary, write_lines
+from smarttestudo.cli.link_options import add_connect, connect_options, warn
 from smarttestudo.cli.paths import file_path
-from smarttestudo.domain.errors import RuleFileError
+from smarttestudo.cli.robots import add_robot, topics_of_robot
+from smarttestudo.cli.terminal import stop_signals
+from smarttestudo.domain.errors import RuleFileError, UsageError
 from smarttestudo.domain.finding import Finding, Severity
 from smarttestudo.use_cases.rules.budget_findings import all_findings
 
@@ -40,6 +45,8 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     )
     parser.add_argument("--profile", type=file_path, help="what is known about the topics (TOML)")
     parser.add_argument("--bag", type=file_path, help="a recording; topics it does not hold are named")
+    add_connect(parser)
+    add_robot(parser)
     parser.add_argument("--format", choices=("text", "json"), default="text", help="default: text")
     parser.set_defaults(run=run)
 
@@ -47,9 +54,11 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 def run(arguments: argparse.Namespace) -> int:
     """Print all findings; 1 if one is an error or a file could not be read."""
     profile = None if arguments.profile is None else load_profile(arguments.profile)
-    bag_topics = None if arguments.bag is None else _topics_of(arguments.bag)
+    bag_topics = _topics(arguments)
     texts, unreadable = _read(arguments.files)
     context = CheckContext(profile=profile, bag_topics=bag_topics, has_all_files=not unreadable)
+    if arguments.connect:
+        context = replace(context, topics_lack="the robot publishes no")
     results = [parse(text, path) for path, text in texts.items()]
     findings = all_findings(results, context)
     if arguments.format == "json":
@@ -85,6 +94,19 @@ def _try(read: Callable[[], _T], failures: list[RuleFileError]) -> _T | None:
     except RuleFileError as error:
         failures.append(error)
         return None
+
+
+def _topics(arguments: argparse.Namespace) -> Mapping[str, str] | None:
+    """The topics and types of a recording or of a robot, if one is named."""
+    options = connect_options(arguments)
+    if options is None:
+        if arguments.robot is not None:
+            raise UsageError("it is about a link", place="--robot", remedy="add --connect")
+        return None if arguments.bag is None else _topics_of(arguments.bag)
+    if arguments.bag is not None:
+        raise UsageError("topics come from one place", place="--bag", remedy="leave out --bag or --connect")
+    with stop_signals() as stopped, open_link_robots(options, warn) as robots:
+        return topics_of_robot(robots, arguments.robot, stopped)
 
 
 def _topics_of(bag: Path) -> dict[str, str]:

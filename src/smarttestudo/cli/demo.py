@@ -6,9 +6,11 @@ from __future__ import annotations
 
 import argparse
 import os
+import re
 import shlex
 import shutil
 import sys
+from collections.abc import Mapping
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -20,9 +22,11 @@ from smarttestudo.cli.loop_options import add_simulation, add_when_slow, seconds
 from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.progress import progress
 from smarttestudo.cli.tables import print_table
+from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.robot import DiscoveryRange, Robot
 from smarttestudo.pacing.sample import WhenSlow
 from smarttestudo.visualizer.comparison_tables import bandwidth_table, frequency_table
+from smarttestudo.visualizer.link_comparison import arrival_ages_table, arrival_rates_table
 
 if TYPE_CHECKING:
     from smarttestudo.use_cases.demo.demo import DemoOutcome
@@ -30,6 +34,11 @@ if TYPE_CHECKING:
 
 _DEFAULT_OUT = Path("demo-out")
 _DEFAULT_SECONDS = 200.0
+_DEFAULT_LINK_SECONDS = 60.0
+_LEAST_LINK_SECONDS = 5.0
+_RATE = re.compile(r"(\d{1,9}(?:\.\d{1,6})?)(k|m|g)?bit", re.ASCII | re.IGNORECASE)
+_BITS: Mapping[str, int] = {"": 1, "k": 1_000, "m": 1_000_000, "g": 1_000_000_000}
+_LEAST_BIT_PER_S, _MOST_BIT_PER_S = 64_000, 100_000_000
 
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -52,13 +61,21 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         "--seconds",
         metavar="S",
         type=seconds,
-        default=_DEFAULT_SECONDS,
-        help="length of the mission; a round takes about 200 s (default: %(default)g)",
+        help="length of the mission; a round takes about 200 s "
+        f"(default: {_DEFAULT_SECONDS:g}, with --link {_DEFAULT_LINK_SECONDS:g})",
     )
-    parser.add_argument(
+    where = parser.add_mutually_exclusive_group()
+    where.add_argument(
         "--live",
         action="store_true",
         help="in real time over a real ROS graph: the robot, the runtime and a recorder as processes",
+    )
+    where.add_argument(
+        "--link",
+        metavar="RATE",
+        type=link_bit_per_s,
+        help="in real time across a link that carries so much, as in 2mbit: robot and operator in two "
+        "network namespaces, then the same over plain Zenoh and over Fast DDS (needs root and iproute2)",
     )
     add_simulation(
         parser,
@@ -74,21 +91,45 @@ def run(arguments: argparse.Namespace) -> int:
     from smarttestudo.use_cases.demo.demo import DemoRequest, run_demo  # noqa: PLC0415  needs packages a robot lacks
 
     require_separate({"--out": arguments.out})
+    if arguments.link is not None and arguments.full_images:
+        raise UsageError(
+            "with --link, frames have a size of their own", place="--full-images", remedy="leave one out"
+        )
+    usual_s = _DEFAULT_SECONDS if arguments.link is None else _DEFAULT_LINK_SECONDS
+    length_s = usual_s if arguments.seconds is None else arguments.seconds
+    if arguments.link is not None and length_s < _LEAST_LINK_SECONDS:
+        raise UsageError(
+            "the first seconds of a drive over a link do not count",
+            place="--seconds",
+            remedy=f"give it at least {_LEAST_LINK_SECONDS:g}",
+        )
     with ExitStack() as opened:
         robot = _recorder(opened) if arguments.live else None
         outcome = run_demo(
             DemoRequest(
                 out=arguments.out,
-                seconds=arguments.seconds,
+                seconds=length_s,
                 seed=arguments.seed,
                 full_images=arguments.full_images,
                 when_slow=WhenSlow(arguments.when_slow),
                 progress=progress,
                 robot=robot,
+                link_bit_per_s=arguments.link,
             )
         )
     _print(outcome, arguments.out)
     return 0
+
+
+def link_bit_per_s(text: str) -> float:
+    """A link's rate as tc writes it, in bit/s; ``ArgumentTypeError`` for another, or one out of bounds."""
+    match = _RATE.fullmatch(text)
+    rate = float(match[1]) * _BITS[(match[2] or "").lower()] if match else 0.0
+    if not _LEAST_BIT_PER_S <= rate <= _MOST_BIT_PER_S:
+        raise argparse.ArgumentTypeError(
+            f"a link carries 64kbit to 100mbit a second, written as in 500kbit or 2mbit, not {text!r:.40}"
+        )
+    return rate
 
 
 def _recorder(opened: ExitStack) -> Robot:
@@ -106,6 +147,10 @@ def _print(outcome: DemoOutcome, out: Path) -> None:
         print_table(table)
         print()  # noqa: T201
     _print_loss(outcome.loss)
+    if outcome.arrivals:
+        for table in (arrival_rates_table(outcome.arrivals), arrival_ages_table(outcome.arrivals)):
+            print_table(table)
+            print()  # noqa: T201
     for notice in outcome.notices:
         print(f"note: {notice}", file=sys.stderr)  # noqa: T201
     written = {

@@ -11,7 +11,7 @@ from smarttestudo.adapters.zenoh.security import LinkOptions
 from smarttestudo.cli.paths import file_path
 from smarttestudo.domain.errors import UsageError
 
-_NEED_A_LINK = ("robot", "zenoh_config", "insecure")
+_NEED_A_LINK = ("accept", "robot", "zenoh_config", "insecure")
 
 
 def add_link(parser: argparse.ArgumentParser) -> None:
@@ -35,6 +35,14 @@ def add_link(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--robot", metavar="NAME", help="the robot's name for operators (default: this host's name)"
     )
+    group.add_argument(
+        "--accept",
+        metavar="TOPIC",
+        nargs="+",
+        action="extend",
+        default=[],
+        help="publish what 'testudo receive --send' sends of these topics, unless it is older than 0.5 s",
+    )
     add_zenoh_config(group)
 
 
@@ -53,7 +61,7 @@ def add_zenoh_config(parser: argparse._ActionsContainer) -> None:
     )
 
 
-def link_options(arguments: argparse.Namespace) -> LinkOptions | None:
+def link_options(arguments: argparse.Namespace, accepted: tuple[str, ...]) -> LinkOptions | None:
     """The link of a robot's end, if there is one. Raises ``UsageError`` for its options without it."""
     if arguments.link or arguments.link_listen:
         return LinkOptions(
@@ -61,11 +69,41 @@ def link_options(arguments: argparse.Namespace) -> LinkOptions | None:
             connect=tuple(arguments.link),
             config_file=arguments.zenoh_config,
             insecure=arguments.insecure,
+            commands=accepted,
         )
     for name in _NEED_A_LINK:
         if getattr(arguments, name):
             option = "--" + name.replace("_", "-")
             raise UsageError("it is about a link", place=option, remedy="add --link or --link-listen")
+    return None
+
+
+def add_connect(parser: argparse.ArgumentParser) -> None:
+    """Add ``--connect`` for who only watches and asks, and what goes with it."""
+    group = parser.add_argument_group("robots over a link, without ROS here")
+    group.add_argument(
+        "--connect",
+        metavar="ENDPOINT",
+        action="append",
+        default=[],
+        help="where 'testudo receive', a Zenoh router or a robot (--link-listen) listens, as in "
+        "tcp/192.168.1.5:7447",
+    )
+    add_zenoh_config(group)
+
+
+def connect_options(arguments: argparse.Namespace) -> LinkOptions | None:
+    """Where to connect to, if anywhere. Raises ``UsageError`` for what only goes with it."""
+    if arguments.connect:
+        return LinkOptions(
+            connect=tuple(arguments.connect),
+            config_file=arguments.zenoh_config,
+            insecure=arguments.insecure,
+        )
+    for name in ("zenoh_config", "insecure"):
+        if getattr(arguments, name):
+            option = "--" + name.replace("_", "-")
+            raise UsageError("it is about a link", place=option, remedy="add --connect")
     return None
 
 

@@ -69,12 +69,17 @@ _MIN_SECONDS = 1.0
 _MAX_SECONDS = 86_400.0
 
 
-def add_simulation(parser: argparse.ArgumentParser, *, full_images_help: str) -> None:
-    """Add ``--seed`` and ``--full-images``."""
+def add_simulation(
+    parser: argparse.ArgumentParser, *, full_images_help: str, medium_images_help: str | None = None
+) -> None:
+    """Add ``--seed`` and ``--full-images``, and where they have a help ``--medium-images``."""
     parser.add_argument(
         "--seed", metavar="N", type=_seed, default=0, help="fixes all noise (default: %(default)s)"
     )
-    parser.add_argument("--full-images", action="store_true", help=full_images_help)
+    images = parser.add_mutually_exclusive_group()
+    images.add_argument("--full-images", action="store_true", help=full_images_help)
+    if medium_images_help is not None:
+        images.add_argument("--medium-images", action="store_true", help=medium_images_help)
 
 
 def seconds(text: str) -> float:
@@ -85,6 +90,20 @@ def seconds(text: str) -> float:
         number = 0.0
     if not _MIN_SECONDS <= number <= _MAX_SECONDS:
         raise argparse.ArgumentTypeError(f"{text!r} is not a number of seconds from 1 to {_MAX_SECONDS:.0f}")
+    return number
+
+
+_MAX_MEMORY_MB = 1_000_000.0
+
+
+def memory_mb(text: str) -> float:
+    """Memory from the command line; ``ArgumentTypeError`` for anything but 1 MB to 1 TB."""
+    try:
+        number = float(text)
+    except ValueError:
+        number = 0.0
+    if not 1 <= number <= _MAX_MEMORY_MB:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number of MB from 1 to {_MAX_MEMORY_MB:.0f}")
     return number
 
 

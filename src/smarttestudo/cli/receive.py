@@ -8,30 +8,39 @@ import argparse
 import os
 import shutil
 import sys
+import threading
 import time
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack, closing
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, closing, contextmanager
 
 from smarttestudo.adapters.foxglove import open_foxglove_sink
 from smarttestudo.adapters.ros import open_robot
 from smarttestudo.adapters.ros.graph_sink import GraphSink
 from smarttestudo.adapters.rosbag.recording_sink import RecordingSink
-from smarttestudo.adapters.zenoh import open_operator_end
+from smarttestudo.adapters.zenoh import open_operator_end, suspended_too_ns
 from smarttestudo.adapters.zenoh.arrivals import LinkEvent
+from smarttestudo.adapters.zenoh.commanded import OutgoingCommands
 from smarttestudo.adapters.zenoh.security import LinkOptions
 from smarttestudo.cli.link_options import add_zenoh_config, warn
+from smarttestudo.cli.metrics_options import add_openmetrics, served_metrics
 from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.receive_table import reception_lines
 from smarttestudo.cli.terminal import stop_signals
 from smarttestudo.cli.top_table import open_screen
-from smarttestudo.domain.errors import UsageError
+from smarttestudo.domain.command import command_topics
+from smarttestudo.domain.errors import UsageError, said
 from smarttestudo.domain.link import Sink
+from smarttestudo.domain.names import STATUS_TOPIC
+from smarttestudo.domain.visible_topics import testudo_nodes
 from smarttestudo.use_cases.receive.reception import Reception
+from smarttestudo.use_cases.receive.reception_metrics import ReceptionMetrics
+from smarttestudo.use_cases.receive.sending import CommandRoute, Sending
+from smarttestudo.use_cases.receive.status_sink import StatusSink
 
 DEFAULT_LISTEN = "tcp/127.0.0.1:7447"
 _WAIT_S = 0.05
 _LAST_PORT = 65_535
-_SHOW_PERIOD_S = 1.0
+_LOOK_PERIOD_S = 1.0
 
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -76,24 +85,83 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         type=_port,
         help="serve all to the Foxglove app at this port",
     )
+    parser.add_argument(
+        "--send",
+        metavar="TOPIC",
+        nargs="+",
+        action="extend",
+        default=[],
+        help="send these topics, by the robot's names, to robots that accept them, unless older than 0.5 s",
+    )
+    add_openmetrics(parser)
     add_zenoh_config(parser)
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Receive until a signal comes."""
-    if arguments.no_ros and arguments.record is None and arguments.foxglove is None:
+    if arguments.no_ros and arguments.send:
         raise UsageError(
-            "what arrives would go nowhere", place="--no-ros", remedy="add --record DIR or --foxglove PORT"
+            "what is sent comes from the ROS graph here", place="--send", remedy="leave out --no-ros"
+        )
+    is_watched = arguments.foxglove is not None or arguments.openmetrics is not None
+    if arguments.no_ros and arguments.record is None and not is_watched:
+        raise UsageError(
+            "what arrives would go nowhere",
+            place="--no-ros",
+            remedy="add --record DIR, --foxglove PORT or --openmetrics PORT",
         )
     options = _options(arguments)
     with ExitStack() as opened:
         stopped = opened.enter_context(stop_signals())
-        sinks = [opened.enter_context(closing(sink)) for sink in _sinks(arguments, opened)]
+        statuses = StatusSink(STATUS_TOPIC)
+        metrics = ReceptionMetrics(statuses)
+        opened.enter_context(served_metrics(arguments.openmetrics, metrics.metrics))
+        sinks: list[Sink] = [opened.enter_context(closing(sink)) for sink in _sinks(arguments, opened)]
         end = opened.enter_context(open_operator_end(options, warn))
+        sending = None
+        if end.commands is not None:
+            sending = opened.enter_context(_sending(end.commands, arguments.output_topic))
+            sinks.append(sending)
         _say_where(options)
-        _receive(Reception(sinks), end.wait, stopped)
+        reception = Reception([*sinks, statuses])
+        looks = [] if arguments.openmetrics is None else [lambda: metrics.look(reception, end)]
+        _receive(reception, end.wait, stopped, looks, (lambda: sending.routes) if sending else tuple)
     return 0
+
+
+@contextmanager
+def _sending(commands: OutgoingCommands, pattern: str) -> Iterator[Sending]:
+    """What is sent, in a thread and with a node of its own: a disk that is slow delays no joystick."""
+    with open_robot(name=f"testudo_send_{os.getpid()}") as robot:
+        sending = Sending(
+            robot,
+            commands,
+            warn,
+            pattern=pattern,
+            own_nodes=lambda: {*testudo_nodes(robot), f"/{_receiving_node()}"},
+            clock=suspended_too_ns,
+        )
+        ended = threading.Event()
+
+        def run() -> None:
+            try:
+                sending.run(ended.is_set)
+            except Exception as error:  # noqa: BLE001 - whatever sending fails of, receiving goes on
+                warn(f"{said(error)}; nothing more is sent")
+
+        thread = threading.Thread(target=run, name="link-commands", daemon=True)
+        thread.start()
+        try:
+            yield sending
+        finally:
+            ended.set()
+            thread.join()
+            sending.close()
+
+
+def _receiving_node() -> str:
+    return f"testudo_receive_{os.getpid()}"
 
 
 def _options(arguments: argparse.Namespace) -> LinkOptions:
@@ -103,12 +171,13 @@ def _options(arguments: argparse.Namespace) -> LinkOptions:
         connect=tuple(arguments.connect),
         config_file=arguments.zenoh_config,
         insecure=arguments.insecure,
+        commands=command_topics(arguments.send, "--send"),
     )
 
 
 def _sinks(arguments: argparse.Namespace, opened: ExitStack) -> Iterator[Sink]:
     if not arguments.no_ros:
-        robot = opened.enter_context(open_robot(name=f"testudo_receive_{os.getpid()}"))
+        robot = opened.enter_context(open_robot(name=_receiving_node()))
         yield GraphSink(robot.data_path, warn, pattern=arguments.output_topic)
     if arguments.record is not None:
         yield RecordingSink(arguments.record, warn, time.time_ns, pattern=arguments.output_topic)
@@ -126,18 +195,28 @@ def _say_where(options: LinkOptions) -> None:
 
 
 def _receive(
-    reception: Reception, wait: Callable[[float], list[LinkEvent]], stopped: Callable[[], bool]
+    reception: Reception,
+    wait: Callable[[float], list[LinkEvent]],
+    stopped: Callable[[], bool],
+    looks: list[Callable[[], None]],
+    routes: Callable[[], Sequence[CommandRoute]],
 ) -> None:
+    """Receive until ``stopped``; once a second, call ``looks`` and show what arrives on a terminal."""
     with ExitStack() as opened:
-        show = opened.enter_context(open_screen()) if sys.stdout.isatty() else None
-        show_s = time.monotonic()
+        if sys.stdout.isatty():
+            show = opened.enter_context(open_screen())
+            looks.append(
+                lambda: show(reception_lines(reception, shutil.get_terminal_size().columns, routes()))
+            )
+        look_s = time.monotonic()
         while not stopped():
             for event in wait(_WAIT_S):
                 reception.take(event, time.monotonic_ns())
-            if show is not None and time.monotonic() >= show_s:
-                show_s = time.monotonic() + _SHOW_PERIOD_S
+            if looks and time.monotonic() >= look_s:
+                look_s = time.monotonic() + _LOOK_PERIOD_S
                 reception.look(time.monotonic_ns())
-                show(reception_lines(reception, shutil.get_terminal_size().columns))
+                for look in looks:
+                    look()
 
 
 def _port(text: str) -> int:

@@ -4,8 +4,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from smarttestudo.cli.top_table import Line, Look
 from smarttestudo.use_cases.receive.reception import ReceivedRobot, Reception
+from smarttestudo.use_cases.receive.sending import CommandRoute
 from smarttestudo.visualizer.table import Align, Column, Number, Row, Table, Text, plain_table, printable
 
 _COLUMNS = (
@@ -18,12 +21,29 @@ _COLUMNS = (
 )
 
 
-def reception_lines(reception: Reception, width: int | None = None) -> list[Line]:
-    """Each robot with its topics, as of the last look."""
+_SENT_COLUMNS = (
+    Column(heading="Sent topic", align=Align.LEFT),
+    Column(heading="Robot", align=Align.LEFT),
+    Column(heading="Sent"),
+    Column(heading="Dropped"),
+    Column(heading="Delivered"),
+    Column(heading="Too old"),
+    Column(heading="Age", unit="ms"),
+    Column(heading="State", align=Align.LEFT),
+)
+
+
+def reception_lines(
+    reception: Reception, width: int | None = None, routes: Sequence[CommandRoute] = ()
+) -> list[Line]:
+    """Each robot with its topics, as of the last look, and what is sent to them."""
     lines: list[Line] = []
     for name, robot in sorted(reception.robots.items()):
         lines += [Line("")] * bool(lines)
         lines += [_heading(name, robot), Line(""), *_topics(robot, width)]
+    if routes:
+        lines += [Line("")] * bool(lines)
+        lines += _sent(routes, width)
     return lines or [Line("Waiting for a robot: start 'testudo run --link' there.", Look.QUIET)]
 
 
@@ -56,3 +76,37 @@ def _topics(robot: ReceivedRobot, width: int | None) -> list[Line]:
     looks = [Look.HEADING] * heading_lines
     looks += [Look.STALE if topic.meter.is_silent else Look.PLAIN for _, topic in topics]
     return [Line(text, look) for text, look in zip(lines, looks, strict=True)]
+
+
+def _sent(routes: Sequence[CommandRoute], width: int | None) -> list[Line]:
+    rows = tuple(
+        Row(
+            cells=(
+                Text(route.source),
+                Text(route.boot.robot),
+                Number(route.counts.sent, decimals=0),
+                Number(_dropped(route), decimals=0),
+                Number(route.told.delivered, decimals=0),
+                Number(route.told.too_old, decimals=0),
+                Number(route.told.age_ms, decimals=0),
+                Text(route.problem or ""),
+            )
+        )
+        for route in routes
+    )
+    lines = plain_table(Table(title="", columns=_SENT_COLUMNS, rows=rows), width=width).split("\n")
+    looks = [Look.HEADING] * (len(lines) - len(routes))
+    looks += [_look(route) for route in routes]
+    return [Line(text, look) for text, look in zip(lines, looks, strict=True)]
+
+
+def _dropped(route: CommandRoute) -> int:
+    """Messages that never left, most of them because a newer one did."""
+    counts = route.counts
+    return counts.replaced + counts.expired + counts.too_large + route.suspect
+
+
+def _look(route: CommandRoute) -> Look:
+    if route.problem is None:
+        return Look.PLAIN
+    return Look.QUIET if route.is_quiet else Look.WARN

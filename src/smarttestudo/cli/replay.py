@@ -16,14 +16,17 @@ from smarttestudo.adapters.files.outputs import require_separate
 from smarttestudo.adapters.files.profile import load_profile
 from smarttestudo.adapters.files.rule_files import rule_files_named
 from smarttestudo.adapters.files.whole_file import whole_file
+from smarttestudo.adirf.rule_set import RuleSet
 from smarttestudo.cli.finding_text import print_findings
-from smarttestudo.cli.loop_options import add_rules
+from smarttestudo.cli.loop_options import add_rules, memory_mb
 from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.progress import progress
 from smarttestudo.cli.tables import print_table
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.errors import UsageError
+from smarttestudo.domain.incident import DEFAULT_INCIDENT_MEMORY_MB
 from smarttestudo.domain.json_text import json_text
+from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.recording import RecordingReader, Storage
 from smarttestudo.pacing.sample import WhenSlow
@@ -34,6 +37,7 @@ from smarttestudo.visualizer.comparison_tables import DECLARED
 from smarttestudo.visualizer.table import Align, Column, Number, Row, Table, Text
 
 if TYPE_CHECKING:
+    from smarttestudo.use_cases.replay.incidents import IncidentRequest
     from smarttestudo.use_cases.replay.outcome import ReplayOutcome
 
 
@@ -41,6 +45,11 @@ _TOPIC = Column(heading="Topic", align=Align.LEFT)
 _RATES_NOTE = (
     "Hz: (n − 1) / (last − first). Error: the mean against the lesser of target and source at each time. "
     "Target and error are weighted by time."
+)
+_BOUNDS_NOTE = (
+    "Bound and worst are in the property's unit: m, degrees, or the field's own. Worst is how far the "
+    "operator's picture was off after any message of the source; broken counts the messages after which it "
+    "was more than the bound."
 )
 _FRAMES_NOTE = "Transforms have the rate for each child frame, and so the means over the frames stand here."
 _DECLARED_NOTE = "declared: the size that the recording declares for its messages, not the one it holds."
@@ -64,6 +73,35 @@ def rates_table(outcome: ReplayOutcome) -> Table:
         ),
         rows=tuple(_rates(name, topic, repeats=repeats) for name, topic in outcome.topics.items()),
         footnotes=(_RATES_NOTE, _FRAMES_NOTE) if frames else (_RATES_NOTE,),
+    )
+
+
+def bounds_table(outcome: ReplayOutcome) -> Table:
+    """How each bound of the receiver's picture was kept."""
+    rows = tuple(
+        Row(
+            cells=(
+                Text(name),
+                Text(prop),
+                Number(one.bound, decimals=3),
+                Number(one.worst, decimals=3),
+                Number(one.broken, decimals=0),
+            )
+        )
+        for name, topic in outcome.topics.items()
+        for prop, one in topic.bounds.items()
+    )
+    return Table(
+        title="Bounds",
+        columns=(
+            _TOPIC,
+            Column(heading="Property", align=Align.LEFT),
+            Column(heading="Bound"),
+            Column(heading="Worst"),
+            Column(heading="Broken"),
+        ),
+        rows=rows,
+        footnotes=(_BOUNDS_NOTE,),
     )
 
 
@@ -121,7 +159,7 @@ def _volumes(in_kb: float, out_kb: float) -> tuple[Number, Number, Number]:
 
 
 EXIT_ERROR = 1
-_OUTPUTS = ("--output", "--decisions", "--report")
+_OUTPUTS = ("--output", "--decisions", "--report", "--incidents")
 
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -158,10 +196,32 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
         help="names of the relayed topics, as in '/testudo{topic}' (default: as they are)",
     )
     parser.add_argument(
+        "--predict",
+        metavar="TOPIC",
+        type=resolve_topic,
+        nargs="+",
+        default=(),
+        help="pace as if the operator's end reckoned these topics on (Odometry, transforms, joint states) "
+        "where it has no message; the recording holds what was sent",
+    )
+    parser.add_argument(
         "--decisions", metavar="FILE", type=file_path, help="write the decisions (JSON Lines)"
     )
     parser.add_argument(
         "--report", metavar="FILE", type=file_path, help="write a report that shows the replay (HTML)"
+    )
+    parser.add_argument(
+        "--incidents",
+        metavar="DIR",
+        type=file_path,
+        help="write what the rules record (Record), a folder for each incident, into this new folder",
+    )
+    parser.add_argument(
+        "--incident-memory",
+        metavar="MB",
+        type=memory_mb,
+        default=DEFAULT_INCIDENT_MEMORY_MB,
+        help="memory that the robot would have for what came before an incident (default: %(default)s)",
     )
     parser.add_argument("--json", action="store_true", help="print one JSON object instead of a table")
 
@@ -199,7 +259,7 @@ def _run_inputs(arguments: argparse.Namespace) -> int:
     """What a live run saw, decided anew."""
     from smarttestudo.use_cases.replay.inputs import replay_inputs  # noqa: PLC0415  see run
 
-    for option in ("rules", "output", "profile", "budget", "report"):
+    for option in ("rules", "output", "profile", "budget", "report", "incidents"):
         if getattr(arguments, option) is not None:
             cause = f"{arguments.bag} holds recorded inputs, which come with their own rules"
             raise UsageError(cause, place=f"--{option}", remedy="leave it out")
@@ -252,14 +312,40 @@ def _replay(
                     storage=Storage(arguments.storage),
                     output_topic=arguments.output_topic,
                     budget_kb_per_s=arguments.budget,
+                    predict=_predicted(arguments.predict, rules.rule_set),
                     decided=decided,
                     report=report,
+                    incidents=_incidents(arguments, rules),
                 )
             )
         replaying.close()
         if arguments.report is not None:
             write_report(_report(arguments, outcome, decisions, profile, rules))
         return outcome
+
+
+def _predicted(topics: Sequence[str], rule_set: RuleSet) -> frozenset[str]:
+    """The topics to reckon. Raises ``UsageError`` for one that is not relayed."""
+    for topic in topics:
+        if topic not in rule_set.relayed:
+            raise UsageError(
+                f"no rule relays {topic}",
+                place="--predict",
+                remedy="name topics of a SetFrequency or KeepAtLeast",
+            )
+    return frozenset(topics)
+
+
+def _incidents(arguments: argparse.Namespace, rules: LoadedRules) -> IncidentRequest | None:
+    from smarttestudo.use_cases.replay.incidents import IncidentRequest  # noqa: PLC0415  see run
+
+    if arguments.incidents is None:
+        return None
+    return IncidentRequest(
+        folder=arguments.incidents,
+        rules_sha256=rules.in_force.sha256,
+        memory_mb=arguments.incident_memory,
+    )
 
 
 def _report(
@@ -291,10 +377,15 @@ def _print(outcome: ReplayOutcome, *, as_json: bool) -> None:
     if as_json:
         print(json_text(outcome.to_json()))  # noqa: T201
     else:
-        for table in (rates_table(outcome), volume_table(outcome)):
+        tables = [rates_table(outcome), volume_table(outcome)]
+        if any(topic.bounds for topic in outcome.topics.values()):
+            tables.insert(1, bounds_table(outcome))
+        for table in tables:
             print_table(table)
             print()  # noqa: T201
         decisions = "decision" if outcome.decisions == 1 else "decisions"
         print(f"{outcome.decisions:,} {decisions} in {outcome.wall_seconds:.1f} s")  # noqa: T201
+        for name in outcome.incidents:
+            print(f"incident {name}")  # noqa: T201
     for notice in outcome.notices:
         print(f"note: {notice}", file=sys.stderr)  # noqa: T201

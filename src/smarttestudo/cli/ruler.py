@@ -7,9 +7,13 @@ from __future__ import annotations
 import argparse
 import threading
 import webbrowser
+from functools import partial
 from pathlib import Path
 
 from smarttestudo.adapters.files.project_folder import ProjectFolder
+from smarttestudo.adapters.ros import open_graph_robots
+from smarttestudo.adapters.zenoh import open_link_robots
+from smarttestudo.cli.link_options import add_connect, connect_options, warn
 from smarttestudo.cli.paths import file_path
 from smarttestudo.domain.errors import RuleFileError
 
@@ -37,6 +41,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         "--port", type=_port, default=DEFAULT_PORT, help="0 takes a free one (default: %(default)s)"
     )
     parser.add_argument("--no-browser", action="store_true", help="do not open the page in a browser")
+    add_connect(parser)
     parser.set_defaults(run=run)
 
 
@@ -51,14 +56,20 @@ def _port(text: str) -> int:
 
 def run(arguments: argparse.Namespace) -> int:
     """Serve until Ctrl-C."""
+    from smarttestudo.use_cases.ruler.robot_link import OpenRobots  # noqa: PLC0415
     from smarttestudo.web.guard import ServerAddress  # noqa: PLC0415  needs packages a robot lacks
     from smarttestudo.web.page import is_page_built  # noqa: PLC0415
     from smarttestudo.web.server import serve  # noqa: PLC0415
 
     path: Path = arguments.path
+    options = connect_options(arguments)
     if not path.is_dir() and path.parent.is_dir() is False:
         raise RuleFileError("there is no such folder", place=str(path.parent), remedy="check the path")
     folder = path if path.is_dir() else path.parent
+
+    open_robots: OpenRobots = partial(open_graph_robots, "testudo_ruler")
+    if options is not None:
+        open_robots = partial(open_link_robots, options, warn)
 
     def started(access: ServerAddress) -> None:
         print(f"ADIRF Ruler of {folder.resolve()}: {access.url} (Ctrl-C ends it)", flush=True)  # noqa: T201
@@ -70,6 +81,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     serve(
         ProjectFolder(folder),
+        open_robots,
         host=arguments.host,
         port=arguments.port,
         opened=None if path.is_dir() else path.name,

@@ -17,14 +17,17 @@ from smarttestudo.adapters.ros import open_robot
 from smarttestudo.adapters.zenoh import open_robot_end
 from smarttestudo.cli.link_options import add_link, link_options, warn
 from smarttestudo.cli.loop_options import add_output_domain, add_ros_arguments, add_rules, output_domain
+from smarttestudo.cli.metrics_options import add_openmetrics, served_metrics
 from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.terminal import stop_signals
+from smarttestudo.domain.command import command_topics
 from smarttestudo.domain.names import TOPIC_PLACEHOLDER, is_topic_prefix
 from smarttestudo.domain.parameter import ParameterValue
 from smarttestudo.domain.robot import DataPathKind
 from smarttestudo.use_cases.live.decisions import Decided
 from smarttestudo.use_cases.live.output_topics import DEFAULT_OUTPUT_TOPIC
 from smarttestudo.use_cases.live.run import run_live
+from smarttestudo.use_cases.live.run_metrics import RunMetrics
 from smarttestudo.use_cases.live.run_parameters import RunParameters, RunRequest
 
 
@@ -71,6 +74,7 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
         type=file_path,
         help="record the inputs of the loop in a new folder; 'testudo replay DIR' repeats the decisions",
     )
+    add_openmetrics(parser)
     add_link(parser)
     add_ros_arguments(parser)
 
@@ -86,7 +90,9 @@ def run(arguments: argparse.Namespace) -> int:
     """Relay until a signal comes."""
     with ExitStack() as opened:
         stopped = opened.enter_context(stop_signals())
-        options = link_options(arguments)
+        watched = RunMetrics(_robot_name(arguments.robot))
+        opened.enter_context(served_metrics(arguments.openmetrics, watched.metrics))
+        options = link_options(arguments, command_topics(arguments.accept, "--accept"))
         link = None
         if options is not None:
             link = opened.enter_context(open_robot_end(_robot_name(arguments.robot), options, warn))
@@ -101,13 +107,22 @@ def run(arguments: argparse.Namespace) -> int:
         )
         parameters = RunParameters(robot, _given(arguments))
         _require_separate(parameters.request)
-        decided: list[Decided] = []
+        decided: list[Decided] = [watched.note_decisions]
         if parameters.request.decisions is not None:
             decided.append(opened.enter_context(growing_decision_log(parameters.request.decisions)))
         note = None
         if parameters.request.record_inputs is not None:
             note = opened.enter_context(input_log(parameters.request.record_inputs))
-        run_live(parameters, robot, stopped, decided, note=note, link=link)
+        run_live(
+            parameters,
+            robot,
+            stopped,
+            decided,
+            note=note,
+            link=link,
+            commands=None if link is None else link.commands,
+            told=watched.note_status,
+        )
     return 0
 
 

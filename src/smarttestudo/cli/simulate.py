@@ -25,6 +25,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     add_simulation(
         parser,
         full_images_help="publish the raw camera, and whole compressed frames: about 190 MB each second",
+        medium_images_help="compressed frames of 960 x 540 pixels, about 100 KB each",
     )
     add_ros_arguments(parser)
     parser.set_defaults(run=run)
@@ -33,16 +34,16 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 def run(arguments: argparse.Namespace) -> int:
     """Drive until done or a signal comes."""
     with stop_signals() as stopped, open_robot([*NODE, *arguments.ros_args]) as robot:
-        from smarttestudo.use_cases.demo.simulate import (  # noqa: PLC0415  needs packages a robot lacks
-            SimulateRequest,
-            simulate,
-        )
+        # These need packages that a robot lacks.
+        from smarttestudo.simulation.camera import FrameSize  # noqa: PLC0415
+        from smarttestudo.use_cases.demo.simulate import SimulateRequest, simulate  # noqa: PLC0415
 
+        frames = FrameSize.FULL if arguments.full_images else FrameSize.SMALL
         simulate(
             SimulateRequest(
                 seconds=arguments.seconds,
                 seed=arguments.seed,
-                full_images=arguments.full_images,
+                frames=FrameSize.MEDIUM if arguments.medium_images else frames,
             ),
             robot,
             stopped,

@@ -1,11 +1,10 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""``testudo top``: the status of the SmartTestudo nodes of a ROS graph."""
+"""``testudo top``: the status of the SmartTestudo nodes of a ROS graph, or of robots over a link."""
 
 from __future__ import annotations
 
 import argparse
-import os
 import shutil
 import sys
 import time
@@ -13,7 +12,10 @@ from collections.abc import Callable
 from contextlib import ExitStack
 
 from smarttestudo.adapters.json.status import status_to_json
-from smarttestudo.adapters.ros import open_robot
+from smarttestudo.adapters.ros import open_graph_robots
+from smarttestudo.adapters.zenoh import open_link_robots
+from smarttestudo.cli.link_options import add_connect, connect_options, warn
+from smarttestudo.cli.robots import wait_for_all
 from smarttestudo.cli.terminal import add_timeout, key_presses, stop_signals
 from smarttestudo.cli.top_table import (
     Line,
@@ -24,10 +26,9 @@ from smarttestudo.cli.top_table import (
     summary_lines,
     topic_lines,
 )
-from smarttestudo.domain.errors import RosError, UsageError
+from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.json_text import json_text
-from smarttestudo.domain.robot import Robot
-from smarttestudo.use_cases.live.status_topics import STATUS_TOPIC, StatusWatch
+from smarttestudo.domain.remote_robots import RemoteRobots
 
 _SHOW_PERIOD_S = 1.0
 _WAIT_S = 0.1
@@ -51,6 +52,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.add_argument("--once", action="store_true", help="show one table and end")
     parser.add_argument("--json", action="store_true", help="with --once: everything, as one JSON object")
     add_timeout(parser, "with --once: how long to wait for a SmartTestudo node")
+    add_connect(parser)
     parser.set_defaults(run=run)
 
 
@@ -60,46 +62,35 @@ def run(arguments: argparse.Namespace) -> int:
         raise UsageError("--json goes with --once only", place="--json", remedy="add --once")
     with ExitStack() as opened:
         stopped = opened.enter_context(stop_signals())
-        robot = opened.enter_context(open_robot(name=f"testudo_top_{os.getpid()}"))
-        watch = StatusWatch(robot, time.monotonic)
+        options = connect_options(arguments)
+        robots: RemoteRobots = opened.enter_context(
+            open_graph_robots("testudo_top") if options is None else open_link_robots(options, warn)
+        )
         if arguments.once:
-            _wait_for_all(watch, robot, stopped, arguments.timeout)
-            _print_once(watch, arguments)
+            wait_for_all(robots, stopped, arguments.timeout)
+            _print_once(robots, arguments)
         else:
-            _show(watch, robot, stopped, SortKey(arguments.sort))
+            _show(robots, stopped, SortKey(arguments.sort))
     return 0
 
 
-def _wait_for_all(watch: StatusWatch, robot: Robot, stopped: Callable[[], bool], timeout_s: float) -> None:
-    end_s = time.monotonic() + timeout_s
-    while not watch.has_heard_all and time.monotonic() < end_s and not stopped():
-        robot.wait(None, _WAIT_S)
-    if not watch.heard:
-        cause = "no readable status was received" if watch.unreadable else "no status was received"
-        raise RosError(
-            f"{cause} within {timeout_s:g} s",
-            place=STATUS_TOPIC,
-            remedy="start `testudo run`, in this version and with the same ROS_DOMAIN_ID",
-        )
-
-
-def _print_once(watch: StatusWatch, arguments: argparse.Namespace) -> None:
+def _print_once(robots: RemoteRobots, arguments: argparse.Namespace) -> None:
     if arguments.json:
-        nodes = {node: status_to_json(heard.status) for node, heard in sorted(watch.heard.items())}
+        nodes = {node: status_to_json(heard.status) for node, heard in sorted(robots.heard.items())}
         sys.stdout.write(json_text({"nodes": nodes}, ascii_only=False, indent=2) + "\n")
     else:
-        print_lines(_lines(watch, SortKey(arguments.sort), _width()))
+        print_lines(_lines(robots, SortKey(arguments.sort), _width()))
 
 
-def _show(watch: StatusWatch, robot: Robot, stopped: Callable[[], bool], sort: SortKey) -> None:
+def _show(robots: RemoteRobots, stopped: Callable[[], bool], sort: SortKey) -> None:
     with key_presses() as pressed, open_screen() as show:
         show_s, shown = time.monotonic(), [Line("")]
         while not stopped() and "q" not in pressed():
-            robot.wait(None, _WAIT_S)
+            robots.wait(_WAIT_S)
             if time.monotonic() < show_s:
                 continue
             show_s = time.monotonic() + _SHOW_PERIOD_S
-            lines = _lines(watch, sort, _width())
+            lines = _lines(robots, sort, _width())
             if lines != shown:
                 show(lines)
                 shown = lines
@@ -110,15 +101,18 @@ def _width() -> int | None:
     return shutil.get_terminal_size().columns if sys.stdout.isatty() else None
 
 
-def _lines(watch: StatusWatch, sort: SortKey, width: int | None) -> list[Line]:
+def _lines(robots: RemoteRobots, sort: SortKey, width: int | None) -> list[Line]:
     lines: list[Line] = []
-    for _, heard in sorted(watch.heard.items()):
+    for _, heard in sorted(robots.heard.items()):
         silent_s = time.monotonic() - heard.heard_s
         lines += [Line("")] * bool(lines)
-        lines += summary_lines(heard.status, silent_s=silent_s if silent_s > _LOST_AFTER_S else None)
+        is_silent = silent_s > _LOST_AFTER_S or not heard.is_present
+        lines += summary_lines(heard.status, silent_s=silent_s if is_silent else None)
         lines += [Line(""), *topic_lines(heard.status, sort, width)]
     if not lines:
-        lines = [Line(f"Waiting for a status on {STATUS_TOPIC} …", Look.QUIET)]
-    if watch.unreadable:
-        lines.append(Line(f"{watch.unreadable} statuses of another version could not be read", Look.WARN))
+        lines = [Line(f"Waiting for a status at {robots.place} …", Look.QUIET)]
+    if robots.problem:
+        lines.append(Line(robots.problem, Look.ERROR))
+    if robots.unreadable:
+        lines.append(Line(f"{robots.unreadable} statuses of another version could not be read", Look.WARN))
     return lines

@@ -15,7 +15,7 @@ from pathlib import Path
 
 from smarttestudo.cli.tables import is_unicode, write_text
 from smarttestudo.domain.decision import Reason
-from smarttestudo.domain.link_state import LinkState
+from smarttestudo.domain.link_state import AcceptedTopic, LinkState
 from smarttestudo.domain.status import DiagnosticLevel, RuntimeStatus, Silence, TopicStatus
 from smarttestudo.domain.units import counted
 from smarttestudo.use_cases.live.diagnostics import topic_health
@@ -82,11 +82,15 @@ _MEASURES: dict[SortKey, Callable[[TopicStatus], float | None]] = {
 
 
 def summary_lines(status: RuntimeStatus, *, silent_s: float | None = None) -> list[Line]:
-    """The runtime itself and the link; ``silent_s`` is the time without a status, if it is too long."""
+    """The runtime itself, the link and what is accepted of operators.
+
+    ``silent_s`` is the time without a status, if it is too long.
+    """
     return [
         Line(_runtime(status), Look.HEADING),
         Line(_link(status), Look.ERROR if status.floors_break_budget else Look.PLAIN),
         *([Line("No valid rules: everything is relayed at full rate.", Look.WARN)] * status.is_fallback),
+        *(Line(_accepted(topic), Look.WARN if topic.problem else Look.PLAIN) for topic in status.accepted),
         *([] if silent_s is None else [Line(f"No status received for {silent_s:.0f} s.", Look.STALE)]),
     ]
 
@@ -114,7 +118,7 @@ def topic_lines(status: RuntimeStatus, sort: SortKey, width: int | None = None) 
 def _runtime(status: RuntimeStatus) -> str:
     rules = ", ".join(Path(path).name for path in status.rules.paths) or "no rules"
     return printable(
-        f"{status.node}   {rules}   up {timedelta(seconds=int(status.uptime_s))}"
+        f"{status.robot_id}   {rules}   up {timedelta(seconds=int(status.uptime_s))}"
         f"   CPU {format_number(status.cpu_percent, 1)} %   {format_number(status.memory_mb, 0)} MB"
     )
 
@@ -140,6 +144,19 @@ def _capacity(link: LinkState | None) -> str:
     capacity = "not the limit" if link.capacity_kb_per_s is None else f"{link.capacity_kb_per_s:,.1f} KB/s"
     trip = "" if link.round_trip_ms is None else f", round trip {link.round_trip_ms:.0f} ms"
     return f"   link: {capacity}{trip}, {counted(link.outages, 'outage')}"
+
+
+def _accepted(topic: AcceptedTopic) -> str:
+    """How a topic does that operators send."""
+    if topic.problem is not None:
+        return printable(f"accepts {topic.topic}: {topic.problem}")
+    if topic.type_name is None:
+        return printable(f"accepts {topic.topic}: no node subscribes to it")
+    age = "" if topic.age_ms is None else f", the last {topic.age_ms:.0f} ms old"
+    return printable(
+        f"accepts {topic.topic}: {topic.delivered:,} delivered, {topic.too_old:,} too old, "
+        f"{topic.refused:,} refused{age}"
+    )
 
 
 def _sorted(status: RuntimeStatus, sort: SortKey) -> list[tuple[str, TopicStatus]]:

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 from typing import Any
 
@@ -29,22 +29,25 @@ class Reason(Enum):
 class PlannedRate:
     """The rate of one topic in a plan, with its reason.
 
-    ``rule`` and ``line`` name the deciding block; both are ``None`` where no block decided.
+    ``rule`` and ``line`` name the deciding block; both are ``None`` where no block decided. ``within`` are
+    the bounds of the receiver's picture, by property.
     """
 
     rate: Rate
     reason: Reason
     rule: str | None = None
     line: int | None = None
+    within: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Decision:
-    """One change of a plan: another rate, or another deciding block.
+    """One change of a plan: another rate, other bounds, or another deciding block.
 
     ``t_s`` counts from the loop's start. ``values`` holds what the deciding condition read, by signal
     name; unknown values are ``None``. ``from_rate`` is ``None`` on the first decision of a topic. ``is_end``:
-    other rules came that do not relay the topic; its planned rate is 0 then.
+    other rules came that do not relay the topic; its planned rate is 0 then. ``from_within`` are the bounds
+    before.
     """
 
     t_s: float
@@ -54,6 +57,7 @@ class Decision:
     planned: PlannedRate
     values: Mapping[str, float | None]
     is_end: bool = False
+    from_within: Mapping[str, float] = field(default_factory=dict)
 
     def to_json(self) -> dict[str, object]:
         """The object of one line of the decisions file."""
@@ -72,11 +76,14 @@ class Decision:
             record["start"] = True
         if self.is_end:
             record["end"] = True
+        if self.from_within != self.planned.within:
+            record["from_within"] = dict(self.from_within)
+            record["to_within"] = dict(self.planned.within)
         return record
 
     @staticmethod
     def from_json(record: Mapping[str, Any]) -> Decision:
-        """The decision that ``to_json`` gave ``record`` for.
+        """The decision that ``to_json`` gave ``record`` for; bounds that did not change are left out.
 
         Raises ``ValueError``, ``TypeError`` or ``LookupError`` where it gave it for none.
         """
@@ -91,9 +98,15 @@ class Decision:
                 reason=Reason(record["reason"]),
                 rule=record["rule"],
                 line=record["line"],
+                within=_bounds(record.get("to_within", {})),
             ),
             values={
                 str(name): None if value is None else float(value) for name, value in record["values"].items()
             },
             is_end=bool(record.get("end", False)),
+            from_within=_bounds(record.get("from_within", {})),
         )
+
+
+def _bounds(record: Mapping[str, Any]) -> dict[str, float]:
+    return {str(name): float(bound) for name, bound in record.items()}

@@ -9,7 +9,9 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from smarttestudo.domain.link_state import LinkState, StreamCounts
+from smarttestudo.domain.questions import Asked
 from smarttestudo.domain.robot import Publisher, Qos
+from smarttestudo.domain.status import RuntimeStatus
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,6 +65,20 @@ class OutgoingLink(Protocol):
 
     def follow(self, needs: Mapping[str, LinkNeeds]) -> None:
         """Serve topics so from now on."""
+
+    def tell(self, status: RuntimeStatus) -> None:
+        """Have everyone who watches receive this status."""
+
+    def take_question(self) -> Asked | None:
+        """The next question that waits for an answer."""
+
+    @property
+    def robot(self) -> str:
+        """The robot's name."""
+
+    @property
+    def is_watched(self) -> bool:
+        """Whether somebody receives statuses."""
 
     @property
     def state(self) -> LinkState:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""How a link to an operator does, as the robot's end knows it."""
+"""How a link to an operator does, as the robot's end knows it, and what comes of the operator."""
 
 from __future__ import annotations
 
@@ -43,4 +43,23 @@ class TopicOnLink:
     """
 
     counts: StreamCounts
+    age_ms: float | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AcceptedTopic:
+    """A topic that a robot accepts, as the robot's end knows it.
+
+    ``type_name`` is what the robot's own nodes subscribe with, ``None`` where none does or ``problem`` says
+    why nothing is delivered. Of the messages that were ``received``, some were ``delivered``, some
+    ``too_old`` and some ``refused``. ``age_ms`` is how old the last one was when it arrived, at most.
+    """
+
+    topic: str
+    type_name: str | None = None
+    problem: str | None = None
+    received: int = 0
+    delivered: int = 0
+    too_old: int = 0
+    refused: int = 0
     age_ms: float | None = None

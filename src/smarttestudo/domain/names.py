@@ -11,6 +11,8 @@ from smarttestudo.domain.errors import UsageError
 _PART = r"[A-Za-z_][A-Za-z0-9_]*"
 _TOPIC = re.compile(rf"(?:~/?|/)?(?:{_PART})(?:/{_PART})*\Z")
 MAX_NAME_LENGTH = 255
+STATUS_TOPIC = "/testudo/status"
+DECISIONS_TOPIC = "/testudo/decisions"
 TOPIC_PLACEHOLDER = "{topic}"
 ROBOT_PLACEHOLDER = "{robot}"
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Protocol
 
-from smarttestudo.domain.errors import RosError
+from smarttestudo.domain.errors import RosError, TestudoError
 
 ParameterValue = bool | int | float | str | tuple[str, ...] | None
 """``None`` is a parameter that is not set. ROS has more types; a value of those comes as text."""
@@ -42,16 +42,16 @@ class Parameter:
 
 
 Values = Mapping[str, ParameterValue]
-Got = Callable[[Values | RosError], None]
+Got = Callable[[Values | TestudoError], None]
 """Takes the values of parameters, or why there are none."""
 
 Refusals = Mapping[str, str]
-WasSet = Callable[[Refusals | RosError], None]
+WasSet = Callable[[Refusals | TestudoError], None]
 """Takes the parameters that the node refused to set with its reasons, or why nothing is known of it."""
 
 
 class SilentNodeError(RosError):
-    """A node that does not answer: it never was there, it is gone, or it cannot be reached."""
+    """A node or a robot that does not answer: it never was there, it is gone, or it cannot be reached."""
 
 
 class RemoteParameters(Protocol):

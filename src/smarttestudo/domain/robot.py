@@ -9,7 +9,14 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Protocol
 
-from smarttestudo.domain.parameter import Accept, Parameter, ParameterValue, RemoteParameters
+from smarttestudo.domain.parameter import (
+    Accept,
+    Parameter,
+    ParameterValue,
+    Refusals,
+    RemoteParameters,
+    Values,
+)
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.status import Diagnostic
 
@@ -197,6 +204,12 @@ class Robot(Protocol):
     def subscriber_count(self, topic: str) -> int:
         """How many subscribers ``subscribers`` would find, for a fraction of its cost."""
 
+    def own_subscribers(self, topic: str) -> Sequence[Endpoint]:
+        """Which of the robot's own nodes subscribe to ``topic`` now, as far as discovered."""
+
+    def own_publisher(self, topic: str, type_name: str, qos: Qos) -> Publisher:
+        """What publishes on ``topic`` among the robot's own nodes, from any thread. Raises ``RosError``."""
+
     def topics(self) -> Mapping[str, Sequence[str]]:
         """The types of each topic that somebody publishes or subscribes to, by its full name."""
 
@@ -206,8 +219,11 @@ class Robot(Protocol):
     def diagnostics_publisher(self, topic: str) -> Callable[[Sequence[Diagnostic]], None]:
         """What sends a diagnostic_msgs/msg/DiagnosticArray on ``topic``; both may raise ``RosError``."""
 
-    def text_publisher(self, topic: str, qos: Qos) -> Callable[[str], None]:
-        """What sends a std_msgs/msg/String on ``topic``; both may raise ``RosError``."""
+    def text_publisher(self, topic: str, qos: Qos, *, goes_over_link: bool = True) -> Callable[[str], None]:
+        """What sends a std_msgs/msg/String on ``topic``; both may raise ``RosError``.
+
+        It also goes over a link, if there is one, unless not ``goes_over_link``.
+        """
 
     def steady_ns(self) -> int:
         """Time that only goes forward, from an unknown start."""
@@ -220,6 +236,12 @@ class Robot(Protocol):
 
     def show(self, name: str, value: ParameterValue) -> None:
         """Give a parameter another value without asking ``accept``."""
+
+    def parameters(self, names: Sequence[str]) -> Values:
+        """The values of declared parameters; ``None`` for others."""
+
+    def set_parameters(self, values: Values) -> Refusals:
+        """Set declared parameters as somebody on the graph may, each by itself; why some were refused."""
 
     def offer_trigger(self, name: str, act: Callable[[], str]) -> None:
         """Offer a std_srvs/srv/Trigger service. Raises ``RosError``.

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from enum import Enum, IntEnum
 
 from smarttestudo.domain.decision import Reason
-from smarttestudo.domain.link_state import LinkState, TopicOnLink
+from smarttestudo.domain.link_state import AcceptedTopic, LinkState, TopicOnLink
 from smarttestudo.domain.signal import Truth
 
 
@@ -28,13 +28,17 @@ class CheckStatus:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BlockStatus:
-    """The condition of one If, at its place in the rule file number ``file``, with its checks in order."""
+    """The condition of one If, at its place in the rule file number ``file``, with its checks in order.
+
+    ``held_s`` is for how long its state has been the same, ``None`` where that is not told.
+    """
 
     file: int
     line: int
     column: int
     state: Truth
     checks: tuple[CheckStatus, ...]
+    held_s: float | None = None
 
 
 class DiagnosticLevel(IntEnum):
@@ -166,6 +170,7 @@ class TopicStatus:
 class RuntimeStatus:
     """All of a runtime: its node, its rules, the link, itself, and its topics by source.
 
+    ``robot`` is the robot's name on its link, empty without one; nodes of several robots may be called alike.
     ``stamp_ns`` is the node's clock, ``uptime_s`` real time since the start, ``cpu_percent`` of one core
     over the last second, ``memory_mb`` what is resident. ``status_hz`` is how often a status comes,
     ``blocks`` has the states of the conditions.
@@ -184,6 +189,14 @@ class RuntimeStatus:
     blocks: tuple[BlockStatus, ...] = ()
     link: LinkState | None = None
     """The link to an operator's end, if there is one."""
+    robot: str = ""
+    accepted: tuple[AcceptedTopic, ...] = ()
+    """The topics that are accepted of operators."""
+
+    @property
+    def robot_id(self) -> str:
+        """What tells its runtime from those of other robots: ``ada:/smarttestudo``, or the node alone."""
+        return f"{self.robot}:{self.node}" if self.robot else self.node
 
     @property
     def in_kb_per_s(self) -> float:

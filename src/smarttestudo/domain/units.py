@@ -7,8 +7,10 @@ from __future__ import annotations
 from datetime import datetime, timedelta, timezone
 
 NS_PER_S = 1_000_000_000
+NS_PER_MS = 1_000_000
 BYTES_PER_KB = 1000
-
+BITS_PER_BYTE = 8
+BYTES_PER_MB = 1_000_000
 
 LAST_STAMP_NS = 2**63 - 1
 """The latest time that ROS and recordings can represent, in the year 2262."""

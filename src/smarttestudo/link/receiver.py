@@ -4,14 +4,14 @@
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 
 from smarttestudo.domain.errors import LinkError
 from smarttestudo.domain.link import ReceivedMessage, StreamInfo
-from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
 from smarttestudo.link.chunks import CONTROL_STREAM, MAX_MESSAGE_BYTES, Chunk, Reassembler
+from smarttestudo.link.least import CLOCK_WINDOW_NS, LeastOfWindow
 from smarttestudo.link.reports import Announcement, Report, read_control_message
 from smarttestudo.link.window import ACKNOWLEDGE_PERIOD_NS
 
@@ -20,28 +20,10 @@ KEEP_ALIVE_NS = NS_PER_S // 2
 LATE_AFTER_NS = NS_PER_S
 """A chunk that was under way for so long, and four round trips, met an outage."""
 
-_NS_PER_MS = 1_000_000
 _AGES_PERIOD_NS = NS_PER_S
-_CLOCK_WINDOW_NS = 60 * NS_PER_S
 
 Decompress = Callable[[bytes, int], bytes]
 """Makes the payload of what travelled compressed, at most so many bytes. Raises ``LinkError``."""
-
-
-class _LeastOffset:
-    """The least difference of the two clocks at the arrival of chunks of the last minute."""
-
-    def __init__(self) -> None:
-        self._least: deque[tuple[int, int]] = deque()
-
-    def add(self, offset_ns: int, now_ns: int) -> int:
-        """The least offset, this one included."""
-        while self._least and self._least[0][0] < now_ns - _CLOCK_WINDOW_NS:
-            self._least.popleft()
-        while self._least and self._least[-1][1] >= offset_ns:
-            self._least.pop()
-        self._least.append((now_ns, offset_ns))
-        return self._least[0][1]
 
 
 @dataclass(slots=True)
@@ -75,7 +57,7 @@ class LinkReceiver:
         self._session = 0
         self._session_bytes = 0
         self._parts = Reassembler()
-        self._offset = _LeastOffset()
+        self._offset = LeastOfWindow(CLOCK_WINDOW_NS)
         self._round_trip_ns = 0
         self._newest: dict[int, int] = {}
         self._ages_ms: dict[int, float] = {}
@@ -138,7 +120,7 @@ class LinkReceiver:
     def _control(self, data: bytes) -> Announcement | None:
         said = read_control_message(data)
         if not isinstance(said, Announcement):
-            self._round_trip_ns = int(said.round_trip_ms * _NS_PER_MS)
+            self._round_trip_ns = int(said.round_trip_ms * NS_PER_MS)
             return None
         known = self.streams.get(said.stream)
         if known == said.info:
@@ -164,7 +146,7 @@ class LinkReceiver:
         self._newest[chunk.stream] = chunk.number
         self.counts.messages += 1
         age_ns = chunk.sent_ns - chunk.offered_ns + transit_ns + self._round_trip_ns // 2
-        self._ages_ms[chunk.stream] = max(age_ns, 0) / _NS_PER_MS
+        self._ages_ms[chunk.stream] = max(age_ns, 0) / NS_PER_MS
         return ReceivedMessage(
             robot=self.robot,
             stream=info,

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 from smarttestudo.domain.link import LinkNeeds, StreamInfo
 from smarttestudo.domain.link_state import LinkState, StreamCounts
-from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
+from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_MS, NS_PER_S
 from smarttestudo.link.chunks import CONTROL_STREAM, HEADER_BYTES, MAX_STREAMS
 from smarttestudo.link.outbox import Encode, Encoded, Outbox, plain
 from smarttestudo.link.reports import Announcement, Report, RoundTrip, control_message
@@ -23,7 +23,6 @@ FIRST_STALLED_AFTER_NS = 15 * NS_PER_S
 """The same for the first bytes, which may be many for a link of which nothing is known."""
 BUDGET_PERIOD_NS = NS_PER_S // 4
 
-_NS_PER_MS = 1_000_000
 _KEPT_SHARE = 0.99
 """How much an earlier message counts beside the newest: about the last hundred say what compression saves."""
 _LAST_SESSION = 2**32 - 1
@@ -157,7 +156,7 @@ class LinkSender:
         return LinkState(
             is_connected=self.is_connected(now_ns),
             capacity_kb_per_s=window.capacity_bytes_per_s / BYTES_PER_KB if window.is_measured else None,
-            round_trip_ms=None if window.round_trip_ns is None else window.round_trip_ns / _NS_PER_MS,
+            round_trip_ms=None if window.round_trip_ns is None else window.round_trip_ns / NS_PER_MS,
             outages=self._outages,
         )
 
@@ -233,5 +232,5 @@ class LinkSender:
         trip_ns = self._window.round_trip_ns
         if trip_ns is not None and now_ns - self._trip_said_ns >= NS_PER_S:
             self._trip_said_ns = now_ns
-            said = RoundTrip(round_trip_ms=trip_ns / _NS_PER_MS)
+            said = RoundTrip(round_trip_ms=trip_ns / NS_PER_MS)
             self._outbox.offer(CONTROL_STREAM, control_message(said), now_ns)

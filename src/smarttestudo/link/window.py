@@ -13,22 +13,21 @@ from __future__ import annotations
 from collections import deque
 from dataclasses import dataclass
 
-from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
 
 ACKNOWLEDGE_PERIOD_NS = 20_000_000
 """How often the other end says what it has received, while something comes."""
 START_BYTES_PER_S = 40_000.0
 """What is assumed of a link of which nothing is known."""
 
-_MS = 1_000_000
-_SAMPLE_NS = 200 * _MS
+_SAMPLE_NS = 200 * NS_PER_MS
 """The length of time over which the delivered rate is measured; all samples are alike."""
-_RATE_WINDOW_NS = 1_500 * _MS
+_RATE_WINDOW_NS = 1_500 * NS_PER_MS
 _TRIP_WINDOW_NS = 10 * NS_PER_S
 _DRAIN_AFTER_NS = 5 * NS_PER_S
 """A least round trip that was not seen again for so long is looked for with a nearly empty link."""
-_DRAIN_NS = 200 * _MS
-_ALLOWANCE_NS = ACKNOWLEDGE_PERIOD_NS + 10 * _MS
+_DRAIN_NS = 200 * NS_PER_MS
+_ALLOWANCE_NS = ACKNOWLEDGE_PERIOD_NS + 10 * NS_PER_MS
 """Bytes that have arrived are under way until the next acknowledgement."""
 _LEAST_WINDOW_BYTES = 3_000
 _CHUNK_S = 0.02
@@ -39,7 +38,7 @@ _FALL = 0.7
 _RISE = 1.15
 _GROW_GAIN = 2.0
 _PROBE_GAIN = 1.25
-_FIRST_TRIP_NS = 50 * _MS
+_FIRST_TRIP_NS = 50 * NS_PER_MS
 
 
 @dataclass(slots=True)
@@ -122,7 +121,7 @@ class Window:
     @property
     def _has_queue(self) -> bool:
         """Whether the last round trip took so long that bytes of ours, or of others, wait on the link."""
-        return self._last_trip_ns > 2 * (self.round_trip_ns or _FIRST_TRIP_NS) + 40 * _MS
+        return self._last_trip_ns > 2 * (self.round_trip_ns or _FIRST_TRIP_NS) + 40 * NS_PER_MS
 
     def limited(self) -> None:
         """There is more to send than there is room for."""
@@ -164,7 +163,7 @@ class Window:
         while self._trips and self._trips[0][0] < now_ns - _TRIP_WINDOW_NS:
             self._trips.popleft()
         least_ns = self.round_trip_ns
-        if least_ns is None or trip_ns <= least_ns * 1.1 + 2 * _MS:
+        if least_ns is None or trip_ns <= least_ns * 1.1 + 2 * NS_PER_MS:
             self._least_seen_ns = now_ns
         # Increasing in both: the first is the least, and each is the least after those before it are gone.
         while self._trips and self._trips[-1][1] >= trip_ns:

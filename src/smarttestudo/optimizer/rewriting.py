@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterator, Mapping
 from itertools import accumulate
 
-from smarttestudo.adirf.syntax import Block, RateExpression, RuleFile, SetFrequency
+from smarttestudo.adirf.syntax import RateExpression, RuleFile, SetFrequency, rates_in
 from smarttestudo.domain.rate import Tier
 from smarttestudo.domain.source import Span
 from smarttestudo.optimizer.rule_rates import Optimization
@@ -51,8 +51,7 @@ def rewrite(text: str, file: RuleFile, optimization: Optimization, *, provenance
 
 def _levels(file: RuleFile) -> Iterator[RateExpression]:
     for statement in file.statements:
-        sets = (*statement.then, *statement.otherwise) if isinstance(statement, Block) else (statement,)
-        yield from (one.rate for one in sets if isinstance(one.rate.value, Tier))
+        yield from (rate for rate in rates_in(statement) if isinstance(rate.value, Tier))
 
 
 def _appended(

@@ -9,7 +9,15 @@ from dataclasses import dataclass
 from enum import Enum
 
 from smarttestudo.adirf.normal_form import Resolve
-from smarttestudo.adirf.syntax import Block, KeepAtLeast, RateWord, RuleFile, SetFrequency
+from smarttestudo.adirf.syntax import (
+    Block,
+    KeepAtLeast,
+    RateWord,
+    RuleFile,
+    SetFrequency,
+    Statement,
+    sets_in,
+)
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.rate import Rate, Tier
 from smarttestudo.domain.source import Span
@@ -91,7 +99,7 @@ class _Collector:
         defaults, appended = self._defaults(blocks)
         return RuleAsks(defaults=defaults, blocks=blocks, appended=appended)
 
-    def _statements(self) -> Iterator[tuple[str, SetFrequency | KeepAtLeast | Block]]:
+    def _statements(self) -> Iterator[tuple[str, Statement]]:
         return ((file.path, statement) for file in self._files for statement in file.statements)
 
     def _defaults(self, blocks: Sequence[Part]) -> tuple[Part, tuple[str, ...]]:
@@ -120,9 +128,9 @@ class _Collector:
 
     def _sides(self, path: str, block: Block) -> Iterator[Part]:
         for label, side in ((block.label, block.then), (f"{block.label} (Else)", block.otherwise)):
-            if side:
-                asks = dict(self._ask(statement) for statement in side)
-                yield self._part(label, path, block.span, asks, [(path, statement) for statement in side])
+            if sets := sets_in(side):
+                asks = dict(self._ask(statement) for statement in sets)
+                yield self._part(label, path, block.span, asks, [(path, statement) for statement in sets])
 
     def _part(
         self,

@@ -10,6 +10,7 @@ from enum import Enum
 from typing import NamedTuple, Protocol
 
 from smarttestudo.domain.payload import Payload
+from smarttestudo.reckoning.gauges import Reading
 
 
 class WhenSlow(Enum):
@@ -40,7 +41,8 @@ class Sample:
 
     ``publisher`` tells publishers of one topic apart, where that can be told. ``frames`` are the child
     frames of a TFMessage (``cdr.child_frames``), ``stamp`` is ``cdr.header_stamp`` where topics are paced
-    together. Treat it as immutable; frozen or keyword-only it would take two to four times as long to
+    together, ``readings`` what ``Picture.read`` made of it where the picture of the topic has bounds. Treat
+    it as immutable; frozen or keyword-only it would take two to four times as long to
     make, and one is made for every message.
     """
 
@@ -49,6 +51,7 @@ class Sample:
     publisher: Hashable = None
     frames: tuple[str, ...] = ()
     stamp: bytes | None = None
+    readings: tuple[Reading | None, ...] = ()
 
 
 class Pass(NamedTuple):

@@ -98,8 +98,10 @@ class VolatileStream(Stream):
         if self.held is None:
             return NEVER_NS
         grid = self.grid
-        quiet_ns = max(grid.pace.period_ns, QUIET_SOURCE_PERIODS * (self.source.mean_ns or 0))
-        return max(self.held_ns + quiet_ns, grid.due_ns)
+        period_ns, quiet_ns = grid.pace.period_ns, QUIET_SOURCE_PERIODS * (self.source.mean_ns or 0)
+        # This runs for every message, where `max` takes twice as long.
+        at_ns = self.held_ns + (max(quiet_ns, period_ns))
+        return max(grid.due_ns, at_ns)
 
     def change_pace(self, pace: Pace, now_ns: int) -> None:
         """Follow another pace from now on; Off lets go of what is held."""

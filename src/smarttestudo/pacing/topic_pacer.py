@@ -5,27 +5,52 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import partial
 
+from smarttestudo.pacing.bound import BoundRecord, BoundStreams
 from smarttestudo.pacing.follower import Follower, FollowerNotifier
 from smarttestudo.pacing.grid import NEVER_NS, Pace
 from smarttestudo.pacing.repeat import RepeatStream
 from smarttestudo.pacing.sample import Pacer, Pass, Sample, StreamKind, WhenSlow
 from smarttestudo.pacing.stream import LatchedStream, VolatileStream
 from smarttestudo.pacing.streams import FrameStreams, PublisherStreams, Streams
+from smarttestudo.reckoning.picture import Picture
 
-AnyStreams = Streams[VolatileStream] | Streams[LatchedStream] | Streams[RepeatStream]
+AnyStreams = Streams[VolatileStream] | Streams[LatchedStream] | Streams[RepeatStream] | BoundStreams
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Accuracy:
+    """What a topic's picture is kept within: a bound for each property that ``picture`` measures.
+
+    ``heartbeat_hz`` passes all the same; ``records`` are written to.
+    """
+
+    picture: Picture
+    bounds: Mapping[str, float]
+    heartbeat_hz: float
+    records: dict[str, BoundRecord]
 
 
 class TopicPacer(Pacer):
     """The pacer of one topic.
 
     It is at Full until ``set_rate``. ``stale_after_ns`` replaces the rule that ends repeating
-    (``SourcePeriod.stale_from_ns``).
+    (``SourcePeriod.stale_from_ns``). With an ``Accuracy`` the rate is a ceiling, and nothing is repeated.
     """
 
-    __slots__ = ("_kind", "_notifier", "_now_ns", "_pace", "_stale_after_ns", "_streams", "_when_slow")
+    __slots__ = (
+        "_accuracy",
+        "_kind",
+        "_notifier",
+        "_now_ns",
+        "_pace",
+        "_stale_after_ns",
+        "_streams",
+        "_when_slow",
+    )
 
     def __init__(
         self,
@@ -37,6 +62,7 @@ class TopicPacer(Pacer):
         self._kind = kind
         self._when_slow = when_slow
         self._stale_after_ns = stale_after_ns
+        self._accuracy: Accuracy | None = None
         self._pace = Pace.at(math.inf)
         self._notifier = FollowerNotifier()
         self._now_ns = -NEVER_NS
@@ -56,6 +82,8 @@ class TopicPacer(Pacer):
     @property
     def may_skip(self) -> bool:
         """Whether messages before ``due_ns`` can be skipped, except for the final one."""
+        if self._accuracy is not None:
+            return False
         is_volatile = self._kind is StreamKind.VOLATILE and self._when_slow is WhenSlow.PASS
         return is_volatile and not self._notifier.followers
 
@@ -84,6 +112,28 @@ class TopicPacer(Pacer):
         self._pace = pace
         self._streams.change_pace(pace, now_ns)
         self._notifier.pace_changed(pace, self._streams, now_ns)
+
+    def set_accuracy(self, accuracy: Accuracy | None, now_ns: int, /) -> Sequence[Pass]:
+        """Keep a picture within bounds from now on, or none; with another picture, begin anew.
+
+        What is held is read and offered again; samples that come must have readings of that picture.
+        """
+        before, self._accuracy = self._accuracy, accuracy
+        if before is None and accuracy is None:
+            return ()
+        self._see(now_ns)
+        streams = self._streams
+        if accuracy is None or before is None or before.picture is not accuracy.picture:
+            return self._begin_anew(now_ns)
+        if isinstance(streams, BoundStreams):
+            streams.change_bounds(accuracy.bounds, accuracy.heartbeat_hz, now_ns)
+        return ()
+
+    def forget_receivers(self, now_ns: int, /) -> None:
+        """A receiver came that has got nothing yet."""
+        if isinstance(self._streams, BoundStreams):
+            self._see(now_ns)
+            self._streams.forget_receivers(now_ns)
 
     def set_kind(self, kind: StreamKind, now_ns: int, /) -> Sequence[Pass]:
         """The source turned out to be of another kind: begin anew, and offer again what was held."""
@@ -118,6 +168,9 @@ class TopicPacer(Pacer):
     def _begin_anew(self, now_ns: int) -> Sequence[Pass]:
         held = self._streams.held()
         self._streams = self._make_streams()
+        if self._accuracy is not None:
+            for sample in held:
+                sample.readings = self._accuracy.picture.read(sample.payload[:], None, now_ns)
         return [passed for sample in held for passed in self.offer(sample, now_ns)]
 
     def _see(self, now_ns: int) -> None:
@@ -126,6 +179,15 @@ class TopicPacer(Pacer):
         self._now_ns = now_ns
 
     def _make_streams(self) -> AnyStreams:
+        accuracy = self._accuracy
+        if accuracy is not None:
+            return BoundStreams(
+                accuracy.picture,
+                accuracy.bounds,
+                accuracy.records,
+                ceiling=self._pace,
+                heartbeat_hz=accuracy.heartbeat_hz,
+            )
         if self._kind is StreamKind.TRANSFORMS:
             return FrameStreams(self._pace)
         if self._kind is StreamKind.TRANSIENT_LOCAL:

@@ -10,12 +10,14 @@ from collections.abc import Set as AbstractSet
 from smarttestudo.adirf.rule_set import WrittenBlock, WrittenCheck
 from smarttestudo.domain.signal import Signal, Truth
 from smarttestudo.domain.status import BlockStatus, CheckStatus
+from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.runtime.knowledge.knowledge import Knowledge
 from smarttestudo.runtime.knowledge.watched_topic import Reading
 
 
-def analyze(knowledge: Knowledge, readings: Iterable[Reading]) -> AbstractSet[str]:
-    """The topics whose request may have changed; at first all that are relayed."""
+def analyze(knowledge: Knowledge, readings: Iterable[Reading], now_ns: int) -> AbstractSet[str]:
+    """The topics whose request may have changed by ``now_ns``, a steady time; at first all relayed ones."""
+    knowledge.evaluator.advance(now_ns)
     for signal, value in readings:
         knowledge.evaluator.set(signal, value)
     return knowledge.evaluator.take_changed_topics()
@@ -32,22 +34,27 @@ def block_states(knowledge: Knowledge, now_ns: int) -> tuple[BlockStatus, ...]:
     values = {
         signal: value for topic in knowledge.watched.values() for signal, value in topic.readings(now_ns)
     }
-    return tuple(_block(block, knowledge, values) for block in written)
+    return tuple(_block(block, knowledge, values, now_ns) for block in written)
 
 
-def _block(block: WrittenBlock, knowledge: Knowledge, values: Mapping[Signal, float | None]) -> BlockStatus:
+def _block(
+    block: WrittenBlock, knowledge: Knowledge, values: Mapping[Signal, float | None], now_ns: int
+) -> BlockStatus:
     return BlockStatus(
         file=block.file,
         line=block.line,
         column=block.column,
         state=knowledge.evaluator.truth(block.order),
-        checks=tuple(_check(check, values[check.signal]) for check in block.checks),
+        checks=tuple(_check(check, knowledge, values[check.signal]) for check in block.checks),
+        held_s=(now_ns - knowledge.evaluator.turned_ns(block.order)) / NS_PER_S,
     )
 
 
-def _check(check: WrittenCheck, value: float | None) -> CheckStatus:
+def _check(check: WrittenCheck, knowledge: Knowledge, value: float | None) -> CheckStatus:
     """For a check that no condition depends on, nothing else detects when its value crosses the border."""
     state = Truth.UNKNOWN
-    if value is not None:
+    if check.latch is not None:
+        state = knowledge.evaluator.latched(check.latch)
+    elif value is not None:
         state = Truth.TRUE if check.region.contains(value) else Truth.FALSE
     return CheckStatus(line=check.line, column=check.column, state=state, value=value)

@@ -5,11 +5,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 from smarttestudo.adirf.evaluator import RequestedRate
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.runtime.knowledge.knowledge import Knowledge, Settling
+from smarttestudo.runtime.knowledge.settling_bounds import SettlingBounds
 
 
 def plan(knowledge: Knowledge, changed: Iterable[str], now_ns: int) -> tuple[Decision, ...]:
@@ -35,13 +37,23 @@ def _take_request(knowledge: Knowledge, topic: str, now_ns: int) -> None:
         knowledge.settling[topic] = Settling(request, knowledge.settle_ns)
     else:
         settling.take(request, now_ns)
+    within, settling_bounds = request.planned.within, knowledge.settling_bounds.get(topic)
+    if settling_bounds is not None:
+        settling_bounds.take(within, now_ns)
+    elif within:
+        knowledge.settling_bounds[topic] = SettlingBounds(within, knowledge.settle_ns)
 
 
 def _settle(knowledge: Knowledge, topic: str, now_ns: int) -> bool:
     """Whether another rate has settled for ``topic``."""
     settling = knowledge.settling[topic]
     before, after = knowledge.settled.get(topic), settling.effective(now_ns)
-    knowledge.settle_alarms.set(topic, settling.next_change_ns)
+    next_ns, bounds = settling.next_change_ns, knowledge.settling_bounds.get(topic)
+    if bounds is not None:
+        after = replace(after, planned=replace(after.planned, within=bounds.effective(now_ns)))
+        times_ns = (next_ns, bounds.next_change_ns)
+        next_ns = min((at_ns for at_ns in times_ns if at_ns is not None), default=None)
+    knowledge.settle_alarms.set(topic, next_ns)
     knowledge.settled[topic] = after
     return before is None or before.planned.rate != after.planned.rate
 
@@ -58,7 +70,12 @@ def _decisions(knowledge: Knowledge, topics: Iterable[str], now_ns: int) -> Iter
 
 
 def _differs(before: RequestedRate, after: RequestedRate) -> bool:
-    return before.planned.rate != after.planned.rate or before.block != after.block
+    before_plan, after_plan = before.planned, after.planned
+    return (
+        before_plan.rate != after_plan.rate
+        or before_plan.within != after_plan.within
+        or before.block != after.block
+    )
 
 
 def _decision(
@@ -71,4 +88,5 @@ def _decision(
         from_rate=None if before is None else before.planned.rate,
         planned=after.planned,
         values=knowledge.values_of(after.block, now_ns),
+        from_within={} if before is None else before.planned.within,
     )

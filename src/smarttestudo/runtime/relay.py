@@ -5,17 +5,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
+from smarttestudo.adirf.properties import gauges_for, needs_decoded
 from smarttestudo.cdr import STAMPED_BYTES, FrameReader, header_stamp
 from smarttestudo.domain.observation import SourceChanged
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.profile import TopicProfile
 from smarttestudo.domain.units import ns_from_s
+from smarttestudo.pacing.bound import HEARTBEAT_HZ
 from smarttestudo.pacing.follower import Follower
 from smarttestudo.pacing.sample import Pass, Sample, StreamKind, WhenSlow
-from smarttestudo.pacing.topic_pacer import TopicPacer
+from smarttestudo.pacing.topic_pacer import Accuracy, TopicPacer
+from smarttestudo.reckoning.picture import Picture
 from smarttestudo.runtime.inputs import MessageInput
 from smarttestudo.runtime.statistics import RelayStatistics
 
@@ -43,21 +47,42 @@ class Relay:
     """
 
     __slots__ = (
+        "_accuracy",
+        "_floor_hz",
         "_frames",
         "_has_frames",
+        "_is_reckoned",
+        "_level_unit",
         "_rate_hz",
         "_stale_after_ns",
         "_type_name",
         "_when_slow",
         "followers",
         "leader",
+        "needs_decoded",
         "pacer",
         "statistics",
         "topic",
     )
 
-    def __init__(self, topic: str, profile: TopicProfile, when_slow: WhenSlow, now_ns: int) -> None:
+    needs_decoded: bool
+    """Whether messages must be decoded, because the picture has bounds on fields that are read so."""
+
+    def __init__(
+        self,
+        topic: str,
+        profile: TopicProfile,
+        when_slow: WhenSlow,
+        now_ns: int,
+        *,
+        is_reckoned: bool = False,
+    ) -> None:
         self.topic = topic
+        self.needs_decoded = False
+        self._accuracy: Accuracy | None = None
+        self._floor_hz = 0.0
+        self._is_reckoned = is_reckoned
+        self._level_unit = profile.level_unit
         self._type_name = profile.type_name or ""
         self._when_slow = when_slow
         self._stale_after_ns = _stale_after_ns(profile)
@@ -84,6 +109,49 @@ class Relay:
         for relay in (self, *self.followers):
             relay.statistics.target.change(relay.target_hz, now_ns)
 
+    def set_floor(self, floor_hz: float, now_ns: int) -> None:
+        """The topic's KeepAtLeast, the heartbeat where its picture has bounds; 0 where there is none."""
+        self._floor_hz = floor_hz
+        if self._accuracy is not None:
+            self._accuracy = replace(self._accuracy, heartbeat_hz=floor_hz or HEARTBEAT_HZ)
+            self._apply_accuracy(now_ns)
+
+    def set_within(self, within: Mapping[str, float], now_ns: int) -> Sequence[Relayed]:
+        """Keep the receiver's picture within these bounds, by property; what was held may pass then."""
+        accuracy = self._accuracy
+        known = {} if accuracy is None else dict.fromkeys(accuracy.bounds, math.inf)
+        if accuracy is None and not within:
+            return ()
+        self._accuracy = None
+        if within:
+            is_same = accuracy is not None and known.keys() >= within.keys()
+            picture = (
+                accuracy.picture if accuracy is not None and is_same else self._picture((*known, *within))
+            )
+            self._accuracy = Accuracy(
+                picture=picture,
+                bounds={**known, **within},
+                heartbeat_hz=self._floor_hz or HEARTBEAT_HZ,
+                records=self.statistics.bounds,
+            )
+        self.needs_decoded = self.needs_decoded and self._accuracy is not None
+        return self._apply_accuracy(now_ns)
+
+    def greet_receiver(self, now_ns: int) -> None:
+        """A receiver came that has got nothing yet, so the newest message is due where there are bounds."""
+        if isinstance(self.pacer, TopicPacer):
+            self.pacer.forget_receivers(now_ns)
+
+    def _picture(self, names: Iterable[str]) -> Picture:
+        gauges = gauges_for(self._type_name, dict.fromkeys(names), self._level_unit)
+        self.needs_decoded = needs_decoded(gauges)
+        return Picture(gauges, reckons=self._is_reckoned)
+
+    def _apply_accuracy(self, now_ns: int) -> Sequence[Relayed]:
+        if isinstance(self.pacer, Follower):
+            return ()
+        return self._relayed(self.pacer.set_accuracy(self._accuracy, now_ns), now_ns)
+
     def let_go(self) -> None:
         """Have no followers; they are to call ``follow`` again."""
         self.followers = []
@@ -101,6 +169,7 @@ class Relay:
             leader.followers.append(self)
             leader.pacer.add_follower(self.pacer)
         if changed:
+            self._apply_accuracy(now_ns)
             self.set_rate(self._rate_hz, now_ns)
 
     def change_profile(self, profile: TopicProfile, now_ns: int) -> Sequence[Relayed]:
@@ -119,6 +188,9 @@ class Relay:
             sample.frames = self._frames.child_frames(payload[:])
             frames = self.statistics.frames
             frames.record(frames.arrived, sample.frames, now_ns)
+        if self._accuracy is not None:
+            sample.readings = self._accuracy.picture.read(payload[:], given.message, now_ns)
+            self.statistics.unreadable += None in sample.readings
         if self.followers or self.leader:
             sample.stamp = header_stamp(payload[:STAMPED_BYTES])
         passes = self.pacer.offer(sample, now_ns)
@@ -130,9 +202,13 @@ class Relay:
 
     def change_source(self, change: SourceChanged, now_ns: int) -> Sequence[Relayed]:
         """Take a change of the source; what was held may pass then."""
-        if self._type_name and change.type_name not in ("", self._type_name):
+        has_other_type = change.type_name not in ("", self._type_name)
+        if self._type_name and has_other_type:
             self.pacer.forget()
         self._type_name = change.type_name or self._type_name
+        if has_other_type and self._accuracy is not None:
+            self._accuracy = replace(self._accuracy, picture=self._picture(self._accuracy.bounds))
+            self._apply_accuracy(now_ns)
         kind = StreamKind.of(type_name=self._type_name, transient_local=change.transient_local)
         self._has_frames = kind is StreamKind.TRANSFORMS
         if isinstance(self.pacer, Follower):

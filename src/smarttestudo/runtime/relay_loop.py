@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 
 from smarttestudo.adirf.rule_set import RuleSet
 from smarttestudo.domain.decision import Decision
@@ -20,6 +20,7 @@ from smarttestudo.domain.signal import Truth
 from smarttestudo.domain.status import BlockStatus
 from smarttestudo.pacing.sample import WhenSlow
 from smarttestudo.runtime.analyze import block_states
+from smarttestudo.runtime.incidents.triggers import Trigger
 from smarttestudo.runtime.inputs import ChangeInput, LoopInput, MessageInput, RulesInput, WakeInput
 from smarttestudo.runtime.knowledge.knowledge import Knowledge
 from smarttestudo.runtime.monitor import meter
@@ -35,7 +36,9 @@ class RelayLoop:
     The driver lets it ``take`` all that happens, in order, and a ``WakeInput`` when the clock reaches
     ``next_wake_ns``; a later wake, or the next message in its place, only delays what it would have done.
     The clock may jump back: for the plan it then stood still (``SteadyTime``), and the pacers begin anew.
-    ``knowledge`` and ``relays`` are there to be looked at; only the loop changes them.
+    Of topics in ``reckoned``, receivers show dead reckoning in the place of the last value. ``knowledge`` and
+    ``relays`` are there to be looked at; only the loop changes them. ``triggered`` may be set, and is told at
+    once of each block that begins to record.
     """
 
     def __init__(
@@ -45,12 +48,24 @@ class RelayLoop:
         start_ns: int,
         when_slow: WhenSlow = WhenSlow.PASS,
         budget_kb_per_s: float | None = None,
+        *,
+        reckoned: Collection[str] = (),
     ) -> None:
         self.knowledge = Knowledge(rule_set, profile, start_ns, budget_kb_per_s)
-        self.relays = Relays(rule_set.relayed, profile, when_slow, start_ns)
+        self.relays = Relays(
+            rule_set.relayed,
+            profile,
+            when_slow,
+            start_ns,
+            floors_hz=rule_set.floors_hz,
+            reckoned=reckoned,
+        )
+        self._freed: list[Relayed] = []
+        """What passed because of a step; it goes out with what the step was for."""
         self._watched = self.knowledge.watched.keys()
         self._sources: dict[str, SourceChanged] = {}
         self._decisions: list[Decision] = []
+        self.triggered: Callable[[Trigger], None] | None = None
         self._now_ns = start_ns
         self._step_ns: int | None = None
         self._step((), start_ns)
@@ -69,7 +84,8 @@ class RelayLoop:
         A message is itself paced by the plan that it may change.
         """
         if not isinstance(given, MessageInput):
-            return self._take_other(given)
+            others = self._take_other(given)
+            return self._with_freed(others) if self._freed else others
         # This runs for every message of a robot, so what is seldom needed is asked for without a call.
         now_ns, topic = given.stamp_ns, given.topic
         freed = self._restarted(now_ns) if now_ns < self._now_ns else ()
@@ -86,7 +102,13 @@ class RelayLoop:
         if wake_ns is not None and wake_ns <= now_ns:
             freed = [*freed, *self.relays.wake(now_ns)]
         relayed = self.relays.offer(given)
+        if self._freed:
+            freed = self._with_freed(freed)
         return [*freed, *relayed] if freed else relayed
+
+    def needs_decoded(self, topic: str) -> bool:
+        """Whether messages of ``topic`` must come decoded: for a check, or for a bound of its picture."""
+        return self.knowledge.reads(topic) or self.relays.needs_decoded(topic)
 
     def may_skip(self, topic: str) -> bool:
         """Whether messages of ``topic`` that are not due may be skipped, except for the last one.
@@ -130,6 +152,9 @@ class RelayLoop:
         relayed = [*self._restarted(now_ns)]
         self._step((change,), now_ns)
         relayed += self._woken(now_ns)
+        if isinstance(change, ListenersChanged) and change.are_there:
+            self.relays.greet_receiver(change.topic, now_ns)
+            relayed += self._woken(now_ns)
         if isinstance(change, SourceChanged):
             self._sources[change.topic] = change
             relayed += self.relays.change_source(change, now_ns)
@@ -145,7 +170,7 @@ class RelayLoop:
         self.knowledge.time.advance(now_ns)
         self._decisions += exchange_rules(self.knowledge, rule_set, profile, self._sources)
         self._watched = self.knowledge.watched.keys()
-        relayed += self.relays.change_topics(rule_set.relayed, profile, now_ns)
+        relayed += self.relays.change_topics(rule_set.relayed, profile, now_ns, floors_hz=rule_set.floors_hz)
         known = {*self._watched, *rule_set.relayed}
         self._sources = {topic: change for topic, change in self._sources.items() if topic in known}
         for change in self._sources.values():
@@ -168,9 +193,16 @@ class RelayLoop:
     ) -> None:
         result = step(self.knowledge, observations, now_ns)
         self._step_ns = result.next_wake_ns
+        if result.triggers and self.triggered is not None:
+            for trigger in result.triggers:
+                self.triggered(trigger)
         if result.decisions:
             self._decisions += map(told, result.decisions) if told else result.decisions
-            self.relays.apply(result.decisions, now_ns)
+            self._freed += self.relays.apply(result.decisions, now_ns)
+
+    def _with_freed(self, relayed: Sequence[Relayed]) -> list[Relayed]:
+        freed, self._freed = self._freed, []
+        return [*freed, *relayed]
 
     def _woken(self, now_ns: int) -> Sequence[Relayed]:
         wake_ns = self.relays.next_wake_ns

@@ -4,16 +4,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from types import MappingProxyType
 
+from smarttestudo.domain.alarm_clock import AlarmClock
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.observation import SourceChanged
-from smarttestudo.domain.profile import Profile
+from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.pacing.follower import Follower, leaders
 from smarttestudo.pacing.sample import WhenSlow
 from smarttestudo.pacing.topic_pacer import TopicPacer
 from smarttestudo.runtime.inputs import MessageInput
-from smarttestudo.runtime.knowledge.alarm_clock import AlarmClock
 from smarttestudo.runtime.relay import Relay, Relayed
 from smarttestudo.runtime.statistics import RelayStatistics
 
@@ -24,11 +25,21 @@ class Relays:
     The cost of a message does not depend on how many topics there are.
     """
 
-    def __init__(self, topics: Sequence[str], profile: Profile, when_slow: WhenSlow, now_ns: int) -> None:
+    def __init__(
+        self,
+        topics: Sequence[str],
+        profile: Profile,
+        when_slow: WhenSlow,
+        now_ns: int,
+        *,
+        floors_hz: Mapping[str, float] = MappingProxyType({}),
+        reckoned: Collection[str] = (),
+    ) -> None:
         self._when_slow = when_slow
+        self._reckoned = frozenset(reckoned)
         self._relays: dict[str, Relay] = {}
         self._alarms = AlarmClock()
-        self.change_topics(topics, profile, now_ns)
+        self.change_topics(topics, profile, now_ns, floors_hz=floors_hz)
 
     @property
     def next_wake_ns(self) -> int | None:
@@ -70,22 +81,44 @@ class Relays:
         """Count what was sent, yet not looked at."""
         self._relays[topic].statistics.arrived.skip(messages, size_bytes)
 
-    def change_topics(self, topics: Sequence[str], profile: Profile, now_ns: int) -> list[Relayed]:
+    def needs_decoded(self, topic: str) -> bool:
+        """Whether messages of ``topic`` must be decoded for the bounds of its picture."""
+        relay = self._relays.get(topic)
+        return relay is not None and relay.needs_decoded
+
+    def greet_receiver(self, topic: str, now_ns: int) -> None:
+        """A receiver of ``topic`` came that has got nothing yet."""
+        relay = self._relays.get(topic)
+        if relay is not None:
+            relay.greet_receiver(now_ns)
+            self._arm(relay)
+
+    def change_topics(
+        self,
+        topics: Sequence[str],
+        profile: Profile,
+        now_ns: int,
+        *,
+        floors_hz: Mapping[str, float] = MappingProxyType({}),
+    ) -> list[Relayed]:
         """Relay these topics from now on; those that were relayed before go on as they are."""
         before = self._relays
         relayed: list[Relayed] = []
         for topic in before.keys() - set(topics):
             self._alarms.set(topic, None)
         self._relays = {
-            topic: before.get(topic) or Relay(topic, profile.topic(topic), self._when_slow, now_ns)
-            for topic in topics
+            topic: before.get(topic) or self._new(topic, profile.topic(topic), now_ns) for topic in topics
         }
         for topic, relay in self._relays.items():
+            relay.set_floor(floors_hz.get(topic, 0.0), now_ns)
             relayed += relay.change_profile(profile.topic(topic), now_ns)
         self._pair({topic: leader for topic in topics if (leader := profile.topic(topic).paced_with)}, now_ns)
         for relay in self._relays.values():
             self._arm(relay)
         return relayed
+
+    def _new(self, topic: str, profile: TopicProfile, now_ns: int) -> Relay:
+        return Relay(topic, profile, self._when_slow, now_ns, is_reckoned=topic in self._reckoned)
 
     def _pair(self, paced_with: Mapping[str, str], now_ns: int) -> None:
         leader_of = leaders(paced_with, self._relays)
@@ -95,12 +128,16 @@ class Relays:
         for topic, relay in sorted(self._relays.items(), key=lambda item: item[0] in leader_of):
             relay.follow(self._relays.get(leader_of.get(topic, "")), now_ns)
 
-    def apply(self, decisions: Iterable[Decision], now_ns: int) -> None:
-        """Take the rates of a plan's changes."""
+    def apply(self, decisions: Iterable[Decision], now_ns: int) -> list[Relayed]:
+        """Take the rates and bounds of a plan's changes; what passes because of them."""
+        relayed: list[Relayed] = []
         for decision in decisions:
             relay = self._relays[decision.topic]
             relay.set_rate(decision.planned.rate.hz, now_ns)
+            relayed += relay.set_within(decision.planned.within, now_ns)
             self._arm(relay)
+            relayed += _followed(relay, now_ns)
+        return relayed
 
     def offer(self, given: MessageInput) -> Sequence[Relayed]:
         """What to relay now that a message arrived; nothing for topics without a relay."""

@@ -10,12 +10,13 @@ from functools import partial
 
 from smarttestudo.adirf.evaluator import Evaluator, RequestedRate
 from smarttestudo.adirf.rule_set import RuleBlock, RuleSet
+from smarttestudo.domain.alarm_clock import AlarmClock
 from smarttestudo.domain.decision import Decision, PlannedRate, Reason
 from smarttestudo.domain.observation import SourceChanged
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.units import NS_PER_S, ns_from_s
-from smarttestudo.runtime.knowledge.alarm_clock import AlarmClock
+from smarttestudo.runtime.incidents.triggers import still_recording
 from smarttestudo.runtime.knowledge.knowledge import Knowledge, Settling, watched_topics
 from smarttestudo.runtime.knowledge.watched_topic import WatchedTopic
 
@@ -36,15 +37,19 @@ def exchange_rules(
     now_ns = knowledge.time.now_ns
     order_of = {topic: place for place, topic in enumerate(rule_set.relayed)}
     ended = tuple(_end(knowledge, topic, now_ns) for topic in knowledge.order_of if topic not in order_of)
+    knowledge.recording = still_recording(knowledge, rule_set)
     knowledge.rule_set, knowledge.profile = rule_set, profile
     knowledge.order_of = order_of
     knowledge.settle_ns = ns_from_s(profile.settle_s)
-    knowledge.evaluator = Evaluator(rule_set)
+    evaluator = Evaluator(rule_set, now_ns)
+    evaluator.carry_on(knowledge.evaluator)
+    knowledge.evaluator = evaluator
     knowledge.watched = _watched(knowledge, sources, now_ns)
     knowledge.watch_alarms = AlarmClock()
     for topic in knowledge.watched:
         knowledge.watch_alarms.set(topic, now_ns)
     knowledge.settling = _settling(knowledge, before)
+    knowledge.settling_bounds = {}
     knowledge.settle_alarms = AlarmClock()
     _keep_plan(knowledge, before)
     knowledge.unheard &= order_of.keys()
@@ -66,6 +71,7 @@ def _end(knowledge: Knowledge, topic: str, now_ns: int) -> Decision:
         stamp_ns=knowledge.time.on_clock(now_ns),
         topic=topic,
         from_rate=knowledge.effective[topic].planned.rate,
+        from_within=knowledge.effective[topic].planned.within,
         planned=PlannedRate(rate=Rate(0.0), reason=Reason.RELOAD),
         values={},
         is_end=True,
@@ -100,15 +106,20 @@ def _settling(knowledge: Knowledge, before: RuleSet) -> dict[str, Settling]:
 def _blocks_by_topic(rule_set: RuleSet) -> dict[str, list[RuleBlock]]:
     blocks: dict[str, list[RuleBlock]] = {topic: [] for topic in rule_set.relayed}
     for block in rule_set.blocks:
-        for topic in block.rates:
-            blocks[topic].append(block)
+        for topic in dict.fromkeys([*block.rates, *block.bounds]):
+            if topic in blocks:
+                blocks[topic].append(block)
     return blocks
 
 
 def _stance(rule_set: RuleSet, topic: str, blocks: list[RuleBlock]) -> object:
-    """All that decides the rate of ``topic``."""
-    setting = [(block.label, block.priority, block.rates[topic], block.form) for block in blocks]
-    return rule_set.defaults.get(topic), rule_set.floors_hz.get(topic), setting
+    """All that decides the rate and the bounds of ``topic``."""
+    setting = [
+        (block.label, block.priority, block.rates.get(topic), block.bounds.get(topic), block.form)
+        for block in blocks
+    ]
+    always = (rule_set.defaults.get(topic), rule_set.floors_hz.get(topic), rule_set.bounds.get(topic))
+    return always, setting
 
 
 def _renamed(new_blocks: Mapping[int, RuleBlock], request: RequestedRate) -> RequestedRate:

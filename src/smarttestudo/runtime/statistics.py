@@ -9,6 +9,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable
 
 from smarttestudo.domain.rate_meter import Flow
+from smarttestudo.pacing.bound import BoundRecord
 
 MAX_FRAMES = 4096
 
@@ -74,14 +75,18 @@ class FrameFlows:
 class RelayStatistics:
     """The flows into and out of one relay, how many of the latter were repeated, and the target.
 
-    ``frames`` are those of each child frame, which the target is about on a topic of transforms.
+    ``frames`` are those of each child frame, which the target is about on a topic of transforms. ``bounds``
+    say how each bound of the receiver's picture was kept, ``unreadable`` how many messages of a topic with
+    bounds could not be read, and so counted as out of bounds.
     """
 
-    __slots__ = ("arrived", "frames", "relayed", "repeated", "target")
+    __slots__ = ("arrived", "bounds", "frames", "relayed", "repeated", "target", "unreadable")
 
     def __init__(self, now_ns: int) -> None:
         self.frames = FrameFlows()
         self.arrived = Flow()
         self.relayed = Flow()
         self.repeated = 0
+        self.bounds: dict[str, BoundRecord] = {}
+        self.unreadable = 0
         self.target = TargetRate(now_ns)

@@ -11,6 +11,7 @@ from typing import NamedTuple
 from smarttestudo.domain.decision import Decision, PlannedRate
 from smarttestudo.domain.observation import Observation
 from smarttestudo.runtime.analyze import analyze
+from smarttestudo.runtime.incidents.triggers import Trigger, triggers
 from smarttestudo.runtime.knowledge.knowledge import Knowledge
 from smarttestudo.runtime.monitor import monitor
 from smarttestudo.runtime.plan import plan
@@ -19,13 +20,15 @@ from smarttestudo.runtime.plan import plan
 class StepResult(NamedTuple):
     """The plan of all relayed topics, what changed in it, and when to step next.
 
-    ``plan`` is a live view of the knowledge. ``next_wake_ns`` is when time alone may next change the plan;
-    it may come early, never late, and stepping later than it does no harm. ``None``: only observations can.
+    ``plan`` is a live view of the knowledge; ``triggers`` are the blocks that now begin to record.
+    ``next_wake_ns`` is when time alone may next change the plan; it may come early, never late, and stepping
+    later than it does no harm. ``None``: only observations can.
     """
 
     plan: Mapping[str, PlannedRate]
     decisions: tuple[Decision, ...]
     next_wake_ns: int | None
+    triggers: tuple[Trigger, ...] = ()
 
 
 def step(knowledge: Knowledge, observations: Sequence[Observation], now_ns: int) -> StepResult:
@@ -36,9 +39,10 @@ def step(knowledge: Knowledge, observations: Sequence[Observation], now_ns: int)
     """
     steady_ns = knowledge.time.advance(now_ns)
     readings = monitor(knowledge, observations, steady_ns)
-    decisions = plan(knowledge, analyze(knowledge, readings), steady_ns)
+    decisions = plan(knowledge, analyze(knowledge, readings, steady_ns), steady_ns)
     return StepResult(
         plan=MappingProxyType(knowledge.plan),
         decisions=decisions,
         next_wake_ns=knowledge.next_wake_ns,
+        triggers=tuple(triggers(knowledge, steady_ns)) if knowledge.evaluator.has_recordings else (),
     )

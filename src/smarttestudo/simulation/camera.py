@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from enum import Enum
 
 import numpy as np
 
@@ -76,15 +77,22 @@ def _colour(kind: ObstacleKind) -> tuple[float, float, float]:
 _WIDTH = 1920
 _HEIGHT = 1080
 _HORIZONTAL_VIEW_RAD = 1.085595
-_SMALL_BINNING = 40
 _FRAMES_PER_VIEW = 15
 _FRAMES_PER_LOSS = 29
 
 
-def raspberry_pi_lens(*, full_size: bool) -> Lens:
-    """The Waffle Pi's camera at 1920 × 1080 with Gazebo's field of view, or binned to 48 × 27."""
+class FrameSize(Enum):
+    """How large the camera's frames are; the value is the binning: 48 × 27, 960 × 540, 1920 × 1080 pixels."""
+
+    SMALL = 40
+    MEDIUM = 2
+    FULL = 1
+
+
+def raspberry_pi_lens(frames: FrameSize) -> Lens:
+    """The Waffle Pi's camera with Gazebo's field of view."""
     focal_px = _WIDTH / 2 / float(np.tan(_HORIZONTAL_VIEW_RAD / 2))
-    return Lens(width=_WIDTH, height=_HEIGHT, focal_px=focal_px, binning=1 if full_size else _SMALL_BINNING)
+    return Lens(width=_WIDTH, height=_HEIGHT, focal_px=focal_px, binning=frames.value)
 
 
 class Camera:

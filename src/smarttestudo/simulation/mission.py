@@ -13,7 +13,7 @@ import numpy as np
 from smarttestudo.domain.floor_plan import FloorPlan
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.simulation.body_sensors import FrameBroadcaster, InertialUnit, Odometer, WheelEncoders
-from smarttestudo.simulation.camera import Camera, raspberry_pi_lens
+from smarttestudo.simulation.camera import Camera, FrameSize, raspberry_pi_lens
 from smarttestudo.simulation.lidar import Lidar, RayCaster
 from smarttestudo.simulation.readings import Device, TimedReading
 from smarttestudo.simulation.robot import DifferentialDrive, DriveModel
@@ -28,15 +28,14 @@ _MAX_JITTER = 0.1
 class MissionRequest:
     """What is to be driven where.
 
-    ``start_ns`` is the time at which the mission starts, ``seed`` fixes every noise, ``full_images`` asks
-    for whole camera frames instead of small ones.
+    ``start_ns`` is the time at which the mission starts, ``seed`` fixes every noise.
     """
 
     plan: FloorPlan
     route: Route
     seed: int
     start_ns: int
-    full_images: bool = False
+    frames: FrameSize = FrameSize.SMALL
 
 
 def drive_mission(request: MissionRequest) -> Iterator[TimedReading]:
@@ -104,5 +103,5 @@ def _devices(request: MissionRequest, model: DriveModel) -> Sequence[Device]:
         WheelEncoders(),
         Lidar(caster, noises[2]),
         FrameBroadcaster(model),
-        Camera(request.plan, caster, raspberry_pi_lens(full_size=request.full_images), noises[3]),
+        Camera(request.plan, caster, raspberry_pi_lens(request.frames), noises[3]),
     )

@@ -8,7 +8,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from smarttestudo.adirf.normal_form import Every, Form, Some, Within, merged
+from smarttestudo.adirf.normal_form import Every, Form, Some, Within, merged, over_states
 from smarttestudo.adirf.region import Region
 from smarttestudo.adirf.rule_set import RuleSet
 from smarttestudo.domain.floor_plan import FloorZone, Rectangle
@@ -37,7 +37,7 @@ def rule_zones(rule_set: RuleSet) -> tuple[FloorZone, ...]:
     return tuple(
         FloorZone(name=block.label, area=area)
         for block in rule_set.blocks
-        for area in _areas(merged(block.form))
+        for area in _areas(merged(over_states(block.form)))
     )
 
 

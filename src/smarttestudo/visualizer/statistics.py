@@ -12,10 +12,8 @@ from fractions import Fraction
 from math import ceil
 
 from smarttestudo.domain.rate_meter import mean_hz
-from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
+from smarttestudo.domain.units import BITS_PER_BYTE, BYTES_PER_KB, NS_PER_S
 from smarttestudo.visualizer.trace import TraceAccumulator
-
-_BITS_PER_BYTE = 8
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -58,7 +56,7 @@ class TopicStatistics:
     @property
     def kbit_per_s(self) -> float | None:
         """``kb_per_s`` in kilobits of 1000 bits."""
-        return None if self.kb_per_s is None else self.kb_per_s * _BITS_PER_BYTE
+        return None if self.kb_per_s is None else self.kb_per_s * BITS_PER_BYTE
 
     def to_json(self) -> dict[str, object]:
         """The topic's entry in ``--json``."""

@@ -23,7 +23,7 @@ from smarttestudo.use_cases.ruler.curve import Curve, CurveRequest
 from smarttestudo.use_cases.ruler.edits import TextAnswer
 from smarttestudo.use_cases.ruler.project import ProjectFiles, SaveRequest
 from smarttestudo.use_cases.ruler.pushing import ConfirmRequest, PushRequest
-from smarttestudo.use_cases.ruler.robot_link import RobotLink, ruler_node
+from smarttestudo.use_cases.ruler.robot_link import OpenRobots, RobotLink
 from smarttestudo.use_cases.ruler.robots import WatchedRobots
 from smarttestudo.use_cases.ruler.trial import TryAnswer, TryRequest
 from smarttestudo.use_cases.ruler.vocabulary import Vocabulary, VocabularyRequest, vocabulary
@@ -39,10 +39,12 @@ from smarttestudo.web.socket import Listeners
 _PNG = "image/png"
 
 
-def ruler_app(folder: ProjectFolder, access: ServerAddress, *, opened: str | None = None) -> ASGIApp:
-    """The server of the project in ``folder``, for whom ``access`` lets in."""
+def ruler_app(
+    folder: ProjectFolder, access: ServerAddress, open_robots: OpenRobots, *, opened: str | None = None
+) -> ASGIApp:
+    """The server of the project in ``folder``, for whom ``access`` lets in, with these robots."""
     listeners = Listeners()
-    link = RobotLink(ruler_node)
+    link = RobotLink(open_robots)
     feed = LiveFeed(link, listeners)
 
     @contextlib.asynccontextmanager

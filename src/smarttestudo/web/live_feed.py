@@ -62,7 +62,7 @@ class LiveFeed:
         """On the thread of the robots."""
         with self._lock:
             is_told = bool(self._news)
-            self._news.update((one.status.node, one) for one in news)
+            self._news.update((one.status.robot_id, one) for one in news)
         loop = self._loop
         if loop is not None and not is_told:
             # A server that stops has no loop any more.
@@ -78,7 +78,7 @@ class LiveFeed:
             self._tell_robots()
 
     def _tell_live(self, seen: SeenRobot) -> None:
-        watching = [page for page in self._listeners.pages if page.watched.node == seen.status.node]
+        watching = [page for page in self._listeners.pages if page.watched.node == seen.status.robot_id]
         due = [page for page in watching if page.may_tell_live()]
         if due:
             text = encoded(live_model(seen))
@@ -96,7 +96,8 @@ class LiveFeed:
     def _summary(self, models: Sequence[RobotSummary]) -> object:
         """What is sent to pages at once when it changes."""
         return self._link.problem, [
-            (one.node, one.is_heard, one.rules_hash, one.rules, one.topics) for one in models
+            (one.node, one.is_heard, one.rules_hash, one.rules, one.topics, one.link and one.link.connected)
+            for one in models
         ]
 
     async def _keep_telling(self) -> None:

@@ -33,7 +33,7 @@ REPLAY = ("replay", "sq", "--rules", "a.adirf", "--output", "new")
 # Ends, by the signal in its arguments, a replay that has begun to write.
 SIGNALLED = """
 import os, sys
-from smarttestudo.adapters.rosbag.writing.writer import RosbagWriter
+from smarttestudo.adapters.rosbag.writer import RosbagWriter
 from smarttestudo.cli.main import main
 write = RosbagWriter.write
 def write_and_signal(*arguments):

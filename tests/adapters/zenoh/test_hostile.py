@@ -15,8 +15,8 @@ import zstandard
 
 from adapters.zenoh.ends import MAP, ODOM, Reader, free_endpoint, operator_end, robot_end, until
 from smarttestudo.adapters.zenoh.arrivals import RobotPresence, StreamSaid
-from smarttestudo.adapters.zenoh.keys import Boot, new_boot
-from smarttestudo.adapters.zenoh.operator_end import MAX_ROBOTS, OperatorEnd
+from smarttestudo.adapters.zenoh.keys import MAX_ROBOTS, Boot, new_boot
+from smarttestudo.adapters.zenoh.operator_end import OperatorEnd
 from smarttestudo.adapters.zenoh.robot_end import RobotEnd
 from smarttestudo.domain.link import StreamInfo
 from smarttestudo.link.chunks import CONTROL_STREAM, MAX_STREAMS, Chunk

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from smarttestudo.adirf.checks.rule_model import RuleModel
 from smarttestudo.adirf.checks.written import Branch
-from smarttestudo.adirf.syntax import And, Check, Condition, Group, Not, Operator, Or
+from smarttestudo.adirf.syntax import And, Check, Condition, Group, Not, Operator, Or, Timed
 from smarttestudo.domain.signal import Signal
 
 State = dict[Signal, float]
@@ -79,6 +79,8 @@ rule_files = st.lists(blocks(), min_size=1, max_size=4).map(lambda parts: "\n".j
 
 def holds(condition: Condition, state: Mapping[Signal, float]) -> bool:
     match condition:
+        case Timed():
+            raise TypeError(condition)
         case Check():
             value = state[Signal(condition.topic.text, condition.property)]
             return _COMPARE[condition.operator](value, condition.value)

@@ -23,6 +23,8 @@ from smarttestudo.adirf.syntax import (
     RateWord,
     RuleFile,
     SetFrequency,
+    Timed,
+    sets_in,
 )
 from smarttestudo.domain.signal import Signal
 
@@ -40,8 +42,10 @@ COMPARISONS = {
 
 
 def naive_truth(condition: Condition, values: Values) -> bool | None:
-    """True, false, or ``None`` for unknown."""
+    """True, false, or ``None`` for unknown, of a condition without time (see ``naive_time``)."""
     match condition:
+        case Timed():
+            raise TypeError(condition)
         case Check():
             value = values.get(Signal(condition.topic.text, condition.property))
             if value is None or math.isnan(value):
@@ -64,7 +68,7 @@ def naive_signals(condition: Condition) -> set[Signal]:
     match condition:
         case Check():
             return {Signal(condition.topic.text, condition.property)}
-        case Group() | Not():
+        case Group() | Not() | Timed():
             return naive_signals(condition.operand)
         case And() | Or():
             return {signal for part in condition.operands for signal in naive_signals(part)}
@@ -113,9 +117,9 @@ def naive_blocks(files: Sequence[RuleFile]) -> list[NaiveBlock]:
     def sides() -> Iterator[tuple[Block, str, bool, tuple[SetFrequency, ...]]]:
         for file in files:
             for block in (one for one in file.statements if isinstance(one, Block)):
-                yield block, block.label, False, block.then
+                yield block, block.label, False, sets_in(block.then)
                 if block.otherwise:
-                    yield block, f"{block.label} (Else)", True, block.otherwise
+                    yield block, f"{block.label} (Else)", True, sets_in(block.otherwise)
 
     return [
         NaiveBlock(

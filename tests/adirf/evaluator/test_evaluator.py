@@ -115,6 +115,7 @@ def touched_by_crossing(evaluator: Evaluator, border: float, row: float) -> int:
     return evaluator.touched - before
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("otherwise", [False, True])
 def test_crossing_a_border_looks_at_as_much_among_2500_zones_as_among_4(otherwise: bool) -> None:
     few = touched_by_crossing(zones(2, 2, otherwise=otherwise), border=1, row=1)

@@ -14,7 +14,9 @@ from rosbags.typesys import Stores, get_typestore
 
 from simulation.missions import START_NS, readings
 from smarttestudo.adapters.simulated_robot.messages import RobotMessages
+from smarttestudo.simulation.camera import FrameSize
 from smarttestudo.simulation.readings import Command, Image, Odometry, Scan, TimedReading, Topic, Transforms
+from smarttestudo.use_cases.demo.mission import JPEG_BYTES
 
 THESIS_BYTES = {
     Topic.CMD_VEL: 52,
@@ -107,7 +109,7 @@ def test_compressed_images_are_jpegs_of_the_view(second: list[TimedReading]) -> 
 
 def test_full_images_are_whole_and_their_jpegs_come_close_to_the_real_size() -> None:
     messages = RobotMessages(jpeg_bytes=420_000)
-    timed = readings(0.2, full_images=True)
+    timed = readings(0.2, frames=FrameSize.FULL)
 
     raw = {len(messages.payload(r.topic, r.reading)) for r in timed if r.topic is Topic.IMAGE}
     compressed = {
@@ -116,6 +118,16 @@ def test_full_images_are_whole_and_their_jpegs_come_close_to_the_real_size() -> 
 
     assert all(size == pytest.approx(6_220_000, rel=1e-3) for size in raw)
     assert all(350_000 < size <= 420_100 for size in compressed)
+
+
+def test_medium_frames_fill_a_thin_link_compressed() -> None:
+    messages = RobotMessages(jpeg_bytes=JPEG_BYTES[FrameSize.MEDIUM])
+    timed = readings(0.2, frames=FrameSize.MEDIUM)
+
+    sizes = [len(messages.payload(r.topic, r.reading)) for r in timed if r.topic is Topic.COMPRESSED_IMAGE]
+
+    assert sizes
+    assert all(80_000 < size <= 100_100 for size in sizes)
 
 
 def test_the_same_seed_gives_the_same_bytes() -> None:

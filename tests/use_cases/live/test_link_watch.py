@@ -4,19 +4,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 from itertools import pairwise
 
 from runtime.loop_driver import LoopDriver, rule_set_of
-from smarttestudo.domain.link import LinkNeeds, StreamInfo
-from smarttestudo.domain.link_state import LinkState, StreamCounts
+from smarttestudo.domain.link import LinkNeeds
 from smarttestudo.domain.observation import LinkBudget
 from smarttestudo.domain.profile import Profile, TopicProfile
-from smarttestudo.domain.robot import Publisher
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.use_cases.live.link_watch import LinkWatch
 from smarttestudo.use_cases.live.rules import LiveRules
+from use_cases.live.memory_link import MemoryLink
 
 RULES = """\
 begin
@@ -33,27 +31,6 @@ PROFILE = Profile(
     },
     settle_s=0.0,
 )
-
-
-class MemoryLink:
-    """An ``OutgoingLink`` that keeps what it is told; the test says what it carries."""
-
-    def __init__(self) -> None:
-        self.state = LinkState(is_connected=True)
-        self.budget_kb_per_s: float | None = None
-        self.followed: list[Mapping[str, LinkNeeds]] = []
-
-    def advertise(self, stream: StreamInfo) -> Publisher:
-        raise NotImplementedError
-
-    def follow(self, needs: Mapping[str, LinkNeeds]) -> None:
-        self.followed.append(needs)
-
-    def counts(self) -> dict[str, StreamCounts]:
-        return {}
-
-    def age_ms(self, topic: str) -> float | None:
-        raise NotImplementedError
 
 
 def live_rules(profile: Profile = PROFILE) -> LiveRules:

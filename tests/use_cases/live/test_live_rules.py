@@ -19,10 +19,10 @@ from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.domain.rate import Rate
+from smarttestudo.domain.visible_topics import is_visible
 from smarttestudo.use_cases.live.decisions import decision_line
 from smarttestudo.use_cases.live.output_topics import OutputTopic, is_output_topic, output_topics
 from smarttestudo.use_cases.live.rules import LiveRuleFiles, LiveRules, Reading, RuleWatch
-from smarttestudo.use_cases.live.visible_topics import is_visible
 
 GOOD = "begin\n  SetFrequency /imu 10\nend\n"
 

@@ -12,14 +12,15 @@ from typing import cast
 
 from runtime.loop_driver import rule_set_of
 from smarttestudo.domain.decision import Decision, PlannedRate, Reason
+from smarttestudo.domain.names import DECISIONS_TOPIC, STATUS_TOPIC
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.status import TopicStatus
 from smarttestudo.runtime.inputs import MessageInput, RecordedInput
-from smarttestudo.use_cases.live.decisions import DECISIONS_TOPIC, LiveDecisions
+from smarttestudo.use_cases.live.decisions import LiveDecisions
 from smarttestudo.use_cases.live.input_recorder import InputRecorder
 from smarttestudo.use_cases.live.rules import LiveRules
 from smarttestudo.use_cases.live.run_parameters import RunRequest
-from smarttestudo.use_cases.live.status_topics import STATUS_TOPIC, StatusPublisher
+from smarttestudo.use_cases.live.status_topics import StatusPublisher
 from use_cases.status.statuses import STATUS
 from use_cases.status.virtual_robot import VirtualRobot
 

@@ -33,11 +33,41 @@ def refusal(capsys: pytest.CaptureFixture[str], arguments: list[str], code: int)
     + [
         (
             ["receive", "--no-ros"],
-            "--no-ros: error: what arrives would go nowhere; add --record DIR or --foxglove PORT",
+            "--no-ros: error: what arrives would go nowhere; "
+            "add --record DIR, --foxglove PORT or --openmetrics PORT",
         )
     ],
 )
 def test_options_that_lack_another_are_a_wrong_usage(
+    capsys: pytest.CaptureFixture[str], arguments: list[str], line: str
+) -> None:
+    assert refusal(capsys, arguments, 2) == line
+
+
+@pytest.mark.parametrize(
+    ("arguments", "line"),
+    [
+        (
+            ["receive", "--no-ros", "--foxglove", "0", "--send", "/joy"],
+            "--send: error: what is sent comes from the ROS graph here; leave out --no-ros",
+        ),
+        ([*RUN, "--accept", "/joy"], "--accept: error: it is about a link; add --link or --link-listen"),
+        (
+            [*RUN, "--link", "tcp/127.0.0.1:7447", "--accept", "joy"],
+            "--accept: error: 'joy' is not the full name of a topic; write it as in /joy",
+        ),
+        (
+            [*RUN, "--link", "tcp/127.0.0.1:7447", "--accept", *(f"/joy{n}" for n in range(17))],
+            "--accept: error: 17 topics are too many; name at most 16",
+        ),
+        (
+            [*RUN, "--link", "tcp/192.0.2.1:7447", "--insecure", "--accept", "/joy", "/goal_pose"],
+            "tcp/192.0.2.1:7447: error: whoever reaches it could drive the robot with /joy /goal_pose; "
+            "protect it with --zenoh-config FILE, not --insecure, or leave out --accept and --send",
+        ),
+    ],
+)
+def test_what_drives_a_robot_needs_ros_full_names_and_a_link_that_lets_nobody_in(
     capsys: pytest.CaptureFixture[str], arguments: list[str], line: str
 ) -> None:
     assert refusal(capsys, arguments, 2) == line
@@ -76,6 +106,23 @@ def test_an_operator_s_endpoint_that_cannot_be_used_leaves_no_recording(
     line = refusal(capsys, ["receive", "--no-ros", "--record", str(recorded), side, endpoint], 1)
     assert line.startswith(f"{endpoint}: error: ")
     assert remedy in line
+    assert not recorded.exists()
+
+
+@pytest.mark.parametrize("end", [["receive", "--no-ros"], RUN])
+def test_a_port_of_metrics_in_use_is_said_in_one_line(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, end: list[str]
+) -> None:
+    recorded = tmp_path / "recorded"
+    record = ["--record", str(recorded)] if end[0] == "receive" else []
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = str(taken.getsockname()[1])
+        line = refusal(capsys, [*end, *record, "--openmetrics", port], 1)
+    assert line == (
+        f"127.0.0.1:{port}: error: metrics cannot be served there: Address already in use; give another port"
+    )
     assert not recorded.exists()
 
 

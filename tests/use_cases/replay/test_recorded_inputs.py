@@ -36,6 +36,9 @@ begin
   SetFrequency odom 10
   SetFrequency /scan 1
   Rule "Far" If (CheckValue odom pose_y > 2) Then SetFrequency /scan 5
+  Rule "Stays" If (CheckValue odom pose_y > 2) For 700 ms Then SetFrequency /scan 6
+  Rule "Was near" If (CheckValue odom pose_y < 3 Within 1.5 s AND CheckValue odom pose_y > 2 Until < 1)
+  Then SetFrequency /scan 7
   Rule "Silent" If (CheckValue odom age > 0.5) Then SetFrequency /scan 9
 end
 """
@@ -95,6 +98,7 @@ def test_the_decisions_are_the_same_line_for_line(tmp_path: Path) -> None:
     lines = [json.loads(line) for line in again.read_text(encoding="utf-8").splitlines()]
     assert lines == [json.loads(json.dumps(decision.to_json())) for decision in decisions]
     assert {line["reason"] for line in lines} >= {"unknown", "default", "block", "budget", "link", "reload"}
+    assert {line["rule"] for line in lines} >= {"Stays", "Was near", "Silent"}
 
 
 def test_of_a_message_only_what_decides_is_recorded() -> None:

@@ -9,6 +9,7 @@ from dataclasses import replace
 import pytest
 
 from smarttestudo.domain.decision import Reason
+from smarttestudo.domain.link_state import LinkState, StreamCounts, TopicOnLink
 from smarttestudo.domain.status import Diagnostic, DiagnosticLevel, RuntimeStatus
 from smarttestudo.use_cases.live.diagnostics import diagnostics
 from use_cases.status.statuses import ONE_OF_EACH, RELAYED, STATUS
@@ -85,3 +86,54 @@ def test_a_fallback_is_a_warning_of_the_node() -> None:
 
 def test_two_robots_are_told_apart() -> None:
     assert named("tb3_0/smarttestudo", replace(STATUS, node="/tb3_0/smarttestudo")).values
+
+
+ON_LINK = TopicOnLink(counts=StreamCounts(sent=480, replaced=20, queued_bytes=1200), age_ms=41.25)
+LINKED = replace(
+    STATUS,
+    link=LinkState(is_connected=True, capacity_kb_per_s=231.5, round_trip_ms=24.0, outages=2),
+    topics={"/imu": replace(RELAYED, on_link=ON_LINK)},
+)
+
+
+def test_the_node_says_how_its_link_does() -> None:
+    node = named("smarttestudo", LINKED)
+    assert (node.level, node.message) == (DiagnosticLevel.OK, "relaying 1 topics")
+    assert {name: value for name, value in node.values.items() if name.startswith("link_")} == {
+        "link_connected": "true",
+        "link_capacity_kb_per_s": "231.500",
+        "link_round_trip_ms": "24.000",
+        "link_outages": "2",
+    }
+
+
+def test_a_link_without_an_operator_is_a_warning_and_what_it_carries_is_not_known() -> None:
+    node = named("smarttestudo", replace(LINKED, link=LinkState()))
+    assert (node.level, node.message) == (DiagnosticLevel.WARN, "no operator is connected over the link")
+    assert (node.values["link_connected"], node.values["link_capacity_kb_per_s"]) == ("false", "N/A")
+
+
+def test_a_topic_says_how_it_does_on_the_link() -> None:
+    imu = named("/testudo/imu", LINKED)
+    assert (imu.level, imu.message) == (DiagnosticLevel.OK, "OK")
+    assert {name: value for name, value in imu.values.items() if name.startswith("link_")} == {
+        "link_age_ms": "41.250",
+        "link_sent": "480",
+        "link_replaced": "20",
+        "link_overflowed": "0",
+        "link_queued_bytes": "1200",
+    }
+
+
+def test_lost_messages_of_a_topic_that_must_not_lose_any_are_a_warning_of_the_topic() -> None:
+    lost = replace(ON_LINK, counts=replace(ON_LINK.counts, overflowed=3))
+    imu = named("/testudo/imu", replace(LINKED, topics={"/imu": replace(RELAYED, on_link=lost)}))
+    assert (imu.level, imu.message) == (
+        DiagnosticLevel.WARN,
+        "lost on the link: 3 messages since the start",
+    )
+
+
+def test_a_robot_without_a_link_says_nothing_of_one() -> None:
+    said = {name for one in diagnostics(STATUS) for name in one.values}
+    assert {name for name in said if name.startswith("link")} == set()

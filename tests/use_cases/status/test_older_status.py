@@ -15,11 +15,12 @@ from pathlib import Path
 import pytest
 
 from smarttestudo.adapters.json.status import status_from_text, status_to_json
+from smarttestudo.adapters.ros.graph_robots import GraphRobots
 from smarttestudo.cli.top_table import Look, SortKey, summary_lines, topic_lines
 from smarttestudo.domain.decision import Reason
+from smarttestudo.domain.names import STATUS_TOPIC
 from smarttestudo.domain.signal import Truth
 from smarttestudo.domain.status import RulesOrigin, Silence
-from smarttestudo.use_cases.live.status_topics import STATUS_TOPIC
 from smarttestudo.use_cases.ruler.live_view import Live, live_model, robot_summaries
 from smarttestudo.use_cases.ruler.robot_watch import RobotWatch
 from use_cases.status.virtual_robot import VirtualRobot
@@ -32,7 +33,7 @@ STATUS = status_from_text(TEXT)
 def live() -> Live:
     """What the Ruler's page is told once the robot has spoken."""
     robot = VirtualRobot()
-    watch = RobotWatch(robot, robot.steady_s)
+    watch = RobotWatch(GraphRobots(robot, robot.steady_s), robot.steady_s)
     robot.say(STATUS_TOPIC, TEXT)
     [seen] = watch.look()
     [summary] = robot_summaries(watch.seen.values(), robot.steady_s())

@@ -7,6 +7,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable
+from dataclasses import replace
 
 import pytest
 from hypothesis import given
@@ -14,6 +15,7 @@ from hypothesis import strategies as st
 
 from smarttestudo.adapters.json.status import status_from_text, status_to_json
 from smarttestudo.domain.decision import Reason
+from smarttestudo.domain.link_state import AcceptedTopic
 from smarttestudo.domain.status import RulesOrigin, Silence, TopicStatus
 from use_cases.status.statuses import STATUS
 
@@ -104,6 +106,36 @@ def test_topics_are_by_name_and_full_is_null_as_in_decisions() -> None:
     assert RECORD["topics"]["/cmd_vel"]["silent"] == "Off"
     assert RECORD["topics"]["/imu"]["dropped"] == 1450
     assert RECORD["out_kb_per_s"] == 946
+
+
+ACCEPTED = (
+    AcceptedTopic(
+        topic="/joy",
+        type_name="sensor_msgs/msg/Joy",
+        received=9,
+        delivered=6,
+        too_old=2,
+        refused=1,
+        age_ms=44.5,
+    ),
+    AcceptedTopic(topic="/goal_pose", problem="two types"),
+)
+
+
+def test_what_is_accepted_of_operators_is_read_and_left_out_where_nothing_is() -> None:
+    status = replace(STATUS, accepted=ACCEPTED)
+    assert status_from_text(json.dumps(status_to_json(status))) == status
+    assert "accepted" not in RECORD
+
+
+@given(json_values)
+def test_what_is_accepted_is_read_or_refused_whatever_it_is(value: object) -> None:
+    for accepted in (value, {"/joy": value}):
+        try:
+            status = status_from_text(json.dumps({**SMALL_RECORD, "accepted": accepted}))
+        except ValueError:
+            continue
+        assert status.accepted == () or isinstance(value, dict)
 
 
 def test_a_status_of_an_older_version_is_read() -> None:

@@ -9,6 +9,7 @@ import pytest
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.use_cases.live.run_parameters import status_hz_parameter
 from smarttestudo.use_cases.live.status_topics import StatusTimer
+from use_cases.live.memory_link import MemoryLink
 from use_cases.status.virtual_robot import SECOND, VirtualRobot
 
 
@@ -26,6 +27,14 @@ def test_it_comes_once_a_second_and_as_often_as_asked_while_somebody_listens() -
     assert (pulse.status_hz, pulse.next_s(0)) == (1, 1)
     robot.listeners = 1
     assert pulse.status_hz == 20
+
+
+def test_it_comes_as_often_as_asked_while_somebody_watches_over_a_link() -> None:
+    link = MemoryLink()
+    pulse = StatusTimer(VirtualRobot(listeners=0), link)
+    pulse.asked_hz = 20
+    for link.is_watched, status_hz in ((False, 1), (True, 20), (False, 1)):
+        assert pulse.status_hz == status_hz
 
 
 def test_telling_takes_a_fifth_of_a_core_at_most_but_comes_once_a_second() -> None:

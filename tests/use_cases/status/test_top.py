@@ -19,6 +19,7 @@ from smarttestudo.cli.main import main
 from smarttestudo.cli.terminal import key_presses
 from smarttestudo.cli.top_table import Line, Look, SortKey, cropped, print_lines, summary_lines, topic_lines
 from smarttestudo.domain.decision import Reason
+from smarttestudo.domain.link_state import AcceptedTopic
 from use_cases.status.statuses import ONE_OF_EACH, RELAYED, STATUS
 
 GOLDEN = Path(__file__).parent / "golden"
@@ -39,6 +40,20 @@ def test_it_looks_like_this(width: int) -> None:
     shown = "".join(f"{line.text}\n" for line in lines)
     assert shown == (GOLDEN / f"top-{width}.txt").read_text(encoding="utf-8")
     assert all(len(line.text) <= width for line in lines)
+
+
+def test_what_is_accepted_of_operators_has_a_line_a_topic() -> None:
+    accepted = (
+        AcceptedTopic(topic="/a", type_name="x/msg/Y", delivered=1_200, too_old=3, refused=1, age_ms=44.4),
+        AcceptedTopic(topic="/b"),
+        AcceptedTopic(topic="/c", problem="nodes subscribe to it as\x1b[2J x and as y"),
+    )
+    lines = summary_lines(replace(STATUS, accepted=accepted))[-3:]
+    assert lines == [
+        Line("accepts /a: 1,200 delivered, 3 too old, 1 refused, the last 44 ms old"),
+        Line("accepts /b: no node subscribes to it"),
+        Line("accepts /c: nodes subscribe to it as�[2J x and as y", Look.WARN),
+    ]
 
 
 def test_each_topic_has_the_look_of_its_health() -> None:

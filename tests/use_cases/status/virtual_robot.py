@@ -120,7 +120,7 @@ class VirtualRobot(UnaskedRobot):
     def decode(self, topic: str, type_name: str, payload: Payload) -> object:
         return SimpleNamespace(data=payload[:].decode("utf-8"))
 
-    def text_publisher(self, topic: str, qos: Qos) -> Callable[[str], None]:
+    def text_publisher(self, topic: str, qos: Qos, *, goes_over_link: bool = True) -> Callable[[str], None]:
         self._need("std_msgs/msg/String", topic)
         return lambda text: self.texts.append((topic, text))
 

@@ -23,9 +23,9 @@ GRIP_PX = 9
 
 
 @contextmanager
-def served(folder: Path) -> Iterator[str]:
-    """``testudo ruler`` on a free port; yields the address that it prints."""
-    command = [sys.executable, "-m", "smarttestudo", "ruler", str(folder), "--port", "0", "--no-browser"]
+def served(folder: Path, port: int = 0) -> Iterator[str]:
+    """``testudo ruler`` on ``port``, or a free one; yields the address that it prints."""
+    command = [sys.executable, "-m", "smarttestudo", "ruler", str(folder), f"--port={port}", "--no-browser"]
     environment = {**os.environ, "PYTHONUNBUFFERED": "1"}
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as process:
         assert process.stdout is not None

@@ -37,16 +37,6 @@ def test_a_new_table_is_listed_before_it_is_a_file(ruler: RulerPage, project: Pa
     expect(topic).to_have_value("/odom")
 
 
-def test_a_reload_asks_before_it_drops_the_table(ruler: RulerPage, project: Path) -> None:
-    size = _open_table(ruler, project)
-    size.fill("0.9")
-    with ruler.page.expect_event("dialog") as asked:
-        ruler.page.evaluate("setTimeout(() => location.reload())")
-    assert asked.value.type == "beforeunload"
-    asked.value.dismiss()
-    expect(size).to_have_value("0.9")
-
-
 def _open_table(ruler: RulerPage, project: Path) -> Locator:
     (project / "wlan.toml").write_text(PROFILE)
     ruler.home()

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import pytest
 from playwright.sync_api import Locator, expect
 
+from axe import violations
 from ros.ros_domains import free_domain
 from ros.ros_processes import Process, SmallRobot
 from web.browser.ruler_page import RulerPage
@@ -114,6 +115,19 @@ def test_what_holds_on_the_robot_stands_beside_the_blocks(
     assert runtime.exit_code() == 0
     expect(page.page.get_by_role("button", name=NOT_CONNECTED)).to_be_visible()
     expect(any_badge(page)).to_have_count(0)
+    operator.end()
+
+
+def test_axe_finds_nothing_beside_a_robot(page: RulerPage, world: World, runtime: Process) -> None:
+    operator = world.robot.operator(imu={"type": IMU})
+    expect(badge(page, "✗ does not hold")).to_be_visible()
+    assert violations(page.page) == []
+    page.change("Edit rate: 5", "20")
+    page.button("Send to robot").click()
+    expect(page.page.get_by_role("list", name="Differences")).to_be_visible()
+    assert violations(page.page) == []
+    page.button("Cancel").click()
+    expect(page.button("Send to robot")).to_be_focused()
     operator.end()
 
 

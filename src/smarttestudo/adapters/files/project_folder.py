@@ -89,6 +89,11 @@ class ProjectFolder:
         """The folder's own name."""
         return self._root.name or str(self._root)
 
+    @property
+    def path_hash(self) -> str:
+        """A SHA-256 of where the folder is: it tells projects apart without saying where they are."""
+        return _sha256(os.fsencode(self._root))
+
     def files(self) -> tuple[list[FoundFile], bool]:
         """What the Ruler can open, by name, and whether there is more than it lists."""
         known = (one for one in self._walk(self._root, _MAX_DEPTH) if one.kind is not FileKind.IMAGE)

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from typing import TypeVar
 
 from smarttestudo.domain.decision import Reason
-from smarttestudo.domain.link_state import LinkState, StreamCounts, TopicOnLink
+from smarttestudo.domain.link_state import AcceptedTopic, LinkState, StreamCounts, TopicOnLink
 from smarttestudo.domain.signal import Truth
 from smarttestudo.domain.status import (
     BlockStatus,
@@ -30,7 +30,8 @@ _CHECK_ENTRIES = 4
 
 
 def block_to_json(block: BlockStatus) -> dict[str, object]:
-    """An object whose ``checks`` are ``[line, column, state, value]`` each."""
+    """An object whose ``checks`` are ``[line, column, state, value]`` each; ``held_s`` if it is told."""
+    held = {} if block.held_s is None else {"held_s": round(block.held_s, 3)}
     return {
         "file": block.file,
         "line": block.line,
@@ -39,6 +40,7 @@ def block_to_json(block: BlockStatus) -> dict[str, object]:
         "checks": [
             [check.line, check.column, _NAMES[check.state], _shortened(check.value)] for check in block.checks
         ],
+        **held,
     }
 
 
@@ -57,7 +59,8 @@ def _block(record: object) -> BlockStatus | None:
         return None
     read = [_check(check) for check in checks]
     known = tuple(check for check in read if check is not None)
-    return BlockStatus(file=file, line=line, column=column, state=state, checks=known)
+    held_s = _number(record.get("held_s"))
+    return BlockStatus(file=file, line=line, column=column, state=state, checks=known, held_s=held_s)
 
 
 def _check(record: object) -> CheckStatus | None:
@@ -98,6 +101,7 @@ _Read = TypeVar("_Read")
 def status_to_json(status: RuntimeStatus) -> dict[str, object]:
     """The object on ``/testudo/status``. Rates of Full are ``null``, as in decisions."""
     return {
+        **({"robot": status.robot} if status.robot else {}),
         "node": status.node,
         "stamp_ns": status.stamp_ns,
         "uptime_s": round(status.uptime_s, 3),
@@ -113,6 +117,11 @@ def status_to_json(status: RuntimeStatus) -> dict[str, object]:
         "topics": {source: _topic_to_json(topic) for source, topic in status.topics.items()},
         "blocks": [block_to_json(block) for block in status.blocks],
         **({} if status.link is None else {"link": _link_to_json(status.link)}),
+        **(
+            {"accepted": {one.topic: _accepted_to_json(one) for one in status.accepted}}
+            if status.accepted
+            else {}
+        ),
     }
 
 
@@ -122,7 +131,16 @@ def status_from_text(text: str) -> RuntimeStatus:
     What an older version does not say is as it was then; what a newer one adds is left out.
     """
     try:
-        record = _Record(json.loads(text))
+        record = json.loads(text)
+    except RecursionError as error:
+        raise ValueError(str(error)) from error
+    return status_from_json(record)
+
+
+def status_from_json(value: object) -> RuntimeStatus:
+    """The status that a stranger's JSON value holds; ``ValueError`` as from ``status_from_text``."""
+    try:
+        record = _Record(value)
         return RuntimeStatus(
             node=record.text("node"),
             stamp_ns=record.integer("stamp_ns"),
@@ -138,8 +156,10 @@ def status_from_text(text: str) -> RuntimeStatus:
             status_hz=record.optional(record.number, "status_hz") or 1.0,
             blocks=blocks_from_json(record.entries.get("blocks")),
             link=_link(record.optional(record.record, "link")),
+            robot=record.optional(record.text, "robot") or "",
+            accepted=_accepted(record.optional(record.record, "accepted")),
         )
-    except (TypeError, RecursionError) as error:
+    except TypeError as error:
         raise ValueError(str(error)) from error
 
 
@@ -169,6 +189,35 @@ def _link(record: _Record | None) -> LinkState | None:
         capacity_kb_per_s=record.optional(record.number, "capacity_kb_per_s"),
         round_trip_ms=record.optional(record.number, "round_trip_ms"),
         outages=record.integer("outages"),
+    )
+
+
+def _accepted_to_json(topic: AcceptedTopic) -> dict[str, object]:
+    return {
+        "type": topic.type_name,
+        "problem": topic.problem,
+        "received": topic.received,
+        "delivered": topic.delivered,
+        "too_old": topic.too_old,
+        "refused": topic.refused,
+        "age_ms": _rounded(topic.age_ms),
+    }
+
+
+def _accepted(record: _Record | None) -> tuple[AcceptedTopic, ...]:
+    records = () if record is None else ((name, _Record(one)) for name, one in record.entries.items())
+    return tuple(
+        AcceptedTopic(
+            topic=name,
+            type_name=one.optional(one.text, "type"),
+            problem=one.optional(one.text, "problem"),
+            received=one.integer("received"),
+            delivered=one.integer("delivered"),
+            too_old=one.integer("too_old"),
+            refused=one.integer("refused"),
+            age_ms=one.optional(one.number, "age_ms"),
+        )
+        for name, one in records
     )
 
 

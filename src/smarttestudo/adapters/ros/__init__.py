@@ -4,12 +4,16 @@
 
 from __future__ import annotations
 
+import os
+import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
+from smarttestudo.adapters.ros.graph_robots import GraphRobots
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.link import OutgoingLink
+from smarttestudo.domain.remote_robots import RemoteRobots
 from smarttestudo.domain.robot import DataPathKind, OutputDomain, Robot
 
 NODE_NAME = "smarttestudo"
@@ -52,3 +56,13 @@ def open_robot(
 
     with open_node(ros_arguments, name, output_domain, make) as node:
         yield node
+
+
+@contextmanager
+def open_graph_robots(name: str) -> Iterator[RemoteRobots]:
+    """The robots of the ROS graph, heard by a node ``name`` with its process id, which publishes nothing.
+
+    A few messages a second go without librcl's path and its self-test. Raises ``RosError``.
+    """
+    with open_robot(name=f"{name}_{os.getpid()}", data_path=DataPathKind.RCLPY) as robot:
+        yield GraphRobots(robot, time.monotonic)

@@ -23,6 +23,7 @@ from smarttestudo.domain.robot import (
     Receive,
     Subscription,
 )
+from smarttestudo.domain.status import Diagnostic
 
 OPERATOR_NODE = "/testudo_receive"
 _TEXT_TYPE = "std_msgs/msg/String"
@@ -48,6 +49,7 @@ class LinkedNode(RosNode):
         self._link = link
         self._is_local = is_local
         self._linked_path: LinkedPath | None = None
+        self._told_here: set[str] = set()
 
     @property
     def data_path(self) -> DataPath:
@@ -63,17 +65,20 @@ class LinkedNode(RosNode):
 
     def subscribers(self, topic: str) -> Sequence[Endpoint]:
         """Which operators subscribe to ``topic`` now."""
-        local = super().subscribers(topic) if self._is_local else ()
+        local = super().subscribers(topic) if self._is_here(topic) else ()
         return [*local, *self._operator()]
 
     def subscriber_count(self, topic: str) -> int:
         """How many subscribers ``subscribers`` would find."""
-        local = super().subscriber_count(topic) if self._is_local else 0
+        local = super().subscriber_count(topic) if self._is_here(topic) else 0
         return local + self._link.state.is_connected
 
-    def text_publisher(self, topic: str, qos: Qos) -> Callable[[str], None]:
-        """What sends a std_msgs/msg/String on ``topic``, on the graph and over the link."""
+    def text_publisher(self, topic: str, qos: Qos, *, goes_over_link: bool = True) -> Callable[[str], None]:
+        """What sends a std_msgs/msg/String on ``topic``, on the graph and, where wanted, over the link."""
         publish_here = super().text_publisher(topic, qos)
+        self._told_here.add(topic)
+        if not goes_over_link:
+            return publish_here
         linked = self._link.advertise(_stream(topic, _TEXT_TYPE, qos, 0))
 
         def publish(text: str) -> None:
@@ -81,6 +86,14 @@ class LinkedNode(RosNode):
             linked.publish(string_message(text))
 
         return publish
+
+    def diagnostics_publisher(self, topic: str) -> Callable[[Sequence[Diagnostic]], None]:
+        """What sends a DiagnosticArray on ``topic`` of the graph: they are for the robot itself."""
+        self._told_here.add(topic)
+        return super().diagnostics_publisher(topic)
+
+    def _is_here(self, topic: str) -> bool:
+        return self._is_local or topic in self._told_here
 
     def _operator(self) -> Iterator[Endpoint]:
         if self._link.state.is_connected:

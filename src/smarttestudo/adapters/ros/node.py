@@ -22,16 +22,25 @@ from smarttestudo.adapters.ros.message_types import begins_with_header, message_
 from smarttestudo.adapters.ros.output_domain import operators_node
 from smarttestudo.adapters.ros.parameters import REMOTE_LOOK_PERIOD_S, NodeParameterClients, NodeParameters
 from smarttestudo.adapters.ros.qos import further_policies, is_reliable, is_transient_local, qos_profile
+from smarttestudo.adapters.ros.rclpy_path import RclpyPath, RclpyPublisher
 from smarttestudo.adapters.ros.real_timers import RealTimers
 from smarttestudo.adapters.ros.ros_errors import ros_errors
 from smarttestudo.domain.errors import RosError, TestudoError, UsageError
-from smarttestudo.domain.parameter import Accept, Parameter, ParameterValue, RemoteParameters
+from smarttestudo.domain.parameter import (
+    Accept,
+    Parameter,
+    ParameterValue,
+    Refusals,
+    RemoteParameters,
+    Values,
+)
 from smarttestudo.domain.robot import (
     DataPath,
     DataPathKind,
     Endpoint,
     LookAtGraph,
     OutputDomain,
+    Publisher,
     Qos,
     RobotLog,
 )
@@ -40,7 +49,6 @@ from smarttestudo.domain.units import NS_PER_S
 
 if TYPE_CHECKING:
     from smarttestudo.adapters.ros.rcl.path import RclPath
-    from smarttestudo.adapters.ros.rclpy_path import RclpyPath
 
 
 CLOCK_PERIOD_S = 1.0
@@ -158,6 +166,15 @@ class RosNode:
             count: int = self._operators.count_subscribers(topic)
         return count
 
+    def own_subscribers(self, topic: str) -> Sequence[Endpoint]:
+        """Which of the robot's own nodes subscribe to ``topic`` now, as far as discovered."""
+        with ros_errors(topic):
+            return [_endpoint(one) for one in self._node.get_subscriptions_info_by_topic(topic)]
+
+    def own_publisher(self, topic: str, type_name: str, qos: Qos) -> Publisher:
+        """What publishes on ``topic`` among the robot's own nodes, from any thread. Raises ``RosError``."""
+        return RclpyPublisher(self._node, topic, type_name, qos)
+
     def topics(self) -> Mapping[str, Sequence[str]]:
         """The types of each topic that somebody publishes or subscribes to, by its full name."""
         with ros_errors():
@@ -171,7 +188,13 @@ class RosNode:
         """What sends a diagnostic_msgs/msg/DiagnosticArray on ``topic``; both may raise ``RosError``."""
         return diagnostics_publisher(self._operators, topic, self._clock)
 
-    def text_publisher(self, topic: str, qos: Qos) -> Callable[[str], None]:
+    def text_publisher(
+        self,
+        topic: str,
+        qos: Qos,
+        *,
+        goes_over_link: bool = True,  # noqa: ARG002 - this one has no link
+    ) -> Callable[[str], None]:
         """What sends a std_msgs/msg/String on ``topic``; both may raise ``RosError``."""
         text_type = message_type("std_msgs/msg/String", topic)
         with ros_errors(topic):
@@ -194,6 +217,14 @@ class RosNode:
     def show(self, name: str, value: ParameterValue) -> None:
         """Give a parameter another value without acceptance."""
         self._parameters.show(name, value)
+
+    def parameters(self, names: Sequence[str]) -> Values:
+        """The values of declared parameters; ``None`` for others."""
+        return self._parameters.values(names)
+
+    def set_parameters(self, values: Values) -> Refusals:
+        """Set declared parameters as somebody on the graph may, each by itself; why some were refused."""
+        return self._parameters.set(values)
 
     def offer_trigger(self, name: str, act: Callable[[], str]) -> None:
         """Offer a std_srvs/srv/Trigger service that calls ``act``. Raises ``RosError``."""

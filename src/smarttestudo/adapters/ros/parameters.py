@@ -22,6 +22,7 @@ from smarttestudo.domain.parameter import (
     Got,
     Parameter,
     ParameterValue,
+    Refusals,
     SilentNodeError,
     Values,
     WasSet,
@@ -52,6 +53,25 @@ class NodeParameters:
             self._node.set_parameters([rclpy.parameter.Parameter(name, value=value)])
         finally:
             self._is_ours = False
+
+    def values(self, names: Sequence[str]) -> Values:
+        """The values of declared parameters; ``None`` for others."""
+        return {
+            name: plain_value(self._node.get_parameter(name).value) if name in self._access else None
+            for name in names
+        }
+
+    def set(self, values: Values) -> Refusals:
+        """Set declared parameters as somebody on the graph may, each by itself; why some were refused."""
+        refused = {}
+        for name, value in values.items():
+            if name not in self._access:
+                refused[name] = str(UsageError("there is no such parameter", place=f"parameter {name[:80]}"))
+                continue
+            (result,) = self._node.set_parameters([rclpy.parameter.Parameter(name, value=value)])
+            if not result.successful:
+                refused[name] = result.reason
+        return refused
 
     def _declared(self, one: Parameter) -> ParameterValue:
         descriptor = ParameterDescriptor(

@@ -51,9 +51,7 @@ class RclpyPath:
 
     def advertise(self, topic: str, type_name: str, qos: Qos) -> Publisher:
         """Publish on ``topic``. Raises ``RosError``."""
-        with ros_errors(topic):
-            handle = self._operators.create_publisher(message_type(type_name, topic), topic, qos_profile(qos))
-        return _RclpyPublisher(self._operators, handle, topic)
+        return RclpyPublisher(self._operators, topic, type_name, qos)
 
     def decode(self, topic: str, type_name: str, payload: Payload) -> object:
         """The message of a payload that came on ``topic``. Raises ``RosError``."""
@@ -73,15 +71,20 @@ class RclpyPath:
         """Deliver nothing more."""
 
 
-class _RclpyPublisher:
-    def __init__(self, node: Any, handle: Any, topic: str) -> None:
+class RclpyPublisher:
+    """A publisher of ``node`` for serialized messages. Raises ``RosError``."""
+
+    def __init__(self, node: Any, topic: str, type_name: str, qos: Qos) -> None:
         self._node = node
-        self._handle = handle
         self._topic = topic
+        with ros_errors(topic):
+            self._handle = node.create_publisher(message_type(type_name, topic), topic, qos_profile(qos))
 
     def publish(self, payload: Payload) -> None:
+        """Send a serialized message. Raises ``RosError``."""
         with ros_errors(self._topic):
             self._handle.publish(payload[:])
 
     def close(self) -> None:
+        """Send nothing more."""
         self._node.destroy_publisher(self._handle)

@@ -6,7 +6,7 @@ from smarttestudo.adapters.rosbag.definitions import MessageTypes, RosbagDecoder
 from smarttestudo.adapters.rosbag.qos import qos_in_words
 from smarttestudo.adapters.rosbag.reader import open_recording
 from smarttestudo.adapters.rosbag.recording_sink import RecordingSink
-from smarttestudo.adapters.rosbag.writing.writer import create_recording
+from smarttestudo.adapters.rosbag.writer import create_recording
 
 __all__ = [
     "MessageTypes",

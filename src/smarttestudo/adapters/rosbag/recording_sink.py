@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from smarttestudo.adapters.rosbag.qos import stored_qos
-from smarttestudo.adapters.rosbag.writing.writer import create_recording, require_new, write_error
+from smarttestudo.adapters.rosbag.writer import create_recording, require_new, write_error
 from smarttestudo.domain.errors import RecordingError, TestudoError
 from smarttestudo.domain.link import ReceivedMessage, StreamInfo
 from smarttestudo.domain.names import TOPIC_PLACEHOLDER, output_name

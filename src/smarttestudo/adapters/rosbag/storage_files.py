@@ -24,7 +24,7 @@ from smarttestudo.adapters.rosbag.sqlite.log import read_log
 from smarttestudo.adapters.rosbag.sqlite.recovered import RecoveredSqliteFile
 from smarttestudo.adapters.rosbag.stored_file import ChannelsByNumber, ContinuedFile, Outline, StoredFile
 from smarttestudo.domain.errors import RecordingError
-from smarttestudo.domain.recording import Channel
+from smarttestudo.domain.recording import Channel, RecordedMessage
 
 # rosbags gives SQLite the path as an address, in which these would name another file.
 _MEANS_SOMETHING_IN_AN_ADDRESS = frozenset("?#%")
@@ -108,8 +108,12 @@ class IntactFile(ContinuedFile):
         """Let go of the file."""
         self._reader.close()
 
-    def _rows(self) -> Iterator[tuple[object, object, object]]:
-        return ((connection.id, stamp_ns, data) for connection, stamp_ns, data in self._reader.messages())
+    def _as_stored(self, channels: ChannelsByNumber) -> Iterator[RecordedMessage]:
+        for connection, stamp_ns, payload in self._reader.messages():
+            if not (isinstance(stamp_ns, int) and isinstance(payload, bytes)):
+                raise TypeError("a message without stamp or payload")
+            if connection.id in channels:
+                yield channels[connection.id], stamp_ns, payload
 
 
 def _channel(connection: Connection) -> Channel:

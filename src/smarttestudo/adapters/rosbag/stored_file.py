@@ -114,15 +114,8 @@ class ContinuedFile(ABC):
         return self._readable_share
 
     @abstractmethod
-    def _rows(self) -> Iterator[tuple[object, object, object]]:
-        """The number of its topic, the stamp and the payload of each message in time order."""
-
     def _as_stored(self, channels: ChannelsByNumber) -> Iterator[RecordedMessage]:
-        for number, stamp_ns, payload in self._rows():
-            if not (isinstance(number, int) and isinstance(stamp_ns, int) and isinstance(payload, bytes)):
-                raise TypeError("a message without stamp or payload")
-            if number in channels:
-                yield channels[number], stamp_ns, payload
+        """All messages in time order as the file's library reads them; any error is damage."""
 
 
 class TimeIndex:

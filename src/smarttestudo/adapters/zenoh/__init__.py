@@ -4,9 +4,10 @@
 
 from __future__ import annotations
 
+import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from typing import TYPE_CHECKING
 
 from smarttestudo.adapters.zenoh.arrivals import MAX_WAITING_BYTES
@@ -14,6 +15,7 @@ from smarttestudo.adapters.zenoh.security import LinkOptions
 from smarttestudo.domain.errors import LinkError
 
 if TYPE_CHECKING:
+    from smarttestudo.adapters.zenoh.link_robots import LinkRobots
     from smarttestudo.adapters.zenoh.operator_end import OperatorEnd
     from smarttestudo.adapters.zenoh.robot_end import RobotEnd
 
@@ -28,16 +30,23 @@ def open_robot_end(
     """The end of the link at the robot of that name; nobody need be at the other end yet.
 
     ``clock`` gives ns from any start. Raises ``LinkError``: the extra is missing, the endpoints or the
-    configuration do not work, or they let anybody in; ``UsageError``: the robot has no usable name.
+    configuration do not work, or they let anybody in; ``UsageError``: the robot has no usable name, or
+    ``options`` have commands over endpoints that let anybody in.
     """
     _require_zenoh()
+    from smarttestudo.adapters.zenoh.command_inbox import CommandInbox  # noqa: PLC0415  needs zenoh
     from smarttestudo.adapters.zenoh.robot_end import RobotEnd  # noqa: PLC0415  needs zenoh
     from smarttestudo.adapters.zenoh.session import open_session  # noqa: PLC0415  needs zenoh
 
     with open_session(options, "peer", warn) as session:
         end = RobotEnd(session, robot, warn, clock)
         try:
-            yield end
+            if not options.commands:
+                yield end
+                return
+            end.commands = CommandInbox(session, end.boot, options.commands, warn, suspended_too_ns)
+            with closing(end.commands):
+                yield end
         finally:
             end.close()
 
@@ -57,15 +66,46 @@ def open_operator_end(
     Raises ``LinkError`` as ``open_robot_end`` does.
     """
     _require_zenoh()
+    from smarttestudo.adapters.zenoh.command_outbox import CommandOutbox  # noqa: PLC0415  needs zenoh
     from smarttestudo.adapters.zenoh.operator_end import OperatorEnd  # noqa: PLC0415  needs zenoh
     from smarttestudo.adapters.zenoh.session import open_session  # noqa: PLC0415  needs zenoh
 
     with open_session(options, "router", warn) as session:
         end = OperatorEnd(session, warn, clock, most_waiting_bytes)
         try:
+            if options.commands:
+                end.commands = CommandOutbox(session, options.commands, warn, suspended_too_ns)
             yield end
         finally:
             end.close()
+
+
+@contextmanager
+def open_link_robots(
+    options: LinkOptions, warn: Warn, *, steady_s: Callable[[], float] = time.monotonic
+) -> Iterator[LinkRobots]:
+    """The robots that are heard where ``options`` connect to, whether or not anybody answers there yet.
+
+    ``steady_s`` is a clock that never jumps. Raises ``LinkError`` as ``open_robot_end`` does.
+    """
+    _require_zenoh()
+    from smarttestudo.adapters.zenoh.client import LinkClient  # noqa: PLC0415  needs zenoh
+    from smarttestudo.adapters.zenoh.link_robots import LinkRobots  # noqa: PLC0415  needs zenoh
+    from smarttestudo.adapters.zenoh.session import session_config  # noqa: PLC0415  needs zenoh
+
+    client = LinkClient(*session_config(options, "client", warn), options.connect)
+    robots = LinkRobots(client, ", ".join(options.connect), steady_s)
+    try:
+        yield robots
+    finally:
+        client.close()
+
+
+def suspended_too_ns() -> int:
+    """Time that passes while the machine is suspended, too, where the system has such a clock."""
+    if sys.platform == "linux":
+        return time.clock_gettime_ns(time.CLOCK_BOOTTIME)
+    return time.monotonic_ns()
 
 
 def _require_zenoh() -> None:

@@ -10,6 +10,8 @@ from smarttestudo.domain.errors import LinkError
 from smarttestudo.link.outbox import Encoded
 
 _LEVEL = 3
+_LEVEL_ALONE = 10
+"""For what travels seldom."""
 _LEAST_BYTES = 200
 _WORTHWHILE = 0.9
 """The share of its size that a message may keep at most."""
@@ -57,3 +59,21 @@ def decompress(data: bytes, most_bytes: int) -> bytes:
     if len(payload) != size_bytes:
         raise LinkError(f"a compressed message has {len(payload)} bytes and says {size_bytes}")
     return payload
+
+
+_PLAIN, _COMPRESSED = b"\0", b"\1"
+
+
+def packed(data: bytes) -> bytes:
+    """``data`` with a byte that says whether it is compressed, which it is where that saves anything."""
+    compressed = zstandard.ZstdCompressor(level=_LEVEL_ALONE).compress(data)
+    return _COMPRESSED + compressed if len(compressed) < len(data) else _PLAIN + data
+
+
+def unpacked(data: bytes, most_bytes: int) -> bytes:
+    """What ``packed`` made ``data`` of. Raises ``LinkError``, also for what has more than ``most_bytes``."""
+    if data[:1] == _COMPRESSED:
+        return decompress(data[1:], most_bytes)
+    if data[:1] != _PLAIN or len(data) > most_bytes:
+        raise LinkError("it is not packed in a known way, or too large")
+    return data[1:]

@@ -9,11 +9,14 @@ from typing import NamedTuple
 
 from smarttestudo.domain.errors import UsageError
 
+MAX_ROBOTS = 256
+"""How many robots an operator's end hears."""
 ALL_BOOTS = "testudo/*/*"
 ALL_DATA = "testudo/*/*/data"
-_DATA = "/data"
+ALL_STATUSES = "testudo/*/*/status"
+ALL_ACCEPTS = "testudo/*/*/accepts"
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,63}", re.ASCII)
-_KEY = re.compile(rf"testudo/({_NAME.pattern})/([0-9a-f]{{16}})", re.ASCII)
+_KEY = re.compile(rf"testudo/({_NAME.pattern})/([0-9a-f]{{16}})(/data|/status|/accepts)?", re.ASCII)
 
 
 class Boot(NamedTuple):
@@ -30,17 +33,42 @@ class Boot(NamedTuple):
     @property
     def data_key(self) -> str:
         """Where the robot's end sends chunks."""
-        return self.key + _DATA
+        return f"{self.key}/data"
 
     @property
     def report_key(self) -> str:
         """Where the operator's end sends reports."""
         return f"{self.key}/report"
 
+    @property
+    def status_key(self) -> str:
+        """Where the robot's end sends statuses, and gives full ones to those who ask."""
+        return f"{self.key}/status"
+
+    @property
+    def get_key(self) -> str:
+        """Where the robot's end takes questions that change nothing."""
+        return f"{self.key}/get"
+
+    @property
+    def set_key(self) -> str:
+        """Where the robot's end takes questions that change something."""
+        return f"{self.key}/set"
+
+    @property
+    def command_key(self) -> str:
+        """Where an operator's end sends messages of topics that the robot accepts."""
+        return f"{self.key}/command"
+
+    @property
+    def accepts_key(self) -> str:
+        """Where the robot's end tells what it accepts."""
+        return f"{self.key}/accepts"
+
 
 def boot_of(key: str) -> Boot | None:
-    """What ``Boot.key`` or ``Boot.data_key`` gave ``key`` for; ``None`` for any other."""
-    found = _KEY.fullmatch(key.removesuffix(_DATA))
+    """Whose ``key``, ``data_key``, ``status_key`` or ``accepts_key`` this is; ``None`` for any other key."""
+    found = _KEY.fullmatch(key)
     return Boot(found[1], found[2]) if found else None
 
 

@@ -12,14 +12,29 @@ from dataclasses import dataclass, field, replace
 import zenoh
 
 from smarttestudo.adapters.zenoh.arrivals import EventQueue, LinkEvent, RobotPresence, StreamSaid
+from smarttestudo.adapters.zenoh.command_outbox import CommandOutbox
 from smarttestudo.adapters.zenoh.compression import decompress
-from smarttestudo.adapters.zenoh.keys import ALL_BOOTS, ALL_DATA, Boot, boot_of
+from smarttestudo.adapters.zenoh.keys import ALL_BOOTS, ALL_DATA, MAX_ROBOTS, Boot, boot_of
+from smarttestudo.adapters.zenoh.status_listener import StatusListener
+from smarttestudo.cdr import string_message
+from smarttestudo.domain.json_text import json_text
+from smarttestudo.domain.link import ReceivedMessage, StreamInfo
+from smarttestudo.domain.names import STATUS_TOPIC
+from smarttestudo.domain.robot import Qos
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.link.receiver import KEEP_ALIVE_NS, LinkReceiver, ReceiverCounts
 from smarttestudo.link.reports import Announcement
+from smarttestudo.link.status_stream import Record
 
-MAX_ROBOTS = 256
 _END_WITHIN_S = 5.0
+STATUS_STREAM = StreamInfo(
+    topic=STATUS_TOPIC,
+    type_name="std_msgs/msg/String",
+    qos=Qos(reliable=True, transient_local=True, depth=1),
+)
+"""What statuses are to who reads what arrives."""
+_STATUS_NUMBER = 0
+"""No stream of the robot's end has it."""
 
 
 @dataclass(slots=True, eq=False)
@@ -44,6 +59,8 @@ class OperatorEnd:
     ) -> None:
         self.strays = 0
         """Chunks of robots that are not known here."""
+        self.commands: CommandOutbox | None = None
+        """What goes to robots, where anything does."""
         self._session = session
         self._warn = warn
         self._clock = clock
@@ -53,6 +70,8 @@ class OperatorEnd:
         self._said_twice: set[str] = set()
         self._was_full = False
         self._lock = threading.Lock()
+        self._told_status: set[Boot] = set()
+        self._statuses = StatusListener(session, self._hear)
         self._news = threading.Event()
         self._look_ns = 0
         self._is_closed = False
@@ -81,6 +100,7 @@ class OperatorEnd:
         """Receive nothing more; the session is to be closed then."""
         self._is_closed = True
         self._news.set()
+        self._statuses.close()
         self._thread.join(_END_WITHIN_S)
 
     def _receive(self, sample: zenoh.Sample) -> None:
@@ -99,6 +119,23 @@ class OperatorEnd:
         if wake_ns < self._look_ns:
             self._news.set()
 
+    def _hear(self, boot: Boot, record: Record, _size_bytes: int) -> None:
+        """A status is another message of the robot for who reads here."""
+        name, number = boot
+        if boot not in self._told_status:
+            self._told_status.add(boot)
+            said = StreamSaid(robot=name, boot=number, number=_STATUS_NUMBER, info=STATUS_STREAM)
+            self._arrivals.put(said)
+        text = json_text(record, ascii_only=False)
+        message = ReceivedMessage(
+            robot=name,
+            stream=STATUS_STREAM,
+            payload=string_message(text),
+            offered_ns=0,
+            age_ns=None,
+        )
+        self._arrivals.put(message)
+
     def _look_at_token(self, sample: zenoh.Sample) -> None:
         boot = boot_of(str(sample.key_expr))
         if boot is None:
@@ -115,6 +152,9 @@ class OperatorEnd:
         if robot is None:
             return
         self._arrivals.put(RobotPresence(robot=boot.robot, boot=boot.number, is_present=is_present))
+        (self._statuses.add if is_present else self._statuses.remove)(boot)
+        if not is_present:
+            self._told_status.discard(boot)
         self._news.set()
         if is_present:
             self._warn_of_namesakes(boot.robot)

@@ -12,13 +12,17 @@ from functools import partial
 
 import zenoh
 
+from smarttestudo.adapters.zenoh.asked_questions import AskedQuestions, WaitingQuestion
+from smarttestudo.adapters.zenoh.command_inbox import CommandInbox
 from smarttestudo.adapters.zenoh.compression import Compressor
 from smarttestudo.adapters.zenoh.keys import new_boot
+from smarttestudo.adapters.zenoh.told_status import ToldStatus
 from smarttestudo.cdr import FrameReader
 from smarttestudo.domain.errors import LinkError
 from smarttestudo.domain.link import LinkNeeds, StreamInfo
 from smarttestudo.domain.link_state import LinkState, StreamCounts
 from smarttestudo.domain.payload import Payload
+from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.link.chunks import MAX_MESSAGE_BYTES
 from smarttestudo.link.reports import Report
 from smarttestudo.link.sender import LinkSender
@@ -43,6 +47,8 @@ class RobotEnd:
         self.boot = new_boot(robot, secrets.randbits(64))
         self.garbage = 0
         """Reports that were not readable."""
+        self.commands: CommandInbox | None = None
+        """What comes of operators, where the robot accepts anything."""
         self._warn = warn
         self._clock = clock
         self._sender = LinkSender(Compressor().encode)
@@ -63,6 +69,8 @@ class RobotEnd:
             session.declare_subscriber(self.boot.report_key, self._receive),
             session.liveliness().declare_token(self.boot.key),
         )
+        self._told = ToldStatus(session, self.boot, clock)
+        self._questions = AskedQuestions(session, self.boot, clock)
         self._thread = threading.Thread(target=self._run, name="link-send", daemon=True)
         self._thread.start()
 
@@ -79,6 +87,24 @@ class RobotEnd:
     def follow(self, needs: Mapping[str, LinkNeeds]) -> None:
         """Serve each topic by these needs from now on."""
         self._do(partial(self._sender.follow, needs))
+
+    @property
+    def robot(self) -> str:
+        """The robot's name."""
+        return self.boot.robot
+
+    @property
+    def is_watched(self) -> bool:
+        """Whether somebody receives statuses."""
+        return self._told.is_watched
+
+    def tell(self, status: RuntimeStatus) -> None:
+        """Have everyone who watches receive this status. Raises ``LinkError`` where that cannot be."""
+        self._told.tell(status)
+
+    def take_question(self) -> WaitingQuestion | None:
+        """The next question that waits for an answer."""
+        return self._questions.take()
 
     @property
     def state(self) -> LinkState:
@@ -123,6 +149,7 @@ class RobotEnd:
         """Send nothing more; the session is to be closed then."""
         self._is_closed = True
         self._news.set()
+        self._questions.close()
         self._thread.join(_END_WITHIN_S)
 
     def _do(self, act: Callable[[], None]) -> None:

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from smarttestudo.domain.errors import LinkError
+from smarttestudo.domain.errors import LinkError, UsageError
 
 _LOCAL_PROTOCOLS = ("unixsock-stream", "unixpipe")
 _TLS_PROTOCOLS = ("tls", "quic")
@@ -21,13 +21,15 @@ class LinkOptions:
     """Where a link listens and connects to, as Zenoh endpoints: ``tcp/127.0.0.1:7447``.
 
     ``config_file`` is a Zenoh configuration (JSON5) for certificates, users and access control; what is
-    needed for a link goes before what it says. ``insecure`` lets anybody in.
+    needed for a link goes before what it says. ``insecure`` lets anybody in. ``commands`` are the topics
+    whose messages go from operators to robots.
     """
 
     listen: tuple[str, ...] = ()
     connect: tuple[str, ...] = ()
     config_file: Path | None = None
     insecure: bool = False
+    commands: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -72,7 +74,8 @@ def admit(options: LinkOptions, config: Mapping[str, object]) -> str | None:
     """A warning of endpoints that let anybody in, for a Zenoh ``config``; ``None`` where there are none.
 
     Raises ``LinkError`` for an endpoint that others than programs of this machine reach and that neither
-    TLS with client certificates nor user and password protect, unless that is asked for.
+    TLS with client certificates nor user and password protect, unless that is asked for; ``UsageError``
+    where it is asked for and robots would be driven.
     """
     endpoints = [(endpoint, "listen") for endpoint in options.listen]
     endpoints += [(endpoint, "connect") for endpoint in options.connect]
@@ -88,6 +91,12 @@ def admit(options: LinkOptions, config: Mapping[str, object]) -> str | None:
             )
     if not unprotected:
         return None
+    if options.insecure and options.commands:
+        raise UsageError(
+            f"whoever reaches it could drive the robot with {' '.join(options.commands)}",
+            place=unprotected[0],
+            remedy="protect it with --zenoh-config FILE, not --insecure, or leave out --accept and --send",
+        )
     if options.insecure:
         return (
             f"--insecure: whoever reaches {' or '.join(unprotected)} can read all that is sent "

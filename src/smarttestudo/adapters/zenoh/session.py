@@ -40,6 +40,12 @@ _SETTINGS: Mapping[str, object] = {
     "open/return_conditions": {"connect_scouted": False, "declares": False},
 }
 
+_CLIENT_SETTINGS: Mapping[str, object] = {
+    # Opening a client waits until it is connected.
+    "connect/timeout_ms": 1_000,
+    "connect/exit_on_failure": True,
+}
+
 
 @contextmanager
 def open_session(options: LinkOptions, mode: str, warn: Callable[[str], None]) -> Iterator[zenoh.Session]:
@@ -47,24 +53,9 @@ def open_session(options: LinkOptions, mode: str, warn: Callable[[str], None]) -
 
     ``mode`` is Zenoh's: ``peer`` or ``router``. ``warn`` is told why nobody answers. Raises ``LinkError``.
     """
-    if not options.listen and not options.connect:
-        raise LinkError("a link needs an endpoint to listen at or to connect to")
-    config = _read_config(options.config_file)
-    known = json.loads(str(config))
-    warning = admit(options, known)
-    check_certificates(options, known)
-    if warning:
-        warn(warning)
+    config, known = session_config(options, mode, warn)
     place = ", ".join((*options.listen, *options.connect))
-    settings = {
-        "mode": mode,
-        "listen/endpoints": options.listen,
-        "connect/endpoints": options.connect,
-        **_SETTINGS,
-    }
     try:
-        for key, value in settings.items():
-            config.insert_json5(key, json.dumps(value))
         session = zenoh.open(config)
     except zenoh.ZError as error:
         raise LinkError(_cause(error), place=place, remedy="is the endpoint right, and free?") from error
@@ -77,6 +68,39 @@ def open_session(options: LinkOptions, mode: str, warn: Callable[[str], None]) -
     finally:
         is_closed.set()
         session.close()
+
+
+def session_config(
+    options: LinkOptions, mode: str, warn: Callable[[str], None]
+) -> tuple[zenoh.Config, Mapping[str, object]]:
+    """The configuration of a session at the endpoints of ``options``, and what its file says.
+
+    ``mode`` is Zenoh's: ``peer``, ``router`` or ``client``. A client that cannot connect gives up at once.
+    Raises ``LinkError``.
+    """
+    if not options.listen and not options.connect:
+        raise LinkError("a link needs an endpoint to listen at or to connect to")
+    config = _read_config(options.config_file)
+    known = json.loads(str(config))
+    warning = admit(options, known)
+    check_certificates(options, known)
+    if warning:
+        warn(warning)
+    place = ", ".join((*options.listen, *options.connect))
+    settings: dict[str, object] = {
+        "mode": mode,
+        "listen/endpoints": options.listen,
+        "connect/endpoints": options.connect,
+        **_SETTINGS,
+    }
+    if mode == "client":
+        settings |= _CLIENT_SETTINGS
+    try:
+        for key, value in settings.items():
+            config.insert_json5(key, json.dumps(value))
+    except zenoh.ZError as error:
+        raise LinkError(_cause(error), place=place, remedy="is the endpoint right, and free?") from error
+    return config, known
 
 
 def _read_config(path: Path | None) -> zenoh.Config:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Topics that a recording does not hold."""
+"""Topics that a recording does not hold, or a robot does not publish."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def _find(book: RuleModel) -> Iterator[Found]:
             yield Found(
                 path=mention.path,
                 span=mention.name.span,
-                message=f"the recording has no {topic}",
+                message=f"{book.context.topics_lack} {topic}",
                 hint=_hint(topic, recorded),
             )
 
@@ -39,7 +39,8 @@ def _hint(topic: str, recorded: Collection[str]) -> str:
 CHECK = RuleCheck(
     code="absent-from-bag",
     severity=Severity.INFO,
-    meaning="A rule names a topic that the recording given with --bag does not contain.",
+    meaning="A rule names a topic that the recording given with --bag does not contain, or that the robot "
+    "given with --connect does not publish.",
     why="Usually the name is misspelt. Without such a topic nothing is relayed, and checks of it stay "
     "unknown.",
     bad=Example(

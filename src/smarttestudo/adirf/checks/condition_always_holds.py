@@ -8,14 +8,18 @@ from collections.abc import Iterator
 
 from smarttestudo.adirf.checks.rule_check import Example, Found, RuleCheck
 from smarttestudo.adirf.checks.rule_model import RuleModel
+from smarttestudo.adirf.syntax import records_in
 from smarttestudo.domain.finding import Severity
 from smarttestudo.domain.signal import Truth
 
 
 def _find(book: RuleModel) -> Iterator[Found]:
     for block in book.blocks:
-        if book.analysis.truths[block.order] is Truth.TRUE and not block.is_one_check:
+        records = bool(records_in(block.block.then))
+        if book.analysis.truths[block.order] is Truth.TRUE and (records or not block.is_one_check):
             effect = "its Else never applies" if block.block.otherwise else "the block never ends"
+            if records:
+                effect = "its Record begins once and never again"
             yield Found(
                 path=block.path,
                 span=block.block.condition.span,

@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from smarttestudo.adirf.normal_form import Resolve
+from smarttestudo.adirf.normal_form import Resolve, derived_values, is_derived
 from smarttestudo.adirf.properties import PropertySpec, property_spec, usual_types
 from smarttestudo.adirf.region import Region
 from smarttestudo.domain.names import resolve_topic
@@ -29,6 +29,7 @@ def values_of(spec: PropertySpec | None) -> Region:
 class CheckContext:
     """``resolve`` gives the full name of a topic, ``bag_topics`` the type of each topic of a recording.
 
+    They may also be those of a robot: ``topics_lack`` are the words before the name of a topic that it lacks.
     ``way_to_profile`` says how the reader of a finding gives a profile, as in "or …".
     ``has_all_files`` is false where a file of the set could not be read, so that statements are missing.
     """
@@ -36,6 +37,7 @@ class CheckContext:
     resolve: Resolve = field(default=resolve_topic)
     profile: Profile | None = None
     bag_topics: Mapping[str, str] | None = None
+    topics_lack: str = "the recording has no"
     has_all_files: bool = True
     way_to_profile: str = "give a profile with --profile"
 
@@ -57,7 +59,7 @@ class CheckContext:
 
     def domain(self, signal: Signal) -> Region:
         """The values that ``signal`` can have."""
-        return values_of(self.spec_of(signal))
+        return derived_values(signal) if is_derived(signal) else values_of(self.spec_of(signal))
 
     def is_measured(self, signal: Signal) -> bool:
         """Whether ``signal`` is known to be a measurement, which varies continuously and has noise."""
@@ -65,4 +67,8 @@ class CheckContext:
 
     def wavers(self, signal: Signal) -> bool:
         """Whether ``signal`` can go back and forth across a border while the robot hardly moves."""
-        return self.is_measured(signal) and signal.property != ArrivalProperty.AGE.value
+        return (
+            not is_derived(signal)
+            and self.is_measured(signal)
+            and signal.property != ArrivalProperty.AGE.value
+        )

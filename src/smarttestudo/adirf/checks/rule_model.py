@@ -15,13 +15,36 @@ from smarttestudo.adirf.checks.written import (
     Branch,
     CheckSite,
     Mention,
+    WrittenBound,
     WrittenRate,
+    WrittenRecord,
     conditions_in,
     rate_of,
 )
-from smarttestudo.adirf.normal_form import merged, negation, normal_form
+from smarttestudo.adirf.normal_form import (
+    LastSeen,
+    Within,
+    check_form,
+    merged,
+    negation,
+    normal_form,
+    over_states,
+)
 from smarttestudo.adirf.region import Region
-from smarttestudo.adirf.syntax import Block, Check, KeepAtLeast, RuleFile, SetFrequency, Statement, TopicName
+from smarttestudo.adirf.syntax import (
+    Block,
+    Check,
+    KeepAtLeast,
+    KeepWithin,
+    RecordIncident,
+    RuleFile,
+    SetFrequency,
+    Statement,
+    TopicName,
+    bounds_in,
+    records_in,
+    sets_in,
+)
 from smarttestudo.domain.signal import Signal, Truth
 from smarttestudo.domain.source import Span
 
@@ -31,9 +54,10 @@ class RuleModel:
     """The rule files of one set with what is known beside them; everything in the order of the files.
 
     ``settings`` is every SetFrequency, ``written_defaults`` the unconditional ones and ``defaults`` those of
-    them that count; ``floors`` are the KeepAtLeast that count; ``relayed`` has the first SetFrequency or
-    KeepAtLeast of each relayed topic, ``mentions`` the first mention of each topic at all; ``glued`` are,
-    by file, the words that follow a keyword without a blank between.
+    them that count; ``floors`` are the KeepAtLeast that count, ``bounds`` every KeepWithin; ``relayed`` has
+    the first SetFrequency or KeepAtLeast of each relayed topic, ``mentions`` the first mention of each topic
+    at all; ``glued`` are, by file, the words that follow a keyword without a blank between. A branch that
+    sets no rate is not among ``branches``, and ``recordings`` is every Record.
     """
 
     context: CheckContext
@@ -48,6 +72,8 @@ class RuleModel:
     branches: tuple[Branch, ...]
     analysis: Analysis
     glued: Mapping[str, tuple[Span, ...]]
+    bounds: tuple[WrittenBound, ...]
+    recordings: tuple[WrittenRecord, ...]
 
 
 def read_rule_model(files: Sequence[RuleFile], context: CheckContext) -> RuleModel:
@@ -75,6 +101,8 @@ class _Reader:
         self._checks: list[CheckSite] = []
         self._blocks: list[BlockSite] = []
         self._branches: list[Branch] = []
+        self._bounds: list[WrittenBound] = []
+        self._recordings: list[WrittenRecord] = []
         self.glued: dict[str, tuple[Span, ...]] = {}
 
     def add(self, path: str, statement: Statement) -> None:
@@ -83,6 +111,8 @@ class _Reader:
                 self._add_block(path, statement)
             case SetFrequency():
                 self._defaults.append(self._setting(path, statement))
+            case KeepWithin():
+                self._add_bounds(path, (statement,), None)
             case KeepAtLeast():
                 floor = self._rate(path, statement)
                 highest = self._floors.setdefault(floor.topic, floor)
@@ -104,25 +134,45 @@ class _Reader:
             branches=tuple(self._branches),
             analysis=analyse(self._blocks, self._branches, defaults, self._context),
             glued=self.glued,
+            bounds=tuple(self._bounds),
+            recordings=tuple(self._recordings),
         )
 
     def _add_block(self, path: str, block: Block) -> None:
-        form = merged(normal_form(block.condition, self._full_name))
+        form = merged(over_states(normal_form(block.condition, self._full_name)))
         written = BlockSite(order=len(self._blocks), path=path, block=block, form=form)
         self._blocks.append(written)
         for part in conditions_in(block.condition):
             if isinstance(part, Check):
                 self._checks.append(self._check(path, part))
-        self._add_branch(written, block.then, is_else=False)
-        self._add_branch(written, block.otherwise, is_else=True)
+        for actions, is_else in ((block.then, False), (block.otherwise, True)):
+            self._add_branch(written, sets_in(actions), is_else=is_else)
+            self._add_bounds(path, bounds_in(actions), (written.order, is_else))
+            self._add_recordings(written, records_in(actions), is_else=is_else)
+
+    def _add_bounds(
+        self, path: str, statements: Iterable[KeepWithin], branch: tuple[int, bool] | None
+    ) -> None:
+        for one in statements:
+            topic = self._resolve(path, one.topic)
+            self._bounds.append(WrittenBound(path=path, topic=topic, statement=one, branch=branch))
+
+    def _add_recordings(
+        self, block: BlockSite, statements: Iterable[RecordIncident], *, is_else: bool
+    ) -> None:
+        for record in statements:
+            topics = tuple(self._resolve(block.path, name) for name in record.topics)
+            self._recordings.append(WrittenRecord(block=block, record=record, topics=topics, is_else=is_else))
 
     def _check(self, path: str, check: Check) -> CheckSite:
         signal = Signal(self._resolve(path, check.topic), check.property)
+        form = check_form(check, signal)
         return CheckSite(
             path=path,
             signal=signal,
             spec=self._spec_of(signal),
-            truth=_truth(check, self._values_of(signal)),
+            truth=_truth(form, self._values_of(signal)),
+            latch=form.signal if isinstance(form.signal, LastSeen) else None,
             check=check,
         )
 
@@ -158,8 +208,10 @@ class _Reader:
         return topic
 
 
-def _truth(check: Check, values: Region) -> Truth:
-    region = Region.where(check.operator, check.value)
+def _truth(check: Within, values: Region) -> Truth:
+    """What every value makes of ``check``; with an ``Until``, of whatever was before."""
+    latch = check.signal
+    region = latch.on if isinstance(latch, LastSeen) else check.region
     if region.intersection(values).is_empty:
         return Truth.FALSE
     return Truth.TRUE if values.is_within(region) else Truth.UNKNOWN

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache, partial
 from types import MappingProxyType
@@ -14,12 +14,18 @@ from smarttestudo.adirf.checks import wording
 from smarttestudo.adirf.checks.context import CheckContext
 from smarttestudo.adirf.checks.rule_check import Example, Found, RuleCheck
 from smarttestudo.adirf.checks.rule_model import RuleModel
-from smarttestudo.adirf.checks.written import CheckSite
 from smarttestudo.adirf.parser.suggestions import closest, did_you_mean
-from smarttestudo.adirf.properties import ARRIVAL_PROPERTIES, known_types, properties_of, usual_types
+from smarttestudo.adirf.properties import (
+    ARRIVAL_PROPERTIES,
+    PropertySpec,
+    known_types,
+    properties_of,
+    usual_types,
+)
 from smarttestudo.adirf.properties.field_path import MESSAGE_PREFIX, is_field_path
 from smarttestudo.domain.finding import Fix, Severity
 from smarttestudo.domain.signal import Signal
+from smarttestudo.domain.source import Span
 
 _PLAIN_NAME = re.compile(r"\w+\Z")
 
@@ -30,15 +36,15 @@ _PROPERTIES_OF_ANY_TYPE = tuple(
 
 
 def _find(book: RuleModel) -> Iterator[Found]:
-    doubt_about = cache(partial(_doubt_about, context=book.context))
+    doubt_of = cache(partial(doubt_about, context=book.context))
     for one in book.checks:
-        doubt = doubt_about(one.signal)
+        doubt = doubt_of(one.signal)
         if doubt is not None:
-            yield _found(one, doubt)
+            yield found_in(one.path, one.check.property_span, doubt)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class _Doubt:
+class Doubt:
     """Why a property is not there; ``close`` is one that may be meant."""
 
     message: str
@@ -46,57 +52,67 @@ class _Doubt:
     close: str | None
 
 
-def _doubt_about(signal: Signal, context: CheckContext) -> _Doubt | None:
+Named = Callable[[str], Mapping[str, PropertySpec]]
+"""The named properties of a type."""
+
+
+def doubt_about(signal: Signal, context: CheckContext, named: Named = properties_of) -> Doubt | None:
+    """Why messages of the topic may not have that property, where they may not."""
     topic, name = signal.topic, signal.property
     if not is_field_path(name):
-        return _Doubt(
+        return Doubt(
             message=f"no message has a property or field {name}",
             hint="fields are called by letters a to z, digits and '_', and start with a letter",
             close=None,
         )
     type_name = context.known_type(topic)
     types = (type_name,) if type_name else usual_types(topic)
-    if name in ARRIVAL_PROPERTIES or any(_may_have(one, name) for one in types):
+    if name in ARRIVAL_PROPERTIES or any(_may_have(one, name, named) for one in types):
         return None
     if type_name:
-        return _not_in_type(f"{type_name}, the type of {topic},", name, type_name)
+        return _not_in_type(f"{type_name}, the type of {topic},", name, named(type_name), type_name)
     if name.startswith(MESSAGE_PREFIX):
         return None  # Who writes that knows the type.
     if types:
         other = f"; if it is of another type, {context.way_to_profile}"
-        return _not_in_type(f"{topic} is usually {' or '.join(types)}, which", name, types[0], other)
+        return _not_in_type(
+            f"{topic} is usually {' or '.join(types)}, which", name, named(types[0]), types[0], other
+        )
     if not _PLAIN_NAME.match(name) or name in _PROPERTIES_OF_ANY_TYPE or name in all_known_fields():
         return None
     close = closest(name, (*_PROPERTIES_OF_ANY_TYPE, *ARRIVAL_PROPERTIES)) or closest(
         name, all_known_fields()
     )
     remedy = f"if it is a field of {topic}, write msg.{name} or {context.way_to_profile}"
-    return _Doubt(
+    return Doubt(
         message=f"no common type has a property or field {name}, and the type of {topic} is not known",
         hint=f"{did_you_mean(close)} {remedy}" if close else remedy,
         close=close,
     )
 
 
-def _may_have(type_name: str, name: str) -> bool:
+def _may_have(type_name: str, name: str, named: Named) -> bool:
     fields = fields_of(type_name)
-    return fields is None or name in properties_of(type_name) or has_field(fields, name)
+    return fields is None or name in named(type_name) or has_field(fields, name)
 
 
-def _not_in_type(beginning: str, name: str, type_name: str, other: str = "") -> _Doubt:
-    names = tuple(properties_of(type_name)) or fields_of(type_name) or ()
+def _not_in_type(
+    beginning: str, name: str, properties: Iterable[str], type_name: str, other: str = ""
+) -> Doubt:
+    names = tuple(properties) or fields_of(type_name) or ()
     close = closest(name, (*names, *ARRIVAL_PROPERTIES))
-    return _Doubt(
+    return Doubt(
         message=f"{beginning} has no property or field {name}",
         hint=did_you_mean(close) if close else f"it has {wording.listed(names)}{other}",
         close=close,
     )
 
 
-def _found(one: CheckSite, doubt: _Doubt) -> Found:
-    span, close = one.check.property_span, doubt.close
+def found_in(path: str, span: Span, doubt: Doubt) -> Found:
+    """The finding on a property written at ``span``."""
+    close = doubt.close
     return Found(
-        path=one.path,
+        path=path,
         span=span,
         message=doubt.message,
         hint=doubt.hint,

@@ -7,7 +7,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 
 from smarttestudo.adirf.checks.written import BlockSite, Branch
-from smarttestudo.adirf.syntax import Check
+from smarttestudo.adirf.formatter.text import duration_text
+from smarttestudo.adirf.normal_form import HELD, is_derived
+from smarttestudo.adirf.syntax import Check, Timed
 from smarttestudo.domain.signal import Signal
 from smarttestudo.domain.source import Span
 
@@ -22,20 +24,38 @@ def number(value: float) -> str:
 
 def check_text(check: Check) -> str:
     """A check without its keyword, as the file writes it."""
-    return f"{check.topic.text} {check.property} {check.operator.value} {check.text}"
+    until = "" if check.until is None else f" Until {check.until.operator.value} {check.until.text}"
+    return f"{check.topic.text} {check.property} {check.operator.value} {check.text}{until}"
+
+
+def time_text(timed: Timed) -> str:
+    """``For 5 s``, as the file writes it."""
+    return f"{timed.word.value} {duration_text(timed.duration)}"
 
 
 def state(values: Mapping[Signal, float]) -> str:
-    """``/odom pose_x = 3, pose_y = 2, /battery_state level = 10``; empty for no or too many signals."""
+    """``/odom pose_x = 3, pose_y = 2, /battery_state level = 10``; empty for no or too many signals.
+
+    What was before stands behind what is.
+    """
     if len(values) > _SIGNALS_SHOWN:
         return ""
     parts: list[str] = []
     topic = ""
+    past = [_past(signal, value) for signal, value in values.items() if is_derived(signal)]
     for signal, value in values.items():
-        name = signal.property if signal.topic == topic else str(signal)
-        topic = signal.topic
-        parts.append(f"{name} = {number(value)}")
-    return ", ".join(parts)
+        if not is_derived(signal):
+            name = signal.property if signal.topic == topic else str(signal)
+            topic = signal.topic
+            parts.append(f"{name} = {number(value)}")
+    return ", ".join([*parts, *past])
+
+
+def _past(signal: Signal, value: float) -> str:
+    """What was before: ``/odom speed < 1 for 5 s``."""
+    if signal.property == HELD:
+        return f"{signal.topic} for {number(value)} s"
+    return f"{signal.topic} {'holds' if value else 'has ended'}"
 
 
 def listed(names: Sequence[str]) -> str:

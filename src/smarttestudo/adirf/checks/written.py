@@ -4,10 +4,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
-from smarttestudo.adirf.normal_form import Form
+from smarttestudo.adirf.normal_form import Form, LastSeen
 from smarttestudo.adirf.properties import PropertySpec
 from smarttestudo.adirf.syntax import (
     And,
@@ -16,11 +16,14 @@ from smarttestudo.adirf.syntax import (
     Condition,
     Group,
     KeepAtLeast,
+    KeepWithin,
     Not,
     Or,
     RateExpression,
     RateWord,
+    RecordIncident,
     SetFrequency,
+    Timed,
     TopicName,
 )
 from smarttestudo.domain.rate import Rate, Tier
@@ -44,6 +47,21 @@ class WrittenRate:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class WrittenBound:
+    """A KeepWithin; ``branch`` is its block's place and whether in its Else, ``None`` outside blocks."""
+
+    path: str
+    topic: str
+    statement: KeepWithin
+    branch: tuple[int, bool] | None
+
+    @property
+    def signal(self) -> Signal:
+        """What it bounds."""
+        return Signal(self.topic, self.statement.property)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Mention:
     """A topic's name in a file."""
 
@@ -55,7 +73,8 @@ class Mention:
 class CheckSite:
     """A CheckValue; ``spec`` is what is known about its property.
 
-    ``truth`` says whether it holds for none (FALSE), all (TRUE) or some of the values of its property.
+    ``truth`` says whether it holds for none (FALSE), all (TRUE) or some of the values of its property,
+    ``latch`` is what a check with an ``Until`` remembers.
     """
 
     path: str
@@ -63,6 +82,7 @@ class CheckSite:
     spec: PropertySpec | None
     truth: Truth
     check: Check
+    latch: LastSeen | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -109,6 +129,16 @@ class Branch:
         return self.settings[topic].rate
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WrittenRecord:
+    """A Record with its block and the full names of its topics; none stands for all that the rules name."""
+
+    block: BlockSite
+    record: RecordIncident
+    topics: tuple[str, ...]
+    is_else: bool
+
+
 def rate_of(expression: RateExpression) -> Rate | None:
     """The rate as written, ``None`` for a tier."""
     if isinstance(expression.value, Tier):
@@ -127,7 +157,15 @@ def conditions_in(condition: Condition) -> Iterator[Condition]:
         match current:
             case And() | Or():
                 pending.extend(reversed(current.operands))
-            case Not() | Group():
+            case Not() | Group() | Timed():
                 pending.append(current.operand)
             case Check():
                 pass
+
+
+def times_in(blocks: Iterable[BlockSite]) -> Iterator[tuple[BlockSite, Timed]]:
+    """Every ``For`` and ``Within``, with its block."""
+    for block in blocks:
+        for part in conditions_in(block.block.condition):
+            if isinstance(part, Timed):
+                yield block, part

@@ -12,6 +12,7 @@ from smarttestudo.adirf.document.edits import (
     moved,
     replaced,
     replaced_all,
+    takes_in,
 )
 from smarttestudo.adirf.document.line_index import LineIndex
 from smarttestudo.adirf.document.meaning import meaning
@@ -35,4 +36,5 @@ __all__ = [
     "read_document",
     "replaced",
     "replaced_all",
+    "takes_in",
 ]

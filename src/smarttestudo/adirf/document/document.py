@@ -40,7 +40,7 @@ def split_unparsed(tokens: Sequence[Token]) -> Iterator[tuple[int, int]]:
         is_new = (
             kind in (TokenKind.RULE, TokenKind.KEEP_AT_LEAST)
             or (kind is TokenKind.IF and not awaits_if)
-            or (kind is TokenKind.SET_FREQUENCY and not is_block)
+            or (kind in (TokenKind.SET_FREQUENCY, TokenKind.KEEP_WITHIN) and not is_block)
             or (at > 0 and tokens[at - 1].kind is TokenKind.END_IF)
         )
         if is_new and at > first:

@@ -64,7 +64,7 @@ def _replacement(document: Document, name: str, new: NewStatement) -> list[TextE
     text_edits = rewritten(entry, _closed(new.content), line_end)
     if new.comments is not None and list(new.comments) != comment_texts(entry.comments):
         text_edits.append(_comments_above(entry.token_range, new.comments, line_end))
-    if at > 0 and _takes_in(part.entries[at - 1], new.content):
+    if at > 0 and takes_in(part.entries[at - 1], new.content):
         text_edits.append(_end_if(part.entries[at - 1], line_end))
     return text_edits
 
@@ -112,7 +112,7 @@ def moved(document: Document, name: str, part_name: str, index: int) -> str:
     indent = token_range.indent if token_range.indent is not None else _indent(part, 0)
     body = indent + document.text[token_range.own_start : token_range.own_end]
     following = others[index] if index < len(others) else None
-    if following is not None and _takes_in(entry, following.statement):
+    if following is not None and takes_in(entry, following.statement):
         body += f"{line_end}{indent}{_END_IF}"
     text_edits = _taken_out(document, entry)
     place = _Place(part=part, index=index, others=others)
@@ -182,7 +182,7 @@ def _put(place: _Place, contents: Sequence[Statement | str], body: str, line_end
     point = before[0].token_range if before else place.part.begin
     if point is None:
         raise EditError("there is no collection to write in", remedy=_NO_COLLECTION)
-    text_edits = [_end_if(one, line_end) for one in before if _takes_in(one, contents[0])]
+    text_edits = [_end_if(one, line_end) for one in before if takes_in(one, contents[0])]
     if any(_is_apart(one, contents[0]) for one in before):
         body = line_end + body
     if any(_is_apart(one, contents[-1]) for one in following) and not _is_blank_behind(point):
@@ -211,13 +211,13 @@ def _taken_out(document: Document, entry: Entry) -> list[TextEdit]:
     following = part.entries[at + 1] if at + 1 < len(part.entries) else None
     words = entry.token_range
     text_edits = [removal(words, document.behind(words))]
-    if at > 0 and following is not None and _takes_in(part.entries[at - 1], following.statement):
+    if at > 0 and following is not None and takes_in(part.entries[at - 1], following.statement):
         text_edits.append(_end_if(part.entries[at - 1], first_line_end(document.text)))
     return text_edits
 
 
-def _takes_in(before: Entry, following: Statement | str | None) -> bool:
-    """Whether ``following`` would become a part of ``before``, a block without ``EndIf``."""
+def takes_in(before: Entry, following: Statement | str | None) -> bool:
+    """Whether ``following`` might become a part of ``before``, a block without ``EndIf``."""
     is_open = isinstance(before.statement, Block) and not before.statement.has_end_if
     return is_open and following is not None and not isinstance(following, Block | str)
 

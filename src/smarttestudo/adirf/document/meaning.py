@@ -4,13 +4,28 @@
 
 from __future__ import annotations
 
-from smarttestudo.adirf.syntax import And, Block, Check, Condition, Group, KeepAtLeast, Not, Or, Statement
+from smarttestudo.adirf.syntax import (
+    Action,
+    And,
+    Block,
+    Check,
+    Condition,
+    Group,
+    KeepAtLeast,
+    KeepWithin,
+    Not,
+    Or,
+    RecordIncident,
+    SetFrequency,
+    Statement,
+    Timed,
+)
 
 Meaning = tuple[object, ...]
 """Nested tuples; two statements mean the same when these are equal."""
 
 
-def meaning(statement: Statement) -> Meaning:
+def meaning(statement: Statement | Action) -> Meaning:
     """Words and numbers of a statement: no places, comments, spellings or parentheses."""
     match statement:
         case Block():
@@ -21,9 +36,14 @@ def meaning(statement: Statement) -> Meaning:
                 tuple(map(meaning, statement.then)),
                 tuple(map(meaning, statement.otherwise)),
             )
+        case RecordIncident():
+            topics = tuple(topic.text for topic in statement.topics)
+            return ("record", statement.name, topics, statement.before.ns, statement.after.ns)
         case KeepAtLeast():
             return ("keep", statement.topic.text, statement.rate.value)
-        case _:
+        case KeepWithin():
+            return ("within", statement.topic.text, statement.property, statement.bound)
+        case SetFrequency():
             return ("set", statement.topic.text, statement.rate.value)
 
 
@@ -31,23 +51,28 @@ def condition_meaning(condition: Condition) -> Meaning:
     """The checks of a condition and how they are joined."""
     match condition:
         case Check():
-            return (condition.topic.text, condition.property, condition.operator, condition.value)
+            until = condition.until and (condition.until.operator, condition.until.value)
+            return (condition.topic.text, condition.property, condition.operator, condition.value, until)
         case Group():
             return condition_meaning(condition.operand)
         case Not():
             return (Not, condition_meaning(condition.operand))
+        case Timed():
+            return (condition.word, condition.duration.ns, condition_meaning(condition.operand))
         case And() | Or():
             return (type(condition), *map(condition_meaning, condition.operands))
 
 
 def shape(condition: Condition) -> Meaning:
-    """How the checks of a condition are joined, whatever they say."""
+    """How the checks of a condition are joined, and their times and ends, whatever else they say."""
     match condition:
         case Check():
-            return ()
+            return condition_meaning(condition)[-1:]
         case Group():
             return shape(condition.operand)
         case Not():
             return (Not, shape(condition.operand))
+        case Timed():
+            return (condition.word, condition.duration.ns, shape(condition.operand))
         case And() | Or():
             return (type(condition), *map(shape, condition.operands))

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import TypeVar
 
@@ -18,17 +18,21 @@ from smarttestudo.adirf.formatter.text import number_text, rate_text
 from smarttestudo.adirf.parser.headings import quoted
 from smarttestudo.adirf.parser.tokens import TokenKind
 from smarttestudo.adirf.syntax import (
+    Action,
     And,
     Block,
     Check,
     Condition,
     Group,
     KeepAtLeast,
+    KeepWithin,
     Not,
     Or,
     SetFrequency,
     Statement,
+    Timed,
     checks_in,
+    sets_in,
 )
 
 
@@ -37,7 +41,7 @@ def with_comments(old: Block, new: Block, *, inside: TokenRange) -> Block:
     above = tuple(
         comment for comment in old.trivia.above if inside.places.range(comment.span)[0] >= inside.start
     )
-    sets = {one.topic.text: one.trivia for one in (*old.then, *old.otherwise)}
+    sets = {one.topic.text: one.trivia for one in sets_in((*old.then, *old.otherwise))}
     written = {meaning(one): one for one in (*old.then, *old.otherwise)}
     return replace(
         new,
@@ -58,6 +62,10 @@ def with_comments_preserved(old: Condition, new: Condition, *, beside: Comment |
 
     The comment ``beside`` stays where it is and is left out.
     """
+    if isinstance(old, Timed):
+        inner = new.operand if isinstance(new, Timed) else new
+        kept = with_comments_preserved(old.operand, inner, beside=beside)
+        return replace(new, operand=kept) if isinstance(new, Timed) else kept
     checks = {condition_meaning(one): _without(one, beside) for one in checks_in(old)}
     found = _with_checks(new, checks)
     if isinstance(old, Group) and isinstance(found, And | Or):
@@ -80,24 +88,24 @@ def _with_checks(condition: Condition, checks: Mapping[Meaning, Check]) -> Condi
     match condition:
         case Check():
             return checks.get(condition_meaning(condition), condition)
-        case Not() | Group():
+        case Not() | Group() | Timed():
             return replace(condition, operand=_with_checks(condition.operand, checks))
         case And() | Or():
             operands = tuple(_with_checks(one, checks) for one in condition.operands)
             return replace(condition, operands=operands)
 
 
-def _with_comments(
-    new: SetFrequency, sets: Mapping[str, Trivia], written: Mapping[Meaning, SetFrequency]
-) -> SetFrequency:
+def _with_comments(new: Action, sets: Mapping[str, Trivia], written: Mapping[Meaning, Action]) -> Action:
     same = written.get(meaning(new))
     if same is not None:
         return same
-    return replace(new, trivia=sets.get(new.topic.text, new.trivia))
+    return replace(new, trivia=sets.get(new.topic.text, new.trivia)) if isinstance(new, SetFrequency) else new
 
 
 _TOPIC, _PROPERTY, _OPERATOR, _NUMBER = 1, 2, 3, 4
 """Which word of a check is what."""
+_BOUND = 3
+"""Which word of a KeepWithin, which begins like a check."""
 
 
 def rewritten(entry: Entry, new: Statement | str, line_end: str) -> list[TextEdit]:
@@ -112,6 +120,8 @@ def rewritten(entry: Entry, new: Statement | str, line_end: str) -> list[TextEdi
             return _set(old, new, words)
         case (KeepAtLeast(), KeepAtLeast()):
             return _set(old, new, words)
+        case (KeepWithin(), KeepWithin()):
+            return _within(old, new, words)
         case (_, statement):
             return [TextEdit(words.start, words.end, _lines(statement, words, line_end))]
 
@@ -144,14 +154,43 @@ def _set(
     return text_edits
 
 
+def _action(old: Action, new: Action, words: TokenRange) -> list[TextEdit]:
+    if isinstance(old, KeepWithin) and isinstance(new, KeepWithin):
+        return _within(old, new, words)
+    if isinstance(old, SetFrequency) and isinstance(new, SetFrequency):
+        return _set(old, new, words)
+    if meaning(old) == meaning(new):
+        return []
+    return [TextEdit(*words.places.range(old.span), format_statement(new).rstrip("\n"))]
+
+
+def _within(old: KeepWithin, new: KeepWithin, words: TokenRange) -> list[TextEdit]:
+    first = words.index_at(words.places.range(old.span)[0])
+    changes = (
+        (_TOPIC, old.topic.text != new.topic.text, new.topic.text),
+        (_PROPERTY, old.property != new.property, new.property),
+        (_BOUND, old.bound != new.bound, number_text(new.bound)),
+    )
+    return _changed_words(first, changes, words)
+
+
+def _changed_words(first: int, changes: Iterable[tuple[int, bool, str]], words: TokenRange) -> list[TextEdit]:
+    """Each word, counted from ``first``, that differs, replaced."""
+    return [
+        TextEdit(words.offsets[first + word], words[first + word].end, text)
+        for word, differs, text in changes
+        if differs
+    ]
+
+
 def _block(old: Block, new: Block, words: TokenRange, line_end: str) -> list[TextEdit]:
     if meaning(old) == meaning(new):
         return []
     parts = (
         _heading(old, new, words, line_end),
         _condition(old.condition, new.condition, words, line_end),
-        _sets(old.then, new.then, words, line_end),
-        _sets(old.otherwise, new.otherwise, words, line_end),
+        _actions(old.then, new.then, words, line_end),
+        _actions(old.otherwise, new.otherwise, words, line_end),
     )
     text_edits: list[TextEdit] = []
     for part in parts:
@@ -206,21 +245,19 @@ def _check(old: Check, new: Check, words: TokenRange) -> list[TextEdit]:
         (_OPERATOR, old.operator is not new.operator, new.operator.value),
         (_NUMBER, old.value != new.value, number_text(new.value)),
     )
-    return [
-        TextEdit(words.offsets[first + word], words[first + word].end, text)
-        for word, differs, text in changes
-        if differs
-    ]
+    return _changed_words(first, changes, words)
 
 
-def _sets(
-    old: Sequence[SetFrequency], new: Sequence[SetFrequency], words: TokenRange, line_end: str
+def _actions(
+    old: Sequence[Action], new: Sequence[Action], words: TokenRange, line_end: str
 ) -> list[TextEdit] | None:
     """The changes of the statements of a branch; ``None`` where a branch comes, goes or is reordered."""
     before, after = [meaning(one) for one in old], [meaning(one) for one in new]
     if len(old) == len(new):
+        if any(type(one) is not type(other) for one, other in zip(old, new, strict=True)):
+            return None
         pairs = zip(old, new, strict=True)
-        return [text_edit for one, other in pairs for text_edit in _set(one, other, words)]
+        return [text_edit for one, other in pairs for text_edit in _action(one, other, words)]
     if not old or not new:
         return None
     token_ranges = [words.between(*words.places.range(one.span)) for one in old]

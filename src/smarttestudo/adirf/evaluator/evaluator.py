@@ -7,9 +7,9 @@ from __future__ import annotations
 from collections.abc import Set as AbstractSet
 
 from smarttestudo.adirf.evaluator.graph import Graph, Propagation
-from smarttestudo.adirf.evaluator.literal import Literal, Thresholds
-from smarttestudo.adirf.evaluator.rate_arbiter import RateArbiter, RequestedRate
-from smarttestudo.adirf.normal_form import signals_of
+from smarttestudo.adirf.evaluator.literal import Latch, Leaf, Literal, Thresholds
+from smarttestudo.adirf.evaluator.rate_arbiter import RequestedRate, TopicArbiter
+from smarttestudo.adirf.normal_form import LastSeen, signals_of
 from smarttestudo.adirf.region import Bound
 from smarttestudo.adirf.rule_set import RuleBlock, RuleSet
 from smarttestudo.domain.decision import PlannedRate
@@ -20,30 +20,61 @@ class Evaluator:
     """What a rule set asks for, given the values of its signals; all signals start unknown.
 
     A new value costs in proportion to the thresholds it crosses and the blocks it changes, whatever the
-    size of the rule set.
+    size of the rule set. Time passes with ``advance``; what is remembered of conditions takes two numbers
+    each.
     """
 
-    def __init__(self, rule_set: RuleSet) -> None:
-        graph = Graph()
+    def __init__(self, rule_set: RuleSet, start_ns: int = 0) -> None:
+        self._graph = graph = Graph()
         self._blocks = rule_set.blocks
         self._literals = [_literal(graph, block) for block in rule_set.blocks]
-        self._thresholds = {signal: Thresholds(leaves.values()) for signal, leaves in graph.leaves.items()}
+        self._thresholds = _thresholds(graph)
         self._arbiters = _arbiters(rule_set)
         self._entries = [
             [
-                (topic, self._arbiters[topic], self._arbiters[topic].rank_of[block.order])
-                for topic in block.rates
+                (topic, *ranking)
+                for topic in dict.fromkeys([*block.rates, *block.bounds])
+                if topic in self._arbiters
+                for ranking in self._arbiters[topic].rankings_of(block.order)
             ]
             for block in rule_set.blocks
         ]
         self._changed_topics = set(self._arbiters)
         self._changed_blocks: set[int] = set()
-        self._propagation = Propagation(graph, self._block_changed)
+        self._turned_ns = [start_ns] * len(rule_set.blocks)
+        self._recording = {block.order for block in rule_set.blocks if block.recordings}
+        self.has_recordings = bool(self._recording)
+        self._turned_recordings: list[tuple[int, Truth]] = []
+        self._propagation = Propagation(graph, self._block_changed, start_ns)
 
     @property
     def touched(self) -> int:
         """How many parts of the network were looked at so far, a measure of cost that needs no clock."""
         return self._propagation.touched
+
+    @property
+    def next_alarm_ns(self) -> int | None:
+        """When time alone may next change a condition; it may come early, never late. ``None``: never."""
+        return self._propagation.next_alarm_ns
+
+    def advance(self, now_ns: int) -> None:
+        """Let time pass until ``now_ns``; what is ``set`` from now on happens then. Time never goes back."""
+        self._propagation.advance(now_ns)
+
+    def carry_on(self, before: Evaluator) -> None:
+        """Take over the history of every condition that ``before`` has, too, be it with other durations.
+
+        To be followed by an ``advance`` and the values of all signals.
+        """
+        known_of = {held: window for (held, _), window in before._graph.windows.items()}
+        for (held, _), window in self._graph.windows.items():
+            known = known_of.get(held)
+            if known is not None:
+                self._propagation.carry_on(window, known)
+        for signal, latch in self._graph.latches.items():
+            remembered = before._graph.latches.get(signal)
+            if remembered is not None:
+                latch.carry_on(remembered)
 
     def set(self, signal: Signal, value: float | None) -> None:
         """Take a signal's value; ``None`` and NaN mean unknown. Signals that no check reads are ignored."""
@@ -51,7 +82,7 @@ class Evaluator:
         if thresholds is None:
             return
         for leaf in thresholds.move(value):
-            self._propagation.change(leaf, thresholds.truth(leaf))
+            self._propagation.change(leaf, leaf.truth_at(thresholds.value))
 
     def take_changed_topics(self) -> AbstractSet[str]:
         """The topics whose request may have changed since the last call; at first all that are relayed."""
@@ -64,6 +95,12 @@ class Evaluator:
         self._propagation.settle()
         changed, self._changed_blocks = self._changed_blocks, set()
         return changed
+
+    def take_turned_recordings(self) -> list[tuple[int, Truth]]:
+        """The blocks with recordings, by order, and what they turned to since the last call, in order."""
+        self._propagation.settle()
+        turned, self._turned_recordings = self._turned_recordings, []
+        return turned
 
     def request(self, topic: str) -> PlannedRate:
         """The rate that the rules ask for now; ``topic`` is one of the rule set's relayed topics."""
@@ -79,6 +116,16 @@ class Evaluator:
         self._propagation.settle()
         return Truth(self._literals[block_order].truth)
 
+    def turned_ns(self, block_order: int) -> int:
+        """Since when the condition of a block is as it is."""
+        self._propagation.settle()
+        return self._turned_ns[block_order]
+
+    def latched(self, signal: LastSeen) -> Truth:
+        """What is remembered between the two regions; unknown for one that no condition reads."""
+        latch = self._graph.latches.get(signal)
+        return Truth.UNKNOWN if latch is None else Truth(latch.truth)
+
     def reads(self, block_order: int) -> list[Signal]:
         """The signals that the condition of a block reads, sorted."""
         return sorted(signals_of(self._blocks[block_order].form))
@@ -93,8 +140,11 @@ class Evaluator:
 
     def _block_changed(self, order: int, before: int, after: int) -> None:
         self._changed_blocks.add(order)
-        for topic, arbiter, rank in self._entries[order]:
-            arbiter.move(rank, before, after)
+        self._turned_ns[order] = self._propagation.now_ns
+        if order in self._recording:
+            self._turned_recordings.append((order, Truth(after)))
+        for topic, ranking, rank in self._entries[order]:
+            ranking.move(rank, before, after)
             self._changed_topics.add(topic)
 
 
@@ -104,9 +154,19 @@ def _literal(graph: Graph, block: RuleBlock) -> Literal:
     return literal
 
 
-def _arbiters(rule_set: RuleSet) -> dict[str, RateArbiter]:
+def _thresholds(graph: Graph) -> dict[Signal, Thresholds]:
+    leaves: dict[Signal, list[Leaf | Latch]] = {
+        signal: [*by_region.values()] for signal, by_region in graph.leaves.items()
+    }
+    for latch in graph.latches.values():
+        leaves.setdefault(latch.source, []).append(latch)
+    return {signal: Thresholds(found) for signal, found in leaves.items()}
+
+
+def _arbiters(rule_set: RuleSet) -> dict[str, TopicArbiter]:
     blocks: dict[str, list[RuleBlock]] = {topic: [] for topic in rule_set.relayed}
     for block in rule_set.blocks:
-        for topic in block.rates:
-            blocks[topic].append(block)
-    return {topic: RateArbiter(topic, setting, rule_set) for topic, setting in blocks.items()}
+        for topic in dict.fromkeys([*block.rates, *block.bounds]):
+            if topic in blocks:
+                blocks[topic].append(block)
+    return {topic: TopicArbiter(topic, setting, rule_set) for topic, setting in blocks.items()}

@@ -6,8 +6,9 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left
-from collections.abc import Collection, Hashable, Iterable
+from collections.abc import Collection, Hashable, Iterable, Sequence
 
+from smarttestudo.adirf.normal_form import LastSeen
 from smarttestudo.adirf.region import Bound, Region
 from smarttestudo.domain.signal import Signal, Truth
 
@@ -29,10 +30,10 @@ class Literal:
     """A node, or its inverse, with the joins that it is one side of and the blocks it is the condition of.
 
     ``joins`` finds a join by the other side's group and the other side; ``live_joins`` are those that are
-    not false now. All literals start unknown, and so do the joins.
+    not false now. ``windows`` remember how long it held. All literals start unknown, and so do the nodes.
     """
 
-    __slots__ = ("blocks", "group", "inverted", "joins", "live_joins", "node", "truth")
+    __slots__ = ("blocks", "group", "inverted", "joins", "live_joins", "node", "truth", "windows")
 
     def __init__(self, node: Node, group: LiteralGroup, *, inverted: bool) -> None:
         self.node = node
@@ -42,6 +43,7 @@ class Literal:
         self.joins: dict[LiteralGroup, dict[Literal, Join]] = {}
         self.live_joins: set[Join] = set()
         self.blocks: list[int] = []
+        self.windows: list[TimeWindow] = []
         group.live.add(self)
 
 
@@ -69,6 +71,105 @@ class Leaf(Node):
     def __init__(self, number: int, signal: Signal, region: Region) -> None:
         super().__init__(number, signal)
         self.region = region
+
+    @property
+    def cuts(self) -> Sequence[Bound]:
+        """Where the signal's value changes it."""
+        return self.region.cuts
+
+    def truth_at(self, value: float | None) -> int:
+        """What a value, or an unknown one, makes of it."""
+        if value is None:
+            return UNKNOWN
+        return TRUE if self.region.contains(value) else FALSE
+
+
+class Latch(Node):
+    """True from when its source was in one region until it was in the other, unknown while the source is."""
+
+    __slots__ = ("_memory", "_signal")
+
+    def __init__(self, number: int, signal: LastSeen) -> None:
+        super().__init__(number, signal)
+        self._signal = signal
+        self._memory = UNKNOWN
+
+    @property
+    def source(self) -> Signal:
+        """What it reads."""
+        return self._signal.source
+
+    @property
+    def cuts(self) -> Sequence[Bound]:
+        """Where the source's value may change it."""
+        return (*self._signal.on.cuts, *self._signal.off.cuts)
+
+    def truth_at(self, value: float | None) -> int:
+        """What the next value, or an unknown one, makes of it; what was seen stays in its memory."""
+        if value is None:
+            return UNKNOWN
+        if self._signal.on.contains(value):
+            self._memory = TRUE
+        elif self._signal.off.contains(value):
+            self._memory = FALSE
+        return self._memory
+
+    def carry_on(self, before: Latch) -> None:
+        """Take over the memory of ``before``."""
+        self._memory = before._memory
+
+
+class TimeWindow(Node):
+    """Kleene AND of what one literal was at every instant of the last ``duration_ns``.
+
+    Two times are all it must remember: until when the literal was last known to be false, and until when it
+    was last unknown. What it was for no time at all, at one instant, counts as seen at that instant.
+    """
+
+    __slots__ = ("_duration_ns", "_false_until_ns", "_seen", "_unknown_until_ns", "queued", "source")
+
+    def __init__(self, number: int, source: Literal, duration_ns: int) -> None:
+        super().__init__(number, ("window", source.group))
+        self.source = source
+        self.queued = False
+        self._duration_ns = duration_ns
+        self._seen = UNKNOWN
+        self._false_until_ns: int | None = None
+        self._unknown_until_ns: int | None = None
+        source.windows.append(self)
+
+    def look(self, now_ns: int) -> int:
+        """Take the literal's truth from ``now_ns`` on; its own truth then."""
+        truth = self.source.truth
+        if truth != self._seen:
+            if self._seen == FALSE:
+                self._false_until_ns = now_ns
+            elif self._seen == UNKNOWN:
+                self._unknown_until_ns = now_ns
+            self._seen = truth
+        if truth == FALSE or self._counts(self._false_until_ns, now_ns):
+            return FALSE
+        if truth == UNKNOWN or self._counts(self._unknown_until_ns, now_ns):
+            return UNKNOWN
+        return TRUE
+
+    def next_change_ns(self, now_ns: int) -> int | None:
+        """When time alone next changes its truth; ``None`` where it does not."""
+        if self._seen == FALSE:
+            return None
+        for until_ns in (self._false_until_ns, self._unknown_until_ns if self._seen == TRUE else None):
+            if until_ns is not None and self._counts(until_ns, now_ns):
+                return until_ns + self._duration_ns
+        return None
+
+    def _counts(self, until_ns: int | None, now_ns: int) -> bool:
+        return until_ns is not None and now_ns < until_ns + self._duration_ns
+
+    def carry_on(self, before: TimeWindow) -> None:
+        """Take over what ``before`` remembers."""
+        self._seen = before._seen
+        self._false_until_ns = before._false_until_ns
+        self._unknown_until_ns = before._unknown_until_ns
 
 
 class Join(Node):
@@ -101,18 +202,18 @@ class Thresholds:
 
     __slots__ = ("_leaves", "_leaves_at", "_position", "cuts", "value")
 
-    def __init__(self, leaves: Iterable[Leaf]) -> None:
+    def __init__(self, leaves: Iterable[Leaf | Latch]) -> None:
         self._leaves = tuple(leaves)
-        leaves_at: dict[Bound, list[Leaf]] = {}
+        leaves_at: dict[Bound, list[Leaf | Latch]] = {}
         for leaf in self._leaves:
-            for cut in leaf.region.cuts:
+            for cut in dict.fromkeys(leaf.cuts):
                 leaves_at.setdefault(cut, []).append(leaf)
         self.cuts = sorted(leaves_at)
         self._leaves_at = [leaves_at[cut] for cut in self.cuts]
         self._position: int | None = None
         self.value: float | None = None
 
-    def move(self, value: float | None) -> Collection[Leaf]:
+    def move(self, value: float | None) -> Collection[Leaf | Latch]:
         """Take the new value (``None`` or NaN: unknown); the leaves that may have changed."""
         if value is None or math.isnan(value):
             return self._forget()
@@ -125,20 +226,14 @@ class Thresholds:
             return ()
         return self._crossed(before, after) if before < after else self._crossed(after, before)
 
-    def truth(self, leaf: Leaf) -> int:
-        """What the current value makes of one of the leaves."""
-        if self.value is None:
-            return UNKNOWN
-        return TRUE if leaf.region.contains(self.value) else FALSE
-
-    def _forget(self) -> Collection[Leaf]:
+    def _forget(self) -> Collection[Leaf | Latch]:
         self.value = None
         if self._position is None:
             return ()
         self._position = None
         return self._leaves
 
-    def _crossed(self, low: int, high: int) -> Collection[Leaf]:
+    def _crossed(self, low: int, high: int) -> Collection[Leaf | Latch]:
         if high - low == 1:
             return self._leaves_at[low]
         return {leaf for leaves in self._leaves_at[low:high] for leaf in leaves}

@@ -5,8 +5,9 @@
 from __future__ import annotations
 
 from bisect import bisect_left, insort
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
 
 from smarttestudo.adirf.evaluator.literal import TRUE, UNKNOWN
 from smarttestudo.adirf.rule_set import RuleBlock, RuleSet
@@ -22,28 +23,19 @@ class RequestedRate:
     block: int | None
 
 
-class RateArbiter:
-    """The blocks of one topic that are true or unknown, kept sorted so that the best is at hand.
+class Ranking:
+    """The blocks that set one thing and are true or unknown, kept sorted so that the best is at hand.
 
-    A block's rank is its place by (priority, rate, earliest in the file first); it never changes.
+    A block's rank is its place by (priority, merit, earliest in the file first); it never changes.
     """
 
-    __slots__ = (
-        "_blocks",
-        "_default",
-        "_default_reason",
-        "_floor_hz",
-        "_topic",
-        "_true",
-        "_unknown",
-        "rank_of",
-    )
+    __slots__ = ("_blocks", "_merit", "_true", "_unknown", "rank_of")
 
-    def __init__(self, topic: str, blocks: Iterable[RuleBlock], rule_set: RuleSet) -> None:
-        self._topic = topic
-        self._default = rule_set.defaults.get(topic, Rate.full())
-        self._default_reason = rule_set.default_reason
-        self._floor_hz = rule_set.floors_hz.get(topic, 0.0)
+    def __init__(self, blocks: Iterable[RuleBlock], merit: Callable[[RuleBlock], Any]) -> None:
+        def placed(block: RuleBlock) -> tuple[Any, int]:
+            return merit(block), -block.order
+
+        self._merit = placed
         self._blocks = sorted(blocks, key=lambda block: (block.priority, *self._merit(block)))
         self.rank_of = {block.order: rank for rank, block in enumerate(self._blocks)}
         self._true: list[int] = []
@@ -59,12 +51,49 @@ class RateArbiter:
         elif after == UNKNOWN:
             insort(self._unknown.setdefault(self._blocks[rank].priority, []), rank)
 
+    @property
+    def known(self) -> RuleBlock | None:
+        """The best of the highest priority among those that are known to hold."""
+        return self._blocks[self._true[-1]] if self._true else None
+
+    def best_unknown(self, known: RuleBlock | None) -> RuleBlock | None:
+        """The best unknown block among those that could overrule ``known``."""
+        candidates = (
+            self._blocks[ranks[-1]]
+            for priority, ranks in self._unknown.items()
+            if known is None or priority >= known.priority
+        )
+        return max(candidates, key=self._merit, default=None)
+
+    def _drop(self, rank: int, truth: int) -> None:
+        if truth == TRUE:
+            del self._true[bisect_left(self._true, rank)]
+        elif truth == UNKNOWN:
+            priority = self._blocks[rank].priority
+            ranks = self._unknown[priority]
+            del ranks[bisect_left(ranks, rank)]
+            if not ranks:
+                del self._unknown[priority]
+
+
+class RateArbiter:
+    """Which rate the rules ask for one topic."""
+
+    __slots__ = ("_default", "_default_reason", "_floor_hz", "_topic", "ranking")
+
+    def __init__(self, topic: str, blocks: Iterable[RuleBlock], rule_set: RuleSet) -> None:
+        self._topic = topic
+        self._default = rule_set.defaults.get(topic, Rate.full())
+        self._default_reason = rule_set.default_reason
+        self._floor_hz = rule_set.floors_hz.get(topic, 0.0)
+        self.ranking = Ranking(blocks, lambda block: block.rates[topic])
+
     def request(self) -> RequestedRate:
         """Rules 3 to 6 of the language: priority, then rate; in doubt more; never below the floor."""
-        known = self._blocks[self._true[-1]] if self._true else None
+        known = self.ranking.known
         rate = known.rates[self._topic] if known else self._default
         reason = Reason.BLOCK if known else self._default_reason
-        doubt = self._highest_unknown(known)
+        doubt = self.ranking.best_unknown(known)
         if doubt and doubt.rates[self._topic] > rate:
             known, rate, reason = doubt, doubt.rates[self._topic], Reason.UNKNOWN
         raised = rate.at_least(self._floor_hz)
@@ -78,24 +107,72 @@ class RateArbiter:
         )
         return RequestedRate(planned=planned, block=known.order if known else None)
 
-    def _highest_unknown(self, known: RuleBlock | None) -> RuleBlock | None:
-        """The unknown block with the highest rate among those that could overrule ``known``."""
-        candidates = (
-            self._blocks[ranks[-1]]
-            for priority, ranks in self._unknown.items()
-            if known is None or priority >= known.priority
-        )
-        return max(candidates, key=self._merit, default=None)
 
-    def _merit(self, block: RuleBlock) -> tuple[Rate, int]:
-        return block.rates[self._topic], -block.order
+class BoundArbiter:
+    """Which bound the rules ask for one property of one topic."""
 
-    def _drop(self, rank: int, truth: int) -> None:
-        if truth == TRUE:
-            del self._true[bisect_left(self._true, rank)]
-        elif truth == UNKNOWN:
-            priority = self._blocks[rank].priority
-            ranks = self._unknown[priority]
-            del ranks[bisect_left(ranks, rank)]
-            if not ranks:
-                del self._unknown[priority]
+    __slots__ = ("_default", "_topic", "property", "ranking")
+
+    def __init__(self, topic: str, name: str, blocks: Iterable[RuleBlock], rule_set: RuleSet) -> None:
+        self._topic = topic
+        self.property = name
+        self._default = rule_set.bounds.get(topic, {}).get(name)
+        self.ranking = Ranking(blocks, lambda block: -block.bounds[topic][name])
+
+    def request(self) -> tuple[float | None, RuleBlock | None, Reason]:
+        """The bound, the block that decides it, and why: priority, then the tightest; in doubt the tightest.
+
+        ``None`` while nothing bounds the property.
+        """
+        known = self.ranking.known
+        bound, reason = self._default, Reason.DEFAULT
+        if known is not None:
+            bound, reason = known.bounds[self._topic][self.property], Reason.BLOCK
+        doubt = self.ranking.best_unknown(known)
+        if doubt is not None:
+            feared = doubt.bounds[self._topic][self.property]
+            if bound is None or feared < bound:
+                return feared, doubt, Reason.UNKNOWN
+        return bound, known, reason
+
+
+class TopicArbiter:
+    """What the rules ask for one topic: its rate, and the bounds of the receiver's picture."""
+
+    __slots__ = ("_bounds", "_rate")
+
+    def __init__(self, topic: str, blocks: Sequence[RuleBlock], rule_set: RuleSet) -> None:
+        self._rate = RateArbiter(topic, [block for block in blocks if topic in block.rates], rule_set)
+        names = dict.fromkeys(rule_set.bounds.get(topic, {}))
+        for block in blocks:
+            names.update(dict.fromkeys(block.bounds.get(topic, {})))
+        self._bounds = [
+            BoundArbiter(
+                topic, name, [block for block in blocks if name in block.bounds.get(topic, {})], rule_set
+            )
+            for name in names
+        ]
+
+    def rankings_of(self, order: int) -> list[tuple[Ranking, int]]:
+        """The rankings that hold the block of that order, with its rank in each."""
+        rankings = (self._rate.ranking, *(bound.ranking for bound in self._bounds))
+        return [(ranking, ranking.rank_of[order]) for ranking in rankings if order in ranking.rank_of]
+
+    def request(self) -> RequestedRate:
+        """The rate with its reason, and the bounds.
+
+        Where no block decides the rate, the first that decides a bound stands for it.
+        """
+        request = self._rate.request()
+        if not self._bounds:
+            return request
+        within: dict[str, float] = {}
+        for arbiter in self._bounds:
+            bound, block, reason = arbiter.request()
+            if bound is None:
+                continue
+            within[arbiter.property] = bound
+            if block is not None and request.block is None and request.planned.reason is Reason.DEFAULT:
+                planned = replace(request.planned, reason=reason, rule=block.label, line=block.line)
+                request = RequestedRate(planned=planned, block=block.order)
+        return replace(request, planned=replace(request.planned, within=within))

@@ -7,8 +7,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from smarttestudo.adirf.comments import Comment
-from smarttestudo.adirf.formatter.text import INDENT, LineWriter, number_text
-from smarttestudo.adirf.syntax import And, Check, Condition, Group, Not, Or
+from smarttestudo.adirf.formatter.text import INDENT, LineWriter, duration_text, number_text
+from smarttestudo.adirf.syntax import And, Check, Condition, Group, Not, Or, Timed
 
 MAX_WIDTH = 100
 
@@ -18,30 +18,33 @@ def write_condition(writer: LineWriter, level: int, lead: str, condition: Condit
     _write(writer, level, lead, _grouped(condition))
 
 
-def _write(writer: LineWriter, level: int, lead: str, condition: Condition) -> None:
+def _write(writer: LineWriter, level: int, lead: str, condition: Condition, tail: str = "") -> None:
+    """Add ``condition``; ``tail`` stands behind it on its last line."""
     match condition:
         case Check():
             _write_comments(writer, level, condition.trivia.above)
-            writer.line(level, f"{lead}{_check(condition)}", condition.trivia.beside)
+            writer.line(level, f"{lead}{_check(condition)}{tail}", condition.trivia.beside)
         case Not():
             _write_comments(writer, level, condition.trivia.above)
             _write(writer, level, f"{lead}Not ", _grouped(condition.operand))
         case Group():
-            _write_group(writer, level, lead, condition)
+            _write_group(writer, level, lead, condition, tail)
+        case Timed():
+            _write(writer, level, lead, _timed_operand(condition), f"{_time(condition)}{tail}")
         case And() | Or():
             _write_joined(writer, level, lead, condition, level)
 
 
-def _write_group(writer: LineWriter, level: int, lead: str, group: Group) -> None:
+def _write_group(writer: LineWriter, level: int, lead: str, group: Group, tail: str) -> None:
     _write_comments(writer, level, group.trivia.above)
-    line = _one_line(_group_pieces(group), _room(level, lead))
+    line = _one_line(_group_pieces(group), _room(level, lead) - len(tail))
     if line is not None:
-        writer.line(level, f"{lead}{line}", group.trivia.beside)
+        writer.line(level, f"{lead}{line}{tail}", group.trivia.beside)
         return
     writer.line(level, f"{lead}(")
     _write(writer, level + 1, "", group.operand)
     _write_comments(writer, level + 1, group.closing)
-    writer.line(level, ")", group.trivia.beside)
+    writer.line(level, f"){tail}", group.trivia.beside)
 
 
 def _write_joined(
@@ -80,6 +83,16 @@ def _bound(operand: Condition, around: And | Or) -> Condition:
     return _grouped(operand) if isinstance(around, And) and isinstance(operand, Or) else operand
 
 
+def _timed_operand(timed: Timed) -> Condition:
+    """Without parentheses, a time behind a ``Not`` would belong to what the ``Not`` is about."""
+    operand = timed.operand
+    return Group(operand=operand, span=operand.span) if isinstance(operand, And | Or | Not) else operand
+
+
+def _time(timed: Timed) -> str:
+    return f" {timed.word.value} {duration_text(timed.duration)}"
+
+
 def _room(level: int, lead: str) -> int:
     return MAX_WIDTH - INDENT * level - len(lead)
 
@@ -97,7 +110,7 @@ def _one_line(pieces: Iterable[str | None], room: int) -> str | None:
 
 def _pieces(condition: Condition) -> Iterator[str | None]:
     """The condition in pieces of text, with ``None`` for a comment."""
-    if not isinstance(condition, And | Or) and (condition.trivia.above or condition.trivia.beside):
+    if not isinstance(condition, And | Or | Timed) and (condition.trivia.above or condition.trivia.beside):
         yield None
     match condition:
         case Check():
@@ -107,6 +120,9 @@ def _pieces(condition: Condition) -> Iterator[str | None]:
             yield from _pieces(_grouped(condition.operand))
         case Group():
             yield from _group_pieces(condition)
+        case Timed():
+            yield from _pieces(_timed_operand(condition))
+            yield _time(condition)
         case And() | Or():
             connective = " AND " if isinstance(condition, And) else " OR "
             for index, operand in enumerate(condition.operands):
@@ -124,4 +140,7 @@ def _group_pieces(group: Group) -> Iterator[str | None]:
 
 def _check(check: Check) -> str:
     number = check.text or number_text(check.value)
-    return f"CheckValue {check.topic.text} {check.property} {check.operator.value} {number}"
+    text = f"CheckValue {check.topic.text} {check.property} {check.operator.value} {number}"
+    if check.until is None:
+        return text
+    return f"{text} Until {check.until.operator.value} {check.until.text or number_text(check.until.value)}"

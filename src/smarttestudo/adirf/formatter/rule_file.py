@@ -5,14 +5,17 @@
 from __future__ import annotations
 
 from smarttestudo.adirf.formatter.conditions import write_condition
-from smarttestudo.adirf.formatter.text import LineWriter, rate_text
+from smarttestudo.adirf.formatter.text import LineWriter, duration_text, rate_text, within_text
 from smarttestudo.adirf.parser import parse
 from smarttestudo.adirf.parser.headings import quoted
 from smarttestudo.adirf.syntax import (
+    Action,
     Block,
     Collection,
     Condition,
     KeepAtLeast,
+    KeepWithin,
+    RecordIncident,
     RuleFile,
     SetFrequency,
     Statement,
@@ -42,7 +45,7 @@ def format_file(file: RuleFile, *, line_end: str = "\n") -> str:
     return writer.text().replace("\n", line_end)
 
 
-def format_statement(statement: Statement) -> str:
+def format_statement(statement: Statement | Action) -> str:
     """The lines of one statement without indentation, each ended by LF."""
     writer = LineWriter()
     _write_statement(writer, 0, statement)
@@ -85,7 +88,7 @@ def _write_missing_end(writer: LineWriter, previous: Statement | None, following
         writer.line(1, "EndIf")
 
 
-def _write_statement(writer: LineWriter, level: int, statement: Statement) -> None:
+def _write_statement(writer: LineWriter, level: int, statement: Statement | Action) -> None:
     writer.above(level, statement.trivia)
     match statement:
         case SetFrequency():
@@ -94,8 +97,18 @@ def _write_statement(writer: LineWriter, level: int, statement: Statement) -> No
         case KeepAtLeast():
             text = f"KeepAtLeast {statement.topic.text} {rate_text(statement.rate)}"
             writer.line(level, text, statement.trivia.beside)
+        case KeepWithin():
+            writer.line(level, within_text(statement), statement.trivia.beside)
+        case RecordIncident():
+            writer.line(level, _record_text(statement), statement.trivia.beside)
         case Block():
             _write_block(writer, level, statement)
+
+
+def _record_text(record: RecordIncident) -> str:
+    names = "".join(f" {topic.text}" for topic in record.topics)
+    window = f"Before {duration_text(record.before)} After {duration_text(record.after)}"
+    return f"Record {quoted(record.name)}{names} {window}"
 
 
 def _write_block(writer: LineWriter, level: int, block: Block) -> None:

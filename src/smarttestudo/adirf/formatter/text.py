@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from smarttestudo.adirf.comments import Comment, Trivia
-from smarttestudo.adirf.syntax import RateExpression, RateWord
+from smarttestudo.adirf.syntax import Duration, KeepWithin, RateExpression, RateWord
 from smarttestudo.domain.rate import Tier
 
 INDENT = 4
@@ -59,6 +59,17 @@ class LineWriter:
 def number_text(value: float) -> str:
     """The shortest spelling that reads back as ``value``, a whole number without its ``.0``."""
     return repr(float(value)).removesuffix(".0")
+
+
+def within_text(statement: KeepWithin) -> str:
+    """The statement on one line, without its comments."""
+    number = statement.text or number_text(statement.bound)
+    return f"KeepWithin {statement.topic.text} {statement.property} {number}"
+
+
+def duration_text(duration: Duration) -> str:
+    """The duration as written."""
+    return f"{duration.text} {duration.unit.value}"
 
 
 def rate_text(rate: RateExpression) -> str:

@@ -1,34 +1,39 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""``SetFrequency`` and blocks: ``[Rule …] If … Then … [Else …] [EndIf]``."""
+"""Blocks, ``[Rule …] If … Then … [Else …] [EndIf]``, and what stands in them."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 from smarttestudo.adirf.comments import NO_TRIVIA, Comment, Trivia, label_in
-from smarttestudo.adirf.parser.conditions import parse_condition
+from smarttestudo.adirf.parser.conditions import parse_condition, parse_property
 from smarttestudo.adirf.parser.cursor import SAFE_PLACES, BrokenStatementError, Cursor
 from smarttestudo.adirf.parser.headings import RuleLine, parse_rule_line
+from smarttestudo.adirf.parser.records import parse_record
 from smarttestudo.adirf.parser.tokens import CONNECTIVES, Token, TokenKind
-from smarttestudo.adirf.parser.values import parse_rate, parse_topic
-from smarttestudo.adirf.syntax import And, Block, Condition, Not, Or, SetFrequency
+from smarttestudo.adirf.parser.values import parse_number, parse_rate, parse_topic
+from smarttestudo.adirf.syntax import Action, And, Block, Condition, KeepWithin, Not, Or, SetFrequency, Timed
 from smarttestudo.domain.finding import Fix
 
 # Below Python 3.12, looking a member up in its enum costs as much as a call.
-_SET_FREQUENCY, _RULE, _IF, _THEN, _ELSE, _END_IF = (
+_SET_FREQUENCY, _KEEP_WITHIN, _RECORD, _RULE, _IF, _THEN, _ELSE, _END_IF = (
     TokenKind.SET_FREQUENCY,
+    TokenKind.KEEP_WITHIN,
+    TokenKind.RECORD,
     TokenKind.RULE,
     TokenKind.IF,
     TokenKind.THEN,
     TokenKind.ELSE,
     TokenKind.END_IF,
 )
-_SETS_END = SAFE_PLACES - {_SET_FREQUENCY, _THEN}
-_EXPECTED_AFTER_SET = "'SetFrequency', 'Else', 'EndIf' or the next rule"
-_AFTER_SET = frozenset(
+_ACTIONS = frozenset({_SET_FREQUENCY, _KEEP_WITHIN, _RECORD})
+_ACTIONS_END = SAFE_PLACES - {*_ACTIONS, _THEN}
+_EXPECTED_ACTION = "'SetFrequency', 'KeepWithin' or 'Record'"
+_EXPECTED_AFTER_ACTION = "'SetFrequency', 'KeepWithin', 'Record', 'Else', 'EndIf' or the next rule"
+_AFTER_ACTION = frozenset(
     {
-        TokenKind.SET_FREQUENCY,
+        *_ACTIONS,
         TokenKind.KEEP_AT_LEAST,
         TokenKind.ELSE,
         TokenKind.END_IF,
@@ -65,17 +70,38 @@ def parse_set(cursor: Cursor) -> SetFrequency:
     )
 
 
+def parse_within(cursor: Cursor) -> KeepWithin:
+    """``KeepWithin TOPIC PROPERTY NUMBER``."""
+    first = cursor.advance()
+    topic = parse_topic(cursor, split_property=True)
+    name = parse_property(cursor, topic.text)
+    number = cursor.token
+    bound, text = parse_number(cursor, "expected-number", "how far off the property may be")
+    if bound < 0:
+        message = f"a bound is 0 or more, this is {text}"
+        cursor.report("bound-out-of-range", message, span=number.span, hint="0 passes every change")
+    return KeepWithin(
+        topic=topic,
+        property=name.text,
+        property_span=name.span,
+        bound=bound,
+        text=text,
+        span=cursor.span_from(first),
+        trivia=cursor.take_trivia(first),
+    )
+
+
 def parse_block(cursor: Cursor) -> Block | None:
     """A block, or ``None`` when it is broken; the statements in it are checked all the same."""
     first = cursor.token
     head = _head_or_recover(cursor)
-    then = parse_sets(cursor, after_error=head is None)
-    otherwise: tuple[SetFrequency, ...] = ()
+    then = parse_actions(cursor, after_error=head is None)
+    otherwise: tuple[Action, ...] = ()
     else_trivia = end_if_trivia = NO_TRIVIA
     if started := cursor.take(_ELSE):
         else_trivia = cursor.take_trivia(started)
         cursor.begin_statement()
-        otherwise = parse_sets(cursor, after_error=head is None)
+        otherwise = parse_actions(cursor, after_error=head is None)
         _refuse_more_else(cursor)
     if ended := cursor.take(_END_IF):
         cursor.is_block_open = False
@@ -104,30 +130,36 @@ def _refuse_more_else(cursor: Cursor) -> None:
         cursor.begin_statement()
         cursor.report("stray-keyword", "the block has an 'Else' already")
         cursor.advance()
-        parse_sets(cursor, after_error=True)
+        parse_actions(cursor, after_error=True)
 
 
-def parse_sets(cursor: Cursor, *, after_error: bool) -> tuple[SetFrequency, ...]:
+def parse_actions(cursor: Cursor, *, after_error: bool) -> tuple[Action, ...]:
     """The statements after ``Then`` or ``Else``; none at all is an error, unless it follows from another."""
-    statements: list[SetFrequency] = []
+    statements: list[Action] = []
     is_broken = after_error
-    while cursor.kind not in _SETS_END:
+    while cursor.kind not in _ACTIONS_END:
         cursor.begin_statement()
-        if cursor.kind is _SET_FREQUENCY:
+        if cursor.kind in _ACTIONS:
             cursor.is_block_open = True
             try:
-                statements.append(parse_set(cursor))
+                statements.append(_parse_action(cursor))
             except BrokenStatementError:
                 is_broken = True
                 cursor.skip_to(SAFE_PLACES)
-        elif not cursor.mend("expected-statement", _EXPECTED_AFTER_SET, _AFTER_SET):
+        elif not cursor.mend("expected-statement", _EXPECTED_AFTER_ACTION, _AFTER_ACTION):
             is_broken = True
-            cursor.report_found("expected-statement", _EXPECTED_AFTER_SET)
+            cursor.report_found("expected-statement", _EXPECTED_AFTER_ACTION)
             cursor.advance()
             cursor.skip_to(SAFE_PLACES)
     if not statements and not is_broken:
-        cursor.report_missing("expected-statement", "'SetFrequency'", hint=_nesting_hint(cursor))
+        cursor.report_missing("expected-statement", _EXPECTED_ACTION, hint=_nesting_hint(cursor))
     return tuple(statements)
+
+
+def _parse_action(cursor: Cursor) -> Action:
+    if cursor.kind is _SET_FREQUENCY:
+        return parse_set(cursor)
+    return parse_within(cursor) if cursor.kind is _KEEP_WITHIN else parse_record(cursor)
 
 
 def comments_above(condition: Condition) -> tuple[Comment, ...]:
@@ -135,6 +167,8 @@ def comments_above(condition: Condition) -> tuple[Comment, ...]:
     match condition:
         case And() | Or():
             return comments_above(condition.operands[0])
+        case Timed():
+            return comments_above(condition.operand)
         case Not():
             return (*condition.trivia.above, *comments_above(condition.operand))
         case _:
@@ -198,7 +232,5 @@ def _then(cursor: Cursor) -> Token:
     cursor.mend("expected-then", "'Then'", (_THEN,))
     if cursor.kind is not _THEN:
         fix = Fix(span=token.start, replacement="Then ", title="put 'Then' here")
-        raise cursor.failure(
-            "expected-then", "'Then'", fix=fix if token.kind is TokenKind.SET_FREQUENCY else None
-        )
+        raise cursor.failure("expected-then", "'Then'", fix=fix if token.kind in _ACTIONS else None)
     return cursor.advance()

@@ -8,11 +8,12 @@ from typing import NoReturn
 
 from smarttestudo.adirf.comments import Trivia
 from smarttestudo.adirf.parser.cursor import BrokenStatementError, Cursor
+from smarttestudo.adirf.parser.durations import parse_time_parts, timed
 from smarttestudo.adirf.parser.suggestions import closest, did_you_mean
 from smarttestudo.adirf.parser.tokens import CONNECTIVES, Token, TokenKind
 from smarttestudo.adirf.parser.values import parse_number, parse_topic
 from smarttestudo.adirf.properties.field_path import is_property
-from smarttestudo.adirf.syntax import And, Check, Condition, Group, Not, Operator, Or
+from smarttestudo.adirf.syntax import And, Check, Condition, Group, Not, Operator, Or, Until
 from smarttestudo.domain.finding import Fix
 
 MAX_NESTING = 100
@@ -31,11 +32,17 @@ _CONDITION_WORDS = frozenset({_CHECK_VALUE, _NOT})
 _OPERATORS = {operator.value: operator for operator in Operator}
 _EXPECTED = "a condition ('CheckValue', 'Not' or '(')"
 _EXPECTED_IN_GROUP = "'AND', 'OR' or ')'"
+_EXPECTED_NUMBER = "a number to compare with"
+_EXPECTED_AFTER_CHECK = "'Until', 'For', 'Within' or the end of the condition"
+_UNTIL_WORD = frozenset({TokenKind.UNTIL})
 _EXPECTED_OPERATOR = "a comparison (>, <, >=, <=, = or !=)"
 
 
 def parse_condition(cursor: Cursor, depth: int = 0) -> Condition:
-    """A check, a group in parentheses or a ``Not``; ``depth`` counts the groups and ``Not`` around it."""
+    """A check or a group in parentheses with its times, or a ``Not``.
+
+    ``depth`` counts the groups and ``Not`` around it.
+    """
     if depth > MAX_NESTING:
         cursor.report("nested-too-deep", f"conditions nest at most {MAX_NESTING} deep", hint="split the rule")
         raise BrokenStatementError
@@ -59,20 +66,23 @@ def _not(cursor: Cursor, depth: int) -> Not:
     return Not(operand=operand, span=cursor.span_from(first), trivia=trivia)
 
 
-def _group(cursor: Cursor, depth: int) -> Group:
+def _group(cursor: Cursor, depth: int) -> Condition:
     first = cursor.advance()
     above = cursor.take_above()
     operand = _expression(cursor, depth + 1)
     if cursor.kind is not _CLOSE:
         _refuse_end_of_group(cursor, first)
     cursor.advance()
+    span = cursor.span_from(first)
+    parts = parse_time_parts(cursor)
     end = cursor.take_trivia(first)
-    return Group(
+    group = Group(
         operand=operand,
-        span=cursor.span_from(first),
+        span=span,
         trivia=Trivia(above=above, beside=end.beside),
         closing=end.above,
     )
+    return timed(group, parts)
 
 
 def _refuse_end_of_group(cursor: Cursor, opened: Token) -> None:
@@ -85,17 +95,23 @@ def _refuse_end_of_group(cursor: Cursor, opened: Token) -> None:
 
 def _expression(cursor: Cursor, depth: int) -> Condition:
     terms = [_term(cursor, depth)]
+    timed_depth = cursor.timed_depth
     while cursor.take(_OR):
         terms.append(_term(cursor, depth))
+        timed_depth = max(timed_depth, cursor.timed_depth)
+    cursor.timed_depth = timed_depth
     return terms[0] if len(terms) == 1 else Or(operands=tuple(terms), span=terms[0].span.to(terms[-1].span))
 
 
 def _term(cursor: Cursor, depth: int) -> Condition:
     factors = [parse_condition(cursor, depth)]
+    timed_depth = cursor.timed_depth
     _mend_connective(cursor)
     while cursor.take(_AND):
         factors.append(parse_condition(cursor, depth))
+        timed_depth = max(timed_depth, cursor.timed_depth)
         _mend_connective(cursor)
+    cursor.timed_depth = timed_depth
     return (
         factors[0]
         if len(factors) == 1
@@ -107,25 +123,40 @@ def _mend_connective(cursor: Cursor) -> None:
     cursor.mend("expected-connective", _EXPECTED_IN_GROUP, CONNECTIVES)
 
 
-def _check(cursor: Cursor) -> Check:
+def _check(cursor: Cursor) -> Condition:
     first = cursor.advance()
+    cursor.timed_depth = 0
     topic = parse_topic(cursor, split_property=True)
-    name = _property(cursor, topic.text)
+    name = parse_property(cursor, topic.text)
     operator = _operator(cursor)
-    value, text = parse_number(cursor, "expected-number", "a number to compare with")
-    return Check(
+    value, text = parse_number(cursor, "expected-number", _EXPECTED_NUMBER)
+    cursor.mend("expected-connective", _EXPECTED_AFTER_CHECK, _UNTIL_WORD)
+    until = _until(cursor) if cursor.kind is TokenKind.UNTIL else None
+    span = cursor.span_from(first)
+    parts = parse_time_parts(cursor)
+    check = Check(
         topic=topic,
         property=name.text,
         property_span=name.span,
         operator=operator,
         value=value,
         text=text,
-        span=cursor.span_from(first),
+        span=span,
+        until=until,
         trivia=cursor.take_trivia(first),
     )
+    return timed(check, parts)
 
 
-def _property(cursor: Cursor, topic: str) -> Token:
+def _until(cursor: Cursor) -> Until:
+    first = cursor.advance()
+    operator = _operator(cursor)
+    value, text = parse_number(cursor, "expected-number", _EXPECTED_NUMBER)
+    return Until(operator=operator, value=value, text=text, span=cursor.span_from(first))
+
+
+def parse_property(cursor: Cursor, topic: str) -> Token:
+    """The word that names a property of ``topic``."""
     token = cursor.token
     if token.kind is not _WORD or not is_property(token.text):
         _refuse_property(cursor, token, topic)

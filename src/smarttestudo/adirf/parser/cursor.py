@@ -67,10 +67,17 @@ class FindingLog:
         return tuple(found)
 
 
-STATEMENT_STARTS = (TokenKind.SET_FREQUENCY, TokenKind.KEEP_AT_LEAST, TokenKind.RULE, TokenKind.IF)
+STATEMENT_STARTS = (
+    TokenKind.SET_FREQUENCY,
+    TokenKind.KEEP_AT_LEAST,
+    TokenKind.KEEP_WITHIN,
+    TokenKind.RULE,
+    TokenKind.IF,
+)
 SAFE_PLACES = frozenset(
     {
         *STATEMENT_STARTS,
+        TokenKind.RECORD,
         TokenKind.BEGIN,
         TokenKind.END,
         TokenKind.THEN,
@@ -93,7 +100,8 @@ class Cursor:
     """Looks at one token at a time and never goes back; every look is a step.
 
     ``is_cut_off`` is whether something was missing at the end of the file, ``is_block_open`` whether the
-    statements read last belong to a block without ``EndIf``.
+    statements read last belong to a block without ``EndIf``, ``timed_depth`` how many ``For`` and ``Within``
+    the last condition nests.
     """
 
     def __init__(self, tokens: Sequence[Token], log: FindingLog) -> None:
@@ -106,6 +114,7 @@ class Cursor:
         self.steps = 0
         self.is_cut_off = False
         self.is_block_open = False
+        self.timed_depth = 0
         self.previous = tokens[0]
 
     @property

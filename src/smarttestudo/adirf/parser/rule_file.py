@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from smarttestudo.adirf.comments import COMMENT_START, NO_TRIVIA, Comment
-from smarttestudo.adirf.parser.blocks import parse_block, parse_set, parse_sets
+from smarttestudo.adirf.parser.blocks import parse_actions, parse_block, parse_set, parse_within
 from smarttestudo.adirf.parser.cursor import (
     SAFE_PLACES,
     STATEMENT_STARTS,
@@ -45,7 +45,7 @@ class ParseResult:
 
 _ENDS = frozenset({TokenKind.END, TokenKind.BEGIN, TokenKind.END_OF_FILE})
 _EXPECTED = frozenset({*STATEMENT_STARTS, TokenKind.END})
-_EXPECTED_TEXT = "a statement ('SetFrequency', 'KeepAtLeast', 'Rule' or 'If') or 'end'"
+_EXPECTED_TEXT = "a statement ('SetFrequency', 'KeepAtLeast', 'KeepWithin', 'Rule' or 'If') or 'end'"
 
 
 def parse_statements(cursor: Cursor) -> tuple[Statement, ...]:
@@ -78,10 +78,14 @@ def _statement(cursor: Cursor) -> Statement | None:
             return parse_set(cursor)
         case TokenKind.KEEP_AT_LEAST:
             return _keep(cursor)
+        case TokenKind.KEEP_WITHIN:
+            return parse_within(cursor)
         case TokenKind.RULE | TokenKind.IF:
             return parse_block(cursor)
         case TokenKind.THEN | TokenKind.ELSE | TokenKind.END_IF:
             _refuse_part_of_block(cursor)
+        case TokenKind.RECORD:
+            _refuse_record(cursor)
         case _:
             _refuse_unknown(cursor)
     return None
@@ -105,6 +109,13 @@ def _refuse_part_of_block(cursor: Cursor) -> None:
         _skip_body(cursor)
 
 
+def _refuse_record(cursor: Cursor) -> None:
+    message = "'Record' stands in a Then or Else only"
+    cursor.report("stray-keyword", message, hint="a recording begins when a condition begins to hold")
+    cursor.advance()
+    cursor.skip_to(SAFE_PLACES)
+
+
 def _refuse_unknown(cursor: Cursor) -> None:
     if cursor.mend("expected-statement", _EXPECTED_TEXT, _EXPECTED):
         return
@@ -123,7 +134,7 @@ def _skip_body(cursor: Cursor) -> None:
     """Check the statements of a block whose head is lost."""
     while cursor.kind in (TokenKind.THEN, TokenKind.ELSE):
         cursor.advance()
-        parse_sets(cursor, after_error=True)
+        parse_actions(cursor, after_error=True)
     if cursor.take(TokenKind.END_IF):
         cursor.is_block_open = False
 

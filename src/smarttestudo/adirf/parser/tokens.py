@@ -14,7 +14,7 @@ from smarttestudo.domain.source import Span
 class TokenKind(Enum):
     """What a token is; a keyword's value is its spelling.
 
-    ``Hz``, ``Full``, ``Off`` and the tiers are words: they mean something in a rate only.
+    ``Hz``, ``Full``, ``Off``, the tiers and units of time are words: they mean something in one place only.
     ``FOREIGN`` is whatever the language does not have, such as ``==``, ``1,5`` or a quote without its end.
     """
 
@@ -22,6 +22,10 @@ class TokenKind(Enum):
     END = "end"
     SET_FREQUENCY = "SetFrequency"
     KEEP_AT_LEAST = "KeepAtLeast"
+    KEEP_WITHIN = "KeepWithin"
+    RECORD = "Record"
+    BEFORE = "Before"
+    AFTER = "After"
     RULE = "Rule"
     PRIORITY = "Priority"
     IF = "If"
@@ -32,6 +36,9 @@ class TokenKind(Enum):
     AND = "AND"
     OR = "OR"
     CHECK_VALUE = "CheckValue"
+    FOR = "For"
+    WITHIN = "Within"
+    UNTIL = "Until"
     OPEN = "("
     CLOSE = ")"
     WORD = "word"

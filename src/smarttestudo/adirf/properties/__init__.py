@@ -2,6 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a check can read of a message: names for the common types, any numeric field by its path."""
 
+from smarttestudo.adirf.properties.accuracy import (
+    accuracy_properties_of,
+    gauges_for,
+    needs_decoded,
+    properties_for_bounds,
+    wraps,
+)
 from smarttestudo.adirf.properties.field_path import PropertySpec, Reader, is_field_path, part_reader
 from smarttestudo.adirf.properties.table import (
     ARRIVAL_PROPERTIES,
@@ -16,11 +23,16 @@ __all__ = [
     "ARRIVAL_PROPERTIES",
     "PropertySpec",
     "Reader",
+    "accuracy_properties_of",
+    "gauges_for",
     "is_field_path",
     "known_types",
+    "needs_decoded",
     "part_reader",
+    "properties_for_bounds",
     "properties_of",
     "property_spec",
     "usual_types",
     "value_reader",
+    "wraps",
 ]

@@ -12,7 +12,7 @@ from itertools import product
 from types import MappingProxyType
 
 from smarttestudo.adirf.normal_form import Resolve
-from smarttestudo.adirf.syntax import And, Check, Condition, Group, Not, Operator, Or, checks_in
+from smarttestudo.adirf.syntax import And, Check, Condition, Group, Not, Operator, Or, Timed, checks_in
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -157,7 +157,7 @@ def _alternatives(
     match condition:
         case Check():
             return [((numbers[id(condition)], negated),)]
-        case Group():
+        case Group() | Timed():
             return _alternatives(condition.operand, numbers, negated=negated)
         case Not():
             return _alternatives(condition.operand, numbers, negated=not negated)
@@ -203,7 +203,7 @@ def _zones_of(alternative: Iterable[_Literal], checks: tuple[Check, ...], resolv
 def _side_of(check: Check, *, negated: bool) -> Side | None:
     """The side that a check bounds; none where it is about something else, or asks for one exact value."""
     is_from_below = _FROM_BELOW.get(check.operator)
-    if is_from_below is None:
+    if is_from_below is None or check.until is not None:
         return None
     bound = (axis_of(check), is_from_below != negated)
     return next((side for side in Side if side.value == bound), None)

@@ -19,6 +19,7 @@ from smarttestudo.adirf.syntax import (
     Not,
     Operator,
     Or,
+    Timed,
     TopicName,
     checks_in,
 )
@@ -165,7 +166,7 @@ def _with_checks(condition: Condition, change: Callable[[int, Check], Check]) ->
         match part:
             case Check():
                 return change(numbers[id(part)], part)
-            case Not() | Group():
+            case Not() | Group() | Timed():
                 return replace(part, operand=changed(part.operand))
             case And() | Or():
                 return replace(part, operands=tuple(map(changed, part.operands)))

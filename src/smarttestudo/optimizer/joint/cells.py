@@ -10,7 +10,7 @@ from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from smarttestudo.adirf.boxes import Box, Domain, Effort, boxes_where
-from smarttestudo.adirf.normal_form import Form, Within, signals_of
+from smarttestudo.adirf.normal_form import reads, signals_of
 from smarttestudo.adirf.region import Bound, Region
 from smarttestudo.adirf.rule_set import RuleBlock
 from smarttestudo.domain.signal import Signal
@@ -74,7 +74,7 @@ def axes_of(cluster: Cluster, domain: Domain) -> list[Axis]:
     """One axis for each signal of the cluster."""
     cuts: dict[Signal, set[Bound]] = {signal: set() for signal in cluster.signals}
     for block in cluster.blocks:
-        for part in _checks(block.form):
+        for part in reads(block.form):
             cuts[part.signal].update(part.region.cuts)
     return [_axis(signal, cuts[signal], domain(signal)) for signal in cluster.signals]
 
@@ -108,16 +108,6 @@ def holding_together(
     for mask, state in masks.items():
         found.setdefault(frozenset(orders[bit] for bit in _bits(mask)), state)
     return found
-
-
-def _checks(form: Form) -> Iterator[Within]:
-    pending = [form]
-    while pending:
-        part = pending.pop()
-        if isinstance(part, Within):
-            yield part
-        else:
-            pending.extend(part.parts)
 
 
 def _axis(signal: Signal, cuts: set[Bound], domain: Region) -> Axis:

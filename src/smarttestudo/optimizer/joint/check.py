@@ -102,7 +102,7 @@ def check_together(
     *,
     max_situations: int = MAX_SITUATIONS,
 ) -> JointCheck:
-    """Every situation of ``rule_set`` against the budget; all loads must be known."""
+    """Every situation of ``rule_set``, a set over states, against the budget; all loads must be known."""
     meter = _Meter(rule_set, loads)
     unproven: list[Unproven] = []
     searched: list[list[_Choice]] = []

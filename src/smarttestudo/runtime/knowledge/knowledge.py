@@ -9,13 +9,14 @@ from collections.abc import Callable, Mapping
 
 from smarttestudo.adirf.evaluator import Evaluator, RequestedRate
 from smarttestudo.adirf.rule_set import RuleSet
+from smarttestudo.domain.alarm_clock import AlarmClock
 from smarttestudo.domain.decision import PlannedRate, Reason
 from smarttestudo.domain.observation import LinkBudget
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.signal import Signal
 from smarttestudo.domain.units import ns_from_s
-from smarttestudo.runtime.knowledge.alarm_clock import AlarmClock
 from smarttestudo.runtime.knowledge.link_use import LinkUse
+from smarttestudo.runtime.knowledge.settling_bounds import SettlingBounds
 from smarttestudo.runtime.knowledge.watched_topic import WatchedTopic
 
 
@@ -97,7 +98,8 @@ class Knowledge:
     Times inside are steady times. ``effective`` and ``plan`` hold the relayed topics, ``watched`` those that
     checks read; ``settled`` are the requests that settled, before ``link`` cuts them to a budget, if there is
     one; ``unheard`` are the relayed topics without a subscriber. ``unknown_values`` counts messages that
-    left a signal unknown, ``undecodable`` those that could not be decoded, by topic.
+    left a signal unknown, ``undecodable`` those that could not be decoded, by topic. ``recording`` are the
+    blocks with recordings, by order, that began to hold and are not known to have ended.
     """
 
     def __init__(
@@ -112,12 +114,13 @@ class Knowledge:
         self.start_ns = start_ns
         self.settle_ns = ns_from_s(profile.settle_s)
         self.time = SteadyTime(start_ns)
-        self.evaluator = Evaluator(rule_set)
+        self.evaluator = Evaluator(rule_set, start_ns)
         self.watched = watched_topics(rule_set, profile, start_ns, self.evaluator)
         self.watch_alarms = AlarmClock()
         for topic in self.watched:
             self.watch_alarms.set(topic, start_ns)
         self.settling: dict[str, Settling] = {}
+        self.settling_bounds: dict[str, SettlingBounds] = {}
         self.settle_alarms = AlarmClock()
         self.settled: dict[str, RequestedRate] = {}
         self.link: LinkUse | None = None
@@ -131,6 +134,7 @@ class Knowledge:
         self.order_of = {topic: place for place, topic in enumerate(rule_set.relayed)}
         self.unknown_values: Counter[Signal] = Counter()
         self.undecodable: Counter[str] = Counter()
+        self.recording: set[int] = set()
 
     def set_budget(self, budget: LinkBudget) -> None:
         """The relayed topics may take so much from now on: the lesser of what was set and measured."""
@@ -177,7 +181,8 @@ class Knowledge:
     def next_wake_ns(self) -> int | None:
         """When, on the clock, time alone may next change the plan; it may come early, never late."""
         check_ns = None if self.link is None else self.link.next_check_ns
-        times_ns = (self.watch_alarms.next_ns, self.settle_alarms.next_ns, check_ns)
+        rules_ns = self.evaluator.next_alarm_ns
+        times_ns = (self.watch_alarms.next_ns, self.settle_alarms.next_ns, rules_ns, check_ns)
         earliest_ns = min([at_ns for at_ns in times_ns if at_ns is not None], default=None)
         return None if earliest_ns is None else self.time.on_clock(earliest_ns)
 

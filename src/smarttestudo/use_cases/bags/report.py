@@ -15,12 +15,14 @@ from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.floor_plan import FloorPlan
 from smarttestudo.domain.profile import Profile
+from smarttestudo.use_cases.bags.link_statuses import has_statuses, link_history
 from smarttestudo.use_cases.bags.loss import LossQuestion, measure_loss
 from smarttestudo.use_cases.bags.measure import measure_run
 from smarttestudo.use_cases.bags.paired_runs import PairedRuns
 from smarttestudo.visualizer.bag_tables import bandwidth_table, rates_table
 from smarttestudo.visualizer.comparison_tables import RunNames
 from smarttestudo.visualizer.floor import rule_zones
+from smarttestudo.visualizer.link_history import LinkHistory
 from smarttestudo.visualizer.loss.report import LossReport
 from smarttestudo.visualizer.report import Fact, RuleText, RunReport
 from smarttestudo.visualizer.table import Table
@@ -65,7 +67,9 @@ def bag_report(request: ReportRequest) -> RunReport:
     runs = _measure(request, with_places=True)
     loss, notices = (None, ()) if request.b is None else _loss(request, request.b)
     report = _report(request, runs)
-    return replace(report, loss=loss, notices=tuple(dict.fromkeys((*report.notices, *notices))))
+    link, link_notices = _link(request, runs.a.summary.span.start_ns)
+    said = (*report.notices, *notices, *link_notices)
+    return replace(report, loss=loss, link=link, notices=tuple(dict.fromkeys(said)))
 
 
 def series_over_time(request: ReportRequest) -> RunReport:
@@ -124,6 +128,15 @@ def _loss(request: ReportRequest, b: Path) -> tuple[LossReport | None, tuple[str
         except RecordingError as error:
             return None, (f"what was lost is not known: {error.cause}",)
     return loss, loss.notices
+
+
+def _link(request: ReportRequest, start_ns: int) -> tuple[LinkHistory | None, tuple[str, ...]]:
+    """What the operator's recording tells of a link; where there is one recording only, that."""
+    recording = request.b or request.a
+    if not has_statuses(recording):
+        return None, ()
+    with request.progress("Reading what the link did") as report:
+        return link_history(recording, start_ns, report)
 
 
 def _floor_plan(request: ReportRequest) -> FloorPlan:

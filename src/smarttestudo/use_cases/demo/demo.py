@@ -18,6 +18,7 @@ from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.pacing.sample import WhenSlow
 from smarttestudo.simulation.warehouse import warehouse
 from smarttestudo.use_cases.bags.report import Progress, ReportRequest, bag_report
+from smarttestudo.use_cases.demo import linked
 from smarttestudo.use_cases.demo.folder import MARKER, demo_folder
 from smarttestudo.use_cases.demo.live import LOGS, LiveDemoRequest, record_live
 from smarttestudo.use_cases.demo.mission import bytes_per_second, record_mission
@@ -25,6 +26,7 @@ from smarttestudo.use_cases.demo.rules import RULES, DemoRules, put_rules
 from smarttestudo.use_cases.replay.outcome import ReplayOutcome
 from smarttestudo.use_cases.replay.replay import ReplayRequest, replay
 from smarttestudo.visualizer.comparison import Comparison
+from smarttestudo.visualizer.link_comparison import LinkArrivals
 from smarttestudo.visualizer.loss.report import LossReport
 from smarttestudo.visualizer.report import Fact, RunReport, render_report
 
@@ -45,7 +47,8 @@ class DemoRequest:
     """How long a mission, with which noise, and into which folder.
 
     ``full_images`` asks for whole camera frames, about 0.2 GB each second, instead of small ones. With a
-    ``robot``, the node that records, the mission takes place in real time on a real ROS graph.
+    ``robot``, the node that records, the mission takes place in real time on a real ROS graph; with
+    ``link_bit_per_s`` across a link that carries so much, once for each contender.
     """
 
     out: Path
@@ -55,16 +58,21 @@ class DemoRequest:
     when_slow: WhenSlow
     progress: Progress
     robot: Robot | None = None
+    link_bit_per_s: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DemoOutcome:
-    """Both runs compared, what the operator lost, the number of decisions, and what was odd, a line each."""
+    """Both runs compared, what the operator lost, the number of decisions, and what was odd, a line each.
+
+    ``arrivals`` is what each contender brought over a link.
+    """
 
     comparison: Comparison
     loss: LossReport | None
     decisions: int
     notices: tuple[str, ...]
+    arrivals: tuple[LinkArrivals, ...] = ()
 
 
 def run_demo(request: DemoRequest) -> DemoOutcome:
@@ -77,14 +85,19 @@ def run_demo(request: DemoRequest) -> DemoOutcome:
         DemoFolderError: the folder may not be replaced or cannot be written.
         RuleFileError: the edited rules cannot be used.
         RecordingError: a recording cannot be written.
+        NetworkError: there can be no link on this machine.
     """
-    needed_bytes = round(bytes_per_second(full_images=request.full_images) * request.seconds)
-    with demo_folder(request.out, needed_bytes=needed_bytes, made=_MADE) as folder:
+    arrivals: tuple[LinkArrivals, ...] = ()
+    with demo_folder(request.out, needed_bytes=_needed_bytes(request), made=_MADE) as folder:
         rules = put_rules(folder, request.out)
-        if request.robot is None:
+        if request.link_bit_per_s is not None:
+            arrivals, notices = _over_link(request, folder, request.link_bit_per_s)
+            decisions = _recorded_decisions(folder)
+        elif request.robot is None:
             decisions, notices = _in_virtual_time(request, folder, rules)
         else:
-            decisions, notices = _in_real_time(request, folder, request.robot)
+            notices = _in_real_time(request, folder, request.robot)
+            decisions = _recorded_decisions(folder)
         report = _write_report(request, folder, rules, decisions)
         (folder / MARKER).write_text(json.dumps(_settings(request), indent=2) + "\n", "utf-8")
     return DemoOutcome(
@@ -92,7 +105,13 @@ def run_demo(request: DemoRequest) -> DemoOutcome:
         loss=report.loss,
         decisions=len(decisions),
         notices=(*_rule_notices(request, rules), *notices),
+        arrivals=arrivals,
     )
+
+
+def _needed_bytes(request: DemoRequest) -> int:
+    usual = bytes_per_second(full_images=request.full_images)
+    return round((usual if request.link_bit_per_s is None else linked.BYTES_PER_SECOND) * request.seconds)
 
 
 def _rule_notices(request: DemoRequest, rules: DemoRules) -> tuple[str, ...]:
@@ -118,12 +137,30 @@ def _in_virtual_time(
     return decisions, outcome.notices
 
 
-def _in_real_time(
-    request: DemoRequest, folder: Path, robot: Robot
-) -> tuple[Sequence[Decision], tuple[str, ...]]:
-    """Record the mission while it is driven under the runtime; decisions and what was left out."""
+def _over_link(
+    request: DemoRequest, folder: Path, rate_bit_per_s: float
+) -> tuple[tuple[LinkArrivals, ...], tuple[str, ...]]:
+    """Record the robot and its operator at both ends of a link; what each contender brought, and notices."""
+    return linked.compare_over_link(
+        linked.LinkDemoRequest(
+            rate_bit_per_s=rate_bit_per_s,
+            seconds=request.seconds,
+            seed=request.seed,
+            rules=folder / RULES,
+            when_slow=request.when_slow,
+            baseline=folder / BASELINE,
+            adaptive=folder / ADAPTIVE,
+            decisions=folder / DECISIONS,
+            workshop=folder,
+            progress=request.progress,
+        )
+    )
+
+
+def _in_real_time(request: DemoRequest, folder: Path, robot: Robot) -> tuple[str, ...]:
+    """Record the mission while it is driven under the runtime; what was left out."""
     with request.progress("Driving the patrol") as report:
-        notices = record_live(
+        return record_live(
             LiveDemoRequest(
                 baseline=folder / BASELINE,
                 adaptive=folder / ADAPTIVE,
@@ -138,9 +175,13 @@ def _in_real_time(
             robot,
             report,
         )
+
+
+def _recorded_decisions(folder: Path) -> Sequence[Decision]:
+    """The decisions of a runtime, timed from the start of what was recorded."""
     with open_recording(folder / BASELINE) as recording:
         start_ns = recording.start_ns
-    return [_since(start_ns, decision) for decision in read_decisions(folder / DECISIONS)], notices
+    return [_since(start_ns, decision) for decision in read_decisions(folder / DECISIONS)]
 
 
 def _since(start_ns: int, decision: Decision) -> Decision:
@@ -183,7 +224,7 @@ def _write_report(
             a=folder / BASELINE,
             b=folder / ADAPTIVE,
             title=_TITLE,
-            explanation=_EXPLANATION,
+            explanation=_explanation(request),
             rule_set=rules.rule_set,
             rule_texts={RULES: rules.text},
             decisions=decisions,
@@ -204,11 +245,29 @@ def _provenance(request: DemoRequest) -> list[Fact]:
         Fact(label="Default recording", value=BASELINE),
         Fact(label="SmartTestudo recording", value=ADAPTIVE),
         Fact(label="Length", value=f"{request.seconds:g} s"),
-        Fact(label="Time", value="virtual" if request.robot is None else "real, over ROS 2"),
+        Fact(label="Time", value=_time(request)),
         Fact(label="Seed", value=str(request.seed)),
-        Fact(label="Camera frames", value="whole" if request.full_images else "small, with declared sizes"),
+        Fact(label="Camera frames", value=_frames(request)),
         Fact(label="Where a target is above its source", value=request.when_slow.value),
     ]
+
+
+def _explanation(request: DemoRequest) -> str:
+    if request.link_bit_per_s is None:
+        return _EXPLANATION
+    return f"{_EXPLANATION} Between both was a link of {request.link_bit_per_s / 1e6:g} Mbit/s."
+
+
+def _time(request: DemoRequest) -> str:
+    if request.link_bit_per_s is not None:
+        return f"real, over a link of {request.link_bit_per_s / 1e6:g} Mbit/s"
+    return "virtual" if request.robot is None else "real, over ROS 2"
+
+
+def _frames(request: DemoRequest) -> str:
+    if request.link_bit_per_s is not None:
+        return "compressed, of 960 × 540 pixels"
+    return "whole" if request.full_images else "small, with declared sizes"
 
 
 def _settings(request: DemoRequest) -> dict[str, object]:
@@ -219,4 +278,5 @@ def _settings(request: DemoRequest) -> dict[str, object]:
         "full_images": request.full_images,
         "when_slow": request.when_slow.value,
         "live": request.robot is not None,
+        "link_bit_per_s": request.link_bit_per_s,
     }

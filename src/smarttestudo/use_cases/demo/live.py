@@ -4,18 +4,15 @@
 
 from __future__ import annotations
 
-import signal
-import subprocess
-import sys
-from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
 from smarttestudo.adapters.rosbag import create_recording
 from smarttestudo.adapters.simulated_robot.messages import RobotMessages
-from smarttestudo.domain.errors import RosError, TestudoError
-from smarttestudo.domain.names import output_name
+from smarttestudo.domain.errors import RosError
+from smarttestudo.domain.names import DECISIONS_TOPIC, output_name
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.recording import Channel, RecordingWriter
 from smarttestudo.domain.robot import Qos, Robot, Subscription
@@ -23,57 +20,8 @@ from smarttestudo.domain.units import NS_PER_S, ns_from_s
 from smarttestudo.pacing.sample import WhenSlow
 from smarttestudo.simulation.readings import Topic
 from smarttestudo.use_cases.demo.mission import DECLARED_BYTES
-from smarttestudo.use_cases.live.decisions import DECISIONS_TOPIC
+from smarttestudo.use_cases.demo.processes import ChildProcess, child_process, testudo_command
 from smarttestudo.use_cases.live.output_topics import DEFAULT_OUTPUT_TOPIC
-
-_END_TIMEOUT_S = 10.0
-
-
-class ChildProcess:
-    """A running ``testudo``, whose output goes to the file ``log``."""
-
-    def __init__(self, name: str, process: subprocess.Popen[bytes], log: Path) -> None:
-        self._name = name
-        self._process = process
-        self._log = log
-
-    def is_running(self) -> bool:
-        """Whether it still runs. Raises ``TestudoError`` with the last line of its log where it failed."""
-        code = self._process.poll()
-        if code in (None, 0):
-            return code is None
-        lines = self._log.read_text(encoding="utf-8", errors="replace").splitlines()
-        said = lines[-1] if lines else f"exit code {code}"
-        raise TestudoError(f"the {self._name} failed: {said}")
-
-    def end(self) -> None:
-        """Ask it to end as by Ctrl-C, and make it if it does not."""
-        self._process.send_signal(signal.SIGINT)
-        try:
-            self._process.wait(_END_TIMEOUT_S)
-        except subprocess.TimeoutExpired:
-            self._process.kill()
-            self._process.wait()
-
-
-@contextmanager
-def child_process(name: str, arguments: Sequence[str], log: Path) -> Iterator[ChildProcess]:
-    """``testudo`` with ``arguments`` while the block lasts, then ended."""
-    with log.open("wb") as output:
-        process = subprocess.Popen(  # noqa: S603  our own program, with arguments that we make
-            [sys.executable, "-m", "smarttestudo", *arguments],
-            stdin=subprocess.DEVNULL,
-            stdout=output,
-            stderr=subprocess.STDOUT,
-            # Ctrl-C in the terminal ends this process, which ends the others in order.
-            start_new_session=True,
-        )
-        child = ChildProcess(name, process, log)
-        try:
-            yield child
-        finally:
-            child.end()
-
 
 _QOS = Qos(reliable=True, transient_local=False, depth=100)
 
@@ -139,16 +87,18 @@ def record_live(request: LiveDemoRequest, robot: Robot, report: Callable[[float]
         TestudoError: one of the processes failed.
         RecordingError: a recording cannot be written.
     """
-    channels, left_out = _channels(robot, full_images=request.full_images)
+    channels, left_out = robot_channels(robot, full_images=request.full_images)
     declared_bytes = {} if request.full_images else DECLARED_BYTES
     runtime_log, robot_log = (request.logs / name for name in LOGS)
     with (
         recorded(robot, request.baseline, channels, declared_bytes),
-        recorded(robot, request.adaptive, channels, declared_bytes, _output_topic),
-        child_process("runtime", _run_arguments(request), runtime_log) as runtime,
+        recorded(robot, request.adaptive, channels, declared_bytes, relayed_name),
+        child_process("runtime", testudo_command(*_run_arguments(request)), runtime_log) as runtime,
     ):
         _await_publisher(robot, DECISIONS_TOPIC, runtime)
-        with child_process("simulated robot", _simulate_arguments(request), robot_log) as driver:
+        with child_process(
+            "simulated robot", testudo_command(*_simulate_arguments(request)), robot_log
+        ) as driver:
             _await_publisher(robot, Topic.ODOM.value, driver)
             end_ns = robot.now_ns() + ns_from_s(request.seconds)
             while (left_ns := end_ns - robot.now_ns()) > 0 and runtime.is_running() and driver.is_running():
@@ -159,7 +109,7 @@ def record_live(request: LiveDemoRequest, robot: Robot, report: Callable[[float]
     return left_out
 
 
-def _channels(robot: Robot, *, full_images: bool) -> tuple[list[Channel], tuple[str, ...]]:
+def robot_channels(robot: Robot, *, full_images: bool) -> tuple[list[Channel], tuple[str, ...]]:
     """The topics that the robot will publish, and why it will not publish the others."""
     channels, left_out = [], []
     for topic, channel in RobotMessages().channels.items():
@@ -180,7 +130,8 @@ def _await_publisher(robot: Robot, topic: str, process: ChildProcess) -> None:
         robot.wait(None, _LOOK_S)
 
 
-def _output_topic(topic: str) -> str:
+def relayed_name(topic: str) -> str:
+    """What the runtime calls what it relays of ``topic``."""
     return output_name(topic, DEFAULT_OUTPUT_TOPIC)
 
 

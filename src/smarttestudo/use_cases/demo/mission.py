@@ -4,20 +4,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from smarttestudo.adapters.rosbag.writing.writer import create_recording
+from smarttestudo.adapters.rosbag.writer import create_recording
 from smarttestudo.adapters.simulated_robot.messages import RobotMessages
 from smarttestudo.domain.units import NS_PER_S, ns_from_s
+from smarttestudo.simulation.camera import FrameSize
 from smarttestudo.simulation.mission import MissionRequest, drive_mission
 from smarttestudo.simulation.readings import Topic
 from smarttestudo.simulation.warehouse import patrol, warehouse
 
 START_NS = 1_767_600_000 * NS_PER_S
 IMAGE_BYTES = 6_220_872
-JPEG_BYTES = 420_000
-DECLARED_BYTES = {Topic.IMAGE.value: IMAGE_BYTES, Topic.COMPRESSED_IMAGE.value: JPEG_BYTES}
+_FULL_JPEG_BYTES = 420_000
+JPEG_BYTES: Mapping[FrameSize, int | None] = {
+    FrameSize.SMALL: None,
+    FrameSize.MEDIUM: 100_000,
+    FrameSize.FULL: _FULL_JPEG_BYTES,
+}
+"""The size that compressed frames come close to; ``None`` leaves it to the JPEG's usual quality."""
+DECLARED_BYTES = {Topic.IMAGE.value: IMAGE_BYTES, Topic.COMPRESSED_IMAGE.value: _FULL_JPEG_BYTES}
 _MESSAGES_PER_REPORT = 1000
 _SMALL_BYTES_PER_S = 500_000
 _FULL_BYTES_PER_S = 216_000_000
@@ -38,10 +45,9 @@ def record_mission(
     Raises:
         RecordingError: the recording cannot be written.
     """
-    request = MissionRequest(
-        plan=warehouse(), route=patrol(), seed=seed, start_ns=START_NS, full_images=full_images
-    )
-    messages = RobotMessages(jpeg_bytes=JPEG_BYTES if full_images else None)
+    frames = FrameSize.FULL if full_images else FrameSize.SMALL
+    request = MissionRequest(plan=warehouse(), route=patrol(), seed=seed, start_ns=START_NS, frames=frames)
+    messages = RobotMessages(jpeg_bytes=JPEG_BYTES[frames])
     duration_ns = ns_from_s(seconds)
     declared_bytes = {} if full_images else DECLARED_BYTES
     with create_recording(path, declared_bytes=declared_bytes) as recording:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from smarttestudo.adapters.simulated_robot.messages import RobotMessages
 from smarttestudo.domain.robot import Publisher, Qos, Robot
 from smarttestudo.domain.units import ns_from_s
+from smarttestudo.simulation.camera import FrameSize
 from smarttestudo.simulation.mission import MissionRequest, drive_mission
 from smarttestudo.simulation.readings import TimedReading, Topic
 from smarttestudo.simulation.warehouse import patrol, warehouse
@@ -23,12 +24,12 @@ _LONGEST_WAIT_S = 0.2
 class SimulateRequest:
     """How long the robot drives (``None``: until stopped), and with which noise.
 
-    Without ``full_images`` it has no raw camera, and its compressed frames are small.
+    Only with full ``frames`` it has a raw camera.
     """
 
     seconds: float | None
     seed: int
-    full_images: bool
+    frames: FrameSize
 
 
 def simulate(request: SimulateRequest, robot: Robot, stopped: Callable[[], bool]) -> None:
@@ -36,8 +37,8 @@ def simulate(request: SimulateRequest, robot: Robot, stopped: Callable[[], bool]
 
     Topics whose message type is not installed are left out and named in the log.
     """
-    messages = RobotMessages(jpeg_bytes=JPEG_BYTES if request.full_images else None)
-    publishers = _publishers(robot, messages, full_images=request.full_images)
+    messages = RobotMessages(jpeg_bytes=JPEG_BYTES[request.frames])
+    publishers = _publishers(robot, messages, request.frames)
     start_ns = robot.now_ns()
     end_ns = None if request.seconds is None else start_ns + ns_from_s(request.seconds)
     robot.log.info(f"Driving the patrol with {len(publishers)} topics{_left_out(robot, messages)}")
@@ -46,7 +47,7 @@ def simulate(request: SimulateRequest, robot: Robot, stopped: Callable[[], bool]
         route=patrol(),
         seed=request.seed,
         start_ns=start_ns,
-        full_images=request.full_images,
+        frames=request.frames,
     )
     for timed in drive_mission(mission):
         if (end_ns is not None and timed.time_ns >= end_ns) or not _await(timed, robot, stopped):
@@ -63,10 +64,10 @@ def _await(timed: TimedReading, robot: Robot, stopped: Callable[[], bool]) -> bo
     return not stopped()
 
 
-def _publishers(robot: Robot, messages: RobotMessages, *, full_images: bool) -> Mapping[Topic, Publisher]:
+def _publishers(robot: Robot, messages: RobotMessages, frames: FrameSize) -> Mapping[Topic, Publisher]:
     publishers = {}
     for topic, channel in messages.channels.items():
-        if topic is Topic.IMAGE and not full_images:
+        if topic is Topic.IMAGE and frames is not FrameSize.FULL:
             continue
         if robot.data_path.knows(channel.type_name):
             publishers[topic] = robot.data_path.advertise(topic.value, channel.type_name, _QOS)

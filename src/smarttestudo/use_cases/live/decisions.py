@@ -9,9 +9,9 @@ from collections.abc import Callable, Sequence
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.errors import said
 from smarttestudo.domain.json_text import json_text
+from smarttestudo.domain.names import DECISIONS_TOPIC
 from smarttestudo.domain.robot import Qos, Robot
 
-DECISIONS_TOPIC = "/testudo/decisions"
 # Late subscribers get the last decisions, so that they see which plan holds.
 DECISIONS_QOS = Qos(reliable=True, transient_local=True, depth=100)
 

@@ -7,8 +7,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from smarttestudo.domain.link_state import LinkState, TopicOnLink
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.status import Diagnostic, DiagnosticLevel, RuntimeStatus, Silence, TopicStatus
+from smarttestudo.domain.units import counted
 from smarttestudo.use_cases.live.status import TOLERANCE_PERCENT
 
 _UNKNOWN = "N/A"
@@ -43,7 +45,7 @@ def diagnostics(status: RuntimeStatus) -> list[Diagnostic]:
 
 
 def _of_node(status: RuntimeStatus) -> Diagnostic:
-    health = _node_health(status)
+    health = node_health(status)
     return Diagnostic(
         name=status.node.lstrip("/"),
         level=health.level,
@@ -58,15 +60,31 @@ def _of_node(status: RuntimeStatus) -> Diagnostic:
             "budget_kb_per_s": "none" if status.budget_kb_per_s is None else _number(status.budget_kb_per_s),
             "cpu_percent": _number(status.cpu_percent),
             "memory_mb": _number(status.memory_mb),
+            **({} if status.link is None else _link_values(status.link)),
         },
     )
 
 
-def _node_health(status: RuntimeStatus) -> Health:
+def _link_values(link: LinkState) -> Mapping[str, str]:
+    return {
+        "link_connected": str(link.is_connected).lower(),
+        "link_capacity_kb_per_s": _number(link.capacity_kb_per_s),
+        "link_round_trip_ms": _number(link.round_trip_ms),
+        "link_outages": str(link.outages),
+    }
+
+
+def node_health(status: RuntimeStatus) -> Health:
+    """Whether the runtime as a whole does what it should.
+
+    A robot that has a link is meant to be watched: that no operator is connected is a warning.
+    """
     if status.floors_break_budget:
         return Health(DiagnosticLevel.ERROR, "the floors alone are more than the budget")
     if status.is_fallback:
         return Health(DiagnosticLevel.WARN, "no valid rules: everything is relayed at full rate")
+    if status.link is not None and not status.link.is_connected:
+        return Health(DiagnosticLevel.WARN, "no operator is connected over the link")
     return Health(DiagnosticLevel.OK, f"relaying {len(status.topics)} topics")
 
 
@@ -78,7 +96,11 @@ def _of_topic(status: RuntimeStatus, source: str) -> Diagnostic:
         level=health.level,
         message=health.message,
         hardware_id=status.node,
-        values={**_greenwave_values(topic), **_own_values(source, topic)},
+        values={
+            **_greenwave_values(topic),
+            **_own_values(source, topic),
+            **({} if topic.on_link is None else _topic_link_values(topic.on_link)),
+        },
     )
 
 
@@ -91,6 +113,9 @@ def topic_health(topic: TopicStatus) -> Health:
         return Health(DiagnosticLevel.WARN, Silence.INCOMPATIBLE_QOS.value, incompatible)
     if not topic.keeps_rate:
         return Health(DiagnosticLevel.WARN, "rate off", f"{topic.error_percent:+.1f} %")
+    lost = 0 if topic.on_link is None else topic.on_link.counts.overflowed
+    if lost:
+        return Health(DiagnosticLevel.WARN, "lost on the link", f"{counted(lost, 'message')} since the start")
     return Health(DiagnosticLevel.OK, "OK")
 
 
@@ -126,6 +151,17 @@ def _own_values(source: str, topic: TopicStatus) -> Mapping[str, str]:
         "dropped": str(topic.counts.dropped),
         "repeated": str(topic.counts.repeated),
         "undecodable": str(topic.counts.undecodable),
+    }
+
+
+def _topic_link_values(on_link: TopicOnLink) -> Mapping[str, str]:
+    counts = on_link.counts
+    return {
+        "link_age_ms": _number(on_link.age_ms),
+        "link_sent": str(counts.sent),
+        "link_replaced": str(counts.replaced),
+        "link_overflowed": str(counts.overflowed),
+        "link_queued_bytes": str(counts.queued_bytes),
     }
 
 

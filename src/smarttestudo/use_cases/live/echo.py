@@ -15,8 +15,8 @@ from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.rate_meter import Flow, FlowMeter
 from smarttestudo.domain.robot import Qos, Robot, Subscription
 from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.domain.visible_topics import is_visible
 from smarttestudo.use_cases.live.topic import LiveSource, live_source, suits
-from smarttestudo.use_cases.live.visible_topics import is_visible
 
 PlainValue = bool | int | float | str | list["PlainValue"] | dict[str, "PlainValue"] | None
 

@@ -7,9 +7,9 @@ from __future__ import annotations
 from smarttestudo.adirf.rule_set import fallback_rules
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.robot import Robot
+from smarttestudo.domain.visible_topics import is_visible, testudo_nodes
 from smarttestudo.use_cases.live.output_topics import OutputTopic, is_output_topic, output_topics
 from smarttestudo.use_cases.live.rules import LiveRules
-from smarttestudo.use_cases.live.visible_topics import is_visible, testudo_nodes
 
 # Time has to come from one place.
 _CLOCK_TOPIC = "/clock"

@@ -36,6 +36,11 @@ class LinkWatch:
         self._wait_ns = _LEAST_WAIT_NS
         self._has_risen = False
 
+    @property
+    def is_connected(self) -> bool:
+        """Whether an operator's end was heard lately."""
+        return self._link.state.is_connected
+
     def follow(self, rules: LiveRules, plan: Mapping[str, PlannedRate]) -> None:
         """Have topics served by the floors of ``rules``, their priorities and the planned rates."""
         needs = {
@@ -53,13 +58,13 @@ class LinkWatch:
             self._link.follow(needs)
 
     def added_to(self, status: RuntimeStatus) -> RuntimeStatus:
-        """``status`` with the state of the link and of each topic on it."""
+        """``status`` with the robot's name, the state of the link and of each topic on it."""
         counts = self._link.counts()
         topics = {
             source: replace(topic, on_link=self._on_link(topic.output, counts))
             for source, topic in status.topics.items()
         }
-        return replace(status, topics=topics, link=self._link.state)
+        return replace(status, topics=topics, link=self._link.state, robot=self._link.robot)
 
     def _on_link(self, output: str, counts: Mapping[str, StreamCounts]) -> TopicOnLink | None:
         known = counts.get(output)

@@ -5,15 +5,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable
+from dataclasses import replace
 
 from smarttestudo.adapters.files.own_process import read_own_process
+from smarttestudo.domain.command import IncomingCommands
 from smarttestudo.domain.errors import said
 from smarttestudo.domain.link import OutgoingLink
 from smarttestudo.domain.observation import LinkBudget
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Robot
-from smarttestudo.domain.status import RulesInForce
+from smarttestudo.domain.status import RulesInForce, RuntimeStatus
 from smarttestudo.runtime.inputs import ChangeInput, LoopInput, MessageInput, RulesInput, WakeInput
+from smarttestudo.use_cases.live.acceptance import Acceptance
 from smarttestudo.use_cases.live.decisions import LiveDecisions
 from smarttestudo.use_cases.live.input_recorder import InputRecorder
 from smarttestudo.use_cases.live.link_watch import LINK_PERIOD_S, LinkWatch
@@ -23,6 +26,9 @@ from smarttestudo.use_cases.live.sampling import LiveSampling
 from smarttestudo.use_cases.live.status import LiveStatus
 from smarttestudo.use_cases.live.status_topics import StatusPublisher, StatusTimer
 from smarttestudo.use_cases.live.topics import LiveTopics
+
+Told = Callable[[RuntimeStatus], None]
+"""Takes each status; it may not fail."""
 
 LOOK_PERIOD_S = 0.2
 """How often to check whether to stop, and whether rules changed."""
@@ -38,6 +44,9 @@ class LiveRun:
         rules: LiveRules,
         decisions: LiveDecisions,
         link: OutgoingLink | None = None,
+        *,
+        commands: IncomingCommands | None = None,
+        told: Told | None = None,
     ) -> None:
         self._robot = robot
         self._inputs = inputs
@@ -48,11 +57,13 @@ class LiveRun:
         self._topics.follow(rules.output_topics, loop.knowledge.watched, loop.relays.leaders)
         robot.log.info(f"Data path: {robot.data_path.description}")
         self._link = None if link is None else LinkWatch(link)
+        self._acceptance = None if commands is None else Acceptance(robot, commands)
         self._losses = LiveLosses(robot.log)
         self._sampling = LiveSampling(loop, may_rest=not inputs.is_recording)
         self._status = LiveStatus(robot.name, read_own_process())
-        self._publisher = StatusPublisher(robot)
-        self._timer = StatusTimer(robot)
+        self._publisher = StatusPublisher(robot, link)
+        self._timer = StatusTimer(robot, link)
+        self._also_told = told
         self._has_failed_to_tell = False
         self._standing: Callable[[], RulesInForce] = lambda: self._rules.in_force
 
@@ -62,11 +73,16 @@ class LiveRun:
         self._robot.every(self._timer.period_s, self._tell)
         if self._link is not None:
             self._robot.every(LINK_PERIOD_S, self._look_at_link)
-        while not stopped():
+        try:
+            while not stopped():
+                self._report()
+                self._robot.wait(self._wake_ns, LOOK_PERIOD_S)
+                self._wake()
             self._report()
-            self._robot.wait(self._wake_ns, LOOK_PERIOD_S)
-            self._wake()
-        self._report()
+        finally:
+            if self._acceptance is not None:
+                # What operators send is published by another thread, which must not outlive the node.
+                self._acceptance.close()
 
     def reload(self, rules: LiveRules) -> None:
         """Put other rules in force; to be called between two messages, that is, within ``Robot.wait``."""
@@ -108,7 +124,7 @@ class LiveRun:
             self._sampling.on_wake(now_ns)
 
     def _receive(self, topic: str, payload: Payload, publisher: Hashable) -> None:
-        message = self._topics.decoded(topic, payload) if self._loop.knowledge.reads(topic) else None
+        message = self._topics.decoded(topic, payload) if self._loop.needs_decoded(topic) else None
         self._sampling.received(topic, len(payload))
         now_ns = self._robot.now_ns()
         self._take(MessageInput(now_ns, topic, payload, len(payload), message, publisher))
@@ -123,6 +139,9 @@ class LiveRun:
             self._take(ChangeInput(stamp_ns=now_ns, change=heard))
         self._sampling.look(self._topics.lone_subscriptions(), now_ns)
         self._losses.look(self._topics.subscriptions(), now_ns)
+        if self._acceptance is not None:
+            is_connected = self._link is not None and self._link.is_connected
+            self._acceptance.look(set(self._rules.output_topics.values()), is_connected=is_connected)
 
     def _look_at_link(self) -> None:
         assert self._link is not None
@@ -160,6 +179,10 @@ class LiveRun:
         )
         if self._link is not None:
             status = self._link.added_to(status)
+        if self._acceptance is not None:
+            status = replace(status, accepted=self._acceptance.topics)
+        if self._also_told is not None:
+            self._also_told(status)
         self._publisher.announce(status, diagnostics_too=self._timer.is_diagnosis_due(process.steady_ns))
         return self._timer.next_s(read_own_process().cpu_ns - process.cpu_ns)
 

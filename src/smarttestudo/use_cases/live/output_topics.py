@@ -8,9 +8,8 @@ from dataclasses import dataclass
 
 from smarttestudo.adirf.rule_set import RuleSet
 from smarttestudo.domain.errors import UsageError
-from smarttestudo.domain.names import TOPIC_PLACEHOLDER, output_name
-from smarttestudo.use_cases.live.decisions import DECISIONS_TOPIC
-from smarttestudo.use_cases.live.status_topics import DIAGNOSTICS_TOPIC, STATUS_TOPIC
+from smarttestudo.domain.names import DECISIONS_TOPIC, STATUS_TOPIC, TOPIC_PLACEHOLDER, output_name
+from smarttestudo.use_cases.live.status_topics import DIAGNOSTICS_TOPIC
 
 DEFAULT_OUTPUT_TOPIC = "/testudo{topic}"
 OWN_TOPICS = frozenset({DECISIONS_TOPIC, STATUS_TOPIC, DIAGNOSTICS_TOPIC})

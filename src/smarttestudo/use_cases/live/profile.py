@@ -11,9 +11,9 @@ from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Endpoint, Receive, Robot
 from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.domain.visible_topics import visible_topics
 from smarttestudo.optimizer.profiling import TopicMeasure, profile_text
 from smarttestudo.use_cases.live.topic import live_source
-from smarttestudo.use_cases.live.visible_topics import visible_topics
 from smarttestudo.visualizer.topic_selection import is_selected, select_topics
 
 _LOOK_PERIOD_S = 0.5

@@ -7,12 +7,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import partial
 
+from smarttestudo.domain.command import IncomingCommands
 from smarttestudo.domain.link import OutgoingLink
 from smarttestudo.domain.robot import Robot
 from smarttestudo.use_cases.live.decisions import Decided, LiveDecisions
 from smarttestudo.use_cases.live.fallback import Fallback
 from smarttestudo.use_cases.live.input_recorder import InputRecorder, Note
-from smarttestudo.use_cases.live.live_run import LOOK_PERIOD_S, LiveRun
+from smarttestudo.use_cases.live.link_questions import LinkQuestions
+from smarttestudo.use_cases.live.live_run import LOOK_PERIOD_S, LiveRun, Told
 from smarttestudo.use_cases.live.output_topics import OutputTopic
 from smarttestudo.use_cases.live.rule_manager import RuleManager, first_rules
 from smarttestudo.use_cases.live.rules import LiveRuleFiles
@@ -27,10 +29,13 @@ def run_live(
     *,
     note: Note | None = None,
     link: OutgoingLink | None = None,
+    commands: IncomingCommands | None = None,
+    told: Told | None = None,
 ) -> None:
     """Relay until ``stopped``; ``decided`` are given the decisions, ``note`` what the loop is given.
 
-    What ``link`` carries is the budget, and what ``robot`` publishes goes over it.
+    ``told`` is given each status. What ``link`` carries is the budget, and what ``robot`` publishes goes
+    over it. What comes as ``commands`` is published among the robot's own nodes.
 
     Raises:
         RosError: decisions cannot be published at all.
@@ -52,11 +57,14 @@ def run_live(
     if first.rules is None:
         fallback.look()
     rules = first.rules or fallback.rules()
-    live = LiveRun(robot, InputRecorder(robot, request, note), rules, decisions, link)
+    inputs = InputRecorder(robot, request, note)
+    live = LiveRun(robot, inputs, rules, decisions, link, commands=commands, told=told)
     live.set_status_hz(request.status_hz)
     keeper = RuleManager(robot, live, files, fallback, first)
     with keeper.keep():
         parameters.serve(keeper.accept)
+        if link is not None:
+            LinkQuestions(robot, link)
         robot.log.info(f"Relaying {len(rules.output_topics)} topics as {request.output_topic}")
         live.drive(stopped)
 

@@ -21,7 +21,7 @@ from smarttestudo.domain.status import (
     TopicCounts,
     TopicStatus,
 )
-from smarttestudo.domain.units import NS_PER_S, ns_from_s
+from smarttestudo.domain.units import BYTES_PER_MB, NS_PER_MS, NS_PER_S, ns_from_s
 from smarttestudo.pacing.sample import StreamKind
 from smarttestudo.runtime.relay import Relayed
 from smarttestudo.runtime.relay_loop import RelayLoop
@@ -35,8 +35,6 @@ _CPU_OVER_NS = NS_PER_S * 9 // 10
 _ERROR_AFTER_NS = 5 * NS_PER_S
 # What a pacer's credit and the edges of a window may add or take.
 _MESSAGES_EXPLAINED = 3
-_BYTES_PER_MB = 1_000_000
-_NS_PER_MS = 1_000_000
 _BEGINNING = slice(HEADER_BYTES + STAMP_BYTES)
 
 
@@ -70,7 +68,7 @@ class MessageAge:
         self._window.look(now_ns, messages, stamp_ns)
         self.stamped_hz = self._window.rate_hz
         # A driver that does not stamp leaves zeros.
-        self.delay_ms = (self._relayed_ns - stamp_ns) / _NS_PER_MS if stamp_ns else None
+        self.delay_ms = (self._relayed_ns - stamp_ns) / NS_PER_MS if stamp_ns else None
 
 
 class _Rates(NamedTuple):
@@ -201,7 +199,7 @@ class LiveStatus:
             budget_kb_per_s=loop.knowledge.budget_kb_per_s,
             floors_break_budget=loop.knowledge.floors_break_budget,
             cpu_percent=self._share_of_cpu(process),
-            memory_mb=None if resident is None else resident / _BYTES_PER_MB,
+            memory_mb=None if resident is None else resident / BYTES_PER_MB,
             topics=self._topics(loop, links, now_ns),
             status_hz=status_hz,
             blocks=loop.block_states(now_ns),
@@ -238,7 +236,7 @@ class LiveStatus:
 
 def _topic_status(link: TopicLink, planned: PlannedRate, meters: _Meters, counts: TopicCounts) -> TopicStatus:
     rates = meters.rates
-    error = _error(meters, rates, link)
+    error = _Error(None, is_explained=True) if planned.within else _error(meters, rates, link)
     is_still = meters.arrived.is_silent or meters.target_hz == 0
     return TopicStatus(
         output=link.output,

@@ -1,23 +1,22 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Statuses on the ROS graph: published by a runtime as often as requested, received by its observers."""
+"""The statuses of a runtime, told as often as requested: on the ROS graph and over a link."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable
-from dataclasses import dataclass, replace
+from collections.abc import Callable
 
-from smarttestudo.adapters.json.status import status_from_text, status_to_json
+from smarttestudo.adapters.json.status import status_to_json
 from smarttestudo.domain.errors import RosError, said
 from smarttestudo.domain.json_text import json_text
-from smarttestudo.domain.payload import Payload
+from smarttestudo.domain.link import OutgoingLink
+from smarttestudo.domain.names import STATUS_TOPIC
 from smarttestudo.domain.robot import Qos, Robot
 from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.use_cases.live.diagnostics import diagnostics
 from smarttestudo.use_cases.live.status import STATUS_HZ
 
-STATUS_TOPIC = "/testudo/status"
 STATUS_QOS = Qos(reliable=True, transient_local=True, depth=1)
 DIAGNOSTICS_TOPIC = "/diagnostics"
 
@@ -25,16 +24,21 @@ _Announce = Callable[[RuntimeStatus], None]
 
 
 class StatusPublisher:
-    """Publishes a status on ``STATUS_TOPIC`` and as diagnostics; if one of them fails, it is logged once."""
+    """Publishes a status on ``STATUS_TOPIC``, over ``link`` and as diagnostics.
 
-    def __init__(self, robot: Robot) -> None:
+    If one of them fails, it is logged once.
+    """
+
+    def __init__(self, robot: Robot, link: OutgoingLink | None = None) -> None:
         self._robot = robot
         self._text = self._opened(_as_text)
+        self._linked: _Announce | None = None if link is None else link.tell
         self._diagnostics = self._opened(_as_diagnostics)
 
     def announce(self, status: RuntimeStatus, *, diagnostics_too: bool = True) -> None:
         """Publish ``status``; as diagnostics only with a subscriber, since they are not latched."""
         self._text = self._said(self._text, status)
+        self._linked = self._said(self._linked, status)
         if diagnostics_too and self._robot.subscriber_count(DIAGNOSTICS_TOPIC):
             self._diagnostics = self._said(self._diagnostics, status)
 
@@ -57,58 +61,13 @@ class StatusPublisher:
 
 
 def _as_text(robot: Robot) -> _Announce:
-    publish = robot.text_publisher(STATUS_TOPIC, STATUS_QOS)
+    publish = robot.text_publisher(STATUS_TOPIC, STATUS_QOS, goes_over_link=False)
     return lambda status: publish(json_text(status_to_json(status), ascii_only=False))
 
 
 def _as_diagnostics(robot: Robot) -> _Announce:
     publish = robot.diagnostics_publisher(DIAGNOSTICS_TOPIC)
     return lambda status: publish(diagnostics(status))
-
-
-_TEXT_TYPE = "std_msgs/msg/String"
-# Several nodes may publish between two looks, and all share one queue.
-_QOS = replace(STATUS_QOS, depth=100)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class HeardStatus:
-    """The last status of one SmartTestudo node, when it was received, and the size of its message."""
-
-    status: RuntimeStatus
-    heard_s: float
-    size_bytes: int
-
-
-class StatusWatch:
-    """Subscribes to ``STATUS_TOPIC``; ``steady_s`` is a clock that never jumps. Raises ``RosError``.
-
-    ``unreadable`` counts what came there and was no status of this version.
-    """
-
-    def __init__(self, robot: Robot, steady_s: Callable[[], float]) -> None:
-        self.heard: dict[str, HeardStatus] = {}
-        self.unreadable = 0
-        self._robot = robot
-        self._steady_s = steady_s
-        robot.data_path.subscribe(STATUS_TOPIC, _TEXT_TYPE, _QOS, self._receive)
-
-    @property
-    def has_heard_all(self) -> bool:
-        """Whether there is a SmartTestudo node, and a status of each discovered one was received."""
-        # `testudo receive` publishes those of several robots, so the names of nodes do not tell.
-        return 0 < len(self.heard) >= len(self._robot.publishers(STATUS_TOPIC))
-
-    def _receive(self, payload: Payload, _publisher: Hashable) -> None:
-        try:
-            message = self._robot.data_path.decode(STATUS_TOPIC, _TEXT_TYPE, payload)
-            status = status_from_text(getattr(message, "data", ""))
-        except (RosError, ValueError):
-            self.unreadable += 1
-            return
-        self.heard[status.node] = HeardStatus(
-            status=status, heard_s=self._steady_s(), size_bytes=len(payload)
-        )
 
 
 # Status publishing is capped at a fifth of a core: messages come first.
@@ -118,12 +77,13 @@ _DIAGNOSIS_AFTER_NS = NS_PER_S * 9 // 10
 
 
 class StatusTimer:
-    """Once a second, or ``asked_hz`` times with a subscriber; diagnostics once a second in any case.
+    """Once a second, or ``asked_hz`` times where somebody receives them; diagnostics once a second.
 
     So a requested rate ends with its subscriber.
     """
 
-    def __init__(self, robot: Robot) -> None:
+    def __init__(self, robot: Robot, link: OutgoingLink | None = None) -> None:
+        self._link = link
         self.asked_hz = STATUS_HZ
         self._robot = robot
         self._diagnosed_ns: int | None = None
@@ -136,9 +96,13 @@ class StatusTimer:
     @property
     def status_hz(self) -> float:
         """How often a status comes now."""
-        if self.asked_hz > STATUS_HZ and not self._robot.subscriber_count(STATUS_TOPIC):
-            return STATUS_HZ
-        return self.asked_hz
+        return self.asked_hz if self.asked_hz <= STATUS_HZ or self._is_watched else STATUS_HZ
+
+    @property
+    def _is_watched(self) -> bool:
+        return (self._link is not None and self._link.is_watched) or bool(
+            self._robot.subscriber_count(STATUS_TOPIC)
+        )
 
     def is_diagnosis_due(self, steady_ns: int) -> bool:
         """Whether the status of now is one for diagnostics, too; asked once for each."""

@@ -11,6 +11,7 @@ from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.observation import ListenersChanged, SourceChanged, Undecodable
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Endpoint, Robot, Subscription
+from smarttestudo.domain.visible_topics import testudo_nodes
 from smarttestudo.runtime.relay import Relayed
 from smarttestudo.use_cases.live.topic import (
     LiveSource,
@@ -21,7 +22,6 @@ from smarttestudo.use_cases.live.topic import (
     suits,
     topic_link,
 )
-from smarttestudo.use_cases.live.visible_topics import testudo_nodes
 
 LOOKS_PER_ROUND = 5
 

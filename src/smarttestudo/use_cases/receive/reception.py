@@ -10,8 +10,7 @@ from dataclasses import dataclass, field
 from smarttestudo.adapters.zenoh.arrivals import LinkEvent, RobotPresence, StreamSaid
 from smarttestudo.domain.link import ReceivedMessage, Sink, StreamInfo
 from smarttestudo.domain.rate_meter import Flow, FlowMeter
-
-_NS_PER_MS = 1_000_000
+from smarttestudo.domain.units import NS_PER_MS
 
 
 @dataclass(slots=True)
@@ -57,7 +56,7 @@ class Reception:
                     sink.open(robot, stream)
             case ReceivedMessage(stream=stream, age_ns=age_ns):
                 topic = _topic(known, stream)
-                topic.age_ms = None if age_ns is None else age_ns / _NS_PER_MS
+                topic.age_ms = None if age_ns is None else age_ns / NS_PER_MS
                 topic.flow.record(now_ns, len(event.payload))
                 for sink in self._sinks:
                     sink.take(event)

@@ -5,12 +5,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from statistics import fmean
 from typing import NamedTuple
 
 from smarttestudo.domain.rate_meter import Flow
 from smarttestudo.domain.units import BYTES_PER_KB
+from smarttestudo.pacing.bound import BoundRecord
 from smarttestudo.runtime.statistics import RelayStatistics, TargetRate
 
 
@@ -20,8 +21,10 @@ class TopicOutcome:
 
     ``messages_out`` includes ``repeated``. ``source_hz`` and ``mean_hz`` are (n − 1) / (last − first) of what
     came in and went out. ``target_hz`` is weighted by time, with Full as the source's rate; ``error_percent``
-    is how far ``mean_hz`` lies above the lesser of target and source at each time, likewise weighted. Of
-    transforms, whose target is that of each child frame, there are ``frames``, and rates are means over them.
+    is how far ``mean_hz`` lies above the lesser of target and source at each time, likewise weighted; it
+    is ``None`` where bounds decide what passes. Of transforms, whose target is that of each child frame,
+    there are ``frames``, and rates are means over them. ``bounds`` say how each bound of the receiver's
+    picture was kept, ``unreadable`` how many messages of a topic with bounds could not be compared.
     ``declared`` says that sizes are those that the bag declares. A number that the messages do not determine
     is ``None``.
     """
@@ -38,6 +41,8 @@ class TopicOutcome:
     out_kb: float
     declared: bool = False
     frames: int | None = None
+    bounds: Mapping[str, BoundRecord] = field(default_factory=dict)
+    unreadable: int = 0
 
     def to_json(self) -> dict[str, object]:
         """The topic's entry in ``--json``."""
@@ -54,18 +59,33 @@ class TopicOutcome:
             "out_kb": self.out_kb,
             "declared": self.declared,
             "frames": self.frames,
+            **self._bounds_json(),
         }
+
+    def _bounds_json(self) -> dict[str, object]:
+        """Nothing for a topic without bounds."""
+        if not self.bounds:
+            return {}
+        bounds = {
+            name: {"bound": one.bound, "worst": one.worst, "broken": one.broken}
+            for name, one in self.bounds.items()
+        }
+        return {"bounds": bounds}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ReplayOutcome:
-    """A replay's topics by source name, its number of decisions, and what was lost or odd, a line each."""
+    """A replay's topics by source name, its number of decisions, and what was lost or odd, a line each.
+
+    ``incidents`` are the names of the folders that were written.
+    """
 
     topics: Mapping[str, TopicOutcome]
     decisions: int
     notices: tuple[str, ...]
     duration_s: float
     wall_seconds: float
+    incidents: tuple[str, ...] = ()
 
     def rows(self) -> Iterator[dict[str, object]]:
         """One row for each topic."""
@@ -84,6 +104,7 @@ class ReplayOutcome:
             },
             "decisions": self.decisions,
             "notices": list(self.notices),
+            "incidents": list(self.incidents),
             "duration_s": self.duration_s,
             "wall_seconds": self.wall_seconds,
         }
@@ -102,11 +123,15 @@ def topic_outcome(statistics: RelayStatistics, *, output_topic: str, declared: b
         source_hz=rates.source_hz,
         target_hz=rates.target_hz,
         mean_hz=mean_hz,
-        error_percent=100 * (mean_hz / attainable_hz - 1) if mean_hz and attainable_hz else None,
+        error_percent=None
+        if statistics.bounds or not (mean_hz and attainable_hz)
+        else 100 * (mean_hz / attainable_hz - 1),
         in_kb=arrived.size_bytes / BYTES_PER_KB,
         out_kb=relayed.size_bytes / BYTES_PER_KB,
         declared=declared,
         frames=len(statistics.frames) or None,
+        bounds=statistics.bounds,
+        unreadable=statistics.unreadable,
     )
 
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -30,6 +30,7 @@ from smarttestudo.pacing.sample import WhenSlow
 from smarttestudo.runtime.inputs import ChangeInput, MessageInput, WakeInput
 from smarttestudo.runtime.relay import Relayed
 from smarttestudo.runtime.relay_loop import RelayLoop
+from smarttestudo.use_cases.replay.incidents import IncidentCutter, IncidentRequest, incident_cutter
 from smarttestudo.use_cases.replay.outcome import ReplayOutcome, topic_outcome
 from smarttestudo.use_cases.replay.topics import ReplayTopics, absent_topics, replay_topics, require_decodable
 
@@ -44,10 +45,11 @@ def _ignore(_: object) -> None:
 class ReplayRequest:
     """An opened recording, the rules, and the folder of the new recording.
 
-    ``output_topic`` names output topics, with ``{topic}`` for the source's full name. ``decided`` is given
-    decisions in order, some at a time, ``report`` the share of the recording that is done, 0 … 1. Where there
-    is a ``writer``, it takes what is relayed, and no recording is made; ``arrived`` is shown every message,
-    ``stepped`` the time and the loop whenever that may have changed.
+    Of topics in ``predict``, receivers show dead reckoning. ``output_topic`` names output topics, with
+    ``{topic}`` for the source's full name. ``decided`` is given decisions in order, some at a time,
+    ``report`` the share of the recording that is done, 0 … 1. Where there is a ``writer``, it takes what
+    is relayed, and no recording is made; ``arrived`` is shown every message, ``stepped`` the
+    time and the loop whenever that may have changed. ``incidents`` asks for what the rules record.
     """
 
     recording: RecordingReader
@@ -58,11 +60,13 @@ class ReplayRequest:
     storage: Storage = Storage.SQLITE3
     output_topic: str = TOPIC_PLACEHOLDER
     budget_kb_per_s: float | None = None
+    predict: Collection[str] = ()
     decided: Callable[[Sequence[Decision]], None] = _ignore
     report: Callable[[float], None] = _ignore
     writer: RecordingWriter | None = None
     arrived: Callable[[Channel, int, bytes], None] | None = None
     stepped: Callable[[int, RelayLoop], None] | None = None
+    incidents: IncidentRequest | None = None
 
 
 def replay(request: ReplayRequest) -> ReplayOutcome:
@@ -78,17 +82,25 @@ def replay(request: ReplayRequest) -> ReplayOutcome:
     require_decodable(recording.channels, rule_set, decoder)
     topics = replay_topics(recording.channels, rule_set, request.output_topic)
     loop = RelayLoop(
-        rule_set, request.profile, recording.start_ns, request.when_slow, request.budget_kb_per_s
+        rule_set,
+        request.profile,
+        recording.start_ns,
+        request.when_slow,
+        request.budget_kb_per_s,
+        reckoned=request.predict,
     )
     declared_bytes = {
         topics.outputs[topic].topic: size
         for topic, size in recording.declared_bytes.items()
         if topic in topics.outputs
     }
-    with _output(request, declared_bytes) as writer:
+    with (
+        _output(request, declared_bytes) as writer,
+        incident_cutter(request.incidents, rule_set, topics.sources, recording.start_ns) as cutter,
+    ):
         for channel in topics.outputs.values():
             writer.add(channel)
-        run = _Run(request, loop, decoder, writer, topics)
+        run = _Run(request, loop, decoder, writer, topics, cutter=cutter)
         run.drive()
     return ReplayOutcome(
         topics={
@@ -103,6 +115,7 @@ def replay(request: ReplayRequest) -> ReplayOutcome:
         notices=(*absent_topics(rule_set, topics.sources), *recording.notices(), *run.notices()),
         duration_s=(recording.end_ns - recording.start_ns) / NS_PER_S,
         wall_seconds=time.perf_counter() - started_s,
+        incidents=() if cutter is None else tuple(path.name for path in cutter.folders.written),
     )
 
 
@@ -129,6 +142,8 @@ class _Run:
         decoder: MessageDecoder,
         writer: RecordingWriter,
         topics: ReplayTopics,
+        *,
+        cutter: IncidentCutter | None,
     ) -> None:
         self.decisions = 0
         self._request = request
@@ -138,6 +153,9 @@ class _Run:
         self._sources = topics.sources
         self._outputs = topics.outputs
         self._second_types: Counter[str] = Counter()
+        self._cutter = cutter
+        if cutter is not None:
+            cutter.watch(loop)
 
     def drive(self) -> None:
         """From the first message to the last one that was held back."""
@@ -153,10 +171,14 @@ class _Run:
         self._pass_messages()
         self._wake_before(recording.end_ns + 1)
         self._write(loop.finish(recording.end_ns))
+        if self._cutter is not None:
+            self._cutter.finish(recording.end_ns)
         self._report(recording.end_ns)
 
     def notices(self) -> Iterator[str]:
         """What was lost or odd, one line each."""
+        if self._cutter is not None:
+            yield from self._cutter.notices()
         if self._loop.knowledge.floors_broke_budget:
             yield "the floors alone took more than the budget at times; floors win"
         for topic, count in self._second_types.items():
@@ -165,19 +187,26 @@ class _Run:
             yield f"{topic}: {counted(count, 'message')} could not be decoded; what checks read was unknown"
         for signal, count in self._loop.knowledge.unknown_values.items():
             yield f"{signal}: unknown in {counted(count, 'message')} (NaN, or no such field)"
+        for topic, statistics in self._loop.relays.statistics.items():
+            if statistics.unreadable:
+                unread = counted(statistics.unreadable, "message")
+                yield f"{topic}: {unread} could not be compared with the receiver's picture, and so passed"
         for topic, count in self._loop.relays.discarded.items():
             if count:
                 yield f"{topic}: {counted(count, 'message')} met none of the topic it is paced with"
 
     def _pass_messages(self) -> None:
         loop, declared_bytes = self._loop, self._request.recording.declared_bytes
-        sources = self._sources_needed()
-        decoded = frozenset(topic for topic in sources if loop.knowledge.reads(topic))
+        sources, cutter = self._sources_needed(), self._cutter
+        decoded = frozenset(topic for topic in sources if loop.needs_decoded(topic))
         report_ns, arrived, stepped = 0, self._request.arrived, self._request.stepped
         for channel, stamp_ns, payload in self._request.recording.messages():
             topic = channel.topic
             if arrived is not None:
                 arrived(channel, stamp_ns, payload)
+            if cutter is not None and self._sources.get(topic) is channel:
+                self._wake_before(stamp_ns)
+                cutter.take(channel, stamp_ns, payload)
             if sources.get(topic) is not channel:
                 if topic in sources:
                     self._second_types[topic] += 1

@@ -4,13 +4,24 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 
 from smarttestudo.adirf.document.meaning import condition_meaning, meaning
 from smarttestudo.adirf.formatter.text import number_text
 from smarttestudo.adirf.parser import ParseResult
-from smarttestudo.adirf.syntax import Block, KeepAtLeast, RateExpression, SetFrequency
+from smarttestudo.adirf.syntax import (
+    Action,
+    Block,
+    KeepAtLeast,
+    KeepWithin,
+    RateExpression,
+    SetFrequency,
+    bounds_in,
+    records_in,
+    sets_in,
+)
 from smarttestudo.domain.rate import Tier
 
 _Rates = Mapping[str, str]
@@ -36,13 +47,18 @@ def _meaning(result: ParseResult) -> object:
     for one in statements:
         if isinstance(one, KeepAtLeast) and isinstance(one.rate.value, int | float):
             floors_hz[one.topic.text] = max(one.rate.value, floors_hz.get(one.topic.text, 0.0))
+    bounds: dict[str, float] = {}
+    for one in statements:
+        if isinstance(one, KeepWithin):
+            bounds[_bound(one)] = min(one.bound, bounds.get(_bound(one), math.inf))
     blocks = Counter(meaning(one) for one in statements if isinstance(one, Block))
-    return result.is_valid, defaults, floors_hz, blocks
+    return result.is_valid, defaults, floors_hz, bounds, blocks
 
 
 def _differences(old: ParseResult, new: ParseResult) -> Iterator[str]:
     yield from _rates("default", _settings(old, SetFrequency), _settings(new, SetFrequency))
     yield from _rates("floor", _settings(old, KeepAtLeast), _settings(new, KeepAtLeast))
+    yield from _rates("bound", _bounds(old), _bounds(new))
     before, after = _blocks(old), _blocks(new)
     yield from (f"{name}: removed" for name in before if name not in after)
     for name, block in after.items():
@@ -55,6 +71,11 @@ def _differences(old: ParseResult, new: ParseResult) -> Iterator[str]:
 def _settings(result: ParseResult, kind: type[SetFrequency | KeepAtLeast]) -> _Rates:
     statements = (one for one in result.file.statements if isinstance(one, kind))
     return {one.topic.text: _text(one.rate) for one in statements if not isinstance(one, Block)}
+
+
+def _bounds(result: ParseResult) -> _Rates:
+    bounds = (one for one in result.file.statements if isinstance(one, KeepWithin))
+    return {_bound(one): number_text(one.bound) for one in bounds}
 
 
 def _blocks(result: ParseResult) -> dict[str, Block]:
@@ -81,11 +102,28 @@ def _block(name: str, old: Block, new: Block) -> Iterator[str]:
     if (old.priority or 0) != (new.priority or 0):
         yield f"{name}: Priority {old.priority or 0} → {new.priority or 0}"
     yield from _rates(name, _branch(old.then), _branch(new.then))
+    yield from _recordings(name, old.then, new.then)
     yield from _rates(f"{name}, Else", _branch(old.otherwise), _branch(new.otherwise))
+    yield from _recordings(f"{name}, Else", old.otherwise, new.otherwise)
 
 
-def _branch(statements: Sequence[SetFrequency]) -> _Rates:
-    return {one.topic.text: _text(one.rate) for one in statements}
+def _branch(actions: Sequence[Action]) -> _Rates:
+    """The rates by topic, and the bounds by topic and property."""
+    rates = {one.topic.text: _text(one.rate) for one in sets_in(actions)}
+    bounds = {_bound(one): number_text(one.bound) for one in bounds_in(actions)}
+    return {**rates, **bounds}
+
+
+def _bound(one: KeepWithin) -> str:
+    return f"{one.topic.text} {one.property} within"
+
+
+def _recordings(name: str, old: Sequence[Action], new: Sequence[Action]) -> Iterator[str]:
+    before, after = {meaning(one) for one in records_in(old)}, {meaning(one) for one in records_in(new)}
+    yield from (
+        f'{name}: Record "{one.name}" removed' for one in records_in(old) if meaning(one) not in after
+    )
+    yield from (f'{name}: Record "{one.name}" added' for one in records_in(new) if meaning(one) not in before)
 
 
 def _rates(name: str, old: _Rates, new: _Rates) -> Iterator[str]:

@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """What robots say, for the page.
 
-A robot here is a running ``testudo run``, named by its node (``/smarttestudo``). Rates are in Hz, bandwidths
-in KB/s of 1000 B, and null is "not known", but for ``target_hz``, where it is Full.
+A robot here is a running ``testudo run``: its ``node`` is ``/smarttestudo``, or ``ada:/smarttestudo`` where
+it has a link and a name on it. Rates are in Hz, bandwidths in KB/s of 1000 B,
+and null is "not known", but for ``target_hz``, where it is Full.
 """
 
 from __future__ import annotations
@@ -14,20 +15,51 @@ from collections.abc import Iterable, Iterator
 from msgspec import Struct
 
 from smarttestudo.domain.decision import Reason
-from smarttestudo.domain.status import BlockStatus, RulesOrigin, Silence, TopicStatus
+from smarttestudo.domain.link_state import LinkState, TopicOnLink
+from smarttestudo.domain.status import BlockStatus, RulesOrigin, RuntimeStatus, Silence, TopicStatus
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
 from smarttestudo.use_cases.ruler.page_words import TruthName, truth_name
 from smarttestudo.use_cases.ruler.robot_watch import RuleWords, SeenRobot
 
 
+class LinkView(Struct, frozen=True, kw_only=True):
+    """A robot's link to its operator: what it carries, its least round trip, and how often it was down."""
+
+    connected: bool
+    capacity_kb_per_s: float | None
+    round_trip_ms: float | None
+    outages: int
+
+
+class TopicLinkView(Struct, frozen=True, kw_only=True):
+    """A topic on a link: the age of its last message at the operator, and its messages since the start.
+
+    ``replaced`` gave way to newer ones, ``overflowed`` are lost though none may be.
+    """
+
+    age_ms: float | None
+    replaced: int
+    overflowed: int
+    queued_bytes: int
+
+
+class OldestTopic(Struct, frozen=True, kw_only=True):
+    """The topic whose last message was the oldest when it arrived at the operator."""
+
+    topic: str
+    age_ms: float
+
+
 class RobotSummary(Struct, frozen=True, kw_only=True):
     """One robot. ``rules`` is the origin of its rules; ``waiting``: pushed, and not confirmed yet.
 
-    ``waits_s`` is how long those still hold unless they are confirmed. ``is_heard`` is false once it has
-    been silent for longer than it should be; ``heard_s_ago`` is the time since its last status.
+    ``label`` is what people call it. ``waits_s`` is how long pushed rules still hold unless they are
+    confirmed. ``is_heard`` is false once it has been silent for longer than it should be; ``heard_s_ago`` is
+    the time since its last status. ``lost`` counts messages that overflowed on the link, of all topics.
     """
 
     node: str
+    label: str
     is_heard: bool
     heard_s_ago: float
     rules_hash: str
@@ -35,6 +67,11 @@ class RobotSummary(Struct, frozen=True, kw_only=True):
     rules: RulesOrigin
     waits_s: float | None
     topics: int
+    budget_kb_per_s: float | None
+    out_kb_per_s: float
+    link: LinkView | None
+    lost: int
+    oldest: OldestTopic | None
 
 
 class LiveTopic(Struct, frozen=True, kw_only=True):
@@ -58,6 +95,7 @@ class LiveTopic(Struct, frozen=True, kw_only=True):
     reason: Reason
     silence: Silence | None
     problem: str | None
+    link: TopicLinkView | None
 
 
 class LiveBlock(Struct, frozen=True, kw_only=True):
@@ -108,6 +146,7 @@ class Live(Struct, frozen=True, kw_only=True, tag_field="kind", tag="live"):
     budget_kb_per_s: float | None
     out_kb_per_s: float
     status_kb_per_s: float
+    link: LinkView | None
     topics: tuple[LiveTopic, ...]
     blocks: tuple[LiveBlock, ...]
     checks: tuple[LiveCheck, ...]
@@ -119,14 +158,14 @@ _DIGITS = 3
 
 def robot_summaries(robots: Iterable[SeenRobot], now_s: float) -> tuple[RobotSummary, ...]:
     """A line for each robot, by node."""
-    return tuple(_robot(one, now_s) for one in sorted(robots, key=lambda one: one.status.node))
+    return tuple(_robot(one, now_s) for one in sorted(robots, key=lambda one: one.status.robot_id))
 
 
 def live_model(seen: SeenRobot) -> Live:
     """All that a page shows of a robot."""
     status, words = seen.status, seen.words
     return Live(
-        node=status.node,
+        node=status.robot_id,
         stamp_s=status.stamp_ns / NS_PER_S,
         rules_hash=status.rules.sha256,
         rules=status.rules.origin,
@@ -136,6 +175,7 @@ def live_model(seen: SeenRobot) -> Live:
         budget_kb_per_s=status.budget_kb_per_s,
         out_kb_per_s=round(status.out_kb_per_s, _DIGITS),
         status_kb_per_s=round(seen.size_bytes * status.status_hz / BYTES_PER_KB, _DIGITS),
+        link=_link(status.link),
         topics=tuple(_topic(name, topic) for name, topic in status.topics.items()),
         blocks=tuple(_block(block, words) for block in status.blocks),
         checks=tuple(check for block in status.blocks for check in _checks(block, words)),
@@ -146,7 +186,8 @@ def live_model(seen: SeenRobot) -> Live:
 def _robot(seen: SeenRobot, now_s: float) -> RobotSummary:
     status = seen.status
     return RobotSummary(
-        node=status.node,
+        node=status.robot_id,
+        label=robot_label(status),
         is_heard=seen.is_heard(now_s),
         heard_s_ago=round(max(now_s - seen.heard_s, 0.0), _DIGITS),
         rules_hash=status.rules.sha256,
@@ -154,6 +195,49 @@ def _robot(seen: SeenRobot, now_s: float) -> RobotSummary:
         rules=status.rules.origin,
         waits_s=status.rules.waits_s,
         topics=len(status.topics),
+        budget_kb_per_s=status.budget_kb_per_s,
+        out_kb_per_s=round(status.out_kb_per_s, _DIGITS),
+        link=_link(status.link),
+        lost=sum(topic.on_link.counts.overflowed for topic in status.topics.values() if topic.on_link),
+        oldest=_oldest(status),
+    )
+
+
+def robot_label(status: RuntimeStatus) -> str:
+    """What people call the robot."""
+    return status.robot or status.node
+
+
+def _link(link: LinkState | None) -> LinkView | None:
+    if link is None:
+        return None
+    return LinkView(
+        connected=link.is_connected,
+        capacity_kb_per_s=link.capacity_kb_per_s,
+        round_trip_ms=link.round_trip_ms,
+        outages=link.outages,
+    )
+
+
+def _oldest(status: RuntimeStatus) -> OldestTopic | None:
+    ages_ms = {
+        name: topic.on_link.age_ms
+        for name, topic in status.topics.items()
+        if topic.on_link is not None and topic.on_link.age_ms is not None
+    }
+    oldest = max(ages_ms, key=lambda name: ages_ms[name], default=None)
+    return None if oldest is None else OldestTopic(topic=oldest, age_ms=ages_ms[oldest])
+
+
+def _on_link(on_link: TopicOnLink | None) -> TopicLinkView | None:
+    if on_link is None:
+        return None
+    counts = on_link.counts
+    return TopicLinkView(
+        age_ms=on_link.age_ms,
+        replaced=counts.replaced,
+        overflowed=counts.overflowed,
+        queued_bytes=counts.queued_bytes,
     )
 
 
@@ -174,6 +258,7 @@ def _topic(name: str, topic: TopicStatus) -> LiveTopic:
         reason=topic.reason,
         silence=topic.silence,
         problem=topic.problem,
+        link=_on_link(topic.on_link),
     )
 
 

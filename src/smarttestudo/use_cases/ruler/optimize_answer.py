@@ -146,7 +146,7 @@ def _worst(optimized: OptimizedDraft) -> Iterator[SituationLoad]:
     """Nothing where the profile does not know every load, or the conditions are too complex."""
     done = optimized.outcome.optimization
     file = optimized.checked.document.result.file
-    rule_set = _with_appended(compile_rules([file], resolve_topic, done.tier_rate), done)
+    rule_set = _with_appended(compile_rules([file], resolve_topic, done.tier_rate), done).over_states()
     loads = loads_of(rule_set, optimized.profile)
     if missing_entries(rule_set, loads):
         return

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from msgspec import Struct
 
 from smarttestudo.adirf.formatter.text import number_text
-from smarttestudo.adirf.syntax import Block, SetFrequency
+from smarttestudo.adirf.syntax import Block, SetFrequency, sets_in
 from smarttestudo.domain.errors import ProfileError
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.profile import Profile
@@ -113,6 +113,7 @@ def _statements(optimized: OptimizedDraft, solved: SolvedPart) -> tuple[SetFrequ
     if solved.part.label is None:
         return tuple(one for one in statements if isinstance(one, SetFrequency))
     block = next(one for one in statements if isinstance(one, Block) and one.span == solved.part.span)
-    topics = {resolve_topic(one.topic.text) for one in block.then}
+    then = sets_in(block.then)
+    topics = {resolve_topic(one.topic.text) for one in then}
     is_then = solved.part.label == block.label and topics == set(solved.part.asks)
-    return block.then if is_then else block.otherwise
+    return then if is_then else sets_in(block.otherwise)

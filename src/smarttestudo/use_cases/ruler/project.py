@@ -16,10 +16,11 @@ class Project(Struct, frozen=True, kw_only=True):
     """``GET /api/project``. ``opened`` is the file that the command line named, if any.
 
     A bag is named by its folder, or by its file where it has no metadata. ``ros`` is whether the server can
-    reach ROS 2; ``version`` is that of SmartTestudo.
+    reach ROS 2; ``version`` is that of SmartTestudo. ``root_hash`` tells folders of one name apart.
     """
 
     root_name: str
+    root_hash: str
     opened: str | None
     files: tuple[FoundFile, ...]
     version: str
@@ -61,6 +62,7 @@ class ProjectFiles:
         files, has_more = self._folder.files()
         return Project(
             root_name=self._folder.name,
+            root_hash=self._folder.path_hash,
             opened=self._opened,
             files=tuple(files),
             version=__version__,

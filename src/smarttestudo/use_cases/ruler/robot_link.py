@@ -1,11 +1,10 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The Ruler's ROS node: one thread owns it, and requests of other threads wait for that."""
+"""The robots that the Ruler hears: one thread owns them, and requests of other threads wait for that."""
 
 from __future__ import annotations
 
 import contextlib
-import os
 import queue
 import threading
 import time
@@ -16,21 +15,10 @@ from contextlib import AbstractContextManager
 from types import MappingProxyType
 from typing import TypeVar
 
-from smarttestudo.adapters.ros import open_robot
 from smarttestudo.domain.errors import RosError, TestudoError
 from smarttestudo.domain.parameter import ParameterValue, Refusals, Values
-from smarttestudo.domain.robot import DataPathKind, Robot
-from smarttestudo.use_cases.live.visible_topics import visible_topics
+from smarttestudo.domain.remote_robots import RemoteRobots
 from smarttestudo.use_cases.ruler.robot_watch import RobotWatch, SeenRobot
-
-
-def ruler_node() -> AbstractContextManager[Robot]:
-    """A node that publishes nothing of its own; entering it raises ``TestudoError`` where ROS is missing.
-
-    It takes a few messages a second, so it goes without librcl's path and its self-test.
-    """
-    return open_robot(name=f"testudo_ruler_{os.getpid()}", data_path=DataPathKind.RCLPY)
-
 
 _WAIT_S = 0.05
 _PATIENCE_S = 15.0
@@ -39,24 +27,27 @@ _END_WITHIN_S = 3.0
 # What was asked for on leaving is sent, and mostly answered, within this.
 _FAREWELL_S = 0.3
 _Answer = TypeVar("_Answer")
-_Order = Callable[[Robot], None]
-_STARTING = "the Ruler is still joining the ROS graph"
-_LEFT = "the Ruler has left the ROS graph"
+_Order = Callable[[RemoteRobots], None]
+OpenRobots = Callable[[], AbstractContextManager[RemoteRobots]]
+"""Entering it raises ``TestudoError`` where no robot can be heard."""
+_STARTING = "the Ruler is still looking for robots"
+_LEFT = "the Ruler listens to robots no more"
 
 
 class RobotLink:
-    """Hears all SmartTestudo nodes and talks to them, from the first ``begin`` on; threads may call at once.
+    """Hears all robots and talks to them, from the first ``begin`` on; threads may call at once.
 
-    ``news`` is called on the thread of the node with the robots of which a status came, and once it is there.
+    ``news`` is called on their thread with the robots of which a status came, and once that begins.
     """
 
-    def __init__(self, open_node: Callable[[], AbstractContextManager[Robot]]) -> None:
+    def __init__(self, open_robots: OpenRobots) -> None:
         self.news: Callable[[Sequence[SeenRobot]], None] = _nobody
-        self._open_node = open_node
+        self._open_robots = open_robots
         self._orders: queue.SimpleQueue[_Order] = queue.SimpleQueue()
         self._wanted_hz: Mapping[str, float] = MappingProxyType({})
         self._seen: Mapping[str, SeenRobot] = MappingProxyType({})
         self._problem: str | None = _STARTING
+        self._remedy = ""
         self._thread: threading.Thread | None = None
         self._lock = threading.Lock()
         self._is_closing = threading.Event()
@@ -69,17 +60,22 @@ class RobotLink:
         return self._problem
 
     @property
+    def remedy(self) -> str:
+        """What to do where a robot is not heard."""
+        return self._problem or self._remedy
+
+    @property
     def seen(self) -> Mapping[str, SeenRobot]:
-        """The robots by node."""
+        """The robots by their ids."""
         return self._seen
 
     @property
     def is_up(self) -> bool:
-        """Whether the node is there."""
+        """Whether robots are listened to."""
         return self._is_up.is_set()
 
     def begin(self) -> None:
-        """Join the graph, if that was not done or did not work some time ago."""
+        """Listen, if that was not done or did not work some time ago."""
         with self._lock:
             is_running = self._thread is not None and self._thread.is_alive()
             now_s = time.monotonic()
@@ -90,7 +86,7 @@ class RobotLink:
             self._thread.start()
 
     def close(self) -> None:
-        """Leave the graph; for good."""
+        """Listen no more; for good."""
         with self._lock:
             self._is_closing.set()
             thread = self._thread
@@ -104,35 +100,34 @@ class RobotLink:
     def get(self, node: str, names: Sequence[str]) -> Values:
         """Parameters of a robot. Raises ``RosError``."""
 
-        def order(robot: Robot, answer: Future[Values]) -> None:
-            robot.remote_parameters.get(node, names, lambda values: _settle(answer, values))
+        def order(robots: RemoteRobots, answer: Future[Values]) -> None:
+            robots.get(node, names, lambda values: _settle(answer, values))
 
         return self._ask(order)
 
     def set(self, node: str, values: Mapping[str, ParameterValue]) -> Refusals:
         """Set parameters of a robot; the reasons of those that it refused. Raises ``RosError``."""
 
-        def order(robot: Robot, answer: Future[Refusals]) -> None:
-            robot.remote_parameters.set(node, values, lambda refused: _settle(answer, refused))
+        def order(robots: RemoteRobots, answer: Future[Refusals]) -> None:
+            robots.set(node, values, lambda refused: _settle(answer, refused))
 
         return self._ask(order)
 
     def topics(self) -> Mapping[str, str]:
         """The types of what the robots' own nodes publish. Raises ``RosError``."""
 
-        def order(robot: Robot, answer: Future[Mapping[str, str]]) -> None:
-            found = visible_topics(robot).items()
-            _settle(answer, {topic: publishers[0].type_name for topic, publishers in found})
+        def order(robots: RemoteRobots, answer: Future[Mapping[str, str]]) -> None:
+            robots.topics(None, lambda topics: _settle(answer, topics))
 
         return self._ask(order)
 
-    def _ask(self, order: Callable[[Robot, Future[_Answer]], None]) -> _Answer:
+    def _ask(self, order: Callable[[RemoteRobots, Future[_Answer]], None]) -> _Answer:
         answer: Future[_Answer] = Future()
         self._require_up()
 
-        def taken(robot: Robot) -> None:
+        def taken(robots: RemoteRobots) -> None:
             try:
-                order(robot, answer)
+                order(robots, answer)
             except TestudoError as error:
                 _settle(answer, error)
 
@@ -140,7 +135,7 @@ class RobotLink:
         try:
             return answer.result(_PATIENCE_S)
         except NoAnswerError as error:
-            raise RosError("the ROS graph does not answer", remedy="try again") from error
+            raise RosError("the robots do not answer", remedy="try again") from error
 
     def _require_up(self) -> None:
         self.begin()
@@ -149,23 +144,25 @@ class RobotLink:
 
     def _run(self) -> None:
         try:
-            with self._open_node() as robot:
-                watch = RobotWatch(robot, time.monotonic)
+            with self._open_robots() as robots:
+                watch = RobotWatch(robots, time.monotonic)
                 self._problem = None
+                self._remedy = robots.remedy
                 self._is_up.set()
                 self.news(())
-                self._serve(robot, watch)
+                self._serve(robots, watch)
         except TestudoError as error:
             self._problem = f"{error.cause}; {error.remedy}" if error.remedy else error.cause
         finally:
             self._is_up.clear()
             self._problem = self._problem or _LEFT
 
-    def _serve(self, robot: Robot, watch: RobotWatch) -> None:
+    def _serve(self, robots: RemoteRobots, watch: RobotWatch) -> None:
         while not self._is_closing.is_set():
-            self._obey(robot)
+            self._obey(robots)
             watch.want(self._wanted_hz)
-            robot.wait(None, _WAIT_S)
+            self._problem = robots.problem
+            robots.wait(_WAIT_S)
             news = watch.look()
             if news or len(watch.seen) < len(self._seen):
                 self._seen = MappingProxyType(dict(watch.seen))
@@ -174,12 +171,12 @@ class RobotLink:
         watch.want({})
         end_s = time.monotonic() + _FAREWELL_S
         while time.monotonic() < end_s:
-            robot.wait(None, _WAIT_S)
+            robots.wait(_WAIT_S)
 
-    def _obey(self, robot: Robot) -> None:
+    def _obey(self, robots: RemoteRobots) -> None:
         with contextlib.suppress(queue.Empty):
             while True:
-                self._orders.get_nowait()(robot)
+                self._orders.get_nowait()(robots)
 
 
 def _settle(answer: Future[_Answer], result: _Answer | TestudoError) -> None:

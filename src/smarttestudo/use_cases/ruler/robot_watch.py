@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The SmartTestudo nodes of a ROS graph, watched on the thread that owns the Ruler's node."""
+"""The robots that can be heard, watched on one thread."""
 
 from __future__ import annotations
 
@@ -10,12 +10,11 @@ from functools import partial
 
 from smarttestudo.adirf.parser import parse
 from smarttestudo.adirf.syntax import Block, Check, checks_in
-from smarttestudo.domain.errors import RosError
+from smarttestudo.domain.errors import TestudoError
 from smarttestudo.domain.parameter import Refusals, Values
-from smarttestudo.domain.robot import Robot
+from smarttestudo.domain.remote_robots import HeardStatus, RemoteRobots
 from smarttestudo.domain.rule_texts import RuleTexts
 from smarttestudo.domain.status import RuntimeStatus
-from smarttestudo.use_cases.live.status_topics import HeardStatus, StatusWatch
 
 Place = tuple[int, int, int]
 """A file's number, line and column."""
@@ -100,19 +99,18 @@ class SeenRobot(HeardStatus):
 
     def is_heard(self, now_s: float) -> bool:
         """Whether it spoke as lately as it should."""
-        return now_s - self.heard_s <= _HEARD_WITHIN_S
+        return self.is_present and now_s - self.heard_s <= _HEARD_WITHIN_S
 
 
 class RobotWatch:
     """Hears the robots; of those that are watched, reads the rules and asks for more statuses.
 
-    All calls are those of one thread, the one that waits in ``robot``.
+    All calls are those of one thread, the one that waits in ``robots``. Robots are told by their ids.
     """
 
-    def __init__(self, robot: Robot, steady_s: Callable[[], float]) -> None:
-        self._robot = robot
+    def __init__(self, robots: RemoteRobots, steady_s: Callable[[], float]) -> None:
+        self._robots = robots
         self._steady_s = steady_s
-        self._watch = StatusWatch(robot, steady_s)
         self._wanted_hz: Mapping[str, float] = {}
         self._demands: dict[str, StatusRateRequest] = {}
         self._words: dict[str, RuleWords] = {}
@@ -122,17 +120,20 @@ class RobotWatch:
     def look(self) -> list[SeenRobot]:
         """The robots of which something new came since the last look."""
         now_s = self._steady_s()
-        news = [self._see(node, heard) for node, heard in self._watch.heard.items() if self._is_new(heard)]
-        for node in [node for node, one in self._seen.items() if now_s > one.heard_s + _FORGET_AFTER_S]:
-            del self._watch.heard[node], self._seen[node]
-            self._words.pop(node, None)
+        heard = dict(self._robots.heard)
+        news = [self._see(name, one) for name, one in heard.items() if self._is_new(name, one)]
+        for name in [name for name, one in self._seen.items() if now_s > one.heard_s + _FORGET_AFTER_S]:
+            self._robots.forget(name)
+        for name in self._seen.keys() - self._robots.heard.keys():
+            del self._seen[name]
+            self._words.pop(name, None)
         for one in news:
             self._tend(one.status, now_s)
         return news
 
     @property
     def seen(self) -> Mapping[str, SeenRobot]:
-        """All robots by node, as of the last look; a live view."""
+        """All robots by their ids, as of the last look; a live view."""
         return self._seen
 
     def want(self, wanted_hz: Mapping[str, float]) -> None:
@@ -148,41 +149,47 @@ class RobotWatch:
             if seen is not None:
                 self._tend(seen.status, self._steady_s())
 
-    def _is_new(self, heard: HeardStatus) -> bool:
-        seen = self._seen.get(heard.status.node)
-        return seen is None or seen.status is not heard.status
+    def _is_new(self, name: str, heard: HeardStatus) -> bool:
+        seen = self._seen.get(name)
+        return seen is None or (seen.heard_s, seen.is_present) != (heard.heard_s, heard.is_present)
 
     def _see(self, node: str, heard: HeardStatus) -> SeenRobot:
         words = self._words.get(node, RuleWords())
         if words.sha256 != heard.status.rules.sha256:
             words = RuleWords()
-        seen = SeenRobot(status=heard.status, heard_s=heard.heard_s, size_bytes=heard.size_bytes, words=words)
+        seen = SeenRobot(
+            status=heard.status,
+            heard_s=heard.heard_s,
+            size_bytes=heard.size_bytes,
+            is_present=heard.is_present,
+            words=words,
+        )
         self._seen[node] = seen
         return seen
 
     def _tend(self, status: RuntimeStatus, now_s: float) -> None:
-        demand = self._demands.get(status.node)
+        demand = self._demands.get(status.robot_id)
         if demand is None:
             return
         change_hz = demand.change_hz(status.status_hz, now_s)
         if change_hz is not None:
-            self._robot.remote_parameters.set(status.node, {HZ_PARAMETER: change_hz}, _ignore)
+            self._robots.set(status.robot_id, {HZ_PARAMETER: change_hz}, _ignore)
         if demand.is_settled:
-            del self._demands[status.node]
+            del self._demands[status.robot_id]
         if demand.wanted_hz is not None and status.rules.sha256:
             self._read_words(status, now_s)
 
     def _read_words(self, status: RuntimeStatus, now_s: float) -> None:
-        known = self._words.get(status.node)
+        known = self._words.get(status.robot_id)
         is_known = known is not None and known.sha256 == status.rules.sha256
-        if is_known or now_s < self._ask_again_s.get(status.node, 0.0):
+        if is_known or now_s < self._ask_again_s.get(status.robot_id, 0.0):
             return
-        self._ask_again_s[status.node] = now_s + _ASK_AGAIN_S
-        got = partial(self._got_texts, status.node)
-        self._robot.remote_parameters.get(status.node, [TEXTS_PARAMETER], got)
+        self._ask_again_s[status.robot_id] = now_s + _ASK_AGAIN_S
+        got = partial(self._got_texts, status.robot_id)
+        self._robots.get(status.robot_id, [TEXTS_PARAMETER], got)
 
-    def _got_texts(self, node: str, values: Values | RosError) -> None:
-        if isinstance(values, RosError):
+    def _got_texts(self, node: str, values: Values | TestudoError) -> None:
+        if isinstance(values, TestudoError):
             return
         try:
             self._words[node] = words_of(RuleTexts.from_text(str(values[TEXTS_PARAMETER])))
@@ -192,5 +199,5 @@ class RobotWatch:
         self._ask_again_s.pop(node, None)
 
 
-def _ignore(_refusals: Refusals | RosError) -> None:
+def _ignore(_refusals: Refusals | TestudoError) -> None:
     """An older robot has no such parameter, and one that is gone needs none."""

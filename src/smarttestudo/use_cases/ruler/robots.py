@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from smarttestudo.domain.errors import RosError
+from smarttestudo.domain.errors import RosError, TestudoError
 from smarttestudo.use_cases.ruler import pushing
 from smarttestudo.use_cases.ruler.pushing import (
     ConfirmAnswer,
@@ -55,7 +55,7 @@ class WatchedRobots:
         }
         try:
             return {**relayed, **self._link.topics()}
-        except RosError:
+        except TestudoError:
             # Words to suggest come from the files, too.
             return relayed
 
@@ -64,5 +64,5 @@ class WatchedRobots:
         if node not in self._link.seen:
             raise UnknownRobotError(
                 f"no status of {node} was received",
-                remedy=self._link.problem or "start `testudo run` in the same ROS domain",
+                remedy=self._link.remedy,
             )

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
+from itertools import zip_longest
 
 from msgspec import Struct
 
@@ -19,9 +20,10 @@ from smarttestudo.adirf.document import (
     meaning,
     read_document,
     replaced_all,
+    takes_in,
 )
 from smarttestudo.adirf.formatter import first_line_end
-from smarttestudo.adirf.syntax import Block, KeepAtLeast, SetFrequency, Statement
+from smarttestudo.adirf.syntax import Block, KeepAtLeast, KeepWithin, SetFrequency, Statement
 from smarttestudo.domain.errors import RuleFileError
 from smarttestudo.optimizer.model import Model
 from smarttestudo.use_cases.ruler.checked_text import Draft, check_sound, require_sound, require_usable
@@ -104,10 +106,21 @@ def exported(request: ExportRequest) -> str:
     """
     document = read_document(request.text, request.name)
     line_end = first_line_end(document.text)
-    body = (line_end + line_end).join(text_of(entry) for entry in chosen(document, request.ids))
+    entries = chosen(document, request.ids)
+    body = (line_end + line_end).join(
+        _closed(entry, following, line_end) for entry, following in zip_longest(entries, entries[1:])
+    )
     text = line_end.join(["begin", body, "end", ""])
     require_sound(text, request.name)
     return text
+
+
+def _closed(entry: Entry, following: Entry | None, line_end: str) -> str:
+    """The lines of a statement, with an ``EndIf`` where ``following`` would become a part of it."""
+    text = text_of(entry)
+    if following is None or not takes_in(entry, following.statement):
+        return text
+    return f"{text}{line_end}{entry.token_range.indent or '    '}EndIf"
 
 
 def chosen(document: Document, ids: Collection[str]) -> list[Entry]:
@@ -160,8 +173,14 @@ def imported(document: Document, request: ImportRequest) -> str:
     text = replaced_all(document, {places[one.id]: _instead(one) for one in entries if one.id in places})
     path = document.result.file.path
     added = [entry for entry in entries if entry.id not in places]
-    loose = [_new(entry) for entry in added if isinstance(entry.statement, SetFrequency | KeepAtLeast)]
-    tall = [_new(entry) for entry in added if not isinstance(entry.statement, SetFrequency | KeepAtLeast)]
+    loose = [
+        _new(entry) for entry in added if isinstance(entry.statement, SetFrequency | KeepAtLeast | KeepWithin)
+    ]
+    tall = [
+        _new(entry)
+        for entry in added
+        if not isinstance(entry.statement, SetFrequency | KeepAtLeast | KeepWithin)
+    ]
     if loose:
         target = read_document(text, path)
         part = _last_part(target)
@@ -195,12 +214,14 @@ def _by_word(document: Document) -> Mapping[_Word | None, Entry]:
 
 
 def _word(statement: Statement) -> _Word | None:
-    """What a file should hold once: a rule's name, a topic's default, a topic's floor."""
+    """What a file should hold once: a rule's name, a topic's default, floor or bound."""
     match statement:
         case Block():
             return None if statement.name is None else ("rule", statement.name)
         case KeepAtLeast():
             return "floor", statement.topic.text
+        case KeepWithin():
+            return f"bound of {statement.property}", statement.topic.text
         case SetFrequency():
             return "default", statement.topic.text
 
@@ -211,6 +232,8 @@ def _said(statement: Statement, rival: Entry) -> str:
             return f"another rule has this name here, in line {_line(rival)}"
         case KeepAtLeast():
             return f"the topic has another floor here, in line {_line(rival)}"
+        case KeepWithin():
+            return f"the topic has another bound of {statement.property} here, in line {_line(rival)}"
         case SetFrequency():
             return f"the topic has another default here, in line {_line(rival)}"
 
@@ -236,6 +259,8 @@ def _last_part(document: Document) -> CollectionPart:
 
 def _first_block(part: CollectionPart) -> int:
     numbers = (
-        at for at, one in enumerate(part.entries) if not isinstance(one.statement, SetFrequency | KeepAtLeast)
+        at
+        for at, one in enumerate(part.entries)
+        if not isinstance(one.statement, SetFrequency | KeepAtLeast | KeepWithin)
     )
     return next(numbers, len(part.entries))

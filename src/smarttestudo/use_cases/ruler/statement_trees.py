@@ -4,27 +4,40 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Sequence
 from typing import TypedDict
 
 from smarttestudo.adirf.document import Document, EditError, Entry, NewStatement, comment_texts
+from smarttestudo.adirf.formatter.text import number_text
 from smarttestudo.adirf.syntax import (
+    Action,
     And,
     Block,
     Check,
     Condition,
+    Duration,
+    DurationUnit,
     Group,
     KeepAtLeast,
+    KeepWithin,
     Not,
     Or,
     RateExpression,
     RateWord,
+    RecordIncident,
     SetFrequency,
     Statement,
+    Timed,
     TopicName,
+    bounds_in,
+    has_time,
+    records_in,
+    sets_in,
 )
 from smarttestudo.domain.rate import Tier
 from smarttestudo.domain.source import Span
+from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.use_cases.ruler import statements as page
 from smarttestudo.use_cases.ruler.utf16 import Utf16
 
@@ -71,7 +84,10 @@ class StatementWriter:
             text=words.text[words.start : words.end],
         )
         match entry.statement:
-            case None:
+            case None | KeepWithin():
+                return page.RawStatement(**place)
+            case Block() as block if has_time(block.condition) or bounds_in((*block.then, *block.otherwise)):
+                # The page has no words for time and bounds; as text, none gets lost.
                 return page.RawStatement(**place)
             case SetFrequency() as one:
                 return page.SetStatement(topic=one.topic.text, rate=_rate(one.rate), **place)
@@ -83,8 +99,10 @@ class StatementWriter:
                     priority=block.priority or 0,
                     label=block.label,
                     condition=self._condition(block.condition),
-                    then=tuple(map(self._inner, block.then)),
-                    otherwise=tuple(map(self._inner, block.otherwise)),
+                    then=tuple(map(self._inner, sets_in(block.then))),
+                    otherwise=tuple(map(self._inner, sets_in(block.otherwise))),
+                    then_records=tuple(map(_record, records_in(block.then))),
+                    else_records=tuple(map(_record, records_in(block.otherwise))),
                     **place,
                 )
 
@@ -101,7 +119,10 @@ class StatementWriter:
         )
 
     def _condition(self, condition: Condition) -> page.Condition:
+        """A condition without time; raises ``TypeError`` for another."""
         match condition:
+            case Timed():
+                raise TypeError(condition)
             case Check():
                 start, end = self.range(condition.span)
                 return page.CheckCondition(
@@ -122,12 +143,15 @@ class StatementWriter:
                 return page.OrCondition(terms=tuple(map(self._condition, condition.operands)))
 
 
-def new_statement(model: page.Statement) -> NewStatement:
-    """What a request asks to write. Raises ``EditError`` for what no rule file can say."""
-    return NewStatement(content=_content(model), comments=model.comments)
+def new_statement(model: page.Statement, old: Statement | None = None) -> NewStatement:
+    """What a request asks to write, in the place of ``old`` if it replaces one.
+
+    Raises ``EditError`` for what no rule file can say.
+    """
+    return NewStatement(content=_content(model, old), comments=model.comments)
 
 
-def _content(model: page.Statement) -> Statement | str:
+def _content(model: page.Statement, old: Statement | None) -> Statement | str:
     match model:
         case page.RawStatement():
             return model.text
@@ -138,6 +162,7 @@ def _content(model: page.Statement) -> Statement | str:
             return KeepAtLeast(topic=_topic(model.topic), rate=rate, span=_NOWHERE)
         case page.RuleStatement():
             name = model.name
+            then, otherwise = (old.then, old.otherwise) if isinstance(old, Block) else ((), ())
             if name is None and model.priority:
                 name = model.label or _UNNAMED
             return Block(
@@ -145,11 +170,54 @@ def _content(model: page.Statement) -> Statement | str:
                 priority=model.priority or None,
                 label=name or model.label,
                 condition=_read_condition(model.condition),
-                then=tuple(map(_set, model.then)),
-                otherwise=tuple(map(_set, model.otherwise)),
+                then=_actions(model.then, model.then_records, then),
+                otherwise=_actions(model.otherwise, model.else_records, otherwise),
                 has_end_if=True,
                 span=_NOWHERE,
             )
+
+
+def _actions(
+    sets: Sequence[page.SetStatement], records: Sequence[page.RecordStatement] | None, old: Sequence[Action]
+) -> tuple[Action, ...]:
+    """The statements of a branch in the order of ``old``, with its records where ``records`` is ``None``."""
+    new_sets = deque(map(_set, sets))
+    new_records = deque(records_in(old) if records is None else map(_read_record, records))
+    found: list[Action] = []
+    for one in old:
+        if isinstance(one, KeepWithin):
+            found.append(one)
+            continue
+        waiting: deque[SetFrequency] | deque[RecordIncident] = (
+            new_sets if isinstance(one, SetFrequency) else new_records
+        )
+        if waiting:
+            found.append(waiting.popleft())
+    return (*found, *new_sets, *new_records)
+
+
+def _record(record: RecordIncident) -> page.RecordStatement:
+    return page.RecordStatement(
+        name=record.name,
+        topics=tuple(topic.text for topic in record.topics),
+        before_s=record.before.ns / NS_PER_S,
+        after_s=record.after.ns / NS_PER_S,
+    )
+
+
+def _read_record(model: page.RecordStatement) -> RecordIncident:
+    return RecordIncident(
+        name=model.name,
+        topics=tuple(map(_topic, model.topics)),
+        before=_seconds(model.before_s),
+        after=_seconds(model.after_s),
+        span=_NOWHERE,
+    )
+
+
+def _seconds(value: float) -> Duration:
+    ns = round(value * NS_PER_S)
+    return Duration(text=number_text(value), unit=DurationUnit.SECONDS, ns=ns, span=_NOWHERE)
 
 
 def _set(model: page.SetStatement) -> SetFrequency:

@@ -95,6 +95,15 @@ class SetStatement(_PlacedStatement, frozen=True, kw_only=True, tag_field="kind"
     rate: Rate
 
 
+class RecordStatement(Struct, frozen=True, kw_only=True):
+    """``Record "name" topics Before before_s After after_s``; no topics stand for all that the rules name."""
+
+    name: str
+    topics: tuple[str, ...]
+    before_s: float
+    after_s: float
+
+
 class KeepStatement(_PlacedStatement, frozen=True, kw_only=True, tag_field="kind", tag="keep"):
     """``KeepAtLeast topic hz``."""
 
@@ -107,7 +116,8 @@ class RuleStatement(
 ):
     """``[Rule "name" [Priority n]] If … Then … [Else …]``; in JSON ``otherwise`` is called ``else``.
 
-    ``label`` (answers only) is what findings and decisions call the rule.
+    ``label`` (answers only) is what findings and decisions call the rule. ``then_records`` and
+    ``else_records`` left out of a request stay as they are in the rule that it replaces.
     """
 
     condition: Condition
@@ -116,10 +126,15 @@ class RuleStatement(
     name: str | None = None
     priority: int = 0
     label: str = ""
+    then_records: tuple[RecordStatement, ...] | None = None
+    else_records: tuple[RecordStatement, ...] | None = None
 
 
 class RawStatement(_PlacedStatement, frozen=True, kw_only=True, tag_field="kind", tag="raw"):
-    """Text that does not parse, as it stands in the file; in a request ``text`` is what to write."""
+    """Text that does not parse, or says what the page has no words for, as it stands in the file.
+
+    In a request ``text`` is what to write.
+    """
 
     text: str
 

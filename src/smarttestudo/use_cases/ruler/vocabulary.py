@@ -13,7 +13,7 @@ from msgspec import Struct
 from smarttestudo.adapters.files.profile import parse_profile
 from smarttestudo.adirf.parser import ParseResult, parse
 from smarttestudo.adirf.properties import ARRIVAL_PROPERTIES, PropertySpec, properties_of, usual_types
-from smarttestudo.adirf.syntax import Block, checks_in
+from smarttestudo.adirf.syntax import Block, bounds_in, checks_in, records_in, sets_in
 from smarttestudo.domain.profile import Profile
 
 
@@ -109,7 +109,10 @@ def topics_in(rules: ParseResult) -> set[str]:
     names: set[str] = set()
     for statement in rules.file.statements:
         if isinstance(statement, Block):
-            names.update(one.topic.text for one in (*statement.then, *statement.otherwise))
+            actions = (*statement.then, *statement.otherwise)
+            names.update(one.topic.text for one in sets_in(actions))
+            names.update(one.topic.text for one in bounds_in(actions))
+            names.update(topic.text for one in records_in(actions) for topic in one.topics)
             names.update(check.topic.text for check in checks_in(statement.condition))
         else:
             names.add(statement.topic.text)

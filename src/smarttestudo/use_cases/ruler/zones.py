@@ -14,7 +14,7 @@ from smarttestudo.adirf.checks.blocks_clash import CHECK as BLOCKS_CLASH
 from smarttestudo.adirf.checks.wording import check_text
 from smarttestudo.adirf.checks.written import rate_of
 from smarttestudo.adirf.document import Document
-from smarttestudo.adirf.syntax import Block
+from smarttestudo.adirf.syntax import Block, sets_in
 from smarttestudo.adirf.zones import Zone, ZoneReading, ZoneRectangle, zones_in
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.source import Span
@@ -153,8 +153,8 @@ def _unused_label(document: Document) -> str:
 
 def _differ(first: Block, second: Block) -> bool:
     """Whether the rules differ where their conditions hold; an Else holds outside the zones."""
-    rates = {resolve_topic(one.topic.text): rate_of(one.rate) for one in first.then}
-    others = ((rates.get(resolve_topic(one.topic.text)), rate_of(one.rate)) for one in second.then)
+    rates = {resolve_topic(one.topic.text): rate_of(one.rate) for one in sets_in(first.then)}
+    others = ((rates.get(resolve_topic(one.topic.text)), rate_of(one.rate)) for one in sets_in(second.then))
     return any(one is not None and other is not None and one != other for one, other in others)
 
 

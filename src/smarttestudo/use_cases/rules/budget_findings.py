@@ -64,7 +64,7 @@ def budget_findings(
         if not done.feasible:
             return [one.finding() for one in infeasible_parts(done)]
         tier_rates = done.tier_rate
-    rule_set = compile_rules(files, resolve, tier_rates)
+    rule_set = compile_rules(files, resolve, tier_rates).over_states()
     loads = loads_of(rule_set, profile)
     missing = missing_entries(rule_set, loads)
     if missing:

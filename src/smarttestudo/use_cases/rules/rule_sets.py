@@ -14,7 +14,7 @@ from smarttestudo.adirf.checks import CheckContext, check_rules
 from smarttestudo.adirf.normal_form import Resolve
 from smarttestudo.adirf.parser import parse
 from smarttestudo.adirf.rule_set import RuleSet, TierRates, compile_rules, refuse_tier
-from smarttestudo.adirf.syntax import Block, RuleFile
+from smarttestudo.adirf.syntax import RuleFile, rates_in
 from smarttestudo.domain.errors import RuleFileError
 from smarttestudo.domain.finding import Finding, Severity
 from smarttestudo.domain.names import resolve_topic
@@ -31,10 +31,10 @@ from smarttestudo.optimizer.rule_rates import Optimization, optimize_rules
 def has_tiers(files: Sequence[RuleFile]) -> bool:
     """Whether any statement of ``files`` names a quality level."""
     return any(
-        isinstance(one.rate.value, Tier)
+        isinstance(rate.value, Tier)
         for file in files
         for statement in file.statements
-        for one in ((*statement.then, *statement.otherwise) if isinstance(statement, Block) else (statement,))
+        for rate in rates_in(statement)
     )
 
 

@@ -7,10 +7,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from smarttestudo.adirf.normal_form import Form, Within
+from smarttestudo.adirf.normal_form import reads
 from smarttestudo.adirf.region import Region
 from smarttestudo.adirf.rule_set import RuleSet
-from smarttestudo.adirf.syntax import Operator
 from smarttestudo.domain.signal import ArrivalProperty, Signal
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.visualizer.loss.report import CrossingLoss, Sightings
@@ -29,8 +28,10 @@ class Threshold:
 
     def __str__(self) -> str:
         """``/odom pose_y > 5.4``."""
-        value = self.region.cuts[0][0]
-        operator = next(one for one in Operator if Region.where(one, value) == self.region)
+        comparison = self.region.comparison
+        if comparison is None:
+            raise ValueError(f"no comparison holds in {self.region}")
+        operator, value = comparison
         return f"{self.signal} {operator.value} {value:g}"
 
 
@@ -38,8 +39,8 @@ def thresholds_of(rule_set: RuleSet) -> tuple[Threshold, ...]:
     """The checks of ``rule_set`` that read a field, sorted; a check and its negation are one threshold."""
     found: dict[tuple[Signal, frozenset[Region]], Threshold] = {}
     for block in rule_set.blocks:
-        for within in _checks(block.form):
-            if within.region.cuts and ArrivalProperty.named(within.signal.property) is None:
+        for within in reads(block.form):
+            if within.region.comparison is not None and ArrivalProperty.named(within.signal.property) is None:
                 sides = frozenset({within.region, within.region.complement()})
                 found.setdefault(
                     (within.signal, sides), Threshold(signal=within.signal, region=within.region)
@@ -139,11 +140,3 @@ def _with_deadlines(crossings: Sequence[_Crossing], end_ns: int) -> Iterator[tup
     for index, crossing in enumerate(crossings):
         again = index + 2
         yield crossing, crossings[again].stamp_ns - 1 if again < len(crossings) else end_ns
-
-
-def _checks(form: Form) -> Iterator[Within]:
-    if isinstance(form, Within):
-        yield form
-    else:
-        for part in form.parts:
-            yield from _checks(part)

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from numbers import Real
 
-from smarttestudo.adirf.properties import Reader, properties_of, value_reader
+from smarttestudo.adirf.properties import Reader, properties_of, value_reader, wraps
 from smarttestudo.adirf.properties.field_path import PropertySpec
 from smarttestudo.domain.profile import LevelUnit
 from smarttestudo.domain.rate_meter import mean_hz
@@ -137,8 +137,7 @@ def scalar_paths(message: object, *, deepest: int = _DEEPEST) -> Iterator[str]:
 def _field(name: str, spec: PropertySpec | None, *, is_asked: bool) -> Field:
     if spec is None:
         return Field(name=name, is_asked=is_asked)
-    wraps = spec.unit == "°" and (spec.minimum, spec.maximum) == (-FULL_TURN / 2, FULL_TURN / 2)
-    return Field(name=name, unit=spec.unit, wraps=wraps, is_asked=is_asked)
+    return Field(name=name, unit=spec.unit, wraps=wraps(spec), is_asked=is_asked)
 
 
 class TopicSamples:

@@ -99,7 +99,7 @@ def decision_section(report: RunReport, rows: Sequence[Lane], styles: RuleStyles
     chart, columns = [], []
     if rows:
         drawing = decision_chart(rows, report.duration_s)
-        chart = [tag("figure", drawing, class_="chart timeline", data_chart="lanes")]
+        chart = [tag("figure", drawing, class_="chart timeline", data_chart="lanes", tabindex="0")]
         columns.append(_scrolling("Decisions", [decision_list(report.decisions, styles)]))
     if report.rules:
         columns.append(_scrolling("Rules", list(_rule_files(report.rules))))
@@ -126,7 +126,7 @@ def _rule_files(rules: Sequence[RuleText]) -> Iterator[Markup]:
         lines_left -= len(lines)
         characters_left -= sum(map(len, lines))
         yield tag("h4", rule.path, class_="words name")
-        yield tag("pre", *_numbered(lines))
+        yield tag("pre", *_numbered(lines), tabindex="0")
         if len(lines) < len(rule.text.splitlines()):
             yield tag("p", "The file goes on; this is its beginning.", class_="note")
 

@@ -11,6 +11,7 @@ from smarttestudo.visualizer.report.decision_chart import Lane, lanes
 from smarttestudo.visualizer.report.decision_section import decision_section
 from smarttestudo.visualizer.report.floor_map import FloorMap, floor_map
 from smarttestudo.visualizer.report.headline import opening
+from smarttestudo.visualizer.report.link_section import link_section
 from smarttestudo.visualizer.report.markup import Markup, html_table, tag
 from smarttestudo.visualizer.report.rule_styles import RuleStyles, styles_of
 from smarttestudo.visualizer.report.run_report import RunReport
@@ -81,6 +82,9 @@ def _parts(report: RunReport, drawn: _Drawn) -> Iterator[Markup]:
     if drawn.charts:
         yield rates_section(report, drawn.charts, drawn.styles)
         yield bandwidth_section(report)
+    if report.link is not None:
+        total = report.total.after if report.is_pair else report.total.before
+        yield link_section(report.link, total.kb_per_s, report.duration_s)
     if report.loss is not None:
         yield loss_section(report.loss, report.names)
     for table in report.shown_tables:

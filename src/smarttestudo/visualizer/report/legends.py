@@ -38,6 +38,12 @@ def run_legend(report: RunReport) -> Markup:
     return tag("ul", *_runs(report), *budget, class_="legend")
 
 
+def chart_legend(lines: Sequence[tuple[str, str]], tints: Sequence[RuleStyle]) -> Markup:
+    """Lines by class and name, and what tints behind them mean."""
+    shaded = (_entry(_sample(_strip(style)), style.name) for style in tints)
+    return tag("ul", *(_line(look, name) for look, name in lines), *shaded, class_="legend")
+
+
 def layer_legend(stack: Sequence[Layer]) -> Markup:
     """The layers of a stacked chart from top to bottom, each with its mean."""
     entries = [

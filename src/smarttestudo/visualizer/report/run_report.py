@@ -11,6 +11,7 @@ from smarttestudo.domain.floor_plan import FloorPlan
 from smarttestudo.visualizer.comparison import Comparison
 from smarttestudo.visualizer.comparison_tables import RunNames, bandwidth_table, frequency_table
 from smarttestudo.visualizer.floor import PathPoint
+from smarttestudo.visualizer.link_history import LinkHistory
 from smarttestudo.visualizer.loss.report import LossReport
 from smarttestudo.visualizer.rule_timeline import by_topic
 from smarttestudo.visualizer.series import Series
@@ -86,6 +87,7 @@ class RunReport:
     tables: tuple[Table, ...] = ()
     budget_kb_per_s: float | None = None
     loss: LossReport | None = None
+    link: LinkHistory | None = None
     rules: tuple[RuleText, ...] = ()
     provenance: tuple[Fact, ...] = ()
     notices: tuple[str, ...] = ()

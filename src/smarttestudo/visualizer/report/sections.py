@@ -52,9 +52,9 @@ def bandwidth_section(report: RunReport) -> Markup:
     return section(
         "Bandwidth",
         run_legend(report),
-        _figure("total", [tag("span", total.name, class_="name")], draw_chart(total, WIDE, _WIDE_POINTS)),
+        figure("total", [tag("span", total.name, class_="name")], draw_chart(total, WIDE, _WIDE_POINTS)),
         layer_legend(stack.layers),
-        _figure("stack", [tag("span", by_topic, class_="name")], draw_chart(stack, WIDE, _WIDE_POINTS)),
+        figure("stack", [tag("span", by_topic, class_="name")], draw_chart(stack, WIDE, _WIDE_POINTS)),
         explanation="What the topics shown here carry together in each second.",
     )
 
@@ -74,12 +74,12 @@ def _rate_figures(report: RunReport, charts: Sequence[TimeChart]) -> Iterator[Ma
     pairs = {pair.topic: pair for pair in report.comparison.topics}
     max_points = min(max(_POINTS_OF_ALL_CHARTS // len(charts), _FEWEST_POINTS), _MOST_POINTS)
     for chart in charts:
-        yield _figure(
+        yield figure(
             "rate", _caption(chart.name, pairs.get(chart.name)), draw_chart(chart, SMALL, max_points)
         )
 
 
-def _figure(kind: str, caption: Sequence[Markup], drawing: Markup) -> Markup:
+def figure(kind: str, caption: Sequence[Markup], drawing: Markup) -> Markup:
     """A drawing that scripts make interactive, as ``kind`` says."""
     return tag("figure", tag("figcaption", *caption), drawing, class_="chart", data_chart=kind)
 

@@ -32,10 +32,11 @@ _SHORTEST_S = 1e-3
 
 
 class Run(Enum):
-    """One of the two recordings; the value is its line's class in the style sheet."""
+    """What a line is of: one of two recordings, or a budget; the value is its class in the style sheet."""
 
     BEFORE = "before"
     AFTER = "after"
+    BUDGET = "budget"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -196,7 +197,7 @@ def stacked_chart(report: RunReport, run: Run) -> TimeChart:
         meaning="Bandwidth over time, stacked by topic, in KB/s",
         unit=BANDWIDTH,
         duration_s=_shown_s(report),
-        heights=_value_heights(highest, report.budget_kb_per_s),
+        heights=value_heights(highest, report.budget_kb_per_s),
         layers=stack,
         budget=report.budget_kb_per_s,
     )
@@ -223,7 +224,7 @@ def _bandwidth_chart(
         meaning=meaning,
         unit=BANDWIDTH,
         duration_s=_shown_s(report),
-        heights=_value_heights(max(_highest(points), default=0.0), budget),
+        heights=value_heights(max(_highest(points), default=0.0), budget),
         lines=_lines(report, series, _kb_per_s),
         budget=budget,
     )
@@ -267,7 +268,7 @@ def _from_foot(top: float) -> Scale:
     return linear((0.0, top), (0.0, top))
 
 
-def _value_heights(highest: float, budget: float | None) -> Scale:
+def value_heights(highest: float, budget: float | None) -> Scale:
     """From 0 to a little above ``highest`` and the budget, unless that would flatten all the rest."""
     limit = budget or 0.0
     return _from_foot((max(highest, limit) if limit <= 3 * highest else highest) * _HEADROOM or 1.0)

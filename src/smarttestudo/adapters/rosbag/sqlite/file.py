@@ -17,6 +17,7 @@ from smarttestudo.adapters.rosbag.sqlite.log import WriteAheadLog
 from smarttestudo.adapters.rosbag.sqlite.recovered import RecoveredSqliteFile
 from smarttestudo.adapters.rosbag.stored_file import ChannelsByNumber, ContinuedFile, Outline, OutlineError
 from smarttestudo.domain.errors import RecordingError
+from smarttestudo.domain.recording import RecordedMessage
 
 # SQLite knows the length of a blob from the head of its row, and leaves the pages that hold the rest alone.
 _LENGTHS = """
@@ -86,5 +87,9 @@ class SqliteFile(ContinuedFile):
         """Let go of the file and its log."""
         self._resources.close()
 
-    def _rows(self) -> Iterator[tuple[object, object, object]]:
-        return self._database.execute(_MESSAGES)
+    def _as_stored(self, channels: ChannelsByNumber) -> Iterator[RecordedMessage]:
+        for number, stamp_ns, payload in self._database.execute(_MESSAGES):
+            if not (isinstance(number, int) and isinstance(stamp_ns, int) and isinstance(payload, bytes)):
+                raise TypeError("a message without stamp or payload")
+            if number in channels:
+                yield channels[number], stamp_ns, payload

@@ -10,6 +10,7 @@ from smarttestudo.adirf.boxes import Border, Box, Domain, Effort, border_between
 from smarttestudo.adirf.checks.analysis.branch_index import BranchIndex
 from smarttestudo.adirf.checks.analysis.results import Clash, SharedBorder, State
 from smarttestudo.adirf.checks.written import Branch
+from smarttestudo.adirf.normal_form import is_derived
 from smarttestudo.domain.signal import Signal
 
 
@@ -65,7 +66,10 @@ class ConflictFinder:
             yield Clash(first=first, second=second, topics=topics, state=sample_state(box))
 
     def _border(self, other: Branch, other_box: Box, box: Box) -> Border | None:
-        border = border_between(other_box, box) if self._index.boxes(other).is_exact else None
+        # Noise does not turn a condition that must have held for a while.
+        if not self._index.boxes(other).is_exact or any(map(is_derived, {*other_box, *box})):
+            return None
+        border = border_between(other_box, box)
         return border if border is not None and self._wavers(border.signal) else None
 
     def _shared_borders(

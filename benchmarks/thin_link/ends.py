@@ -1,0 +1,34 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Processes at the ends of a thin link."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+from live.processes import Process
+from smarttestudo.adapters.network_namespaces import in_namespace
+from thin_link.fast_dds import ENVIRONMENT
+
+_SCRIPT = Path(__file__).parents[1] / "link.py"
+
+
+@contextmanager
+def process(namespace: str, command: Sequence[str]) -> Iterator[Process]:
+    """A process in a namespace, which is ended at the end."""
+    started = Process(in_namespace(namespace, command), {**os.environ, **ENVIRONMENT})
+    try:
+        yield started
+    finally:
+        started.end()
+
+
+@contextmanager
+def role(namespace: str, *arguments: str) -> Iterator[Process]:
+    """A process of one end, which is ended at the end."""
+    with process(namespace, [sys.executable, str(_SCRIPT), "--be", *arguments]) as started:
+        yield started

@@ -1,0 +1,42 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import { ApiError } from "../api/client";
+import type { Contested } from "../state/conflict";
+
+const TIME = { dateStyle: "medium", timeStyle: "short" } as const;
+
+/** Says that a draft was restored, until it is saved, dropped or closed. */
+export function RestoredNotice({ file }: { file: Contested & { message: { value: string } } }) {
+  const restored = file.restored.value;
+  if (restored === null) return null;
+  const guarded = async (work: () => Promise<void>) => {
+    try {
+      await work();
+    } catch (error) {
+      if (!(error instanceof ApiError)) throw error;
+      file.message.value = error.message;
+    }
+  };
+  const when = new Date(restored.changedMs).toLocaleString("en-GB", TIME);
+  return (
+    <div class="notice warning restored" role="status">
+      <span>
+        Your unsaved changes of {when} are restored.
+        {restored.isContested && " Somebody else changed the file since: a save asks what to do."}
+      </span>
+      <span class="row">
+        {restored.isContested && (
+          <button type="button" class="small" onClick={() => void guarded(() => file.compare())}>
+            Compare
+          </button>
+        )}
+        <button type="button" class="small" onClick={() => void guarded(() => file.dropRestored())}>
+          Drop them
+        </button>
+        <button type="button" class="small" onClick={() => (file.restored.value = null)}>
+          Close
+        </button>
+      </span>
+    </div>
+  );
+}

@@ -1,0 +1,117 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""A folder of incidents on disk: what it holds, and taking something out of it."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import stat
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from smarttestudo.adapters.json.incidents import MAX_RECORD_BYTES, read_incident
+from smarttestudo.domain.errors import RecordingError
+from smarttestudo.domain.incident import IncidentRecord
+
+RECORD_NAME = "incident.json"
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,99}\Z")
+_MAX_LISTED = 100_000
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StoredIncident:
+    """An incident by the name of its folder; ``size_bytes`` is what its files take."""
+
+    name: str
+    path: Path
+    size_bytes: int
+    record: IncidentRecord
+
+
+class IncidentStore:
+    """The incidents in one folder; nothing outside it is read, copied or deleted, wherever links lead.
+
+    Raises ``RecordingError`` where ``folder`` is not a folder that can be read.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        if not folder.is_dir():
+            raise RecordingError("is not a folder of incidents", place=str(folder), remedy="see --incidents")
+
+    def incidents(self) -> Iterator[StoredIncident | RecordingError]:
+        """All incidents, oldest first; for one whose record cannot be read, why."""
+        with _errors_at(self._folder):
+            names = sorted(path.name for path in self._folder.iterdir() if _is_folder(path))
+        for name in names[:_MAX_LISTED]:
+            if name.startswith("."):
+                continue
+            try:
+                yield self.incident(name)
+            except RecordingError as error:
+                yield error
+
+    def incident(self, name: str) -> StoredIncident:
+        """The incident in the folder ``name``. Raises ``RecordingError`` where it cannot be read."""
+        path = self._path(name)
+        place = path / RECORD_NAME
+        with _errors_at(place):
+            found = place.lstat()
+            if not stat.S_ISREG(found.st_mode):
+                raise RecordingError("is not a file", place=str(place))
+            if found.st_size > MAX_RECORD_BYTES:
+                raise RecordingError("is too large for the record of an incident", place=str(place))
+            text = place.read_bytes()
+            size_bytes = sum(one.lstat().st_size for one in _files(path))
+        return StoredIncident(
+            name=name, path=path, size_bytes=size_bytes, record=read_incident(text, str(place))
+        )
+
+    def export(self, name: str, target: Path) -> int:
+        """Copy the files of an incident to the new folder ``target``; how many they were."""
+        path = self._path(name)
+        if target.exists() or target.is_symlink():
+            raise RecordingError("exists already", place=str(target), remedy="name another output")
+        with _errors_at(target):
+            files = list(_files(path))
+            target.mkdir(parents=True)
+            for one in files:
+                shutil.copyfile(one, target / one.name, follow_symlinks=False)
+        return len(files)
+
+    def delete(self, name: str) -> None:
+        """Delete the folder of an incident, whether its record can be read or not."""
+        path = self._path(name)
+        with _errors_at(path):
+            shutil.rmtree(path)
+
+    def _path(self, name: str) -> Path:
+        path = self._folder / name
+        if _NAME.match(name) is None or not _is_folder(path):
+            raise RecordingError(
+                f"there is no incident {name!r:.80}",
+                place=str(self._folder),
+                remedy="'testudo incidents list' names them",
+            )
+        return path
+
+
+def _is_folder(path: Path) -> bool:
+    """Whether it is a folder itself, not a link to one."""
+    return path.is_dir() and not path.is_symlink()
+
+
+def _files(path: Path) -> Iterator[Path]:
+    """The files in a folder; an incident has no folders in it, and a link is none of its files."""
+    return (one for one in sorted(path.iterdir()) if stat.S_ISREG(one.lstat().st_mode))
+
+
+@contextmanager
+def _errors_at(path: Path) -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        raise RecordingError(error.strerror or str(error), place=str(path)) from error

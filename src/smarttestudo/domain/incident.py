@@ -1,0 +1,108 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What is known of an incident: the record beside its messages."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Mapping
+from dataclasses import dataclass
+from datetime import datetime, timedelta, timezone
+from enum import Enum
+
+from smarttestudo.domain.units import NS_PER_MS
+
+DEFAULT_INCIDENT_MEMORY_MB = 256
+"""How much of the past is kept in memory for recordings, unless told otherwise."""
+
+INCIDENT_VERSION = 1
+_MAX_NAME_CHARACTERS = 60
+_NOT_IN_NAMES = re.compile(r"[^A-Za-z0-9_-]+")
+_EPOCH = datetime(1970, 1, 1, tzinfo=timezone.utc)
+
+
+class MissingReason(Enum):
+    """Why messages of a window are not in the incident."""
+
+    MEMORY = "memory"
+    """They were given up when memory was short."""
+
+    LATE = "late"
+    """The topic was not yet heard, or the recording not yet begun."""
+
+    UNPUBLISHED = "unpublished"
+    """Nobody publishes the topic."""
+
+    ENDED = "ended"
+    """The run or the recording ended before the window did."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Missing:
+    """Messages of ``topic`` that are not there, between two stamps; ``messages`` is ``None`` if unknown."""
+
+    topic: str
+    reason: MissingReason
+    messages: int | None
+    from_ns: int
+    to_ns: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class IncidentTopic:
+    """What an incident holds of one topic."""
+
+    type_name: str
+    messages: int
+    size_bytes: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LatchedSample:
+    """A message from before the window that still counted in it; ``stamp_ns`` is when it arrived.
+
+    In the incident it has the stamp of the window's start.
+    """
+
+    topic: str
+    stamp_ns: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class IncidentRecord:
+    """Which rule recorded what, when, and what is missing.
+
+    ``rule`` is the label of the block, in line ``line`` of the file ``path``; ``values`` are what its
+    condition read. Stamps are the clock's, ``rules_sha256`` is that of the texts of all rules.
+    """
+
+    name: str
+    rule: str
+    path: str
+    line: int
+    triggered_ns: int
+    from_ns: int
+    to_ns: int
+    values: Mapping[str, float | None]
+    rules_sha256: str
+    topics: Mapping[str, IncidentTopic]
+    latched: tuple[LatchedSample, ...] = ()
+    missing: tuple[Missing, ...] = ()
+
+
+def incident_folder_name(name: str, stamp_ns: int) -> str:
+    """When it happened and what it is called, as the name of a folder: ``20260102T030405678Z-near_miss``.
+
+    Whatever ``name`` is, the result holds letters, digits, ``_`` and ``-`` only and has at most 80 of them.
+    """
+    plain = (
+        unicodedata.normalize("NFKD", name[: 10 * _MAX_NAME_CHARACTERS]).encode("ascii", "ignore").decode()
+    )
+    slug = _NOT_IN_NAMES.sub("_", plain).strip("_-")[:_MAX_NAME_CHARACTERS]
+    milliseconds = stamp_ns // NS_PER_MS
+    try:
+        time = f"{_EPOCH + timedelta(milliseconds=milliseconds):%Y%m%dT%H%M%S}{milliseconds % 1000:03}Z"
+    except OverflowError:
+        time = f"{stamp_ns}ns"
+    return f"{time}-{slug or 'incident'}"

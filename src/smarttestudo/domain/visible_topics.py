@@ -1,0 +1,37 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The topics of a ROS graph that are the robot's own."""
+
+from __future__ import annotations
+
+from smarttestudo.domain.names import DECISIONS_TOPIC
+from smarttestudo.domain.robot import Endpoint, Robot
+
+_OF_ROS = frozenset({"/rosout", "/parameter_events"})
+
+
+def testudo_nodes(robot: Robot) -> frozenset[str]:
+    """The nodes that relay, this one among them: they publish decisions."""
+    nodes = {endpoint.node for endpoint in robot.publishers(DECISIONS_TOPIC)}
+    return frozenset(nodes | {robot.name})
+
+
+def visible_topics(robot: Robot) -> dict[str, list[Endpoint]]:
+    """The publishers of each topic, without hidden topics, those of ROS and those of SmartTestudo nodes."""
+    testudos = testudo_nodes(robot)
+    names = [name for name in robot.topics() if is_visible(name)]
+    published = {
+        name: [endpoint for endpoint in robot.publishers(name) if endpoint.node not in testudos]
+        for name in sorted(names)
+    }
+    return {name: endpoints for name, endpoints in published.items() if endpoints}
+
+
+def topic_types(robot: Robot) -> dict[str, str]:
+    """The types of the visible topics."""
+    return {topic: publishers[0].type_name for topic, publishers in visible_topics(robot).items()}
+
+
+def is_visible(name: str) -> bool:
+    """Whether it is neither ROS's own nor hidden, as those of which a part begins with an underscore."""
+    return name not in _OF_ROS and "/_" not in name

@@ -1,0 +1,192 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Streams of a topic whose receiver's picture is kept within bounds."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import dataclass
+
+from smarttestudo.pacing.grid import NEVER_NS, Grid, Pace
+from smarttestudo.pacing.sample import Pass, Sample
+from smarttestudo.pacing.stream import VolatileStream
+from smarttestudo.pacing.streams import NO_FRAMES, Streams
+from smarttestudo.reckoning.picture import Picture
+
+HEARTBEAT_HZ = 0.5
+"""Without a floor, one message in 2 s passes all the same, so that silence is a failure."""
+
+
+@dataclass(slots=True)
+class BoundRecord:
+    """How a bound was kept: ``worst`` is the picture's largest finite error after a message of the source.
+
+    ``broken`` counts the messages after which the picture was more than the bound off, or said nothing.
+    """
+
+    bound: float
+    worst: float = 0.0
+    broken: int = 0
+
+
+class BoundStream(VolatileStream):
+    """One stream of a bound topic: its grid is the heartbeat's, ``ceiling`` that of the topic's rate.
+
+    A held sample that is ``overdue``, because the picture is out of bounds without it, passes as soon as the
+    ceiling lets it.
+    """
+
+    __slots__ = ("ceiling", "overdue")
+
+    def __init__(self, heartbeat: Pace, ceiling: Pace, now_ns: int) -> None:
+        super().__init__(heartbeat, now_ns)
+        self.ceiling = Grid(ceiling, now_ns)
+        self.overdue = False
+
+    def settle(self, now_ns: int) -> None:
+        """Something passes now."""
+        super().settle(now_ns)
+        self.ceiling.charge(now_ns)
+        self.overdue = False
+
+    @property
+    def release_ns(self) -> int:
+        """When the held sample passes without a newer one."""
+        if self.held is None:
+            return NEVER_NS
+        return self.ceiling.due_ns if self.overdue else max(super().release_ns, self.ceiling.due_ns)
+
+    def change_pace(self, pace: Pace, now_ns: int) -> None:
+        """Another ceiling; what is held stays held, also while Off."""
+        self.ceiling.change_pace(pace, now_ns)
+
+    def change_heartbeat(self, pace: Pace, now_ns: int) -> None:
+        """Another heartbeat."""
+        self.grid.change_pace(pace, now_ns)
+
+    def restart(self, now_ns: int) -> None:
+        """Begin anew on a clock that jumped back."""
+        super().restart(now_ns)
+        self.ceiling.start(now_ns)
+
+    def is_idle(self, now_ns: int) -> bool:
+        """Whether a fresh stream would do as well."""
+        ceiling = self.ceiling
+        is_ahead = ceiling.due_ns >= now_ns - ceiling.pace.slack_ns and not ceiling.pace.is_off
+        return not is_ahead and super().is_idle(now_ns)
+
+
+class BoundStreams(Streams[BoundStream]):
+    """A stream for each child frame of transforms, or for each publisher.
+
+    A message passes if the picture without it is more than a bound off, or if the heartbeat of any of its
+    streams is due; in both cases only where the ceiling of any of them lets it. So after every message of the
+    source the picture is within the bounds, unless the ceiling forbids it, which is counted in ``records``.
+    There is a bound for each property that the picture measures, infinite where none is in force.
+    """
+
+    __slots__ = ("_heartbeat", "_picture", "bounds", "records")
+
+    def __init__(
+        self,
+        picture: Picture,
+        bounds: Mapping[str, float],
+        records: dict[str, BoundRecord],
+        *,
+        ceiling: Pace,
+        heartbeat_hz: float,
+    ) -> None:
+        super().__init__(lambda pace, now_ns: BoundStream(self._heartbeat, pace, now_ns), ceiling)
+        self._picture = picture
+        self._heartbeat = Pace.at(heartbeat_hz)
+        self.bounds = bounds
+        self.records = records
+
+    def offer(self, sample: Sample, now_ns: int) -> Sequence[Pass]:
+        """What passes now that ``sample`` arrived: the sample or nothing."""
+        streams = self._streams_of(sample, now_ns)
+        errors = self._picture.errors(sample.readings, sample.publisher)
+        is_off_bound = self._is_off_bound(errors)
+        is_wanted, may_pass = is_off_bound, False
+        for stream in streams:
+            stream.source.record(now_ns)
+            is_wanted = is_wanted or now_ns >= stream.grid.due_ns
+            may_pass = may_pass or now_ns >= stream.ceiling.due_ns
+        if is_wanted and may_pass:
+            self._pass(sample, streams, now_ns)
+            self._record(dict.fromkeys(errors, 0.0))
+            return (Pass(sample),)
+        self._record(errors)
+        for stream in streams:
+            stream.hold(sample, now_ns)
+            stream.overdue = is_off_bound
+        self._arm(now_ns)
+        return ()
+
+    def holds(self, sample: Sample) -> bool:
+        """Whether ``sample`` did not pass, but still may."""
+        return any(stream.held is sample for stream in self._streams.values())
+
+    def change_bounds(self, bounds: Mapping[str, float], heartbeat_hz: float, now_ns: int) -> None:
+        """Keep the picture within other ``bounds`` of the same properties from now on."""
+        self.bounds = bounds
+        pace = Pace.at(heartbeat_hz)
+        for stream in self._streams.values():
+            if pace != self._heartbeat:
+                stream.change_heartbeat(pace, now_ns)
+        self._heartbeat = pace
+        self._look_again(now_ns)
+
+    def forget_receivers(self, now_ns: int) -> None:
+        """A receiver came that has got nothing yet: the newest message is due at once."""
+        self._picture.forget()
+        self._look_again(now_ns)
+
+    def _look_again(self, now_ns: int) -> None:
+        for stream in self._streams.values():
+            if stream.held is not None:
+                errors = self._picture.errors(stream.held.readings, stream.held.publisher)
+                stream.overdue = self._is_off_bound(errors)
+        self._arm(now_ns)
+
+    def _is_off_bound(self, errors: Mapping[str, float]) -> bool:
+        bounds = self.bounds
+        return any(error > bounds[name] for name, error in errors.items())
+
+    def _record(self, errors: Mapping[str, float]) -> None:
+        for name, error in errors.items():
+            bound = self.bounds[name]
+            if bound == math.inf:
+                continue
+            record = self.records.get(name)
+            if record is None:
+                record = self.records[name] = BoundRecord(bound)
+            record.bound = bound
+            if error > bound:
+                record.broken += 1
+            if error > record.worst and error < math.inf:
+                record.worst = error
+
+    def _pass(self, sample: Sample, streams: Sequence[BoundStream], now_ns: int) -> None:
+        for stream in streams:
+            stream.settle(now_ns)
+        self._picture.show(sample.readings, sample.publisher)
+        self._arm(now_ns)
+
+    def _release(self, stream: BoundStream, now_ns: int) -> Sequence[Pass]:
+        sample = stream.held
+        if sample is None:
+            return ()
+        for other in {stream, *self._streams_of(sample, now_ns)}:
+            other.grid.charge(now_ns)
+            other.ceiling.charge(now_ns)
+            if other.held is sample:
+                other.held, other.overdue = None, False
+        self._picture.show(sample.readings, sample.publisher)
+        return (Pass(sample),)
+
+    def _streams_of(self, sample: Sample, now_ns: int) -> list[BoundStream]:
+        keys: Sequence[Hashable] = sample.frames or ((sample.publisher,) if sample.publisher else NO_FRAMES)
+        known = self._streams
+        return [known.get(key) or self._open_stream(key, now_ns) for key in keys]

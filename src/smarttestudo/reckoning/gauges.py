@@ -1,0 +1,191 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What can be reckoned of messages: their parts, how each moves, and how far two states of it are apart."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Hashable, Mapping, Sequence
+from typing import Any, NamedTuple, Protocol
+
+from smarttestudo.cdr import FrameReader, JointReader, PoseReader, Transform, header_stamp_ns
+from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.reckoning.motion import Rotation, SpatialPose, Twist, Vector3, moved, twist_between
+
+Distance = Callable[[Any, Any], float]
+"""How far two states of a part are apart, in the unit of the property; NaN where one is not known."""
+
+
+class MovingPart(NamedTuple):
+    """What a message says of one thing: ``state`` at ``at_ns``.
+
+    ``name`` is that of a child frame or joint, or empty where a message says one thing. States of different
+    ``frames`` cannot be compared.
+    """
+
+    name: str
+    at_ns: int
+    frames: Hashable
+    state: Any
+
+
+Reading = Sequence[MovingPart]
+
+
+class Gauge(Protocol):
+    """Reads messages of one type. ``distances`` are those of the properties that are bound."""
+
+    distances: Mapping[str, Distance]
+
+    @property
+    def is_shared(self) -> bool:
+        """Whether the publishers of a topic speak of the same parts, which are told apart by name."""
+
+    def read(self, payload: bytes, message: object | None, now_ns: int) -> Reading | None:
+        """The parts of a message that came at ``now_ns``; ``None`` where they cannot be read."""
+
+    def motion(self, before: MovingPart | None, part: MovingPart) -> Any:
+        """How ``part`` moves on, given the part of that name that a receiver got ``before``."""
+
+    def after(self, state: Any, motion: Any, elapsed_s: float) -> Any:
+        """What a receiver that reckons shows ``elapsed_s`` after ``state``."""
+
+
+class PoseState(NamedTuple):
+    """A pose and, where the message has one, its twist."""
+
+    pose: SpatialPose
+    twist: Twist | None
+
+
+class PoseGauge:
+    """Odometry, which moves by its twist; PoseStamped and PoseWithCovarianceStamped, which stay."""
+
+    is_shared = False
+
+    def __init__(self, distances: Mapping[str, Distance], *, frame_count: int, has_twist: bool) -> None:
+        self.distances = distances
+        self._reader = PoseReader(frame_count, has_twist=has_twist)
+
+    def read(self, payload: bytes, _message: object | None, now_ns: int) -> Reading | None:
+        """The one part of the message, at its header's stamp, or at ``now_ns`` where that is not set."""
+        found = self._reader.read(payload)
+        if found is None:
+            return None
+        frames, numbers = found
+        twist = Twist(Vector3(*numbers[7:10]), Vector3(*numbers[10:13])) if len(numbers) > 7 else None
+        state = PoseState(_pose(numbers), twist)
+        return (MovingPart("", header_stamp_ns(payload) or now_ns, frames, state),)
+
+    def motion(self, _before: MovingPart | None, part: MovingPart) -> Twist | None:
+        """The twist that the message holds."""
+        state: PoseState = part.state
+        return state.twist
+
+    def after(self, state: PoseState, motion: Twist | None, elapsed_s: float) -> PoseState:
+        """The pose moved by its twist."""
+        return state if motion is None else PoseState(moved(state.pose, motion, elapsed_s), state.twist)
+
+
+class FrameGauge:
+    """TFMessage: each child frame moves by the twist between the last two messages that held it."""
+
+    is_shared = True
+
+    def __init__(self, distances: Mapping[str, Distance]) -> None:
+        self.distances = distances
+        self._reader = FrameReader()
+
+    def read(self, payload: bytes, _message: object | None, now_ns: int) -> Reading | None:
+        """A part for each transform."""
+        parts = [
+            MovingPart(
+                one.child_frame, one.stamp_ns or now_ns, one.frame, PoseState(_pose(one.numbers), None)
+            )
+            for one in self._reader.transforms(payload)
+        ]
+        return parts or None
+
+    def motion(self, before: MovingPart | None, part: MovingPart) -> Twist | None:
+        """The constant twist since ``before``."""
+        if before is None or before.at_ns >= part.at_ns or before.frames != part.frames:
+            return None
+        return twist_between(before.state.pose, part.state.pose, (part.at_ns - before.at_ns) / NS_PER_S)
+
+    def after(self, state: PoseState, motion: Twist | None, elapsed_s: float) -> PoseState:
+        """The frame moved by its twist."""
+        return state if motion is None else PoseState(moved(state.pose, motion, elapsed_s), None)
+
+
+class JointGauge:
+    """JointState: each joint moves with the velocity of its message, else with that of the last two messages.
+
+    A state is a position and a velocity, which is NaN where the message holds none.
+    """
+
+    is_shared = True
+
+    def __init__(self, distances: Mapping[str, Distance]) -> None:
+        self.distances = distances
+        self._reader = JointReader()
+
+    def read(self, payload: bytes, _message: object | None, now_ns: int) -> Reading | None:
+        """A part for each joint with a position."""
+        found = self._reader.read(payload)
+        if found is None:
+            return None
+        names, positions, velocities = found
+        if len(velocities) != len(names):
+            velocities = (math.nan,) * len(names)
+        at_ns = header_stamp_ns(payload) or now_ns
+        return [
+            MovingPart(name, at_ns, None, (position, velocity))
+            for name, position, velocity in zip(names, positions, velocities)  # noqa: B905 - as long as each is
+        ]
+
+    def motion(self, before: MovingPart | None, part: MovingPart) -> float:
+        """The joint's velocity in rad/s or m/s, 0 where it is not known."""
+        position, velocity = part.state
+        if math.isfinite(velocity):
+            return float(velocity)
+        if before is None or before.at_ns >= part.at_ns:
+            return 0.0
+        return float((position - before.state[0]) * NS_PER_S / (part.at_ns - before.at_ns))
+
+    def after(self, state: tuple[float, float], motion: float, elapsed_s: float) -> tuple[float, float]:
+        """The joint moved by its velocity."""
+        return state[0] + motion * elapsed_s, state[1]
+
+
+class FieldGauge:
+    """Fields of a decoded message of any type, each a state of its own; they stay as they are."""
+
+    is_shared = False
+
+    def __init__(
+        self, distances: Mapping[str, Distance], readers: Mapping[str, Callable[[object], object]]
+    ) -> None:
+        self.distances = distances
+        self._readers = readers
+
+    def read(self, _payload: bytes, message: object | None, now_ns: int) -> Reading | None:
+        """One part, whose state has the value of each field by property."""
+        if message is None:
+            return None
+        values = {name: read(message) for name, read in self._readers.items()}
+        return (MovingPart("", now_ns, None, values),)
+
+    def motion(self, _before: MovingPart | None, _part: MovingPart) -> None:
+        """None is known."""
+
+    def after(self, state: object, _motion: None, _elapsed_s: float) -> object:
+        """The same."""
+        return state
+
+
+def _frame_state(transform: Transform) -> PoseState:
+    return PoseState(_pose(transform.numbers), None)
+
+
+def _pose(numbers: Sequence[float]) -> SpatialPose:
+    return SpatialPose(Vector3(*numbers[:3]), Rotation(*numbers[3:7]))

@@ -1,0 +1,262 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The ring: the last messages of every topic that rules record, and the incidents cut from them."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+from smarttestudo.adirf.rule_set import Recording, RuleSet
+from smarttestudo.domain.incident import Missing, MissingReason
+from smarttestudo.runtime.incidents.latched import LatchedSamples, holds_static_frames
+from smarttestudo.runtime.incidents.topic_ring import SourceMessage, TopicRing
+from smarttestudo.runtime.incidents.triggers import Trigger
+from smarttestudo.runtime.knowledge.knowledge import SteadyTime
+
+MAX_OPEN_INCIDENTS = 100
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Incident:
+    """What one ``Record`` keeps because of one trigger, between two stamps of the clock, both included."""
+
+    trigger: Trigger
+    recording: Recording
+    from_ns: int
+    to_ns: int
+
+
+class IncidentSink(Protocol):
+    """Where incidents go; what is told of one comes in the order of its messages."""
+
+    def begin(
+        self, incident: Incident, latched: Sequence[SourceMessage], messages: Sequence[SourceMessage]
+    ) -> None:
+        """A window opened, ``messages`` of which came before; ``latched`` came before it and still count."""
+
+    def take(self, incident: Incident, message: SourceMessage) -> None:
+        """A message came while the window was open."""
+
+    def end(self, incident: Incident, missing: Sequence[Missing]) -> None:
+        """The window is over."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _OpenIncident:
+    """``topics`` are recorded until ``end_ns``, a steady time; ``missing`` is known to be so far."""
+
+    incident: Incident
+    topics: frozenset[str]
+    end_ns: int
+    missing: tuple[Missing, ...]
+
+
+class IncidentRecorder:
+    """Keeps messages in memory, at most ``memory_bytes`` of them, and cuts incidents out of them.
+
+    Each topic is kept for as long as some recording of it asks for. When memory is short, the topic that
+    takes the most gives up its oldest message, so that small topics stay whole; what a window lacks of it
+    is counted, for which 24 bytes of each message are kept. Latched messages are never given up. A message
+    of the window is in the incident once.
+
+    A clock that jumps back counts as one that stood still, so that a window keeps its length. ``refused``
+    counts incidents that were not begun, because ``MAX_OPEN_INCIDENTS`` were open.
+    """
+
+    def __init__(self, rule_set: RuleSet, sink: IncidentSink, memory_bytes: int, start_ns: int) -> None:
+        self._sink = sink
+        self._memory_bytes = memory_bytes
+        self._time = SteadyTime(start_ns)
+        self._number = 0
+        self._rings: dict[str, TopicRing] = {}
+        self._latched: dict[str, LatchedSamples] = {}
+        self._named: frozenset[str] = frozenset()
+        self._ring_bytes = 0
+        self._latched_bytes: dict[str, int] = {}
+        self._open: list[_OpenIncident] = []
+        self.refused = 0
+        self.change_rules(rule_set)
+
+    @property
+    def held_bytes(self) -> int:
+        """What all messages take in memory."""
+        return self._ring_bytes + sum(self._latched_bytes.values())
+
+    @property
+    def held_messages(self) -> int:
+        """How many messages are kept, except for latched ones."""
+        return sum(len(ring) for ring in self._rings.values())
+
+    @property
+    def next_wake_ns(self) -> int | None:
+        """When, on the clock, the next window is over."""
+        if not self._open:
+            return None
+        return self._time.on_clock(min(one.end_ns for one in self._open) + 1)
+
+    def change_rules(self, rule_set: RuleSet) -> None:
+        """Keep what these rules ask for; windows that are open stay so."""
+        horizons: dict[str, int] = {}
+        for block in rule_set.blocks:
+            for recording in block.recordings:
+                for topic in recording.topics:
+                    horizons[topic] = max(horizons.get(topic, 0), recording.before_ns)
+        known, self._rings = self._rings, {}
+        for topic, horizon_ns in horizons.items():
+            ring = self._rings[topic] = known.get(topic) or TopicRing(horizon_ns)
+            ring.horizon_ns = horizon_ns
+        self._ring_bytes = sum(ring.held_bytes for ring in self._rings.values())
+        self._named = frozenset(
+            (*rule_set.relayed, *(signal.topic for signal in rule_set.signals), *rule_set.recorded)
+        )
+
+    def keeps(self, topic: str) -> bool:
+        """Whether messages of ``topic`` are to be taken."""
+        return topic in self._rings or topic in self._latched
+
+    def hear(self, topic: str, now_ns: int, *, transient_local: bool) -> None:
+        """From now on messages of ``topic`` are taken as they come, as far as it is kept."""
+        self._time.advance(now_ns)
+        ring = self._rings.get(topic)
+        if ring is not None and ring.since is None:
+            ring.since = (self._time.now_ns, now_ns)
+        is_latched = transient_local and topic in self._named
+        if self._rings and topic not in self._latched and (is_latched or holds_static_frames(topic)):
+            self._latched[topic] = LatchedSamples(topic)
+
+    def take(self, topic: str, stamp_ns: int, payload: bytes, publisher: Hashable = None) -> None:
+        """A message of a topic that is kept came, at ``stamp_ns`` on the clock."""
+        self.advance(stamp_ns)
+        now_ns = self._time.now_ns
+        self._number += 1
+        message = SourceMessage(self._number, topic, stamp_ns, payload)
+        samples = self._latched.get(topic)
+        if samples is not None:
+            samples.add(message, publisher)
+            self._latched_bytes[topic] = samples.held_bytes
+        ring = self._rings.get(topic)
+        if ring is not None:
+            before = ring.held_bytes
+            ring.add(message, now_ns)
+            ring.forget_before(now_ns - ring.horizon_ns)
+            self._ring_bytes += ring.held_bytes - before
+        if self.held_bytes > self._memory_bytes:
+            self._make_room(now_ns)
+        for one in self._open:
+            if topic in one.topics or samples is not None:
+                self._sink.take(one.incident, message)
+
+    def begin(self, trigger: Trigger) -> None:
+        """Open the windows of a block that begins to hold; what it read was taken before."""
+        self.advance(trigger.stamp_ns)
+        for recording in trigger.block.recordings:
+            if len(self._open) >= MAX_OPEN_INCIDENTS:
+                self.refused += 1
+            else:
+                self._begin(trigger, recording)
+
+    def advance(self, now_ns: int) -> None:
+        """Time passed: close the windows that are over."""
+        steady_ns = self._time.advance(now_ns)
+        if self._open and any(one.end_ns < steady_ns for one in self._open):
+            over = [one for one in self._open if one.end_ns < steady_ns]
+            self._open = [one for one in self._open if one.end_ns >= steady_ns]
+            for one in over:
+                self._sink.end(one.incident, one.missing)
+
+    def finish(self, now_ns: int) -> None:
+        """No more messages come: close all windows."""
+        self.advance(now_ns)
+        for one in self._open:
+            ended = (
+                Missing(
+                    topic=topic,
+                    reason=MissingReason.ENDED,
+                    messages=None,
+                    from_ns=now_ns,
+                    to_ns=one.incident.to_ns,
+                )
+                for topic in sorted(one.topics)
+            )
+            self._sink.end(one.incident, (*one.missing, *(ended if one.end_ns > self._time.now_ns else ())))
+        self._open = []
+
+    def _begin(self, trigger: Trigger, recording: Recording) -> None:
+        now_ns = self._time.now_ns
+        from_ns = now_ns - recording.before_ns
+        incident = Incident(
+            trigger=trigger,
+            recording=recording,
+            from_ns=trigger.stamp_ns - recording.before_ns,
+            to_ns=trigger.stamp_ns + recording.after_ns,
+        )
+        rings = [(topic, self._rings[topic]) for topic in recording.topics if topic in self._rings]
+        messages = sorted(message for _, ring in rings for message in ring.since_ns(from_ns))
+        known = {message.number for message in messages}
+        latched = sorted(
+            message
+            for samples in self._latched.values()
+            for message in samples
+            if message.number not in known
+        )
+        found = {message.number for message in latched}
+        missing = tuple(
+            one for topic, ring in rings for one in _missing(topic, ring, from_ns, incident, found)
+        )
+        self._sink.begin(incident, latched, messages)
+        self._open.append(
+            _OpenIncident(
+                incident=incident,
+                topics=frozenset(recording.topics),
+                end_ns=now_ns + recording.after_ns,
+                missing=missing,
+            )
+        )
+
+    def _make_room(self, now_ns: int) -> None:
+        for ring in self._rings.values():
+            ring.forget_before(now_ns - ring.horizon_ns)
+        self._ring_bytes = sum(ring.held_bytes for ring in self._rings.values())
+        while self.held_bytes > self._memory_bytes:
+            rings = [ring for ring in self._rings.values() if ring]
+            if not rings:
+                break
+            largest = max(rings, key=lambda ring: ring.held_bytes)
+            before = largest.held_bytes
+            largest.give_up_oldest()
+            self._ring_bytes += largest.held_bytes - before
+
+
+def _missing(
+    topic: str, ring: TopicRing, from_ns: int, incident: Incident, found: set[int]
+) -> Iterator[Missing]:
+    """What the time before the trigger lacks of a topic; messages in ``found`` are there all the same."""
+    if ring.since is None:
+        yield Missing(
+            topic=topic,
+            reason=MissingReason.UNPUBLISHED,
+            messages=None,
+            from_ns=incident.from_ns,
+            to_ns=incident.trigger.stamp_ns,
+        )
+        return
+    since_ns, clock_ns = ring.since
+    if since_ns > from_ns:
+        yield Missing(
+            topic=topic,
+            reason=MissingReason.LATE,
+            messages=None,
+            from_ns=incident.from_ns,
+            to_ns=clock_ns,
+        )
+    given_up = [one for one in ring.given_up_since(from_ns) if one.number not in found]
+    if given_up:
+        yield Missing(
+            topic=topic,
+            reason=MissingReason.MEMORY,
+            messages=len(given_up),
+            from_ns=given_up[0].stamp_ns,
+            to_ns=given_up[-1].stamp_ns,
+        )

@@ -1,0 +1,75 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The incidents that rules would have recorded."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from smarttestudo.adapters.rosbag.incident_folders import IncidentFolders
+from smarttestudo.adirf.rule_set import RuleSet
+from smarttestudo.domain.incident import DEFAULT_INCIDENT_MEMORY_MB
+from smarttestudo.domain.recording import Channel
+from smarttestudo.domain.units import BYTES_PER_MB, counted
+from smarttestudo.runtime.incidents.recorder import MAX_OPEN_INCIDENTS, IncidentRecorder
+from smarttestudo.runtime.relay_loop import RelayLoop
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class IncidentRequest:
+    """The folder of the incidents, the SHA-256 of the rules, and how much memory a robot would have."""
+
+    folder: Path
+    rules_sha256: str
+    memory_mb: float = DEFAULT_INCIDENT_MEMORY_MB
+
+
+class IncidentCutter:
+    """Cuts the windows that a live run with the same rules and messages would have cut."""
+
+    def __init__(
+        self, request: IncidentRequest, rule_set: RuleSet, sources: Mapping[str, Channel], start_ns: int
+    ) -> None:
+        self.folders = IncidentFolders(request.folder, sources, request.rules_sha256)
+        memory_bytes = round(request.memory_mb * BYTES_PER_MB)
+        self._recorder = IncidentRecorder(rule_set, self.folders, memory_bytes, start_ns)
+        for topic, channel in sources.items():
+            self._recorder.hear(topic, start_ns, transient_local=channel.transient_local)
+
+    def watch(self, loop: RelayLoop) -> None:
+        """Begin an incident when a block of the loop does."""
+        loop.triggered = self._recorder.begin
+
+    def take(self, channel: Channel, stamp_ns: int, payload: bytes) -> None:
+        """A message of the recording, before the loop is given it."""
+        if self._recorder.keeps(channel.topic):
+            self._recorder.take(channel.topic, stamp_ns, payload)
+
+    def finish(self, now_ns: int) -> None:
+        """The recording ended."""
+        self._recorder.finish(now_ns)
+
+    def notices(self) -> Iterator[str]:
+        """What was not recorded."""
+        if self._recorder.refused:
+            refused = counted(self._recorder.refused, "incident")
+            yield f"not recorded, because {MAX_OPEN_INCIDENTS} windows were open: {refused}"
+
+
+@contextmanager
+def incident_cutter(
+    request: IncidentRequest | None, rule_set: RuleSet, sources: Mapping[str, Channel], start_ns: int
+) -> Iterator[IncidentCutter | None]:
+    """What cuts incidents, if they are asked for; those that are open go if the block fails."""
+    if request is None:
+        yield None
+        return
+    cutter = IncidentCutter(request, rule_set, sources, start_ns)
+    try:
+        yield cutter
+    except BaseException:
+        cutter.folders.abort()
+        raise

@@ -1,0 +1,52 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The accessibility checker axe-core, as it is installed for the Ruler's page, on any page that is open."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+import pytest
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Page
+
+AXE = Path(__file__).parents[1] / "gui" / "node_modules" / "axe-core" / "axe.min.js"
+WIDTHS_PX = (1280, 820, 390)
+"""A laptop, a tablet and a telephone."""
+HEIGHT_PX = 900
+SCHEMES: tuple[Literal["light", "dark"], ...] = ("light", "dark")
+RUN = """async () => (await axe.run(document, {resultTypes: ["violations"]})).violations.flatMap(
+    ({id, nodes}) => nodes.map(
+        (node) => `${id}: ${node.target} ${node.html.slice(0, 120)} ${node.failureSummary}`
+    )
+)"""
+# Colours change at once, so that none is measured half way.
+HOLD_STILL = """() => {
+    const sheet = new CSSStyleSheet();
+    sheet.replaceSync("*, *::before, *::after { transition: none !important; animation: none !important }");
+    document.adoptedStyleSheets.push(sheet);
+}"""
+# The page follows the scheme with the first.
+TWO_PICTURES = "() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))"
+
+
+def violations(page: Page) -> list[str]:
+    """What axe-core reports, in light and dark and on each width; the page is as wide as before after it."""
+    if not AXE.exists():
+        pytest.skip("axe-core is not installed (npm ci in gui/): accessibility is not checked")
+    before = page.viewport_size
+    page.evaluate(AXE.read_text("utf-8"))
+    page.evaluate(HOLD_STILL)
+    found: list[str] = []
+    for scheme in SCHEMES:
+        page.emulate_media(color_scheme=scheme)
+        for width in WIDTHS_PX:
+            page.set_viewport_size({"width": width, "height": HEIGHT_PX})
+            page.evaluate(TWO_PICTURES)
+            found += [f"{scheme}, {width} px: {each}" for each in page.evaluate(RUN)]
+    page.emulate_media(color_scheme="light")
+    if before is not None:
+        page.set_viewport_size(before)
+    return found

@@ -1,0 +1,152 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""``testudo receive --send`` at an operator's and ``testudo run --accept`` on a robot, in two ROS domains."""
+
+from __future__ import annotations
+
+import json
+import signal
+import time
+from typing import Any
+
+from adapters.zenoh.ends import until
+from ros.ros_processes import LINE_TIMEOUT_S, Process, SmallRobot
+
+GOAL_TYPE = "geometry_msgs/msg/PoseStamped"
+JOY_TYPE = "sensor_msgs/msg/Joy"
+RULES = "begin SetFrequency /odom 10 end"
+PAUSE_S = 2.0
+MAX_AGE_S = 0.5
+# A message that was published just before the pause may still have left.
+LEFT_S = 0.1
+SENDS = ("--send", "/goal_pose", "/joy")
+ACCEPTS = ("--accept", "/goal_pose", "/joy")
+
+
+def runtime(robot: SmallRobot, endpoint: str, *arguments: str, name: str = "ada") -> Process:
+    return robot.runtime(RULES, "--link", endpoint, "--robot", name, *arguments)
+
+
+def joy(topic: str = "/joy", **others: Any) -> dict[str, Any]:
+    return {"type": JOY_TYPE, "topic": topic, **others}
+
+
+def statuses(robot: SmallRobot, *names: str) -> dict[str, Any]:
+    """What these robots tell of the topics that they accept, by their names on the link."""
+    end_s = time.monotonic() + LINE_TIMEOUT_S
+    while True:
+        top = robot.testudo("top", "--once", "--json", "--timeout", "60")
+        assert top.exit_code() == 0
+        nodes = json.loads("".join(top.output))["nodes"].values()
+        told = {status["robot"]: status.get("accepted", {}) for status in nodes}
+        # A node that joins a graph finds others one after the other.
+        if told.keys() >= set(names):
+            return told
+        assert time.monotonic() < end_s, told
+
+
+def test_a_goal_arrives_byte_for_byte(robot: SmallRobot, operators: SmallRobot, endpoint: str) -> None:
+    goal = {"type": GOAL_TYPE, "topic": "/goal_pose", "raw": True, "messages": 3, "reliable": True}
+    operators.receiver(endpoint, *SENDS)
+    runtime(robot, endpoint, *ACCEPTS)
+    here = robot.operator(goal=goal)
+    there = operators.operator(goal=goal)
+    operators.source(goal_pose={"type": GOAL_TYPE, "hz": 5})
+    both: list[str] = []
+    end_s = time.monotonic() + LINE_TIMEOUT_S
+    while len(both) < 3:
+        assert time.monotonic() < end_s, "nothing that was published arrives"
+        here.line_with("heard")
+        arrived = [value for _, value, _ in here.result("go on")["goal"]]
+        there.line_with("heard")
+        published = {value for _, value, _ in there.result("go on")["goal"]}
+        both = [value for value in arrived if value in published]
+    # Who subscribes beside the source may have found it later than the link did.
+    assert arrived[arrived.index(both[0]) :] == both
+    assert len(set(arrived)) == len(arrived), "stamps tell messages apart"
+
+
+def test_nothing_that_waited_while_the_operator_s_process_stood_still_is_delivered(
+    robot: SmallRobot, operators: SmallRobot, endpoint: str
+) -> None:
+    receiving = operators.receiver(endpoint, *SENDS)
+    runtime(robot, endpoint, *ACCEPTS)
+    station = robot.operator(joy=joy(messages=20))
+    operators.source(joy={"type": JOY_TYPE, "hz": 20})
+    station.line_with("heard")
+    receiving.signal(signal.SIGSTOP)
+    stopped_s = time.monotonic()
+    time.sleep(PAUSE_S)
+    receiving.signal(signal.SIGCONT)
+    going_s = time.monotonic()
+    due_s: list[float] = []
+    while not due_s or due_s[-1] < going_s + 3:
+        station.line_with("heard")
+        due_s = [due for _, _, due in station.result("go on")["joy"]]
+    assert [due for due in due_s if stopped_s + LEFT_S < due < going_s - MAX_AGE_S] == []
+    assert due_s == sorted(set(due_s))
+    # From half a second after the pause on, all of it arrives again.
+    later = [due for due in due_s if due > going_s + 1]
+    assert len(later) >= 0.9 * 20 * (later[-1] - going_s - 1)
+
+
+def test_another_type_at_the_operator_s_costs_that_topic_and_is_said(
+    robot: SmallRobot, operators: SmallRobot, endpoint: str
+) -> None:
+    receiving = operators.receiver(endpoint, *SENDS)
+    runtime(robot, endpoint, *ACCEPTS)
+    station = robot.operator(
+        joy={"type": "std_msgs/msg/String", "topic": "/joy"},
+        goal={"type": GOAL_TYPE, "topic": "/goal_pose", "raw": True},
+    )
+    operators.source(joy={"type": JOY_TYPE, "hz": 5}, goal_pose={"type": GOAL_TYPE, "hz": 5})
+    said = receiving.line_with("/joy is not sent to ada")
+    assert said.strip() == (
+        f"testudo: /joy is not sent to ada: it is {JOY_TYPE} here and std_msgs/msg/String at ada"
+    )
+    while len((arrived := station.result("go on"))["goal"]) < 5:
+        pass
+    assert arrived["joy"] == []
+
+
+def test_of_two_robots_only_the_one_that_is_named_is_driven(
+    robot: SmallRobot, operators: SmallRobot, endpoint: str
+) -> None:
+    receiving = operators.receiver(endpoint, "--send", "/joy")
+    station = robot.operator(joy=joy())
+    runtime(robot, endpoint, "--accept", "/joy")
+    runtime(robot, endpoint, "--accept", "/joy", "--ros-args", "-r", "__node:=of_bob", name="bob")
+    operators.source(joy={"type": JOY_TYPE, "hz": 20})
+    said = receiving.line_with("/joy is not sent to")
+    assert "2 robots accept it, and nothing tells which is meant" in said
+    receiving.signal(signal.SIGINT)
+    assert receiving.exit_code() == 0
+    told = statuses(robot, "ada", "bob")
+    operators.receiver(endpoint, "--send", "/joy", "--output-topic", "/{robot}{topic}")
+    operators.source(joy={"type": JOY_TYPE, "hz": 20, "topic": "bob/joy"})
+    heard = len(station.result("go on")["joy"])
+    while len(station.result("go on")["joy"]) < heard + 20:
+        station.line_with("heard")
+    now = statuses(robot, "ada", "bob")
+    assert now["bob"]["/joy"]["delivered"] > told["bob"]["/joy"]["delivered"]
+    assert now["ada"]["/joy"]["delivered"] == told["ada"]["/joy"]["delivered"]
+
+
+def test_what_is_relayed_does_not_come_back_and_what_is_named_at_one_end_only_is_said(
+    robot: SmallRobot, operators: SmallRobot, endpoint: str
+) -> None:
+    receiving = operators.receiver(endpoint, "--send", "/odom", "/joy")
+    running = runtime(robot, endpoint, "--accept", "/odom", "/goal_pose")
+    robot.source(odom={"type": "nav_msgs/msg/Odometry", "hz": 20})
+    station = operators.operator(odom={"type": "nav_msgs/msg/Odometry", "topic": "/odom", "messages": 20})
+    station.line_with("heard")
+    for process, sentence in (
+        (receiving, "/odom is not sent to ada: it comes from a robot under that name, so it would go round"),
+        (receiving, "ada accepts /goal_pose, which is not sent"),
+        (receiving, "ada does not accept /joy"),
+        (running, "/odom is not accepted of operators: it is relayed to operators under the same name"),
+        (running, "An operator sends /joy, which is not accepted"),
+        (running, "/goal_pose is accepted, but no operator sends it"),
+    ):
+        until(lambda: any(sentence in line for line in process.output))  # noqa: B023
+    assert statuses(robot, "ada")["ada"]["/odom"]["received"] == 0

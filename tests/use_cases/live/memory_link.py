@@ -1,0 +1,43 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""A link in memory."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from smarttestudo.domain.link import LinkNeeds, StreamInfo
+from smarttestudo.domain.link_state import LinkState, StreamCounts
+from smarttestudo.domain.questions import Asked
+from smarttestudo.domain.robot import Publisher
+from smarttestudo.domain.status import RuntimeStatus
+
+
+class MemoryLink:
+    """An ``OutgoingLink`` that keeps what it is told; the test says what it carries."""
+
+    def __init__(self) -> None:
+        self.state = LinkState(is_connected=True)
+        self.budget_kb_per_s: float | None = None
+        self.robot = "ada"
+        self.is_watched = False
+        self.told: list[RuntimeStatus] = []
+        self.followed: list[Mapping[str, LinkNeeds]] = []
+
+    def advertise(self, stream: StreamInfo) -> Publisher:
+        raise NotImplementedError
+
+    def follow(self, needs: Mapping[str, LinkNeeds]) -> None:
+        self.followed.append(needs)
+
+    def tell(self, status: RuntimeStatus) -> None:
+        self.told.append(status)
+
+    def take_question(self) -> Asked | None:
+        raise NotImplementedError
+
+    def counts(self) -> dict[str, StreamCounts]:
+        return {}
+
+    def age_ms(self, topic: str) -> float | None:
+        raise NotImplementedError
