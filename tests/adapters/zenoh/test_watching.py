@@ -98,6 +98,10 @@ def heard_by(robots: LinkRobots, robot: Robot) -> None:
     until(lambda: ID in robots.heard and robots.heard[ID].is_present, lambda: step(robots, robot))
 
 
+def all_heard_by(robots: LinkRobots, robot: Robot) -> None:
+    until(lambda: robots.has_heard_all, lambda: step(robots, robot))
+
+
 def test_several_watchers_hear_a_robot_through_an_operator_who_hears_it_too() -> None:
     endpoint = free_endpoint()
     with (
@@ -109,7 +113,7 @@ def test_several_watchers_hear_a_robot_through_an_operator_who_hears_it_too() ->
         robot, reader = Robot(end), Reader(operator)
         for robots in (first, second):
             heard_by(robots, robot)
-            assert robots.has_heard_all
+            all_heard_by(robots, robot)
             assert robots.heard[ID].status.topics.keys() == STATUS.topics.keys()
             assert robots.heard[ID].status.blocks == STATUS.blocks
             assert robots.heard[ID].is_present

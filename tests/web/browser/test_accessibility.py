@@ -198,14 +198,14 @@ def test_a_dialog_gives_the_focus_back(ruler: RulerPage) -> None:
 def test_the_focus_is_on_the_page_where_the_button_of_a_dialog_is_disabled_now(ruler: RulerPage) -> None:
     _conflict(ruler)
     ruler.button("Read again").click()
-    expect(ruler.page.get_by_role("heading", name="far.adirf")).to_be_focused()
+    expect(ruler.page.get_by_role("heading", name="far.adirf", level=1)).to_be_focused()
 
 
 def test_the_focus_is_on_the_page_that_a_dialog_leads_to(ruler: RulerPage) -> None:
     _new_project(ruler)
     ruler.page.keyboard.type("shelf")
     ruler.page.keyboard.press("Enter")
-    expect(ruler.page.get_by_role("heading", name="shelf.adirf")).to_be_focused()
+    expect(ruler.page.get_by_role("heading", name="shelf.adirf", level=1)).to_be_focused()
 
 
 def test_a_block_that_is_pointed_at_keeps_its_colours(ruler: RulerPage) -> None:

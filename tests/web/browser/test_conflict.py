@@ -49,7 +49,7 @@ def test_both_texts_are_kept_under_two_names(ruler: RulerPage, project: Path) ->
     ruler.forgive("409")
     name.fill("mine")
     dialog.get_by_role("button", name="Save as").click()
-    expect(ruler.page.get_by_role("heading", name="mine.adirf")).to_be_visible()
+    expect(ruler.page.get_by_role("heading", name="mine.adirf", level=1)).to_be_visible()
     assert (project / "mine.adirf").read_text() == MINE
     assert (project / "plain.adirf").read_text() == THEIRS
     ruler.page.get_by_role("link", name="Home").click()
