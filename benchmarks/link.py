@@ -127,21 +127,34 @@ def compare(arguments: argparse.Namespace) -> None:
     contenders = [arguments.contender] if arguments.contender else list(CONTENDERS)
     seen: dict[Case, dict[str, list[Seen]]] = {CASES[name]: {} for name in chosen if name in CASES}
     limits: dict[str, list[list[Target]]] = {name: [] for name in chosen if name in LIMITS}
-    for _ in range(arguments.runs):
-        for case, brought in seen.items():
-            seconds = arguments.minutes * 60 if case.takes_minutes else case.seconds * arguments.longer
-            for contender in contenders:
-                one = measured(case, contender, seconds)
-                if one is not None:
-                    brought.setdefault(contender, []).append(one)
-        for name, runs in limits.items():
-            runs.extend(measured_limit(name))
-    names = {one: CONTENDERS[one] for one in contenders}
-    if seen:
-        print_arrivals(seen, names)
-        print_targets(seen, names)
-    if limits:
-        print_limits({LIMITS[name][0]: runs for name, runs in limits.items() if runs})
+    try:
+        for _ in range(arguments.runs):
+            run_once(arguments, contenders, seen, limits)
+    finally:
+        # Whatever ends it, an hour's figures are not lost.
+        names = {one: CONTENDERS[one] for one in contenders}
+        if seen:
+            print_arrivals(seen, names)
+            print_targets(seen, names)
+        if limits:
+            print_limits({LIMITS[name][0]: runs for name, runs in limits.items() if runs})
+
+
+def run_once(
+    arguments: argparse.Namespace,
+    contenders: Sequence[str],
+    seen: dict[Case, dict[str, list[Seen]]],
+    limits: dict[str, list[list[Target]]],
+) -> None:
+    """Measure each case and limit once more."""
+    for case, brought in seen.items():
+        seconds = arguments.minutes * 60 if case.takes_minutes else case.seconds * arguments.longer
+        for contender in contenders:
+            one = measured(case, contender, seconds)
+            if one is not None:
+                brought.setdefault(contender, []).append(one)
+    for name, runs in limits.items():
+        runs.extend(measured_limit(name))
 
 
 def measured_limit(name: str) -> list[list[Target]]:

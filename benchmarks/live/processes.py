@@ -7,6 +7,7 @@ from __future__ import annotations
 import json
 import os
 import subprocess
+import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -61,9 +62,8 @@ class Process:
 
     @property
     def cpu_s(self) -> float:
-        """CPU time of all its threads so far, to the nanosecond."""
-        tasks = Path(f"/proc/{self._process.pid}/task")
-        return sum(int((task / "schedstat").read_text().split()[0]) for task in tasks.iterdir()) / 1e9
+        """CPU time so far, ended threads included: the clock that clock_getcpuclockid(3) names."""
+        return time.clock_gettime((~self._process.pid << 3) | 2)
 
     @property
     def resident_mb(self) -> float:
