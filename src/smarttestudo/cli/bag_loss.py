@@ -6,26 +6,37 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING
 
+from smarttestudo.adapters.files.decision_log import read_decisions
 from smarttestudo.adapters.files.profile import load_profile
 from smarttestudo.adirf.properties import ARRIVAL_PROPERTIES, is_field_path
 from smarttestudo.cli.bag_options import (
     add_map,
+    add_predict,
     add_topics_and_form,
     print_csv,
     print_json,
     print_notices,
     print_tables,
+    require_bounded,
     topic_mapping,
 )
 from smarttestudo.cli.finding_text import print_findings
 from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.progress import progress
+from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.profile import Profile
-from smarttestudo.use_cases.rules.rule_sets import load_rules
+from smarttestudo.use_cases.rules.rule_sets import LoadedRules, load_rules
+from smarttestudo.visualizer.loss.accuracy_table import accuracy_table
+from smarttestudo.visualizer.loss.bounds import bounded_topics, needs_decisions
 from smarttestudo.visualizer.loss.tables import arms_text, curve_table, loss_tables
+
+if TYPE_CHECKING:
+    from smarttestudo.use_cases.bags.curves import LossCurves
+    from smarttestudo.visualizer.table import Table
 
 EXIT_ERROR = 1
 
@@ -39,7 +50,7 @@ def add_action(actions: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
         description="Show how far the operator's picture was from the robot: the error of each field, the "
         "age of each topic, threshold crossings seen late or not at all, and the same for the best fixed "
         "rates with the same bytes. With A alone: the error at rates of 0.1, 0.2, 0.5, 1 … Hz, with "
-        "proposed tiers.",
+        "proposed tiers, and the messages that an accuracy needs, with hold and with dead reckoning.",
     )
     action.add_argument("a", metavar="A", type=file_path, help="the recording of what the robot sent")
     action.add_argument(
@@ -61,8 +72,16 @@ def add_action(actions: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
         action="extend",
         type=file_path,
         default=[],
-        help="rule files, or folders of them, whose checks give the thresholds",
+        help="rule files, or folders of them: their checks give the thresholds, KeepWithin the bounds",
     )
+    action.add_argument(
+        "--decisions",
+        metavar="FILE",
+        type=file_path,
+        help="the file that --decisions wrote when B was made: when blocks asked for bounds; without it, the "
+        "rules decide over A once more",
+    )
+    add_predict(action)
     action.add_argument(
         "--profile", metavar="FILE", type=file_path, help="tiers and priorities of the topics (TOML)"
     )
@@ -90,12 +109,16 @@ def _run_loss(arguments: argparse.Namespace, fields: Mapping[str, Sequence[str]]
     if rules and rules.errors:
         print_findings(rules.errors, rules.texts, sys.stderr)
         return EXIT_ERROR
+    require_bounded(arguments.predict, rules)
+    decisions = _decisions(arguments, rules, profile)
     with progress(f"Reading {arguments.a} and {arguments.b}") as report:
         question = LossQuestion(
             mapping=mapping,
             topics=arguments.topics,
             fields=fields,
             rule_set=rules.rule_set if rules else None,
+            decisions=decisions,
+            predict=arguments.predict,
             profile=profile,
             report=report,
         )
@@ -111,10 +134,25 @@ def _run_loss(arguments: argparse.Namespace, fields: Mapping[str, Sequence[str]]
     return 0
 
 
+def _decisions(
+    arguments: argparse.Namespace, rules: LoadedRules | None, profile: Profile
+) -> Sequence[Decision]:
+    """Those that were kept, else, where blocks ask for bounds, what the rules decide over A."""
+    from smarttestudo.use_cases.replay.decisions import decisions_over  # noqa: PLC0415  as above
+
+    if arguments.decisions is not None:
+        return read_decisions(arguments.decisions)
+    rule_set = rules.rule_set if rules else None
+    if rule_set is None or not any(needs_decisions(rule_set, topic) for topic in bounded_topics(rule_set)):
+        return ()
+    with progress(f"Deciding over {arguments.a}") as report:
+        return decisions_over(arguments.a, rule_set, profile, report)
+
+
 def _run_curves(arguments: argparse.Namespace, fields: Mapping[str, Sequence[str]], profile: Profile) -> int:
     from smarttestudo.use_cases.bags.curves import measure_curves  # noqa: PLC0415  as above
 
-    for option in ("rules", "map"):
+    for option in ("rules", "map", "decisions", "predict"):
         if getattr(arguments, option):
             raise UsageError(
                 "it needs a second recording",
@@ -123,17 +161,34 @@ def _run_curves(arguments: argparse.Namespace, fields: Mapping[str, Sequence[str
             )
     with progress(f"Reading {arguments.a}") as report:
         curves = measure_curves(
-            arguments.a, topics=arguments.topics, fields=fields, profile=profile, report=report
+            arguments.a,
+            topics=arguments.topics,
+            fields=fields,
+            profile=profile,
+            with_accuracy=not arguments.csv,
+            report=report,
         )
     if arguments.json:
         print_json(curves.to_json())
     elif arguments.csv:
         print_csv(curves.rows())
     else:
-        print_tables(curve_table(curve) for curve in curves.curves)
-    unchanged = [f"{', '.join(curves.without)}: no field changes, so there is no curve"]
-    print_notices((*curves.notices, *(unchanged if curves.without else ())))
+        print_tables(_curve_tables(curves))
+    without = ", ".join(topic for topic in curves.without if not curves.accuracies_of(topic))
+    unchanged = [f"{without}: no field changes, so there is no curve"] if without else []
+    print_notices((*curves.notices, *unchanged))
     return 0
+
+
+def _curve_tables(curves: LossCurves) -> Iterator[Table]:
+    """Of each topic first its rates, then its accuracies."""
+    by_topic = {curve.topic: curve for curve in curves.curves}
+    for topic in sorted({*by_topic, *(curve.topic for curve in curves.accuracies)}):
+        if topic in by_topic:
+            yield curve_table(by_topic[topic])
+        accuracies = curves.accuracies_of(topic)
+        if accuracies:
+            yield accuracy_table(accuracies)
 
 
 def _fields(asked: Sequence[Sequence[str]]) -> dict[str, list[str]]:

@@ -7,11 +7,13 @@ from __future__ import annotations
 import argparse
 import csv
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 
 from smarttestudo.cli.tables import print_table
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.json_text import json_text
+from smarttestudo.use_cases.rules.rule_sets import LoadedRules
+from smarttestudo.visualizer.loss.bounds import bounded_topics
 from smarttestudo.visualizer.table import Table
 
 
@@ -46,6 +48,29 @@ def add_map(action: argparse.ArgumentParser) -> None:
         type=_topic_pair,
         help="pair A's /a with B's /b; may be given several times",
     )
+
+
+def add_predict(action: argparse.ArgumentParser) -> None:
+    """Add ``--predict``."""
+    action.add_argument(
+        "--predict",
+        metavar="TOPIC",
+        nargs="+",
+        action="extend",
+        default=[],
+        help="judge the bounds of these topics by dead reckoning, which B's receiver shows; of all others "
+        "the last message received is held",
+    )
+
+
+def require_bounded(topics: Collection[str], rules: LoadedRules | None) -> None:
+    """Raise ``UsageError`` for a topic to predict that no rule bounds."""
+    bounded = bounded_topics(rules.rule_set) if rules else frozenset()
+    for topic in topics:
+        if topic not in bounded:
+            raise UsageError(
+                f"no rule bounds {topic}", place="--predict", remedy="name topics of a KeepWithin in --rules"
+            )
 
 
 def topic_mapping(pairs: Sequence[tuple[str, str]]) -> dict[str, str]:

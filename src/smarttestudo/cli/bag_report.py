@@ -22,7 +22,14 @@ from smarttestudo.cli.bag_figures import (
     figure_files,
     print_written,
 )
-from smarttestudo.cli.bag_options import add_map, add_topics, print_notices, topic_mapping
+from smarttestudo.cli.bag_options import (
+    add_map,
+    add_predict,
+    add_topics,
+    print_notices,
+    require_bounded,
+    topic_mapping,
+)
 from smarttestudo.cli.finding_text import print_findings
 from smarttestudo.cli.paths import file_path, own_name
 from smarttestudo.cli.progress import progress
@@ -63,6 +70,7 @@ def add_action(actions: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
     action.add_argument(
         "--profile", metavar="FILE", type=file_path, help="tiers and priorities of the topics (TOML)"
     )
+    add_predict(action)
     add_budget(action)
     action.add_argument(
         "--nav2-map",
@@ -92,6 +100,7 @@ def run(arguments: argparse.Namespace) -> int:
     if rules is not None and rules.errors:
         print_findings(rules.errors, rules.texts, sys.stderr)
         return EXIT_ERROR
+    require_bounded(arguments.predict, rules)
     with whole_file(arguments.output, "the report") as write:
         report = _report(arguments, profile or Profile(), rules)
         write(_html(report))
@@ -155,6 +164,7 @@ def _report(arguments: argparse.Namespace, profile: Profile, rules: LoadedRules 
             rule_set=rules.rule_set if rules else None,
             rule_texts=rules.texts if rules else {},
             decisions=read_decisions(arguments.decisions) if arguments.decisions else (),
+            predict=arguments.predict,
             profile=profile,
             budget_kb_per_s=arguments.budget,
             floor_plan=FloorPlan(occupancy=occupancy),

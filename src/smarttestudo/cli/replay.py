@@ -364,6 +364,7 @@ def _report(
             output=arguments.output,
             outcome=outcome,
             decisions=decisions,
+            predict=arguments.predict,
             profile=profile,
             budget_kb_per_s=arguments.budget,
             rules=rules,

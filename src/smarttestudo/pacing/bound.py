@@ -22,11 +22,13 @@ HEARTBEAT_HZ = 0.5
 class BoundRecord:
     """How a bound was kept: ``worst`` is the picture's largest finite error after a message of the source.
 
-    ``broken`` counts the messages after which the picture was more than the bound off, or said nothing.
+    ``last`` is that after the newest one, infinite where the picture says nothing. ``broken`` counts the
+    messages after which the picture was more than the bound off, or said nothing.
     """
 
     bound: float
     worst: float = 0.0
+    last: float = math.inf
     broken: int = 0
 
 
@@ -162,7 +164,7 @@ class BoundStreams(Streams[BoundStream]):
             record = self.records.get(name)
             if record is None:
                 record = self.records[name] = BoundRecord(bound)
-            record.bound = bound
+            record.bound, record.last = bound, error
             if error > bound:
                 record.broken += 1
             if error > record.worst and error < math.inf:

@@ -11,12 +11,15 @@ from pathlib import Path
 from smarttestudo.adapters.rosbag import open_recording
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.profile import Profile
+from smarttestudo.use_cases.bags.accuracy import Accuracies, accuracy_wanted, measure_accuracy
 from smarttestudo.use_cases.bags.samples import TopicReading, read_samples, require_numbers
+from smarttestudo.visualizer.loss.accuracy import AccuracyCurve
 from smarttestudo.visualizer.loss.curve import LossCurve, loss_curve
 from smarttestudo.visualizer.loss.samples import BULK_TYPES, Field, fields_of
 from smarttestudo.visualizer.topic_selection import select_topics
 
 _SHARE_OF_READING = 0.6
+_SHARE_OF_RATES = 0.4
 
 
 def _ignore(_: float) -> None:
@@ -25,21 +28,30 @@ def _ignore(_: float) -> None:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LossCurves:
-    """The curves of a recording called ``name``, by topic name; ``without`` are topics that have none."""
+    """The curves of a recording called ``name``, by topic name; ``without`` are topics that have none.
+
+    ``accuracies`` are those of messages against accuracy, empty where they were not asked for.
+    """
 
     name: str
     curves: tuple[LossCurve, ...]
     without: tuple[str, ...]
     notices: tuple[str, ...]
+    accuracies: tuple[AccuracyCurve, ...] = ()
 
     def to_json(self) -> dict[str, object]:
         """The object that ``--json`` prints."""
         return {
             "bag": self.name,
             "topics": {curve.topic: curve.to_json() for curve in self.curves},
+            "accuracy": [curve.to_json() for curve in self.accuracies],
             "without": list(self.without),
             "notices": list(self.notices),
         }
+
+    def accuracies_of(self, topic: str) -> tuple[AccuracyCurve, ...]:
+        """Those of one topic."""
+        return tuple(curve for curve in self.accuracies if curve.topic == topic)
 
     def rows(self) -> Iterator[dict[str, object]]:
         """One row for each topic, rate and field, for ``--csv``."""
@@ -53,16 +65,19 @@ def measure_curves(
     topics: Sequence[str] = (),
     fields: Mapping[str, Sequence[str]] | None = None,
     profile: Profile | None = None,
+    with_accuracy: bool = False,
     report: Callable[[float], None] = _ignore,
 ) -> LossCurves:
     """The loss at rates up to the source's, of ``topics`` (names or patterns, all if empty).
 
-    ``fields`` are the only ones looked at of the topics in it. ``report`` gets the share done.
+    ``fields`` are the only ones looked at of the topics in it. ``with_accuracy`` adds what bounds cost, for
+    which the recording is read twice more. ``report`` gets the share done.
 
     Raises:
         RecordingError: the recording cannot be read or is empty; a topic or field does not exist.
     """
     fields, profile = fields or {}, profile or Profile()
+    share = _SHARE_OF_RATES if with_accuracy else 1.0
     with open_recording(bag) as recording:
         if not recording.message_count:
             raise RecordingError("the bag holds no message", place=str(bag))
@@ -74,19 +89,24 @@ def measure_curves(
             {topic: _reading(topic, fields.get(topic, ()), profile) for topic in chosen},
             start_ns=recording.start_ns,
             end_ns=recording.end_ns,
-            report=lambda done: report(_SHARE_OF_READING * done),
+            report=lambda done: report(share * _SHARE_OF_READING * done),
         )
         require_numbers(samples.topics, fields)
         found: dict[str, LossCurve | None] = {}
         for number, topic in enumerate(chosen):
-            report(_SHARE_OF_READING + (1 - _SHARE_OF_READING) * number / len(chosen))
+            report(share * (_SHARE_OF_READING + (1 - _SHARE_OF_READING) * number / len(chosen)))
             found[topic] = loss_curve(samples.topics[topic], recording.end_ns)
-        return LossCurves(
-            name=str(bag),
-            curves=tuple(curve for curve in found.values() if curve),
-            without=tuple(topic for topic, curve in found.items() if curve is None),
-            notices=samples.notices,
-        )
+    accuracies = Accuracies()
+    if with_accuracy:
+        wanted = {topic: accuracy_wanted(samples.topics[topic], fields.get(topic, ())) for topic in chosen}
+        accuracies = measure_accuracy(bag, wanted, profile, lambda done: report(share + (1 - share) * done))
+    return LossCurves(
+        name=str(bag),
+        curves=tuple(curve for curve in found.values() if curve),
+        accuracies=accuracies.curves,
+        without=tuple(topic for topic, curve in found.items() if curve is None),
+        notices=(*samples.notices, *accuracies.notices),
+    )
 
 
 def _reading(topic: str, asked: Sequence[str], profile: Profile) -> TopicReading:

@@ -4,16 +4,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 
 from smarttestudo.adapters.rosbag import open_recording
 from smarttestudo.adirf.rule_set import RuleSet
+from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.use_cases.bags.bounds import BoundQuestion, judge_bounds
 from smarttestudo.use_cases.bags.measure import measure_bag
 from smarttestudo.use_cases.bags.samples import (
     RecordedSamples,
@@ -23,6 +25,7 @@ from smarttestudo.use_cases.bags.samples import (
 )
 from smarttestudo.visualizer.bag_comparison import BagComparison, compare_bags
 from smarttestudo.visualizer.bag_summary import BagSummary
+from smarttestudo.visualizer.loss.bounds import BoundLoss, bounded_topics, needs_decisions
 from smarttestudo.visualizer.loss.crossings import thresholds_of
 from smarttestudo.visualizer.loss.fixed_rates import Source, best_fixed_rates
 from smarttestudo.visualizer.loss.measure import (
@@ -48,14 +51,18 @@ class LossQuestion:
     """What is asked of two recordings.
 
     ``mapping`` pairs topics as for ``compare_bags``. ``topics`` are names or patterns, empty for all;
-    ``fields`` are more fields than the default ones, by topic of A. ``rule_set`` gives the thresholds,
-    ``profile`` tiers and priorities for the third arm. ``report`` gets the share done, 0 … 1.
+    ``fields`` are more fields than the default ones, by topic of A. ``rule_set`` gives the thresholds and the
+    bounds, ``decisions`` which of the bounds in blocks were in force; of topics in ``predict`` B's receiver
+    shows dead reckoning. ``profile`` has tiers and priorities for the third arm. ``report`` gets the share
+    done, 0 … 1.
     """
 
     mapping: Mapping[str, str] = field(default_factory=dict)
     topics: Sequence[str] = ()
     fields: Mapping[str, Sequence[str]] = field(default_factory=dict)
     rule_set: RuleSet | None = None
+    decisions: Sequence[Decision] = ()
+    predict: Collection[str] = ()
     profile: Profile = field(default_factory=Profile)
     report: Callable[[float], None] = _ignore
 
@@ -63,7 +70,8 @@ class LossQuestion:
 def measure_loss(a: Path, b: Path, question: LossQuestion | None = None) -> LossReport:
     """The loss between ``a``, as sent, and ``b``, as received, in the time of ``a``.
 
-    Each recording is read twice: once for its sizes, which costs little, once for its payloads.
+    Each recording is read twice: once for its sizes, which costs little, once for its payloads; where the
+    rules have bounds, once more for these.
 
     Raises:
         RecordingError: one cannot be read or is empty; they share no topic or no time; a field or topic that
@@ -97,9 +105,11 @@ class _Measurement:
     def report(self) -> LossReport:
         """Read both, and count what was lost."""
         path_a, path_b = self._paths
-        sent = self._read(path_a, self._sent_readings(), share=(0.0, 0.7))
+        bounded = self._bounded()
+        share = 0.6 if bounded else 1.0
+        sent = self._read(path_a, self._sent_readings(), share=(0.0, 0.7 * share))
         require_numbers(sent.topics, self._question.fields)
-        received = self._read(path_b, self._received_readings(sent.topics), share=(0.7, 1.0))
+        received = self._read(path_b, self._received_readings(sent.topics), share=(0.7 * share, share))
         topics = self._shared(sent.topics, received.topics)
         shown = [shared for shared in topics if shared.topic in self._asked]
         return LossReport(
@@ -110,6 +120,7 @@ class _Measurement:
             fields=tuple(loss for shared in shown for loss in field_losses(shared)),
             crossings=tuple(loss for shared in shown for loss in crossing_losses(shared, self._thresholds)),
             images=tuple(loss for shared in shown for loss in image_losses(shared)),
+            bounds=self._bounds(bounded, sent.topics, share) if bounded else (),
             carried=Carried(
                 sent_bytes=sum(shared.sent.size_bytes for shared in topics),
                 received_bytes=sum(shared.received.size_bytes for shared in topics),
@@ -117,6 +128,32 @@ class _Measurement:
             ),
             notices=(*sent.notices, *received.notices, *self._notices(topics)),
         )
+
+    def _bounded(self) -> list[str]:
+        """The topics asked for whose bounds can be judged: where a block has a word, decisions must tell."""
+        rule_set = self._question.rule_set
+        topics = sorted(bounded_topics(rule_set) & self._asked) if rule_set else []
+        return [
+            topic
+            for topic in topics
+            if rule_set and (self._question.decisions or not needs_decisions(rule_set, topic))
+        ]
+
+    def _bounds(
+        self, topics: Sequence[str], sent: Mapping[str, TopicSamples], share: float
+    ) -> tuple[BoundLoss, ...]:
+        question = self._question
+        if question.rule_set is None:
+            return ()
+        asked = BoundQuestion(
+            rule_set=question.rule_set,
+            decisions=question.decisions,
+            channels={topic: sent[topic].channel for topic in topics},
+            partners=self._partners,
+            predict=question.predict,
+            profile=question.profile,
+        )
+        return judge_bounds(*self._paths, asked, lambda done: question.report(share + (1 - share) * done))
 
     def _topics_asked(self) -> frozenset[str]:
         """The shared topics, by A's name, that are to be shown."""
@@ -205,6 +242,15 @@ class _Measurement:
             yield f"{self._b.name}: ends {early_s:.1f} s before {self._a.name}; nothing came in that time"
         for topic in sorted({one.signal.topic for one in self._thresholds}.difference(self._partners)):
             yield f"{topic}: a check reads it, which {self._b.name} lacks; its crossings are left out"
+        yield from self._bound_notices()
+
+    def _bound_notices(self) -> Iterator[str]:
+        rule_set = self._question.rule_set
+        for topic in sorted(bounded_topics(rule_set)) if rule_set else ():
+            if topic not in self._partners:
+                yield f"{topic}: a rule bounds it, which {self._b.name} lacks; the bound is left out"
+            elif rule_set and not self._question.decisions and needs_decisions(rule_set, topic):
+                yield f"{topic}: its bounds are left out: a block asks for them, and no decisions say when"
 
 
 def _choose_fields(

@@ -36,8 +36,9 @@ class ReportRequest:
     """A recording ``a``, if there is one also ``b``, and what is known about how ``b`` came from it.
 
     ``mapping`` pairs topics as ``compare_bags`` does, ``topics`` are the names or patterns to show, empty
-    for all. ``decisions`` may be timed from any start; their stamps count. Zones of ``rule_set`` are added
-    to the ``floor_plan``. ``called`` is what the user calls a recording that lies elsewhere for now.
+    for all. ``decisions`` may be timed from any start; their stamps count. Of topics in ``predict`` B's
+    receiver shows dead reckoning. Zones of ``rule_set`` are added to the ``floor_plan``. ``called`` is what
+    the user calls a recording that lies elsewhere for now.
     """
 
     a: Path
@@ -50,6 +51,7 @@ class ReportRequest:
     rule_set: RuleSet | None = None
     rule_texts: Mapping[str, str] = field(default_factory=dict)
     decisions: Sequence[Decision] = ()
+    predict: Collection[str] = ()
     profile: Profile = field(default_factory=Profile)
     budget_kb_per_s: float | None = None
     floor_plan: FloorPlan = field(default_factory=FloorPlan)
@@ -120,6 +122,8 @@ def _loss(request: ReportRequest, b: Path) -> tuple[LossReport | None, tuple[str
             mapping=request.mapping,
             topics=request.topics,
             rule_set=request.rule_set,
+            decisions=request.decisions,
+            predict=request.predict,
             profile=request.profile,
             report=report,
         )

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 
 from smarttestudo import __version__
@@ -27,6 +27,7 @@ def replay_report(
     output: Path,
     outcome: ReplayOutcome,
     decisions: Sequence[Decision],
+    predict: Collection[str],
     profile: Profile,
     budget_kb_per_s: float | None,
     rules: LoadedRules,
@@ -51,6 +52,7 @@ def replay_report(
             rule_set=rules.rule_set,
             rule_texts=rules.texts,
             decisions=decisions,
+            predict=predict,
             profile=profile,
             budget_kb_per_s=budget_kb_per_s,
             provenance=(

@@ -8,6 +8,8 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
+from smarttestudo.visualizer.loss.bounds import BoundLoss
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ErrorSize:
@@ -250,7 +252,8 @@ class LossReport:
     """What the operator lost; ``a`` and ``b`` are the recordings' names, ``duration_s`` that of A.
 
     ``fields``, ``topics``, ``crossings`` and ``images`` are in the order of A's topics; ``carried`` is over
-    all shared topics, also those not asked for. ``notices`` say what was left out and why, a line each.
+    all shared topics, also those not asked for. ``bounds`` are those of the rules, empty without any.
+    ``notices`` say what was left out and why, a line each.
     """
 
     a: str
@@ -261,6 +264,7 @@ class LossReport:
     crossings: tuple[CrossingLoss, ...]
     images: tuple[ImageLoss, ...]
     carried: Carried
+    bounds: tuple[BoundLoss, ...] = ()
     notices: tuple[str, ...] = ()
 
     def fields_of(self, topic: str) -> tuple[FieldLoss, ...]:
@@ -285,6 +289,7 @@ class LossReport:
             "fields": [loss.to_json() for loss in self.fields],
             "crossings": [loss.to_json() for loss in self.crossings],
             "images": [loss.to_json() for loss in self.images],
+            **({"bounds": [loss.to_json() for loss in self.bounds]} if self.bounds else {}),
             "bytes": self.carried.to_json(),
             "notices": list(self.notices),
         }

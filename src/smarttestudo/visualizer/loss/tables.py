@@ -5,9 +5,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from smarttestudo.domain.units import BYTES_PER_KB
+from smarttestudo.visualizer.loss.bounds import BoundLoss, BrokenStretch
 from smarttestudo.visualizer.loss.curve import CurvePoint, LossCurve
 from smarttestudo.visualizer.loss.report import (
     Age,
@@ -19,7 +20,17 @@ from smarttestudo.visualizer.loss.report import (
     Sightings,
     TopicLoss,
 )
-from smarttestudo.visualizer.table import Align, Cell, Column, Number, Row, Table, Text, printable
+from smarttestudo.visualizer.table import (
+    Align,
+    Cell,
+    Column,
+    Number,
+    Row,
+    Table,
+    Text,
+    format_cell,
+    printable,
+)
 
 _SMALL = 0.01
 _NOISE = 1e-9
@@ -34,6 +45,11 @@ _CROSSING_NOTE = (
     "In time: before A's next message. Missed: the value was back before a message came, or the way back "
     "from such a crossing. Late: mean and longest delay of those that were late."
 )
+_BOUND_NOTE = (
+    "Messages of A while the bound was in force, broken where B's picture was more than the bound off after "
+    "them. Worst: the largest error, in the property's unit. Times are in s since the start of A."
+)
+_MOST_STRETCHES = 3
 _IMAGE_NOTE = "Blind: the longest time without a new frame."
 
 
@@ -48,9 +64,11 @@ def arms_text(report: LossReport) -> str:
 
 
 def loss_tables(report: LossReport) -> Iterator[Table]:
-    """Errors, ages, crossings and images, each where there are any."""
+    """Errors, bounds, ages, crossings and images, each where there are any."""
     if report.fields:
         yield error_table(report)
+    if report.bounds:
+        yield bound_table(report)
     yield age_table(report)
     if report.crossings:
         yield crossing_table(report)
@@ -76,6 +94,26 @@ def error_table(report: LossReport) -> Table:
         ),
         rows=tuple(_error_row(loss) for loss in report.fields),
         footnotes=(_ERROR_NOTE, *_excluded_note(report)),
+    )
+
+
+def bound_table(report: LossReport) -> Table:
+    """How each bound of the rules was kept."""
+    return Table(
+        title="Bounds of the rules",
+        columns=(
+            Column(heading="Picture", align=Align.LEFT),
+            Column(heading="Unit", align=Align.LEFT),
+            Column(heading="Bound", heads_group=True),
+            Column(heading="Worst"),
+            Column(heading="In force", unit="s"),
+            Column(heading="Messages"),
+            Column(heading="Broken"),
+            Column(heading="Broken", unit="s"),
+            Column(heading="Kept", align=Align.LEFT),
+        ),
+        rows=tuple(_bound_row(loss) for loss in report.bounds),
+        footnotes=(*_stretch_notes(report.bounds), _BOUND_NOTE),
     )
 
 
@@ -168,6 +206,41 @@ def _error_row(loss: FieldLoss) -> Row:
             _rmse(fixed.interpolated if fixed else None),
         )
     )
+
+
+def _bound_row(loss: BoundLoss) -> Row:
+    kept = "held" if loss.is_held else "broken"
+    return Row(
+        cells=(
+            Text(f"{loss.topic} {loss.property_name}{', reckoned' if loss.reckons else ''}"),
+            Text(loss.unit),
+            measured(loss.bound),
+            measured(loss.worst),
+            Number(loss.in_force_s, decimals=1),
+            _count(loss.messages),
+            _count(loss.broken),
+            Number(loss.broken_s, decimals=1),
+            Text(kept if loss.messages else "not in force" if not loss.in_force_s else "no message"),
+        )
+    )
+
+
+def _stretch_notes(losses: Iterable[BoundLoss]) -> Iterator[str]:
+    """Of each bound that broke, when: the first stretches, and how many more."""
+    for loss in losses:
+        if loss.is_held:
+            continue
+        shown = loss.stretches[:_MOST_STRETCHES]
+        named = "; ".join(f"{one.from_s:,.2f} to {one.to_s:,.2f} s{_by(one, loss.unit)}" for one in shown)
+        more = loss.stretch_count - len(shown)
+        rest = f"; and {more:,} more" if more else ""
+        yield f"{loss.topic} {loss.property_name} {loss.bound:g} broken: {named}{rest}."
+
+
+def _by(stretch: BrokenStretch, unit: str) -> str:
+    if stretch.worst is None:
+        return " (nothing shown)"
+    return f" ({format_cell(measured(stretch.worst))}{f' {unit}' if unit else ''})"
 
 
 def _age_row(loss: TopicLoss, duration_s: float) -> Row:
