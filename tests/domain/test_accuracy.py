@@ -11,18 +11,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from optimizer.instances import accuracy_tiers
 from smarttestudo.domain.accuracy import AccuracyTiers, rounded_up
 from smarttestudo.domain.rate import Tier
 
 MEASURED = AccuracyTiers(bounds=(0.5, 0.2, 0.1, 0.05, 0.02, 0.01), needs_hz=(0.9, 1.5, 2.6, 4.2, 8.5, 16.0))
-
-
-@st.composite
-def measured(draw: st.DrawFn) -> AccuracyTiers:
-    """Six accuracies with needs; equal ones of either are common."""
-    bounds = draw(st.lists(st.sampled_from([0.01, 0.1, 1.0]) | st.floats(1e-3, 10), min_size=6, max_size=6))
-    needs_hz = draw(st.lists(st.sampled_from([0.5, 1.0, 25.5]) | st.floats(0, 200), min_size=6, max_size=6))
-    return AccuracyTiers(bounds=tuple(sorted(bounds, reverse=True)), needs_hz=tuple(sorted(needs_hz)))
 
 
 def test_a_level_lies_between_two_accuracies_and_the_outer_ones_are_their_own() -> None:
@@ -32,7 +25,7 @@ def test_a_level_lies_between_two_accuracies_and_the_outer_ones_are_their_own() 
     assert MEASURED.interval(Tier.EXCESSIVE) == (0.01, 0.01)
 
 
-@given(tiers=measured(), bound=st.floats(1e-4, 20))
+@given(tiers=accuracy_tiers(), bound=st.floats(1e-4, 20))
 def test_between_two_accuracies_the_need_lies_on_a_line(tiers: AccuracyTiers, bound: float) -> None:
     assert tiers.needs_hz is not None
     if bound < tiers.bounds[-1]:
@@ -46,7 +39,7 @@ def test_what_was_not_measured_is_not_known() -> None:
     assert AccuracyTiers(bounds=MEASURED.bounds).needed_hz(0.1) == math.inf
 
 
-@given(tiers=measured(), rate_hz=st.floats(0, 250))
+@given(tiers=accuracy_tiers(), rate_hz=st.floats(0, 250))
 def test_the_tightest_bound_of_a_rate_needs_no_more_and_no_tighter_one_does(
     tiers: AccuracyTiers, rate_hz: float
 ) -> None:

@@ -13,9 +13,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from optimizer.instances import accuracy_tiers
 from smarttestudo.adirf.parser import parse
 from smarttestudo.cli.main import main
-from smarttestudo.domain.accuracy import AccuracyTiers, LevelledProperty
+from smarttestudo.domain.accuracy import LevelledProperty
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.domain.rate import Tier
@@ -165,14 +166,11 @@ _levels = st.sampled_from([Tier.MARGINAL, Tier.ACCEPTABLE, Tier.DESIRABLE, Tier.
 
 @st.composite
 def bound_topics(draw: st.DrawFn) -> TopicProfile:
-    """A topic with measured accuracies; equal ones are common."""
-    bounds = draw(st.lists(st.sampled_from([0.01, 0.1, 1.0]) | st.floats(1e-3, 10), min_size=6, max_size=6))
-    needs_hz = draw(st.lists(st.sampled_from([0.5, 1.0, 25.0]) | st.floats(0.1, 200), min_size=6, max_size=6))
-    tiers = AccuracyTiers(bounds=tuple(sorted(bounds, reverse=True)), needs_hz=tuple(sorted(needs_hz)))
+    """A topic with measured accuracies of its position."""
     return TopicProfile(
         message_kb=draw(st.sampled_from([0.1, 1.0, 420.0]) | st.floats(0.01, 1000)),
         source_hz=200.0,
-        accuracies={LevelledProperty.POSITION: tiers},
+        accuracies={LevelledProperty.POSITION: draw(accuracy_tiers())},
     )
 
 

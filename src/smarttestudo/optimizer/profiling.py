@@ -114,9 +114,7 @@ _TIERS_GUESSED = "# The tiers are guesses from the rates; docs/quality-levels.md
 _TIERS_FROM_LOSS = (
     "# The tiers come from the loss at each rate (docs/loss.md), those in % of source_hz from the rate alone."
 )
-_NEEDS_ORIGIN = (
-    f"with hold, a heartbeat of {HEARTBEAT_HZ:g} Hz and no ceiling, for movements as these"
-)
+_NEEDS_ORIGIN = f"with hold, a heartbeat of {HEARTBEAT_HZ:g} Hz and no ceiling, for movements as these"
 _DIGITS = 3
 _MS_PER_S = 1000.0
 
