@@ -181,13 +181,18 @@ def keep_withins(
     topics: Sequence[str] = TOPICS, properties: Sequence[str] = PROPERTIES
 ) -> st.SearchStrategy[KeepWithin]:
     return st.builds(
-        lambda topic, name, text: KeepWithin(
-            topic=topic, property=name, property_span=NOWHERE, bound=float(text), text=text, span=NOWHERE
+        lambda topic, name, bound: KeepWithin(
+            topic=topic,
+            property=name,
+            property_span=NOWHERE,
+            bound=bound if isinstance(bound, Tier) else float(bound),
+            text="" if isinstance(bound, Tier) else bound,
+            span=NOWHERE,
         ),
         topic_names(topics),
         # A keyword is a property only where a comparison follows.
         st.sampled_from([name for name in (*properties, "position", "orientation") if name not in KEYWORDS]),
-        st.sampled_from(RATE_TEXTS),
+        st.sampled_from([*RATE_TEXTS, *Tier]),
     )
 
 

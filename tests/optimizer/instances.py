@@ -9,6 +9,7 @@ from collections.abc import Iterator
 
 from hypothesis import strategies as st
 
+from smarttestudo.domain.accuracy import AccuracyTiers
 from smarttestudo.domain.profile import TopicProfile
 from smarttestudo.domain.rate import Tier
 from smarttestudo.optimizer.model import Ask, Model, TopicNeeds
@@ -74,6 +75,15 @@ def demands(draw: st.DrawFn) -> list[Demand]:
         )
         for index in range(draw(st.integers(0, 6)))
     ]
+
+
+@st.composite
+def accuracy_tiers(draw: st.DrawFn, *, distinct: bool = False) -> AccuracyTiers:
+    """Six accuracies with measured needs; equal needs are common, and equal bounds unless ``distinct``."""
+    some = st.sampled_from([0.01, 0.1, 1.0]) | st.floats(1e-3, 10)
+    bounds = draw(st.lists(some, min_size=6, max_size=6, unique=distinct))
+    needs_hz = draw(st.lists(st.sampled_from([0.5, 1.0, 25.0]) | st.floats(0.1, 200), min_size=6, max_size=6))
+    return AccuracyTiers(bounds=tuple(sorted(bounds, reverse=True)), needs_hz=tuple(sorted(needs_hz)))
 
 
 @st.composite

@@ -5,8 +5,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Protocol
 
 from smarttestudo.adirf.normal_form import (
     Form,
@@ -38,6 +39,7 @@ from smarttestudo.domain.decision import Reason
 from smarttestudo.domain.errors import RuleFileError
 from smarttestudo.domain.rate import Rate, Tier
 from smarttestudo.domain.signal import Signal
+from smarttestudo.domain.source import Span
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -68,6 +70,11 @@ class RuleBlock:
     rates: Mapping[str, Rate]
     bounds: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     recordings: tuple[Recording, ...] = ()
+
+    @property
+    def topics(self) -> tuple[str, ...]:
+        """The topics whose rate or bounds it sets."""
+        return tuple(dict.fromkeys([*self.rates, *self.bounds]))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -157,34 +164,48 @@ def fallback_rules(topics: Iterable[str]) -> RuleSet:
     )
 
 
-TierRates = Callable[[SetFrequency, str], Rate]
-"""The rate that the optimizer gave one statement, from the statement and its file's path."""
+class TierValues(Protocol):
+    """What the optimizer gave the tiers of some rule files; statements come with their file's path."""
+
+    def tier_rate(self, statement: SetFrequency, path: str, /) -> Rate:
+        """The rate of a statement that names a tier."""
+
+    def tier_bound(self, statement: KeepWithin, path: str, /) -> float:
+        """The bound of a statement that names a tier."""
 
 
-def refuse_tier(statement: SetFrequency, path: str) -> Rate:
-    """The ``TierRates`` of a set-up without an optimizer: every tier is an error."""
-    value = statement.rate.value
-    raise RuleFileError(
-        f"{value.value if isinstance(value, Tier) else value} has no rate without a profile",
-        place=f"{path}:{statement.span.line}:{statement.span.column}",
+class RefusedTiers:
+    """The ``TierValues`` of a set-up without an optimizer: every tier is an error."""
+
+    def tier_rate(self, statement: SetFrequency, path: str, /) -> Rate:
+        """Raises ``RuleFileError``."""
+        raise _no_profile(statement.rate.value, "rate", statement.span, path)
+
+    def tier_bound(self, statement: KeepWithin, path: str, /) -> float:
+        """Raises ``RuleFileError``."""
+        raise _no_profile(statement.bound, "accuracy", statement.span, path)
+
+
+def _no_profile(value: float | Tier | RateWord, what: str, span: Span, path: str) -> RuleFileError:
+    return RuleFileError(
+        f"{value.value if isinstance(value, Tier) else value} has no {what} without a profile",
+        place=f"{path}:{span.line}:{span.column}",
         remedy="give a number, or a profile with --profile",
     )
 
 
-def compile_rules(
-    files: Sequence[RuleFile], resolve: Resolve, tier_rates: TierRates = refuse_tier
-) -> RuleSet:
-    """The meaning of ``files`` as one set; expects files without errors."""
-    compiler = _Compiler(resolve=resolve, tier_rates=tier_rates)
+def compile_rules(files: Sequence[RuleFile], resolve: Resolve, tiers: TierValues | None = None) -> RuleSet:
+    """The meaning of ``files``, which have no errors, as one set; tiers in them need ``tiers``."""
+    compiler = _Compiler(resolve=resolve, tiers=RefusedTiers() if tiers is None else tiers)
     for file in files:
         compiler.add(file)
     return compiler.rule_set()
 
 
 class _Compiler:
-    def __init__(self, *, resolve: Resolve, tier_rates: TierRates) -> None:
+    def __init__(self, *, resolve: Resolve, tiers: TierValues) -> None:
         self._resolve = resolve
-        self._tier_rates = tier_rates
+        self._tiers = tiers
         self._defaults: dict[str, Rate] = {}
         self._default_lines: dict[str, int] = {}
         self._floors_hz: dict[str, float] = {}
@@ -205,7 +226,7 @@ class _Compiler:
                     floor_hz = _number(statement.rate)
                     self._floors_hz[topic] = max(floor_hz, self._floors_hz.get(topic, 0.0))
                 case KeepWithin():
-                    _tighten(self._bounds, topic, statement)
+                    self._tighten(self._bounds, topic, statement, file.path)
                 case Block():
                     self._written.append(self._as_written(statement))
                     self._blocks.extend(self._blocks_of(statement, file.path))
@@ -264,15 +285,21 @@ class _Compiler:
                     priority=block.priority or 0,
                     form=normal_form(block.condition, self._resolve, negated=negated),
                     rates={self._resolve(one.topic.text): self._rate(one, path) for one in sets_in(actions)},
-                    bounds=self._bounds_of(actions),
+                    bounds=self._bounds_of(actions, path),
                     recordings=tuple(map(self._recording, records_in(actions))),
                 )
 
-    def _bounds_of(self, actions: Iterable[Action]) -> Mapping[str, Mapping[str, float]]:
+    def _bounds_of(self, actions: Iterable[Action], path: str) -> Mapping[str, Mapping[str, float]]:
         bounds: dict[str, dict[str, float]] = {}
         for one in bounds_in(actions):
-            _tighten(bounds, self._resolve(one.topic.text), one)
+            self._tighten(bounds, self._resolve(one.topic.text), one, path)
         return bounds
+
+    def _tighten(self, bounds: dict[str, dict[str, float]], topic: str, one: KeepWithin, path: str) -> None:
+        """Of several bounds of one property the tightest counts."""
+        bound = self._tiers.tier_bound(one, path) if isinstance(one.bound, Tier) else one.bound
+        of_topic = bounds.setdefault(topic, {})
+        of_topic[one.property] = min(bound, of_topic.get(one.property, math.inf))
 
     def _recording(self, record: RecordIncident) -> Recording:
         return Recording(
@@ -286,16 +313,10 @@ class _Compiler:
     def _rate(self, statement: SetFrequency, path: str) -> Rate:
         value = statement.rate.value
         if isinstance(value, Tier):
-            return self._tier_rates(statement, path)
+            return self._tiers.tier_rate(statement, path)
         if isinstance(value, RateWord):
             return Rate.full() if value is RateWord.FULL else Rate.off()
         return Rate(value)
-
-
-def _tighten(bounds: dict[str, dict[str, float]], topic: str, one: KeepWithin) -> None:
-    """Of several bounds of one property the tightest counts."""
-    of_topic = bounds.setdefault(topic, {})
-    of_topic[one.property] = min(one.bound, of_topic.get(one.property, math.inf))
 
 
 def _recording_all(block: RuleBlock, topics: tuple[str, ...]) -> RuleBlock:

@@ -195,15 +195,16 @@ class RecordIncident:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class KeepWithin:
-    """``KeepWithin TOPIC PROPERTY NUMBER``: how far off the receiver's picture of a property may be.
+    """``KeepWithin TOPIC PROPERTY bound``: how far off the receiver's picture of a property may be.
 
-    ``bound`` is in the unit of the property, ``text`` the number as written. Outside a block it always holds.
+    ``bound`` is a number in the unit of the property, or a tier; ``text`` is the number as written. Outside a
+    block it always holds.
     """
 
     topic: TopicName
     property: str
     property_span: Span
-    bound: float
+    bound: float | Tier
     text: str
     span: Span
     trivia: Trivia = field(default=NO_TRIVIA, compare=False, repr=False)
@@ -278,20 +279,34 @@ def bounds_in(actions: Iterable[Action]) -> tuple[KeepWithin, ...]:
     return tuple(action for action in actions if isinstance(action, KeepWithin))
 
 
+def bound_span(statement: KeepWithin) -> Span:
+    """Where the bound of a parsed statement is written: its last word."""
+    bound, whole = statement.bound, statement.span
+    length = len(bound.value if isinstance(bound, Tier) else statement.text)
+    return Span(
+        line=whole.end_line,
+        column=whole.end_column - length,
+        end_line=whole.end_line,
+        end_column=whole.end_column,
+    )
+
+
 def records_in(actions: Iterable[Action]) -> tuple[RecordIncident, ...]:
     """The recordings among ``actions``, in their order."""
     return tuple(action for action in actions if isinstance(action, RecordIncident))
 
 
-def rates_in(statement: Statement) -> Iterator[RateExpression]:
-    """The rates that a statement writes, in their order."""
-    match statement:
-        case Block():
-            yield from (one.rate for one in sets_in((*statement.then, *statement.otherwise)))
-        case SetFrequency() | KeepAtLeast():
-            yield statement.rate
-        case KeepWithin():
-            pass
+def tiers_in(statement: Statement) -> Iterator[tuple[Span, Tier]]:
+    """The tiers that a statement names, each with its place, in their order."""
+    actions = (*statement.then, *statement.otherwise) if isinstance(statement, Block) else (statement,)
+    for one in actions:
+        match one:
+            case SetFrequency(rate=RateExpression(value=Tier() as tier, span=span)):
+                yield span, tier
+            case KeepWithin(bound=Tier() as tier):
+                yield bound_span(one), tier
+            case _:
+                pass
 
 
 def checks_in(condition: Condition) -> Iterator[Check]:

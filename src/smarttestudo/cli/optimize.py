@@ -11,6 +11,7 @@ from typing import TextIO
 
 from smarttestudo.adapters.files.outputs import require_separate
 from smarttestudo.adapters.files.rule_files import write_rule_text
+from smarttestudo.adirf.formatter import number_text
 from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.tables import print_table
 from smarttestudo.domain.finding import Finding
@@ -26,7 +27,7 @@ from smarttestudo.use_cases.rules.optimize import (
     optimize,
 )
 from smarttestudo.use_cases.rules.optimize_json import optimize_json
-from smarttestudo.visualizer.table import Align, Column, Number, Row, Table, Text
+from smarttestudo.visualizer.table import Align, Cell, Column, Number, Row, Table, Text
 
 EXIT_ERROR = 1
 
@@ -103,12 +104,14 @@ def _print_explanations(outcome: OptimizeOutcome, stream: TextIO) -> None:
 
 
 def _table(solved: SolvedPart, explanation: PartExplanation, budget_kb_per_s: float) -> Table:
+    has_bounds = any(row.bound is not None for row in explanation.rows)
     rows = [
         Row(
             cells=(
                 Text(row.topic),
                 Text(wanted_text(row.wanted)),
                 Text(row.level.value if row.level else ""),
+                *([] if not has_bounds else [Text("" if row.bound is None else number_text(row.bound))]),
                 Number(row.rate_hz, 3),
                 Number(row.kb_per_s),
                 Number(100 * row.share, 1),
@@ -119,8 +122,8 @@ def _table(solved: SolvedPart, explanation: PartExplanation, budget_kb_per_s: fl
     ]
     used = solved.used_kb_per_s
     if solved.part.label is not None:
-        rows.append(_sum_row("other topics", solved.others_kb_per_s, budget_kb_per_s))
-    rows.append(_sum_row("all topics", used, budget_kb_per_s))
+        rows.append(_sum_row("other topics", solved.others_kb_per_s, budget_kb_per_s, blanks=3 + has_bounds))
+    rows.append(_sum_row("all topics", used, budget_kb_per_s, blanks=3 + has_bounds))
     title = "Defaults" if solved.part.label is None else f'"{solved.part.label}" ({solved.part.place})'
     return Table(
         title=f"{title}: {kb_text(used)} of {kb_text(budget_kb_per_s)} KB/s",
@@ -128,6 +131,7 @@ def _table(solved: SolvedPart, explanation: PartExplanation, budget_kb_per_s: fl
             Column(heading="Topic", align=Align.LEFT),
             Column(heading="Asked for", align=Align.LEFT),
             Column(heading="Level", align=Align.LEFT),
+            *([Column(heading="Within")] if has_bounds else []),
             Column(heading="Rate", unit="Hz"),
             Column(heading="Load", unit="KB/s"),
             Column(heading="Share", unit="%"),
@@ -137,8 +141,8 @@ def _table(solved: SolvedPart, explanation: PartExplanation, budget_kb_per_s: fl
     )
 
 
-def _sum_row(name: str, kb_per_s: float, budget_kb_per_s: float) -> Row:
+def _sum_row(name: str, kb_per_s: float, budget_kb_per_s: float, *, blanks: int) -> Row:
     share = 100 * kb_per_s / budget_kb_per_s if budget_kb_per_s else None
-    blank = Text("")
-    cells = (Text(name), blank, blank, blank, Number(kb_per_s), Number(share, 1), blank)
+    empty: list[Cell] = [Text("")] * blanks
+    cells = (Text(name), *empty, Number(kb_per_s), Number(share, 1), Text(""))
     return Row(cells=cells, is_total=True)

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from smarttestudo.adapters.files.outputs import require_separate
+from smarttestudo.adapters.files.profile import load_profile
 from smarttestudo.adapters.files.whole_file import whole_file
 from smarttestudo.adapters.ros import open_robot
 from smarttestudo.cli.bag_options import topic_pattern
@@ -23,6 +24,7 @@ from smarttestudo.domain.errors import ProfileError, UsageError
 from smarttestudo.use_cases.live.profile import profile_of_robot
 
 if TYPE_CHECKING:
+    from smarttestudo.domain.profile import Profile
     from smarttestudo.optimizer.profiling import TierProposal
 
 
@@ -55,6 +57,12 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         action="store_true",
         help="with --bag: propose tiers where the loss at each rate bends, as `bag loss BAG` shows it",
     )
+    parser.add_argument(
+        "--accuracies-of",
+        metavar="PROFILE",
+        type=file_path,
+        help="measure what the tiers_m, tiers_deg and tiers_rad of this profile need, not proposed ones",
+    )
     parser.add_argument("-o", "--output", metavar="FILE", type=file_path, help="where to write the profile")
     parser.add_argument(
         "--ros-args",
@@ -73,8 +81,9 @@ def run(arguments: argparse.Namespace) -> int:
         raise ProfileError("the file exists already", place=str(output), remedy="give another name")
     if arguments.from_curve and arguments.bag is None:
         raise UsageError("a curve needs a recording", place="--from-curve", remedy="give one with --bag")
-    require_separate({"--output": output}, (arguments.bag,))
-    text = _of_robot(arguments) if arguments.bag is None else _of_recording(arguments)
+    require_separate({"--output": output}, (arguments.bag, arguments.accuracies_of))
+    levels = None if arguments.accuracies_of is None else load_profile(arguments.accuracies_of)
+    text = _of_robot(arguments, levels) if arguments.bag is None else _of_recording(arguments, levels)
     if output is None:
         sys.stdout.write(text)
         return 0
@@ -83,20 +92,20 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _of_recording(arguments: argparse.Namespace) -> str:
+def _of_recording(arguments: argparse.Namespace, levels: Profile | None) -> str:
     from smarttestudo.adapters.rosbag import open_recording  # noqa: PLC0415  needs packages a robot lacks
     from smarttestudo.use_cases.bags.profile import profile_of_recording  # noqa: PLC0415
 
     proposals = _breakpoints(arguments.bag) if arguments.from_curve else None
     with open_recording(arguments.bag) as recording:
         text = profile_of_recording(
-            recording, name=arguments.bag.name, patterns=arguments.topics, proposals=proposals
+            recording, name=arguments.bag.name, patterns=arguments.topics, proposals=proposals, levels=levels
         )
         _note(recording.notices())
     return text
 
 
-def _of_robot(arguments: argparse.Namespace) -> str:
+def _of_robot(arguments: argparse.Namespace, levels: Profile | None) -> str:
     name = f"testudo_profile_{os.getpid()}"
     with open_robot(arguments.ros_args, name=name) as robot, progress("Measuring") as report:
         measured = profile_of_robot(
@@ -104,6 +113,7 @@ def _of_robot(arguments: argparse.Namespace) -> str:
             seconds=arguments.seconds,
             timeout_s=arguments.timeout,
             patterns=arguments.topics,
+            levels=levels,
             steady_s=time.monotonic,
             report=report,
         )

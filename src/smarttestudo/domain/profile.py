@@ -4,9 +4,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from enum import Enum
+
+from smarttestudo.domain.accuracy import AccuracyTiers, LevelledProperty
 
 
 class LevelUnit(Enum):
@@ -22,7 +25,8 @@ class TopicProfile:
 
     ``message_kb`` is in KB of 1000 B, ``tiers_hz`` the six rates τ0 … τ5 in Hz, ``min_hz`` the floor of the
     budget models and ``max_hz`` their ceiling, ``stale_after_s`` the age in seconds at which values of the
-    topic count as unknown, ``paced_with`` the topic whose passed stamps this one follows.
+    topic count as unknown, ``paced_with`` the topic whose passed stamps this one follows, ``accuracies`` the
+    levels of bounds.
     """
 
     type_name: str | None = None
@@ -35,6 +39,24 @@ class TopicProfile:
     stale_after_s: float | None = None
     paced_with: str | None = None
     level_unit: LevelUnit | None = None
+    accuracies: Mapping[LevelledProperty, AccuracyTiers] = field(default_factory=dict)
+
+    def accuracy(self, name: str) -> AccuracyTiers | None:
+        """The levels of the property ``name``, if there are any."""
+        return next((tiers for one, tiers in self.accuracies.items() if one.value == name), None)
+
+    def needed_hz(self, within: Mapping[str, float]) -> float:
+        """The mean rate that bounds by property need together; infinite where there is one of unknown need.
+
+        They count as if no message served two of them.
+        """
+        if not within:
+            return math.inf
+        needs_hz = 0.0
+        for name, bound in within.items():
+            tiers = self.accuracy(name)
+            needs_hz += math.inf if tiers is None else tiers.needed_hz(bound)
+        return needs_hz
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

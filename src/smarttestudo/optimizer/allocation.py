@@ -104,7 +104,7 @@ def _ladder(ask: Ask) -> Ladder:
     # A topic with a written rate stands on one rung, whatever its tiers.
     tiers_hz = ask.needs.tiers_hz if isinstance(ask.wanted, Tier) else (least_hz,) * len(Tier)
     return Ladder(
-        topic=ask.needs.topic,
+        topic=ask.needs.name,
         size_kb=ask.needs.size_kb,
         least_hz=least_hz,
         most_hz=most_hz,

@@ -11,7 +11,7 @@ from typing import Protocol
 
 from smarttestudo.domain.rate import Tier
 from smarttestudo.optimizer.allocation import round_down
-from smarttestudo.optimizer.model import Ask, Model
+from smarttestudo.optimizer.model import Ask, BoundNeeds, Model
 from smarttestudo.optimizer.rule_rates import SolvedPart
 
 CHANGES_SHOWN = 3
@@ -69,14 +69,16 @@ def smallest_changes(
 
 
 def _reductions(ask: Ask, excess_kb_per_s: float, model: Model) -> Iterator[Reduction]:
-    """The ways to ask less of one topic that save anything, the smallest first."""
+    """The ways to ask less of one topic that save anything, the smallest first; a written bound has none."""
+    if isinstance(ask.needs, BoundNeeds) and not isinstance(ask.wanted, Tier):
+        return
     size_kb = ask.needs.size_kb
     asked_hz = ask.bounds_hz(model)[0]
     for steps, wanted in enumerate(_lower(ask.wanted, excess_kb_per_s / size_kb), start=1):
         lower_hz = Ask(needs=ask.needs, wanted=wanted).bounds_hz(model)[0]
         if ask.needs.floor_hz <= lower_hz < asked_hz:
             saved = size_kb * (asked_hz - lower_hz)
-            yield Reduction(topic=ask.needs.topic, wanted=wanted, steps=steps, saved_kb_per_s=saved)
+            yield Reduction(topic=ask.needs.name, wanted=wanted, steps=steps, saved_kb_per_s=saved)
 
 
 def _lower(wanted: Tier | float, excess_hz: float) -> Iterator[Tier | float]:

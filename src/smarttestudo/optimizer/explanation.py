@@ -39,7 +39,8 @@ class Binding(Enum):
 class TopicRow:
     """One topic of a part: what it is asked for and gets, its share of the budget, and what holds it there.
 
-    ``level`` is that of the rate, ``None`` where the profile has no tiers.
+    ``level`` is that of the rate, ``None`` where the profile has no tiers. Of a bound with a level, ``topic``
+    is followed by the property, and ``rate_hz`` is what ``bound`` needs.
     """
 
     topic: str
@@ -49,6 +50,7 @@ class TopicRow:
     kb_per_s: float
     share: float
     binding: Binding
+    bound: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -87,15 +89,15 @@ def explain_part(
 
 def _row(ask: Ask, rate_hz: float, budget_kb_per_s: float, model: Model, *, is_worth_more: bool) -> TopicRow:
     kb_per_s = ask.needs.size_kb * rate_hz
-    tiers_hz = ask.needs.entry.tiers_hz
     return TopicRow(
-        topic=ask.needs.topic,
+        topic=ask.needs.name,
         wanted=ask.wanted,
-        level=_level(ask, rate_hz) if tiers_hz else None,
+        level=_level(ask, rate_hz) if ask.needs.has_tiers else None,
         rate_hz=rate_hz,
         kb_per_s=kb_per_s,
         share=kb_per_s / budget_kb_per_s if budget_kb_per_s else math.nan,
         binding=_binding(ask, rate_hz, model, is_worth_more=is_worth_more),
+        bound=ask.bound(rate_hz, model),
     )
 
 

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
 
+from smarttestudo.domain.accuracy import AccuracyTiers, LevelledProperty, rounded_up
 from smarttestudo.domain.errors import ProfileError
 from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.domain.rate import Tier
@@ -53,24 +54,39 @@ class TopicNeeds:
     profile_path: str
 
     @property
+    def name(self) -> str:
+        """What messages and tables call it."""
+        return self.topic
+
+    @property
+    def most_hz(self) -> float:
+        """A rate above which nothing is given, whatever the level says."""
+        return math.inf
+
+    @property
+    def has_tiers(self) -> bool:
+        """Whether rates have levels."""
+        return self.entry.tiers_hz is not None
+
+    @property
     def size_kb(self) -> float:
         """The mean message size in KB."""
         if self.entry.message_kb is None:
-            raise self._missing("message_kb", "its mean message size in KB")
+            raise self.missing("message_kb", "its mean message size in KB")
         return self.entry.message_kb
 
     @property
     def tiers_hz(self) -> Sequence[float]:
         """τ0 … τ5 in Hz."""
         if self.entry.tiers_hz is None:
-            raise self._missing("tiers_hz", "six rates τ0 … τ5 in Hz")
+            raise self.missing("tiers_hz", "six rates τ0 … τ5 in Hz")
         return self.entry.tiers_hz
 
     @property
     def source_hz(self) -> float:
         """The rate of the robot's topic in Hz."""
         if self.entry.source_hz is None:
-            raise self._missing("source_hz", "its rate in Hz, which Full passes on")
+            raise self.missing("source_hz", "its rate in Hz, which Full passes on")
         return self.entry.source_hz
 
     @property
@@ -82,9 +98,10 @@ class TopicNeeds:
             return self.entry.source_hz
         if self.entry.tiers_hz is not None:
             return self.entry.tiers_hz[-1]
-        raise self._missing("max_hz", "the highest useful rate in Hz")
+        raise self.missing("max_hz", "the highest useful rate in Hz")
 
-    def _missing(self, key: str, what: str) -> MissingEntryError:
+    def missing(self, key: str, what: str) -> MissingEntryError:
+        """That the profile lacks ``key`` of this topic."""
         return MissingEntryError(
             f'[topics."{self.topic}"] has no {key}',
             path=self.profile_path,
@@ -92,6 +109,77 @@ class TopicNeeds:
             topic=self.topic,
             key=key,
         )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BoundNeeds:
+    """What the optimizer knows of a bound of one property: its levels, as the rates that they need.
+
+    ``limit_hz`` is the topic's ceiling, which no bound costs more than.
+    """
+
+    of_topic: TopicNeeds
+    property_name: str
+    accuracy: AccuracyTiers
+    limit_hz: float
+
+    @property
+    def topic(self) -> str:
+        """The full name of the topic."""
+        return self.of_topic.topic
+
+    @property
+    def name(self) -> str:
+        """Topic and property."""
+        return f"{self.topic} {self.property_name}"
+
+    @property
+    def entry(self) -> TopicProfile:
+        """The topic's profile."""
+        return self.of_topic.entry
+
+    @property
+    def size_kb(self) -> float:
+        """The mean message size in KB."""
+        return self.of_topic.size_kb
+
+    @property
+    def has_tiers(self) -> bool:
+        """Always true."""
+        return True
+
+    @property
+    def tiers_hz(self) -> Sequence[float]:
+        """The rates that α0 … α5 need."""
+        return [min(rate_hz, self.limit_hz) for rate_hz in self.accuracy.needs_hz or ()]
+
+    @property
+    def floor_hz(self) -> float:
+        """What α0 needs, or the topic's floor: no bound is looser than that of Unacceptable."""
+        return min(max(self.of_topic.floor_hz, self.tiers_hz[0]), self.limit_hz)
+
+    @property
+    def most_hz(self) -> float:
+        """What α5 needs: nothing is known of tighter bounds."""
+        return max(self.tiers_hz[-1], self.floor_hz)
+
+    @property
+    def ceiling_hz(self) -> float:
+        """The same, for the models without levels."""
+        return self.most_hz
+
+    def bound(self, rate_hz: float, wanted: Tier, model: Model) -> float:
+        """The tightest bound that ``wanted`` allows and ``rate_hz`` keeps, in four digits."""
+        loosest, tightest = self.accuracy.bounds[0], self.accuracy.bounds[-1]
+        if model not in {Model.BUDGET, Model.PRIORITY}:
+            loosest, tightest = self.accuracy.interval(wanted)
+        if rate_hz >= self.limit_hz:
+            return tightest
+        found = self.accuracy.tightest_within(rate_hz)
+        return min(max(rounded_up(found), tightest), loosest)
+
+
+Needs = TopicNeeds | BoundNeeds
 
 
 def needs_of(topic: str, profile: Profile, *, keep_at_least_hz: float = 0.0) -> TopicNeeds:
@@ -109,7 +197,25 @@ def needs_of(topic: str, profile: Profile, *, keep_at_least_hz: float = 0.0) -> 
     return TopicNeeds(topic=topic, entry=entry, floor_hz=floor_hz, profile_path=profile.path)
 
 
-def bounds_hz(model: Model, needs: TopicNeeds, tier: Tier) -> tuple[float, float]:
+def accuracy_of(needs: TopicNeeds, name: str) -> AccuracyTiers:
+    """The levels of the property ``name``; ``MissingEntryError`` where the profile has none."""
+    found = needs.entry.accuracy(name)
+    if found is not None:
+        return found
+    known = next((one for one in LevelledProperty if one.value == name), None)
+    if known is not None:
+        raise needs.missing(known.tiers_key, f"six accuracies α0 … α5 of {name} in {known.unit}")
+    levelled = [one.value for one in LevelledProperty]
+    raise MissingEntryError(
+        f"{name} of {needs.topic} has no quality levels, only {', '.join(levelled)} have",
+        path=needs.profile_path,
+        remedy="write a number in the rules",
+        topic=needs.topic,
+        key=None,
+    )
+
+
+def bounds_hz(model: Model, needs: Needs, tier: Tier) -> tuple[float, float]:
     """The lowest and highest rate that ``tier`` allows under ``model``; floors win over levels.
 
     The budget and priority models do not look at levels. Benefit and maxmin do not pay for rates above the
@@ -124,14 +230,14 @@ def bounds_hz(model: Model, needs: TopicNeeds, tier: Tier) -> tuple[float, float
             source_hz = math.inf if needs.entry.source_hz is None else needs.entry.source_hz
             low_hz, high_hz = (min(end, source_hz) for end in interval_hz(tier, needs.tiers_hz))
     low_hz = max(low_hz, needs.floor_hz)
-    return low_hz, max(low_hz, high_hz)
+    return low_hz, max(low_hz, min(high_hz, needs.most_hz))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Ask:
-    """What a rule file asks for one topic: a quality level, or a rate in Hz that is fixed."""
+    """What a rule file asks for a topic, or a bound of it: a quality level, or a rate in Hz that is fixed."""
 
-    needs: TopicNeeds
+    needs: Needs
     wanted: Tier | float
 
     def bounds_hz(self, model: Model) -> tuple[float, float]:
@@ -140,14 +246,20 @@ class Ask:
             return bounds_hz(model, self.needs, self.wanted)
         return self.wanted, self.wanted
 
+    def bound(self, rate_hz: float, model: Model) -> float | None:
+        """The bound that ``rate_hz`` stands for; ``None`` where no level of a bound is asked for."""
+        if isinstance(self.needs, BoundNeeds) and isinstance(self.wanted, Tier):
+            return self.needs.bound(rate_hz, self.wanted, model)
+        return None
+
     def demand(self, model: Model) -> Demand:
         """The ask in the terms of a solver; maxmin has no worths that add up, so no pieces."""
         least_hz, most_hz = self.bounds_hz(model)
         pieces = _pieces(model, self.needs, least_hz, most_hz) if most_hz > least_hz else ()
-        return Demand(topic=self.needs.topic, size_kb=self.needs.size_kb, least_hz=least_hz, pieces=pieces)
+        return Demand(topic=self.needs.name, size_kb=self.needs.size_kb, least_hz=least_hz, pieces=pieces)
 
 
-def _pieces(model: Model, needs: TopicNeeds, least_hz: float, most_hz: float) -> tuple[Piece, ...]:
+def _pieces(model: Model, needs: Needs, least_hz: float, most_hz: float) -> tuple[Piece, ...]:
     priority = needs.entry.priority
     match model:
         case Model.QUPER | Model.BUDGET:

@@ -5,14 +5,18 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
+from smarttestudo.domain.accuracy import AccuracyTiers, LevelledProperty
 from smarttestudo.domain.intervals import Intervals
 from smarttestudo.domain.rate import RATE_STEP_HZ
 from smarttestudo.domain.rate_meter import Flow
 from smarttestudo.domain.units import BYTES_PER_KB
+from smarttestudo.optimizer.accuracy_measure import AccuracyMeasure, levelled_properties
 from smarttestudo.optimizer.wording import kb_text
+from smarttestudo.pacing.bound import HEARTBEAT_HZ
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -27,9 +31,11 @@ class TopicMeasure:
     """Sizes and intervals of one topic's messages, counted one by one in constant memory.
 
     ``is_declared`` says that the sizes are not those of the messages but what the recording declares.
+    ``known`` are accuracies that the engineer chose.
     """
 
     __slots__ = (
+        "_accuracy",
         "_flow",
         "_intervals",
         "is_declared",
@@ -37,15 +43,29 @@ class TopicMeasure:
         "type_name",
     )
 
-    def __init__(self, type_name: str, *, is_declared: bool = False) -> None:
+    def __init__(
+        self,
+        type_name: str,
+        *,
+        is_declared: bool = False,
+        known: Mapping[LevelledProperty, AccuracyTiers] = MappingProxyType({}),
+    ) -> None:
         self.type_name = type_name
+        self._accuracy = AccuracyMeasure(type_name, known) if levelled_properties(type_name) else None
         self.is_declared = is_declared
         self.largest_bytes = 0
         self._flow = Flow()
         self._intervals = Intervals()
 
-    def record(self, stamp_ns: int, size_bytes: int) -> None:
-        """Count a message."""
+    @property
+    def has_accuracies(self) -> bool:
+        """Whether messages are to be recorded with their payload."""
+        return self._accuracy is not None
+
+    def record(self, stamp_ns: int, size_bytes: int, payload: bytes | None = None) -> None:
+        """Count a message; its accuracies need the serialized message."""
+        if self._accuracy is not None and payload is not None:
+            self._accuracy.record(stamp_ns, payload)
         self._flow.record(stamp_ns, size_bytes)
         self.largest_bytes = max(self.largest_bytes, size_bytes)
         self._intervals.record(stamp_ns)
@@ -76,6 +96,12 @@ class TopicMeasure:
         return self._flow.mean_hz
 
     @property
+    def accuracies(self) -> Mapping[LevelledProperty, AccuracyTiers]:
+        """The accuracies of the levels, with the rates that they need; none where there is no rate."""
+        source_hz = self.source_hz
+        return {} if self._accuracy is None or source_hz is None else self._accuracy.tiers(source_hz)
+
+    @property
     def jitter_s(self) -> float | None:
         """The standard deviation of the intervals in seconds; ``None`` below two intervals."""
         return self._intervals.jitter_s
@@ -88,6 +114,7 @@ _TIERS_GUESSED = "# The tiers are guesses from the rates; docs/quality-levels.md
 _TIERS_FROM_LOSS = (
     "# The tiers come from the loss at each rate (docs/loss.md), those in % of source_hz from the rate alone."
 )
+_NEEDS_ORIGIN = f"with hold, a heartbeat of {HEARTBEAT_HZ:g} Hz and no ceiling, for movements as these"
 _DIGITS = 3
 _MS_PER_S = 1000.0
 
@@ -141,8 +168,12 @@ def _entries(measure: TopicMeasure, proposal: TierProposal | None) -> Iterator[s
     if min(proposal.tiers_hz) < RATE_STEP_HZ:
         yield f"# too slow for tiers: a rate has at least {RATE_STEP_HZ} Hz"
         return
-    tiers = ", ".join(_number(rate) for rate in proposal.tiers_hz)
-    yield f"tiers_hz = [{tiers}]  # {proposal.origin}"
+    yield f"tiers_hz = {_numbers(proposal.tiers_hz)}  # {proposal.origin}"
+    for one, tiers in measure.accuracies.items():
+        yield f"{one.tiers_key} = {_numbers(tiers.bounds)}  # of {one.value}"
+        if tiers.needs_hz is not None and tiers.needs_hz[0] >= RATE_STEP_HZ:
+            needs_hz = [min(rounded(rate), source_hz) for rate in tiers.needs_hz]
+            yield f"{one.needs_key} = {_numbers(needs_hz)}  # {_NEEDS_ORIGIN}"
 
 
 def _by_shares(source_hz: float) -> TierProposal:
@@ -163,6 +194,10 @@ def _intervals(measure: TopicMeasure) -> str:
 def rounded(number: float) -> float:
     """``number`` in three significant digits."""
     return float(f"{number:.{_DIGITS}g}")
+
+
+def _numbers(numbers: Iterable[float]) -> str:
+    return f"[{', '.join(map(_number, numbers))}]"
 
 
 def _number(number: float) -> str:

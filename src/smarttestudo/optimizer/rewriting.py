@@ -5,12 +5,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from itertools import accumulate
 
-from smarttestudo.adirf.syntax import RateExpression, RuleFile, SetFrequency, rates_in
-from smarttestudo.domain.rate import Tier
+from smarttestudo.adirf.formatter import number_text
+from smarttestudo.adirf.syntax import RuleFile, SetFrequency, tiers_in
 from smarttestudo.domain.source import Span
+from smarttestudo.optimizer.rule_asks import StatementKey
 from smarttestudo.optimizer.rule_rates import Optimization
 from smarttestudo.optimizer.wording import hz_text
 
@@ -27,18 +28,19 @@ _Edit = tuple[int, int, str]
 def rewrite(text: str, file: RuleFile, optimization: Optimization, *, provenance: str) -> str:
     """``text``, which parsed to ``file``, with the rates of a feasible ``optimization``.
 
-    Each level becomes its rate. The topics that the optimization appended become defaults, after the last
-    one of the file, or at its start. A first line says ``provenance``, in the place of one that did.
+    Each level becomes its rate or its bound. The topics that the optimization appended become defaults, after
+    the last one of the file, or at its start. A first line says ``provenance``, in the place of one that did.
     """
     starts = list(accumulate((len(line) for line in _LINE.findall(text)), initial=0))
     line_end = "\r\n" if "\r\n" in text else "\n"
     edits = [
         (
-            _start(rate.span, starts),
-            _end(rate.span, starts),
-            hz_text(optimization.tier_rates_hz[file.path, rate.span]),
+            _start(span, starts),
+            _end(span, starts),
+            _number_text((file.path, span), optimization),
         )
-        for rate in _levels(file)
+        for statement in file.statements
+        for span, _ in tiers_in(statement)
     ]
     if optimization.appended and optimization.defaults.rates_hz is not None:
         rates_hz = {topic: optimization.defaults.rates_hz[topic] for topic in optimization.appended}
@@ -49,9 +51,9 @@ def rewrite(text: str, file: RuleFile, optimization: Optimization, *, provenance
     return text
 
 
-def _levels(file: RuleFile) -> Iterator[RateExpression]:
-    for statement in file.statements:
-        yield from (rate for rate in rates_in(statement) if isinstance(rate.value, Tier))
+def _number_text(key: StatementKey, optimization: Optimization) -> str:
+    bound = optimization.tier_bounds.get(key)
+    return hz_text(optimization.tier_rates_hz[key]) if bound is None else number_text(bound)
 
 
 def _appended(

@@ -45,7 +45,7 @@ def _take_request(knowledge: Knowledge, topic: str, now_ns: int) -> None:
 
 
 def _settle(knowledge: Knowledge, topic: str, now_ns: int) -> bool:
-    """Whether another rate has settled for ``topic``."""
+    """Whether another rate, or other bounds, have settled for ``topic``."""
     settling = knowledge.settling[topic]
     before, after = knowledge.settled.get(topic), settling.effective(now_ns)
     next_ns, bounds = settling.next_change_ns, knowledge.settling_bounds.get(topic)
@@ -55,7 +55,9 @@ def _settle(knowledge: Knowledge, topic: str, now_ns: int) -> bool:
         next_ns = min((at_ns for at_ns in times_ns if at_ns is not None), default=None)
     knowledge.settle_alarms.set(topic, next_ns)
     knowledge.settled[topic] = after
-    return before is None or before.planned.rate != after.planned.rate
+    if before is None:
+        return True
+    return (before.planned.rate, before.planned.within) != (after.planned.rate, after.planned.within)
 
 
 def _decisions(knowledge: Knowledge, topics: Iterable[str], now_ns: int) -> Iterator[Decision]:

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from smarttestudo.adapters.files.profile import load_profile
+from smarttestudo.domain.accuracy import AccuracyTiers, LevelledProperty
 from smarttestudo.domain.errors import ProfileError
 from smarttestudo.domain.profile import LevelUnit, Profile, TopicProfile
 
@@ -21,12 +22,15 @@ type = "nav_msgs/msg/Odometry"
 message_kb = 0.72
 source_hz = 25.5
 tiers_hz = [10, 15, 20, 25, 30, 35]
+tiers_m = [0.5, 0.2, 0.1, 0.05, 0.02, 0.01]
+tiers_m_need_hz = [0.9, 1.5, 2.6, 4.2, 8.5, 8.5]
 priority = 1.0
 min_hz = 1.0
 max_hz = 25.5
 
 [topics."battery"]
 level_unit = "percent"
+tiers_deg = [20, 10, 5, 5, 2, 1]
 stale_after_s = 30
 
 [topics."/camera/camera_info"]
@@ -51,8 +55,17 @@ def test_every_key_is_read(tmp_path: Path) -> None:
         priority=1.0,
         min_hz=1.0,
         max_hz=25.5,
+        accuracies={
+            LevelledProperty.POSITION: AccuracyTiers(
+                bounds=(0.5, 0.2, 0.1, 0.05, 0.02, 0.01), needs_hz=(0.9, 1.5, 2.6, 4.2, 8.5, 8.5)
+            )
+        },
     )
-    assert profile.topic("/battery") == TopicProfile(level_unit=LevelUnit.PERCENT, stale_after_s=30.0)
+    assert profile.topic("/battery") == TopicProfile(
+        level_unit=LevelUnit.PERCENT,
+        stale_after_s=30.0,
+        accuracies={LevelledProperty.ORIENTATION: AccuracyTiers(bounds=(20, 10, 5, 5, 2, 1))},
+    )
     assert profile.topic("/camera/camera_info").paced_with == "/camera/image_raw"
 
 
@@ -77,6 +90,33 @@ def test_an_empty_profile_knows_nothing(tmp_path: Path) -> None:
             '[topics."/a"]\ntiers_hz = [\n  1, 2, 3,\n  9, 5, 6 ]',
             ':2:1: error: topics."/a".tiers_hz must not fall from one tier to the next: '
             "Competitive (5 Hz) is below Desirable (9 Hz)",
+        ),
+        (
+            '[topics."/a"]\ntiers_m = [0.5, 0.2]',
+            ':2:1: error: topics."/a".tiers_m must be a list of six accuracies α0 … α5 in m, it is 2 numbers',
+        ),
+        (
+            '[topics."/a"]\ntiers_deg = [9, 5, 6, 3, 2, 1]',
+            ':2:1: error: topics."/a".tiers_deg must not rise from one tier to the next: '
+            "Acceptable (6) is above Marginal (5); write the widest bound first",
+        ),
+        (
+            '[topics."/a"]\ntiers_rad = [3, 2, 1, 1, 1, 0]',
+            ':2:1: error: topics."/a".tiers_rad must be above 0, it is 0',
+        ),
+        (
+            '[topics."/a"]\ntiers_m = [inf, 2, 1, 1, 1, 1]',
+            ':2:1: error: topics."/a".tiers_m must be a finite number',
+        ),
+        (
+            '[topics."/a"]\ntiers_m = [1e10, 2, 1, 1, 1, 1]',
+            ':2:1: error: topics."/a".tiers_m must be from 1e-09 to 1e+09, it is 1e+10; '
+            "the unit is in the key's name",
+        ),
+        (
+            '[topics."/a"]\npriority = 1\ntiers_m_need_hz = [1, 2, 3, 4, 5, 6]',
+            ':3:1: error: topics."/a".tiers_m_need_hz says what tiers_m need, which is missing; '
+            "add tiers_m, or remove it",
         ),
         ('[topics."a//b"]', ":1:1: error: 'a//b' is not a valid ROS 2 topic name"),
         ('[topics."/a"]\nmin_hz = 5\nmax_hz = 1', ":2:1: error: min_hz is above max_hz"),

@@ -8,7 +8,7 @@ import pytest
 
 from smarttestudo.adirf.parser import parse
 from smarttestudo.adirf.rule_set import RuleSet, compile_rules
-from smarttestudo.adirf.syntax import RuleFile
+from smarttestudo.adirf.syntax import KeepWithin, RuleFile, SetFrequency
 from smarttestudo.domain.errors import RuleFileError
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.rate import Rate
@@ -77,7 +77,31 @@ def test_a_tier_without_a_profile_is_refused_with_its_place() -> None:
     )
 
 
+class _ByPlace:
+    """Rates and bounds that tell from which file and line they are."""
+
+    def tier_rate(self, statement: SetFrequency, path: str, /) -> Rate:
+        return Rate(len(path) + statement.span.line)
+
+    def tier_bound(self, statement: KeepWithin, path: str, /) -> float:
+        return len(path) + statement.span.line / 10
+
+
 def test_a_tier_is_the_rate_that_was_given_to_its_statement() -> None:
     parsed = file("begin SetFrequency /a Desirable SetFrequency /b 3 end", "tiers.adirf")
-    rates = compile_rules([parsed], resolve_topic, lambda one, path: Rate(len(path) + one.span.line))
+    rates = compile_rules([parsed], resolve_topic, _ByPlace())
     assert rates.defaults == {"/a": Rate(12.0), "/b": Rate(3.0)}
+
+
+def test_a_tier_of_a_bound_is_the_bound_that_was_given_to_its_statement() -> None:
+    parsed = file("begin KeepWithin /a position Desirable KeepWithin /a position 30 end", "tiers.adirf")
+    assert compile_rules([parsed], resolve_topic, _ByPlace()).bounds == {"/a": {"position": 11.1}}
+
+
+def test_a_tier_of_a_bound_without_a_profile_is_refused_with_its_place() -> None:
+    with pytest.raises(RuleFileError) as refused:
+        rules("begin\n  KeepWithin /a position Desirable\nend")
+    assert str(refused.value) == (
+        "rules.adirf:2:3: error: Desirable has no accuracy without a profile; "
+        "give a number, or a profile with --profile"
+    )

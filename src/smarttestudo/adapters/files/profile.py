@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from smarttestudo.adapters.files.toml_text import KeyPath, parse_toml, read_toml_text
+from smarttestudo.domain.accuracy import AccuracyTiers, LevelledProperty
 from smarttestudo.domain.budget import MAX_BUDGET_KB_PER_S
 from smarttestudo.domain.errors import ProfileError
 from smarttestudo.domain.names import is_topic_name, resolve_topic
@@ -23,11 +24,12 @@ from smarttestudo.domain.rate import MAX_RATE_HZ, RATE_STEP_HZ, Tier
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Range:
-    """The numbers that a key can hold; ``unit`` begins with a blank."""
+    """The numbers that a key can hold; ``unit`` begins with a blank, ``remedy`` is for keys without one."""
 
     least: float
     most: float
     unit: str = ""
+    remedy: str = ""
 
 
 # Wider than any robot needs, and narrow enough for nanoseconds, sums and solvers.
@@ -36,7 +38,8 @@ _SETTLE = _Range(least=0.0, most=1e6, unit=" s")
 _STALE = _Range(least=1e-3, most=1e6, unit=" s")
 _MESSAGE = _Range(least=1e-6, most=1e6, unit=" KB")
 _SOURCE = _Range(least=1e-6, most=MAX_RATE_HZ, unit=" Hz")
-_PRIORITY = _Range(least=1e-6, most=1e6)
+_PRIORITY = _Range(least=1e-6, most=1e6, remedy="only its ratio to the others counts")
+_ACCURACY = _Range(least=1e-9, most=1e9, remedy="the unit is in the key's name")
 
 
 def load_profile(path: Path) -> Profile:
@@ -74,6 +77,9 @@ class _ProfileReader:
             "paced_with": self._topic_name,
             "level_unit": self._level_unit,
         }
+        for one in LevelledProperty:
+            self._of_topic[one.tiers_key] = partial(self._accuracies, one)
+            self._of_topic[one.needs_key] = self._tiers
 
     def profile(self, values: Mapping[str, object]) -> Profile:
         read: dict[str, Any] = self._table((), values, self._top)
@@ -106,12 +112,24 @@ class _ProfileReader:
     def _topic(self, at: KeyPath, values: object) -> TopicProfile:
         read: dict[str, Any] = self._table(at, values, self._of_topic)
         read["type_name"] = read.pop("type", None)
+        read["accuracies"] = self._accuracy_tiers(at, read)
         topic = TopicProfile(
             **{field.name: read[field.name] for field in fields(TopicProfile) if field.name in read}
         )
         if topic.min_hz is not None and topic.max_hz is not None and topic.min_hz > topic.max_hz:
             raise self._error((*at, "min_hz"), "min_hz is above max_hz")
         return topic
+
+    def _accuracy_tiers(self, at: KeyPath, read: Mapping[str, Any]) -> dict[LevelledProperty, AccuracyTiers]:
+        for one in LevelledProperty:
+            if one.needs_key in read and one.tiers_key not in read:
+                cause = f"{_name((*at, one.needs_key))} says what {one.tiers_key} need, which is missing"
+                raise self._error((*at, one.needs_key), cause, remedy=f"add {one.tiers_key}, or remove it")
+        return {
+            one: AccuracyTiers(bounds=read[one.tiers_key], needs_hz=read.get(one.needs_key))
+            for one in LevelledProperty
+            if one.tiers_key in read
+        }
 
     def _in_range(self, bounds: _Range, at: KeyPath, value: object) -> float:
         number = self._number(at, value)
@@ -121,7 +139,7 @@ class _ProfileReader:
             raise self._error(at, f"{_name(at)} must not be negative, it is {number:g}")
         if not bounds.least <= number <= bounds.most:
             limits = f"from {bounds.least:g} to {bounds.most:g}{bounds.unit}"
-            remedy = f"is it in{bounds.unit}?" if bounds.unit else "only its ratio to the others counts"
+            remedy = f"is it in{bounds.unit}?" if bounds.unit else bounds.remedy
             raise self._error(at, f"{_name(at)} must be {limits}, it is {number:g}", remedy=remedy)
         return number
 
@@ -153,6 +171,20 @@ class _ProfileReader:
                 fall = f"{higher.value} ({higher_hz:g} Hz) is below {lower.value} ({lower_hz:g} Hz)"
                 raise self._error(at, f"{_name(at)} must not fall from one tier to the next: {fall}")
         return tiers
+
+    def _accuracies(self, kind: LevelledProperty, at: KeyPath, value: object) -> tuple[float, ...]:
+        if not isinstance(value, list) or len(value) != len(Tier):
+            given = f"{len(value)} numbers" if isinstance(value, list) else "something else"
+            what = f"a list of six accuracies α0 … α5 in {kind.unit}"
+            raise self._error(at, f"{_name(at)} must be {what}, it is {given}")
+        bounds = tuple(self._in_range(_ACCURACY, at, one) for one in value)
+        for (lower, loose), (higher, tight) in itertools.pairwise(zip(Tier, bounds, strict=True)):
+            if tight > loose:
+                rise = f"{higher.value} ({tight:g}) is above {lower.value} ({loose:g})"
+                remedy = "write the widest bound first"
+                cause = f"{_name(at)} must not rise from one tier to the next: {rise}"
+                raise self._error(at, cause, remedy=remedy)
+        return bounds
 
     def _text(self, at: KeyPath, value: object) -> str:
         if not isinstance(value, str) or not value:

@@ -10,6 +10,7 @@ from smarttestudo.adirf.checks.rule_check import Example, Found, RuleCheck
 from smarttestudo.adirf.checks.rule_model import RuleModel
 from smarttestudo.adirf.checks.written import WrittenBound
 from smarttestudo.domain.finding import Severity
+from smarttestudo.domain.rate import Tier
 
 
 def _find(book: RuleModel) -> Iterator[Found]:
@@ -17,14 +18,20 @@ def _find(book: RuleModel) -> Iterator[Found]:
     for one in book.bounds:
         earlier = first.setdefault((one.signal, one.branch), one)
         if earlier is not one:
-            tightest = min(earlier, one, key=lambda each: each.statement.bound)
             yield Found(
                 path=one.path,
                 span=one.statement.span,
                 message=f"{one.signal} is already bound at line {earlier.statement.span.line}; the tighter "
-                f"bound, {tightest.statement.text}, counts",
+                f"bound{_tightest(earlier, one)} counts",
                 hint="keep one of the two",
             )
+
+
+def _tightest(*bounds: WrittenBound) -> str:
+    """Which of them it is, as far as numbers say that."""
+    numbers = [(one.statement.bound, one.statement.text) for one in bounds]
+    known = [(bound, text) for bound, text in numbers if not isinstance(bound, Tier)]
+    return f", {min(known, key=lambda each: each[0])[1]}," if len(known) == len(numbers) else ""
 
 
 CHECK = RuleCheck(

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""A tier without a profile that gives it a rate."""
+"""A tier without a profile that gives it a rate or an accuracy."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from collections.abc import Iterator
 
 from smarttestudo.adirf.checks.rule_check import Example, Found, RuleCheck
 from smarttestudo.adirf.checks.rule_model import RuleModel
+from smarttestudo.adirf.syntax import bound_span
 from smarttestudo.domain.finding import Severity
 from smarttestudo.domain.rate import Tier
 
@@ -24,14 +25,23 @@ def _find(book: RuleModel) -> Iterator[Found]:
                 message=f"{tier.value} has no rate without a profile",
                 hint=f"write a rate in Hz, or {book.context.way_to_profile}",
             )
+    for bound in book.bounds:
+        tier = bound.statement.bound
+        if isinstance(tier, Tier):
+            yield Found(
+                path=bound.path,
+                span=bound_span(bound.statement),
+                message=f"{tier.value} has no accuracy without a profile",
+                hint=f"write a number, or {book.context.way_to_profile}",
+            )
 
 
 CHECK = RuleCheck(
     code="tier-without-rate",
     severity=Severity.ERROR,
-    meaning="A tier is written and no profile gives it a rate.",
+    meaning="A tier is written and no profile gives it a rate, or an accuracy in a KeepWithin.",
     why="A tier stands for the rate that the optimizer finds for it within the budget, from the profile's "
-    "sizes and tiers. Without a profile its rate is unknown.",
+    "sizes and tiers. Without a profile its rate is unknown. The same is true of accuracies.",
     bad=Example(
         rules="""\
 begin

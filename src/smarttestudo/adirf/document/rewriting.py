@@ -14,7 +14,7 @@ from smarttestudo.adirf.document.meaning import Meaning, condition_meaning, mean
 from smarttestudo.adirf.document.text_edit import TextEdit, addition, removal
 from smarttestudo.adirf.document.token_range import TokenRange
 from smarttestudo.adirf.formatter import format_condition, format_heading, format_statement
-from smarttestudo.adirf.formatter.text import number_text, rate_text
+from smarttestudo.adirf.formatter.text import bound_text, number_text, rate_text
 from smarttestudo.adirf.parser.headings import quoted
 from smarttestudo.adirf.parser.tokens import TokenKind
 from smarttestudo.adirf.syntax import (
@@ -169,7 +169,7 @@ def _within(old: KeepWithin, new: KeepWithin, words: TokenRange) -> list[TextEdi
     changes = (
         (_TOPIC, old.topic.text != new.topic.text, new.topic.text),
         (_PROPERTY, old.property != new.property, new.property),
-        (_BOUND, old.bound != new.bound, number_text(new.bound)),
+        (_BOUND, old.bound != new.bound, bound_text(replace(new, text=""))),
     )
     return _changed_words(first, changes, words)
 

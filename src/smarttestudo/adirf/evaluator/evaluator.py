@@ -33,7 +33,7 @@ class Evaluator:
         self._entries = [
             [
                 (topic, *ranking)
-                for topic in dict.fromkeys([*block.rates, *block.bounds])
+                for topic in block.topics
                 if topic in self._arbiters
                 for ranking in self._arbiters[topic].rankings_of(block.order)
             ]
@@ -166,7 +166,7 @@ def _thresholds(graph: Graph) -> dict[Signal, Thresholds]:
 def _arbiters(rule_set: RuleSet) -> dict[str, TopicArbiter]:
     blocks: dict[str, list[RuleBlock]] = {topic: [] for topic in rule_set.relayed}
     for block in rule_set.blocks:
-        for topic in dict.fromkeys([*block.rates, *block.bounds]):
+        for topic in block.topics:
             if topic in blocks:
                 blocks[topic].append(block)
     return {topic: TopicArbiter(topic, setting, rule_set) for topic, setting in blocks.items()}

@@ -10,6 +10,7 @@ from smarttestudo.adirf.formatter.rule_file import (
     format_rules,
     format_statement,
 )
+from smarttestudo.adirf.formatter.text import number_text
 
 __all__ = [
     "first_line_end",
@@ -18,4 +19,5 @@ __all__ = [
     "format_heading",
     "format_rules",
     "format_statement",
+    "number_text",
 ]

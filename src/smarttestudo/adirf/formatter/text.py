@@ -63,8 +63,13 @@ def number_text(value: float) -> str:
 
 def within_text(statement: KeepWithin) -> str:
     """The statement on one line, without its comments."""
-    number = statement.text or number_text(statement.bound)
-    return f"KeepWithin {statement.topic.text} {statement.property} {number}"
+    return f"KeepWithin {statement.topic.text} {statement.property} {bound_text(statement)}"
+
+
+def bound_text(statement: KeepWithin) -> str:
+    """The bound as written, or as one would write it where the tree holds no spelling."""
+    bound = statement.bound
+    return bound.value if isinstance(bound, Tier) else statement.text or number_text(bound)
 
 
 def duration_text(duration: Duration) -> str:

@@ -12,7 +12,7 @@ from smarttestudo.adirf.parser.cursor import SAFE_PLACES, BrokenStatementError, 
 from smarttestudo.adirf.parser.headings import RuleLine, parse_rule_line
 from smarttestudo.adirf.parser.records import parse_record
 from smarttestudo.adirf.parser.tokens import CONNECTIVES, Token, TokenKind
-from smarttestudo.adirf.parser.values import parse_number, parse_rate, parse_topic
+from smarttestudo.adirf.parser.values import parse_bound, parse_rate, parse_topic
 from smarttestudo.adirf.syntax import Action, And, Block, Condition, KeepWithin, Not, Or, SetFrequency, Timed
 from smarttestudo.domain.finding import Fix
 
@@ -71,15 +71,11 @@ def parse_set(cursor: Cursor) -> SetFrequency:
 
 
 def parse_within(cursor: Cursor) -> KeepWithin:
-    """``KeepWithin TOPIC PROPERTY NUMBER``."""
+    """``KeepWithin TOPIC PROPERTY bound``."""
     first = cursor.advance()
     topic = parse_topic(cursor, split_property=True)
     name = parse_property(cursor, topic.text)
-    number = cursor.token
-    bound, text = parse_number(cursor, "expected-number", "how far off the property may be")
-    if bound < 0:
-        message = f"a bound is 0 or more, this is {text}"
-        cursor.report("bound-out-of-range", message, span=number.span, hint="0 passes every change")
+    bound, text = parse_bound(cursor)
     return KeepWithin(
         topic=topic,
         property=name.text,

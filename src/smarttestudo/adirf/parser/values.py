@@ -20,11 +20,13 @@ UNIT = "Hz"
 # Below Python 3.12, looking a member up in its enum costs as much as a call.
 _WORD, _NUMBER = TokenKind.WORD, TokenKind.NUMBER
 _OTHER_UNITS = frozenset({"hz", "khz", "mhz", "hertz"})
+_TIERS = {tier.value: tier for tier in Tier}
 _RATE_NAMES: dict[str, Tier | RateWord] = {
-    **{tier.value: tier for tier in Tier},
+    **_TIERS,
     **{word.value: word for word in RateWord},
 }
 _EXPECTED_RATE = "a rate (a number of Hz, a tier, 'Full' or 'Off')"
+_EXPECTED_BOUND = "how far off the property may be"
 _LEADING_NUMBER = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 
 
@@ -100,6 +102,25 @@ def parse_rate(cursor: Cursor) -> RateExpression:
         raise cursor.failure("expected-rate", _EXPECTED_RATE, hint=hint, fix=fix)
     cursor.advance()
     return RateExpression(value=value, text="", span=token.span)
+
+
+def parse_bound(cursor: Cursor) -> tuple[float | Tier, str]:
+    """How far off a property may be: a number and its spelling, or a tier."""
+    token = cursor.token
+    if token.kind is not _WORD:
+        bound, text = parse_number(cursor, "expected-number", _EXPECTED_BOUND)
+        if bound < 0:
+            message = f"a bound is 0 or more, this is {text}"
+            cursor.report("bound-out-of-range", message, span=token.span, hint="0 passes every change")
+        return bound, text
+    tier = _TIERS.get(token.text)
+    if tier is None:
+        right = closest(token.text, _TIERS)
+        fix = Fix(span=token.span, replacement=right, title=f"write {right}") if right else None
+        hint = did_you_mean(right) if right else ""
+        raise cursor.failure("expected-number", _EXPECTED_BOUND, hint=hint, fix=fix)
+    cursor.advance()
+    return tier, ""
 
 
 def parse_hertz(cursor: Cursor, code: str, expected: str) -> RateExpression:

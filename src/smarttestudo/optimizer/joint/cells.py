@@ -36,7 +36,7 @@ def clusters_of(blocks: Sequence[RuleBlock]) -> list[Cluster]:
         return node
 
     for block in blocks:
-        for node in (*signals_of(block.form), *block.rates):
+        for node in (*signals_of(block.form), *block.topics):
             parents[root(node)] = root(block.order)
     members: dict[Hashable, list[RuleBlock]] = {}
     for block in blocks:
@@ -48,7 +48,7 @@ def _cluster(blocks: Sequence[RuleBlock]) -> Cluster:
     return Cluster(
         blocks=tuple(blocks),
         signals=tuple(sorted({signal for block in blocks for signal in signals_of(block.form)})),
-        topics=tuple(sorted({topic for block in blocks for topic in block.rates})),
+        topics=tuple(sorted({topic for block in blocks for topic in block.topics})),
     )
 
 

@@ -8,11 +8,12 @@ import heapq
 import itertools
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from smarttestudo.adirf.boxes import Domain, Effort, TooComplexError
 from smarttestudo.adirf.evaluator import Evaluator
 from smarttestudo.adirf.rule_set import RuleBlock, RuleSet
+from smarttestudo.domain.decision import PlannedRate
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.signal import ArrivalProperty, Signal
@@ -22,14 +23,23 @@ from smarttestudo.optimizer.problem import fits
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Loads:
-    """KB for each message and the source's Hz, which Full passes on, by topic."""
+    """KB for each message and the source's Hz, which Full passes on, by topic; ``profile`` has the bounds."""
 
     size_kb: Mapping[str, float]
     source_hz: Mapping[str, float]
+    profile: Profile = field(default_factory=Profile)
 
-    def kb_per_s(self, topic: str, rate: Rate) -> float:
-        """``topic`` at ``rate``."""
-        return self.size_kb[topic] * (self.source_hz[topic] if rate.is_full else rate.hz)
+    def kb_per_s(self, topic: str, planned: PlannedRate) -> float:
+        """What ``topic`` takes as planned: its rate, or what its bounds need if that is less."""
+        return self.size_kb[topic] * min(self.ceiling_hz(topic, planned.rate), self.needed_hz(topic, planned))
+
+    def ceiling_hz(self, topic: str, rate: Rate) -> float:
+        """The rate of ``topic``, that of the source for Full."""
+        return self.source_hz[topic] if rate.is_full else rate.hz
+
+    def needed_hz(self, topic: str, planned: PlannedRate) -> float:
+        """What the bounds of ``topic`` need; infinite where that is not known."""
+        return self.profile.topic(topic).needed_hz(planned.within)
 
 
 def loads_of(rule_set: RuleSet, profile: Profile) -> Loads:
@@ -38,6 +48,7 @@ def loads_of(rule_set: RuleSet, profile: Profile) -> Loads:
     return Loads(
         size_kb={t: entry.message_kb for t, entry in entries.items() if entry.message_kb is not None},
         source_hz={t: entry.source_hz for t, entry in entries.items() if entry.source_hz is not None},
+        profile=profile,
     )
 
 
@@ -160,6 +171,7 @@ class _Meter:
     def __init__(self, rule_set: RuleSet, loads: Loads) -> None:
         self._rule_set = rule_set
         self._loads = loads
+        self._relayed = frozenset(rule_set.relayed)
         self._evaluator = Evaluator(rule_set)
         for signal in rule_set.signals:
             # Rates, bandwidths and ages are never unknown: they start at 0.
@@ -170,15 +182,15 @@ class _Meter:
     def measure(self, cluster: Cluster, state: Mapping[Signal, float]) -> float:
         for signal, value in state.items():
             self._evaluator.set(signal, value)
-        return self._sum(cluster.topics)
+        return self._sum(topic for topic in cluster.topics if topic in self._relayed)
 
     def unconditional(self) -> float:
         """What the topics take that no block sets."""
-        conditional = {topic for block in self._rule_set.blocks for topic in block.rates}
+        conditional = {topic for block in self._rule_set.blocks for topic in block.topics}
         return self._sum(topic for topic in self._rule_set.relayed if topic not in conditional)
 
     def _sum(self, topics: Iterable[str]) -> float:
-        return math.fsum(self._loads.kb_per_s(topic, self._evaluator.request(topic).rate) for topic in topics)
+        return math.fsum(self._loads.kb_per_s(topic, self._evaluator.request(topic)) for topic in topics)
 
 
 def _worst_first(

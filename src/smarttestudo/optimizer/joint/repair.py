@@ -40,8 +40,10 @@ class _Use:
 
 @dataclass(slots=True)
 class _Settings:
+    """``situations`` are the settings that decide in each, and what the topics take that no rate decides."""
+
     uses: dict[Setting, _Use] = field(default_factory=dict)
-    situations: list[set[str]] = field(default_factory=list)
+    situations: list[tuple[set[str], float]] = field(default_factory=list)
 
 
 def lowered_rates(
@@ -70,7 +72,10 @@ def lowered_rates(
         )
         for setting, use in sorted(settings.uses.items())
     ]
-    budgets = [Budget(limit_kb_per_s=budget_kb_per_s, topics=frozenset(keys)) for keys in settings.situations]
+    budgets = [
+        Budget(limit_kb_per_s=budget_kb_per_s - fixed_kb_per_s, topics=frozenset(keys))
+        for keys, fixed_kb_per_s in settings.situations
+    ]
     found = solver.allocate(demands, budgets)
     if found is None:
         return None
@@ -90,17 +95,22 @@ def _deciding(
         for signal, value in situation.state.items():
             evaluator.set(signal, value)
         keys: set[str] = set()
+        fixed_kb_per_s = 0.0
         for topic in topics:
             request = evaluator.decide(topic)
+            rate_hz = loads.ceiling_hz(topic, request.planned.rate)
+            if loads.needed_hz(topic, request.planned) < rate_hz:
+                # It takes what its bounds need, and no lower rate changes that without breaking them.
+                fixed_kb_per_s += loads.kb_per_s(topic, request.planned)
+                continue
             setting = Setting(-1 if request.block is None else request.block, topic)
-            rate_hz = loads.kb_per_s(topic, request.planned.rate) / loads.size_kb[topic]
             # What a floor decides cannot go lower.
             is_fixed = request.planned.reason is Reason.FLOOR
             least_hz = rate_hz if is_fixed else min(rate_hz, _beside(rule_set, situation, setting))
             use = settings.uses.setdefault(setting, _Use(rate_hz, least_hz))
             use.least_hz = max(use.least_hz, least_hz)
             keys.add(setting.key)
-        settings.situations.append(keys)
+        settings.situations.append((keys, fixed_kb_per_s))
     return settings
 
 

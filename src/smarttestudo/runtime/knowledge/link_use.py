@@ -13,12 +13,13 @@ from typing import NamedTuple
 from smarttestudo.adirf.evaluator import RequestedRate
 from smarttestudo.adirf.rule_set import RuleSet
 from smarttestudo.domain.decision import Reason
-from smarttestudo.domain.profile import Profile
+from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.rate_meter import mean_hz
 from smarttestudo.domain.source_period import INTERVALS_NEEDED, STALE_AT_LEAST_NS, silence_limit_ns
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S, ns_from_s
 from smarttestudo.optimizer.run_time import REPLAN_AFTER_NS, BudgetKeeper, TopicRequest
+from smarttestudo.optimizer.widening import can_widen, widened, widest
 
 WINDOW_S = 10
 WINDOW_NS = WINDOW_S * NS_PER_S
@@ -142,6 +143,9 @@ class LinkUse:
     (``SourceLoad``); any other takes nothing. Until a source that began is measured, what was measured of it
     before stands in, or the profile's size and rate. ``floors_broke_budget`` says whether the floors alone
     were ever too much.
+
+    A topic whose bounds have a measured need counts that, if it is less than its rate. In place of its rate,
+    its bounds are widened, up to α0 of their levels.
     """
 
     def __init__(self, rule_set: RuleSet, profile: Profile, budget_kb_per_s: float) -> None:
@@ -151,6 +155,7 @@ class LinkUse:
         self._is_reason_new = False
         self._sources: dict[str, SourceLoad] = {}
         self._unmeasured = _unmeasured(rule_set, profile)
+        self._entries = _entries(rule_set, profile)
         self._stale_after_ns = _stale_after_ns(rule_set, profile)
         self._asking: dict[str, bool] = {}
         """The topics that asked when it was planned last, and whether they were measured."""
@@ -162,8 +167,9 @@ class LinkUse:
         self._stale_after_ns = _stale_after_ns(rule_set, profile)
         for topic, source in self._sources.items():
             source.stale_after_ns = self._stale_after_ns.get(topic)
-        before, self._unmeasured = self._unmeasured, _unmeasured(rule_set, profile)
-        if self._unmeasured != before:
+        before = self._unmeasured, self._entries
+        self._unmeasured, self._entries = _unmeasured(rule_set, profile), _entries(rule_set, profile)
+        if (self._unmeasured, self._entries) != before:
             self._sources = {
                 topic: source for topic, source in self._sources.items() if topic in self._unmeasured
             }
@@ -235,11 +241,15 @@ class LinkUse:
         return {topic for topic in topics if before.cut_hz.get(topic) != after.cut_hz.get(topic)}
 
     def within(self, topic: str, request: RequestedRate) -> RequestedRate:
-        """``request``, cut if the budget asks for it; the deciding block stays named."""
+        """``request``, its rate cut or its bounds widened if the budget asks for it, by the same block."""
         cut_hz = self._keeper.plan.cut_hz.get(topic)
         if cut_hz is None:
             return request
-        return replace(request, planned=replace(request.planned, rate=Rate(cut_hz), reason=self._reason))
+        planned, entry = request.planned, self._entries[topic]
+        if can_widen(entry, planned.within):
+            bounds = widened(entry, planned.within, cut_hz)
+            return replace(request, planned=replace(planned, within=bounds, reason=self._reason))
+        return replace(request, planned=replace(planned, rate=Rate(cut_hz), reason=self._reason))
 
     def _asking_at(self, now_ns: int) -> dict[str, bool]:
         for source in self._sources.values():
@@ -257,6 +267,11 @@ class LinkUse:
 
     def _load(self, topic: str, request: RequestedRate) -> TopicRequest:
         load = replace(self._unmeasured[topic], requested_hz=request.planned.rate.hz)
+        within, entry = request.planned.within, self._entries[topic]
+        if can_widen(entry, within):
+            needed_hz = max(entry.needed_hz(within), load.floor_hz)
+            load.requested_hz = min(load.requested_hz, needed_hz)
+            load.floor_hz = max(load.floor_hz, entry.needed_hz(widest(entry, within)))
         if topic not in self._asking:
             load.size_kb = load.source_hz = 0.0
             return load
@@ -275,6 +290,10 @@ class LinkUse:
 def _stale_after_ns(rule_set: RuleSet, profile: Profile) -> dict[str, int | None]:
     after_s = {topic: profile.topic(topic).stale_after_s for topic in rule_set.relayed}
     return {topic: None if one is None else ns_from_s(one) for topic, one in after_s.items()}
+
+
+def _entries(rule_set: RuleSet, profile: Profile) -> dict[str, TopicProfile]:
+    return {topic: profile.topic(topic) for topic in rule_set.relayed}
 
 
 def _unmeasured(rule_set: RuleSet, profile: Profile) -> dict[str, TopicRequest]:

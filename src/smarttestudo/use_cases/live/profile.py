@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.payload import Payload
+from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.robot import Endpoint, Receive, Robot
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.domain.visible_topics import visible_topics
@@ -38,18 +39,20 @@ def profile_of_robot(
     seconds: float,
     timeout_s: float,
     patterns: Sequence[str] = (),
+    levels: Profile | None = None,
     steady_s: Callable[[], float],
     report: Callable[[float], None],
 ) -> RobotProfile:
     """Measure for ``seconds``, in the node's clock, a second after the first topic was seen.
 
-    ``patterns`` choose topics (default: all visible ones); ``report`` is told the share of the time passed.
+    ``patterns`` choose topics (default: all visible ones), the accuracies in ``levels`` are measured in place
+    of proposed ones; ``report`` is told the share of the time passed.
 
     Raises:
         RosError: no topic is seen within ``timeout_s``.
         TestudoError: a pattern names none of those that were seen.
     """
-    ears = _TopicSampler(robot, patterns)
+    ears = _TopicSampler(robot, patterns, levels or Profile())
     _wait_for_topics(ears, robot, steady_s, timeout_s)
     _listen(ears, robot, steady_s, _WARM_UP_S, lambda _share: None)
     ears.begin()
@@ -99,12 +102,13 @@ def _listen(
 class _TopicSampler:
     """Subscriptions to all chosen topics, as they are discovered."""
 
-    def __init__(self, robot: Robot, patterns: Sequence[str]) -> None:
+    def __init__(self, robot: Robot, patterns: Sequence[str], levels: Profile) -> None:
         self.seen: set[str] = set()
         self.measures: dict[str, TopicMeasure] = {}
         self.notices: list[str] = []
         self._robot = robot
         self._patterns = patterns
+        self._levels = levels
         self._latched: set[str] = set()
 
     def look(self) -> None:
@@ -119,7 +123,7 @@ class _TopicSampler:
         """Measure from now on; what latched topics gave already still counts."""
         for topic, measure in self.measures.items():
             if topic not in self._latched:
-                self.measures[topic] = TopicMeasure(measure.type_name)
+                self.measures[topic] = self._new(topic, measure.type_name)
 
     def finish(self) -> None:
         """Drop the topics of a SmartTestudo node: publishers may be discovered later than the topic."""
@@ -144,12 +148,17 @@ class _TopicSampler:
         except RosError as error:
             self.notices.append(str(error))
             return
-        self.measures[topic] = TopicMeasure(source.type_name)
+        self.measures[topic] = self._new(topic, source.type_name)
         if source.qos.transient_local:
             self._latched.add(topic)
 
+    def _new(self, topic: str, type_name: str) -> TopicMeasure:
+        return TopicMeasure(type_name, known=self._levels.topic(topic).accuracies)
+
     def _counting(self, topic: str) -> Receive:
         def receive(payload: Payload, _publisher: Hashable) -> None:
-            self.measures[topic].record(self._robot.now_ns(), len(payload))
+            measure = self.measures[topic]
+            serialized = payload[:] if measure.has_accuracies else None
+            measure.record(self._robot.now_ns(), len(payload), serialized)
 
         return receive

@@ -9,7 +9,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 
 from smarttestudo.adirf.document.meaning import condition_meaning, meaning
-from smarttestudo.adirf.formatter.text import number_text
+from smarttestudo.adirf.formatter.text import bound_text, number_text
 from smarttestudo.adirf.parser import ParseResult
 from smarttestudo.adirf.syntax import (
     Action,
@@ -48,11 +48,17 @@ def _meaning(result: ParseResult) -> object:
         if isinstance(one, KeepAtLeast) and isinstance(one.rate.value, int | float):
             floors_hz[one.topic.text] = max(one.rate.value, floors_hz.get(one.topic.text, 0.0))
     bounds: dict[str, float] = {}
+    level_bounds: set[tuple[str, Tier]] = set()
     for one in statements:
-        if isinstance(one, KeepWithin):
-            bounds[_bound(one)] = min(one.bound, bounds.get(_bound(one), math.inf))
+        match one:
+            case KeepWithin(bound=Tier() as tier):
+                level_bounds.add((_bound(one), tier))
+            case KeepWithin(bound=int() | float() as bound):
+                bounds[_bound(one)] = min(bound, bounds.get(_bound(one), math.inf))
+            case _:
+                pass
     blocks = Counter(meaning(one) for one in statements if isinstance(one, Block))
-    return result.is_valid, defaults, floors_hz, bounds, blocks
+    return result.is_valid, defaults, floors_hz, bounds, level_bounds, blocks
 
 
 def _differences(old: ParseResult, new: ParseResult) -> Iterator[str]:
@@ -75,7 +81,7 @@ def _settings(result: ParseResult, kind: type[SetFrequency | KeepAtLeast]) -> _R
 
 def _bounds(result: ParseResult) -> _Rates:
     bounds = (one for one in result.file.statements if isinstance(one, KeepWithin))
-    return {_bound(one): number_text(one.bound) for one in bounds}
+    return {_bound(one): bound_text(one) for one in bounds}
 
 
 def _blocks(result: ParseResult) -> dict[str, Block]:
@@ -110,7 +116,7 @@ def _block(name: str, old: Block, new: Block) -> Iterator[str]:
 def _branch(actions: Sequence[Action]) -> _Rates:
     """The rates by topic, and the bounds by topic and property."""
     rates = {one.topic.text: _text(one.rate) for one in sets_in(actions)}
-    bounds = {_bound(one): number_text(one.bound) for one in bounds_in(actions)}
+    bounds = {_bound(one): bound_text(one) for one in bounds_in(actions)}
     return {**rates, **bounds}
 
 

@@ -118,7 +118,8 @@ def situations_of(optimized: OptimizedDraft) -> Iterator[SituationLoad]:
     sizes = _sizes_kb(done)
     for part in done.parts:
         is_default = part is done.defaults
-        rates_hz = {**base, **dict(_rates_hz(part, done))}
+        others = {} if is_default else part.part.without_its_topics(base)
+        rates_hz = {**others, **dict(_rates_hz(part, done))}
         loads = (_load(topic, Rate(rate_hz), sizes[topic] * rate_hz) for topic, rate_hz in rates_hz.items())
         yield _situation(
             SituationKind.DEFAULTS if is_default else SituationKind.RULE,
@@ -146,7 +147,7 @@ def _worst(optimized: OptimizedDraft) -> Iterator[SituationLoad]:
     """Nothing where the profile does not know every load, or the conditions are too complex."""
     done = optimized.outcome.optimization
     file = optimized.checked.document.result.file
-    rule_set = _with_appended(compile_rules([file], resolve_topic, done.tier_rate), done).over_states()
+    rule_set = _with_appended(compile_rules([file], resolve_topic, done), done).over_states()
     loads = loads_of(rule_set, optimized.profile)
     if missing_entries(rule_set, loads):
         return
@@ -157,11 +158,11 @@ def _worst(optimized: OptimizedDraft) -> Iterator[SituationLoad]:
     worst, evaluator = found.worst, Evaluator(rule_set)
     for signal, value in worst.state.items():
         evaluator.set(signal, value)
-    rates = {topic: evaluator.request(topic).rate for topic in rule_set.relayed}
+    planned = {topic: evaluator.request(topic) for topic in rule_set.relayed}
     yield _situation(
         SituationKind.WORST,
         "Worst case",
-        (_load(topic, rate, loads.kb_per_s(topic, rate)) for topic, rate in rates.items()),
+        (_load(topic, one.rate, loads.kb_per_s(topic, one)) for topic, one in planned.items()),
         feasible=fits(worst.kb_per_s, done.budget_kb_per_s),
         rules=_ids_at(optimized, *(block.line for block in worst.blocks)),
         state=worst.state,

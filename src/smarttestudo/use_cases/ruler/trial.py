@@ -24,7 +24,7 @@ from smarttestudo.use_cases.replay.replay import ReplayRequest, replay
 from smarttestudo.use_cases.ruler.checked_text import CheckedText, Draft, RefusedTextError
 from smarttestudo.use_cases.ruler.replay_watch import ArrivalWatch, BlockTurns, CountingWriter, TruthWatch
 from smarttestudo.use_cases.ruler.trial_loss import LossWatch, TryLoss
-from smarttestudo.use_cases.rules.rule_sets import tier_rates_for
+from smarttestudo.use_cases.rules.rule_sets import tier_values_for
 from smarttestudo.visualizer.loss.binned_series import TimeBins
 from smarttestudo.visualizer.trace import TraceAccumulator
 
@@ -157,7 +157,7 @@ def _compiled(draft: Draft, recording: RecordingReader) -> RuleSet:
     if checked.has_errors:
         raise RefusedTextError(checked)
     files = [document.result.file]
-    return compile_rules(files, resolve_topic, tier_rates_for(files, profile, resolve_topic))
+    return compile_rules(files, resolve_topic, tier_values_for(files, profile, resolve_topic))
 
 
 def _trial(

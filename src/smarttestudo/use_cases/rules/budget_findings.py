@@ -10,7 +10,7 @@ from smarttestudo.adirf.boxes import Domain
 from smarttestudo.adirf.checks import CheckContext, check_rules, wording
 from smarttestudo.adirf.normal_form import Resolve
 from smarttestudo.adirf.parser import ParseResult
-from smarttestudo.adirf.rule_set import RuleBlock, RuleSet, compile_rules, refuse_tier
+from smarttestudo.adirf.rule_set import RefusedTiers, RuleBlock, RuleSet, TierValues, compile_rules
 from smarttestudo.adirf.syntax import Block, RuleFile
 from smarttestudo.domain.errors import ProfileError
 from smarttestudo.domain.finding import Finding, Severity
@@ -55,7 +55,7 @@ def budget_findings(
     if profile.budget_kb_per_s is None and not has_tiers(files):
         return []
     reporter = _Reporter(files, profile)
-    tier_rates = refuse_tier
+    tiers: TierValues = RefusedTiers()
     if has_tiers(files):
         try:
             done = optimize_tiers(files, profile, resolve)
@@ -63,8 +63,8 @@ def budget_findings(
             return [reporter.incomplete(error)]
         if not done.feasible:
             return [one.finding() for one in infeasible_parts(done)]
-        tier_rates = done.tier_rate
-    rule_set = compile_rules(files, resolve, tier_rates).over_states()
+        tiers = done
+    rule_set = compile_rules(files, resolve, tiers).over_states()
     loads = loads_of(rule_set, profile)
     missing = missing_entries(rule_set, loads)
     if missing:

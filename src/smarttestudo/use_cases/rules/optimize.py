@@ -162,7 +162,7 @@ def lowered_where_too_much(
         from smarttestudo.adapters.solver.highs_solver import HighsSolver  # noqa: PLC0415
     except ModuleNotFoundError:
         return {}
-    left_out = {topic for one in checked.unproven for block in one.blocks for topic in block.rates}
+    left_out = {topic for one in checked.unproven for block in one.blocks for topic in block.topics}
     lowered = lowered_rates(
         rule_set,
         loads,

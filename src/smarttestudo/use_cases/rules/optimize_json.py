@@ -40,11 +40,13 @@ def _part(
     solved: SolvedPart, explanation: PartExplanation | None, refused: Infeasibility | None
 ) -> dict[str, object]:
     record: dict[str, object] = {
-        "rates": None if solved.rates_hz is None else dict(solved.rates_hz),
+        "rates": None if solved.rates_hz is None else solved.topic_rates_hz,
         "used_kb_per_s": round(solved.used_kb_per_s, _DECIMALS),
         "needs_kb_per_s": round(solved.needs_kb_per_s, _DECIMALS),
         "feasible": solved.feasible,
     }
+    if solved.bounds:
+        record["bounds"] = solved.bounds
     if explanation is not None:
         record["price_per_kb_per_s"] = solved.price
         record["price"] = explanation.price
@@ -59,7 +61,9 @@ def _part(
 
 
 def _row(row: TopicRow) -> dict[str, object]:
+    bound = {} if row.bound is None else {"within": row.bound}
     return {
+        **bound,
         "wanted": _wanted(row.wanted),
         "level": None if row.level is None else row.level.value,
         "rate_hz": row.rate_hz,

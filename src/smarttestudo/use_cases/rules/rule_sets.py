@@ -13,13 +13,12 @@ from smarttestudo.adapters.files.rule_files import find_rule_files, read_rule_te
 from smarttestudo.adirf.checks import CheckContext, check_rules
 from smarttestudo.adirf.normal_form import Resolve
 from smarttestudo.adirf.parser import parse
-from smarttestudo.adirf.rule_set import RuleSet, TierRates, compile_rules, refuse_tier
-from smarttestudo.adirf.syntax import RuleFile, rates_in
+from smarttestudo.adirf.rule_set import RefusedTiers, RuleSet, TierValues, compile_rules
+from smarttestudo.adirf.syntax import RuleFile, tiers_in
 from smarttestudo.domain.errors import RuleFileError
 from smarttestudo.domain.finding import Finding, Severity
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.profile import Profile
-from smarttestudo.domain.rate import Tier
 from smarttestudo.domain.status import RulesInForce
 from smarttestudo.optimizer.greedy import GreedySolver
 from smarttestudo.optimizer.infeasibility import infeasibility
@@ -30,12 +29,7 @@ from smarttestudo.optimizer.rule_rates import Optimization, optimize_rules
 
 def has_tiers(files: Sequence[RuleFile]) -> bool:
     """Whether any statement of ``files`` names a quality level."""
-    return any(
-        isinstance(rate.value, Tier)
-        for file in files
-        for statement in file.statements
-        for rate in rates_in(statement)
-    )
+    return any(True for file in files for statement in file.statements for _ in tiers_in(statement))
 
 
 def optimize_tiers(files: Sequence[RuleFile], profile: Profile, resolve: Resolve) -> Optimization:
@@ -48,13 +42,13 @@ def optimize_tiers(files: Sequence[RuleFile], profile: Profile, resolve: Resolve
     )
 
 
-def tier_rates_for(files: Sequence[RuleFile], profile: Profile | None, resolve: Resolve) -> TierRates:
-    """The rates of the levels in ``files``, for ``compile_rules``; without a profile every level is refused.
+def tier_values_for(files: Sequence[RuleFile], profile: Profile | None, resolve: Resolve) -> TierValues:
+    """The rates and bounds of the levels in ``files``, for ``compile_rules``; all refused without a profile.
 
     Raises ``RuleFileError`` for what does not fit, ``ProfileError`` for what the profile lacks.
     """
     if profile is None or not has_tiers(files):
-        return refuse_tier
+        return RefusedTiers()
     done = optimize_tiers(files, profile, resolve)
     for part in done.parts:
         if not part.feasible:
@@ -64,7 +58,7 @@ def tier_rates_for(files: Sequence[RuleFile], profile: Profile | None, resolve: 
                 place=part.part.place,
                 remedy="testudo optimize says which changes would fit",
             )
-    return done.tier_rate
+    return done
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -143,5 +137,5 @@ def check_texts(
     findings = tuple(check_rules(results, context))
     has_error = any(finding.severity is Severity.ERROR for finding in findings)
     usable = [] if has_error else [result.file for result in results]
-    tier_rates = tier_rates_for(usable, profile, resolve)
-    return LoadedRules(findings=findings, rule_set=compile_rules(usable, resolve, tier_rates), texts=texts)
+    tiers = tier_values_for(usable, profile, resolve)
+    return LoadedRules(findings=findings, rule_set=compile_rules(usable, resolve, tiers), texts=texts)

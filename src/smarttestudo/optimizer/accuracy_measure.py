@@ -1,0 +1,106 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The rates that accuracies need, measured by pacing the messages of a topic to each of them."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from smarttestudo.adirf.properties import gauges_for, properties_for_bounds
+from smarttestudo.cdr import FrameReader
+from smarttestudo.domain.accuracy import AccuracyTiers, LevelledProperty
+from smarttestudo.pacing.bound import HEARTBEAT_HZ
+from smarttestudo.pacing.sample import Sample, StreamKind
+from smarttestudo.pacing.topic_pacer import Accuracy, TopicPacer
+from smarttestudo.reckoning.picture import Picture
+
+PROPOSED_BOUNDS: Mapping[LevelledProperty, tuple[float, ...]] = MappingProxyType(
+    {
+        LevelledProperty.POSITION: (0.5, 0.2, 0.1, 0.05, 0.02, 0.01),
+        LevelledProperty.ORIENTATION: (20.0, 10.0, 5.0, 3.0, 2.0, 1.0),
+        LevelledProperty.POSITIONS: (0.2, 0.1, 0.05, 0.03, 0.02, 0.01),
+    }
+)
+"""α0 … α5 in m, degrees and rad: a first guess that only an engineer can replace by a better one."""
+
+
+def levelled_properties(type_name: str) -> tuple[LevelledProperty, ...]:
+    """Those of messages of ``type_name``."""
+    names = {spec.name for spec in properties_for_bounds().get(type_name, ())}
+    return tuple(one for one in LevelledProperty if one.value in names)
+
+
+class AccuracyMeasure:
+    """How many messages of one topic pass at each accuracy: with hold, the heartbeat, and no ceiling.
+
+    Memory does not depend on how many messages there are.
+    """
+
+    __slots__ = ("_frames", "_gauged", "_is_transforms", "messages")
+
+    def __init__(self, type_name: str, known: Mapping[LevelledProperty, AccuracyTiers]) -> None:
+        """``known`` are accuracies that the engineer chose; others are proposed."""
+        self.messages = 0
+        self._frames = FrameReader()
+        self._is_transforms = _kind(type_name) is StreamKind.TRANSFORMS
+        self._gauged = [
+            _Gauged(type_name, one, known[one].bounds if one in known else PROPOSED_BOUNDS[one])
+            for one in levelled_properties(type_name)
+        ]
+
+    def record(self, stamp_ns: int, payload: bytes) -> None:
+        """Pace a serialized message; stamps never fall, but for a clock that jumps back."""
+        self.messages += 1
+        frames = self._frames.child_frames(payload) if self._is_transforms else ()
+        for one in self._gauged:
+            one.offer(payload, frames, stamp_ns)
+
+    def tiers(self, source_hz: float) -> dict[LevelledProperty, AccuracyTiers]:
+        """The accuracies with what they need of a source of ``source_hz``: the share of messages that passed.
+
+        A wider bound than another one may need a message more by chance: it counts as the tighter one does.
+        """
+        found = {}
+        for one in self._gauged if self.messages else ():
+            passed = itertools.accumulate(reversed(one.passed), min)
+            needs_hz = tuple(reversed([source_hz * count / self.messages for count in passed]))
+            found[one.levelled] = AccuracyTiers(bounds=one.bounds, needs_hz=needs_hz)
+        return found
+
+
+class _Gauged:
+    """One property, with a pacer for each of its accuracies."""
+
+    __slots__ = ("_pacers", "_picture", "bounds", "levelled", "passed")
+
+    def __init__(self, type_name: str, levelled: LevelledProperty, bounds: tuple[float, ...]) -> None:
+        self.levelled = levelled
+        self.bounds = bounds
+        self.passed = [0] * len(bounds)
+        gauges = gauges_for(type_name, [levelled.value])
+        self._picture = Picture(gauges, reckons=False)
+        self._pacers = [TopicPacer(kind=_kind(type_name)) for _ in bounds]
+        for pacer, bound in zip(self._pacers, bounds, strict=True):
+            picture = Picture(gauges, reckons=False)
+            accuracy = Accuracy(
+                picture=picture, bounds={levelled.value: bound}, heartbeat_hz=HEARTBEAT_HZ, records={}
+            )
+            pacer.set_accuracy(accuracy, 0)
+            pacer.set_rate(math.inf, 0)
+
+    def offer(self, payload: bytes, frames: tuple[str, ...], now_ns: int) -> None:
+        sample = Sample(payload, len(payload), frames=frames)
+        sample.readings = self._picture.read(payload, None, now_ns)
+        for number, pacer in enumerate(self._pacers):
+            while (wake_ns := pacer.wake_ns) is not None and wake_ns <= now_ns:
+                self.passed[number] += len(pacer.wake(wake_ns))
+                if pacer.wake_ns == wake_ns:
+                    break
+            self.passed[number] += len(pacer.offer(sample, now_ns))
+
+
+def _kind(type_name: str) -> StreamKind:
+    return StreamKind.of(type_name=type_name, transient_local=False)
