@@ -54,6 +54,6 @@ function words(check: { topic: string; property: string; op: string; value: numb
 /** All checks of a condition in the order of the text. */
 export function checksOf(condition: Condition): CheckCondition[] {
   if (condition.kind === "check") return [condition];
-  if (condition.kind === "not") return checksOf(condition.term);
+  if (condition.kind === "not" || condition.kind === "timed") return checksOf(condition.term);
   return condition.terms.flatMap(checksOf);
 }

@@ -304,16 +304,3 @@ def checks_in(condition: Condition) -> Iterator[Check]:
         case And() | Or():
             for operand in condition.operands:
                 yield from checks_in(operand)
-
-
-def has_time(condition: Condition) -> bool:
-    """Whether a ``For``, ``Within`` or ``Until`` stands in ``condition``."""
-    match condition:
-        case Check():
-            return condition.until is not None
-        case Timed():
-            return True
-        case Group() | Not():
-            return has_time(condition.operand)
-        case And() | Or():
-            return any(map(has_time, condition.operands))
