@@ -387,7 +387,8 @@ export interface Live {
 /**
  * The condition of a rule, at its place in the robot's file number `file`.
  *
- * `label` is what decisions call it; empty until the robot's rules were read.
+ * `label` is what decisions call it; empty until the robot's rules were read. `times` are in the order
+ * in which they end in the text.
  */
 export interface LiveBlock {
   file: number;
@@ -395,6 +396,7 @@ export interface LiveBlock {
   column: number;
   state: TruthName;
   label: string;
+  times: LiveTime[];
 }
 
 /**
@@ -413,6 +415,17 @@ export interface LiveCheck {
   property: string;
   op: string;
   limit: number | null;
+}
+
+/**
+ * A `For` or `Within` of a rule.
+ *
+ * `held_s` is for how long what a `For` is about has held; for a `Within`, for how long it has not;
+ * null while that is unknown.
+ */
+export interface LiveTime {
+  state: TruthName;
+  held_s: number | null;
 }
 
 /**

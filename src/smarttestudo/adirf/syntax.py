@@ -294,6 +294,21 @@ def rates_in(statement: Statement) -> Iterator[RateExpression]:
             pass
 
 
+def times_in(condition: Condition) -> Iterator[Timed]:
+    """The times of a condition, in the order in which they end."""
+    match condition:
+        case Check():
+            return
+        case Group() | Not():
+            yield from times_in(condition.operand)
+        case Timed():
+            yield from times_in(condition.operand)
+            yield condition
+        case And() | Or():
+            for operand in condition.operands:
+                yield from times_in(operand)
+
+
 def checks_in(condition: Condition) -> Iterator[Check]:
     """The checks of a condition, in their order."""
     match condition:

@@ -86,7 +86,7 @@ def test_the_position_is_kept_within_5_cm_while_the_battery_is_low_for_10_s(
     errors = loss.get_by_role("table", name="Error when the last received value is held")
     expect(errors.get_by_role("row", name="/odom pose_y")).to_contain_text("m")
     decisions = ruler.page.get_by_role("region", name="Decisions").get_by_role("row")
-    expect(decisions.filter(has_text="Full")).to_have_count(1)
+    expect(decisions.filter(has_text="31.0")).to_contain_text("Full")
 
 
 def _new_project(ruler: RulerPage) -> None:
