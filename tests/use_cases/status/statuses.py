@@ -12,11 +12,11 @@ from smarttestudo.domain.signal import Truth
 from smarttestudo.domain.status import (
     BlockStatus,
     CheckStatus,
-    TimeStatus,
     RulesInForce,
     RulesOrigin,
     RuntimeStatus,
     Silence,
+    TimeStatus,
     TopicCounts,
     TopicStatus,
 )
