@@ -62,6 +62,37 @@ def test_another_condition_is_unknown_until_it_was_watched_for_so_long() -> None
     assert block.state is Truth.UNKNOWN
 
 
+TIMES = """
+begin
+SetFrequency /scan 2
+If (CheckValue /odom pose_x > 5 For 3 s OR (Not CheckValue /odom pose_x > 5 Within 500 ms) For 1 s)
+Then SetFrequency /scan 8
+end
+"""
+
+
+def test_a_status_says_for_how_long_what_is_timed_has_held() -> None:
+    driver = LoopDriver(TIMES, AT_ONCE)
+
+    def times() -> list[tuple[Truth, float | None]]:
+        (block,) = driver.loop.block_states(driver.now_ns)
+        return [(time.state, time.held_s) for time in block.times]
+
+    assert times() == [(Truth.UNKNOWN, None)] * 3
+    driver.drive(0, 0.0, 0.0)
+    assert times() == [(Truth.FALSE, 0.0), (Truth.UNKNOWN, 0.0), (Truth.UNKNOWN, None)]
+    driver.drive(1 * SECOND, 6.0, 0.0)
+    driver.drive(2 * SECOND, 6.0, 0.0)
+    driver.wait_until(2500 * MS)
+    assert times() == [(Truth.FALSE, 1.5), (Truth.TRUE, 0.0), (Truth.FALSE, 0.0)]
+    driver.drive(3 * SECOND, 0.0, 0.0)
+    driver.wait_until(3250 * MS)
+    assert times() == [(Truth.FALSE, 0.0), (Truth.TRUE, 0.25), (Truth.FALSE, 0.0)]
+    driver.drive(4 * SECOND, 0.0, 0.0)
+    driver.wait_until(5 * SECOND)
+    assert times() == [(Truth.FALSE, 0.0), (Truth.FALSE, 2.0), (Truth.TRUE, 1.5)]
+
+
 def test_a_status_says_for_how_long_a_condition_has_been_as_it_is() -> None:
     driver = walked_in()
     driver.drive(5 * SECOND, 7.0, 0.0)

@@ -5,6 +5,8 @@
 /** The protocol of the web socket. */
 export const PROTOCOL_VERSION = 1;
 
+export type Action = SetStatement | WithinStatement | RecordStatement;
+
 /**
  * Time since the newest message received, in s: mean, 95th percentile and maximum over time.
  *
@@ -68,20 +70,23 @@ export interface BlockTurns {
   turns: [number, TruthName][];
 }
 
-/** `CheckValue topic property op value`; `op` is one of `> < >= <= = !=`. */
+export type Bound = number | Tier;
+
+/** `CheckValue topic property op value [Until op value]`; `op` is one of `> < >= <= = !=`. */
 export interface CheckCondition {
   kind: "check";
   topic: string;
   property: string;
   op: Operator;
   value: number;
+  until?: Until | null;
   offset?: number;
   end_offset?: number;
 }
 
 export type ChoiceKind = "map" | "image" | "bag";
 
-export type Condition = CheckCondition | AndCondition | OrCondition | NotCondition;
+export type Condition = CheckCondition | AndCondition | OrCondition | NotCondition | TimedCondition;
 
 /** The pushed rules hold for good. */
 export interface ConfirmAnswer {
@@ -158,6 +163,15 @@ export interface DrivenPath {
   path: [number, number, number][];
   notices: string[];
 }
+
+/** A time in `unit`. */
+export interface Duration {
+  value: number;
+  unit: DurationUnit;
+}
+
+/** A unit of time; the value is its spelling. */
+export type DurationUnit = "ms" | "s" | "min";
 
 export type Edit = Replace | Insert | Delete | Move | Substitute | NewZone | MoveZone | ResizeZone;
 
@@ -314,11 +328,16 @@ export interface KeepStatement {
   hz: number;
 }
 
-/** A topic, its type where anybody knows it, else the one that its name stands for, and who names it. */
+/**
+ * A topic, its type where anybody knows it, else the one that its name stands for, and who names it.
+ *
+ * `properties` are those that checks read, `bounds` those that only a `KeepWithin` can name.
+ */
 export interface KnownTopic {
   topic: string;
   type: string | null;
   properties: Property[];
+  bounds: Property[];
   source: TopicSource;
 }
 
@@ -368,7 +387,8 @@ export interface Live {
 /**
  * The condition of a rule, at its place in the robot's file number `file`.
  *
- * `label` is what decisions call it; empty until the robot's rules were read.
+ * `label` is what decisions call it; empty until the robot's rules were read. `times` are in the order
+ * in which they end in the text.
  */
 export interface LiveBlock {
   file: number;
@@ -376,6 +396,7 @@ export interface LiveBlock {
   column: number;
   state: TruthName;
   label: string;
+  times: LiveTime[];
 }
 
 /**
@@ -394,6 +415,17 @@ export interface LiveCheck {
   property: string;
   op: string;
   limit: number | null;
+}
+
+/**
+ * A `For` or `Within` of a rule.
+ *
+ * `held_s` is for how long what a `For` is about has held; for a `Within`, for how long it has not;
+ * null while that is unknown.
+ */
+export interface LiveTime {
+  state: TruthName;
+  held_s: number | null;
 }
 
 /**
@@ -675,7 +707,7 @@ export interface Project {
   has_more: boolean;
 }
 
-/** A property that a check can read. */
+/** A property that a check can read or a bound can be about. */
 export interface Property {
   name: string;
   unit: string;
@@ -727,7 +759,7 @@ export interface PushRequest {
 export type Rate = Hz | TierRate | FullRate | OffRate;
 
 /**
- * Text that does not parse, or says what the page has no words for, as it stands in the file.
+ * Text that does not parse, as it stands in the file.
  *
  * In a request `text` is what to write.
  */
@@ -745,12 +777,20 @@ export interface RawStatement {
 /** What decided a rate. */
 export type Reason = "default" | "block" | "unknown" | "floor" | "budget" | "link" | "fallback" | "reload";
 
-/** `Record "name" topics Before before_s After after_s`; no topics stand for all that the rules name. */
+/** `Record "name" topics Before … After …` in a rule; no topics stand for all that the rules name. */
 export interface RecordStatement {
+  kind: "record";
+  comments?: string[] | null;
+  id?: string;
+  key?: string;
+  offset?: number;
+  end_offset?: number;
+  line?: number;
+  text?: string;
   name: string;
   topics: string[];
-  before_s: number;
-  after_s: number;
+  before: Duration;
+  after: Duration;
 }
 
 /** Why a part does not fit; `rule` is the statement's id, null for the defaults. */
@@ -842,8 +882,7 @@ export interface RuleDocument {
 /**
  * `[Rule "name" [Priority n]] If … Then … [Else …]`; in JSON `otherwise` is called `else`.
  *
- * `label` (answers only) is what findings and decisions call the rule. `then_records` and
- * `else_records` left out of a request stay as they are in the rule that it replaces.
+ * `label` (answers only) is what findings and decisions call the rule.
  */
 export interface RuleStatement {
   kind: "rule";
@@ -855,13 +894,11 @@ export interface RuleStatement {
   line?: number;
   text?: string;
   condition: Condition;
-  then: SetStatement[];
-  else: SetStatement[];
+  then: Action[];
+  else: Action[];
   name?: string | null;
   priority?: number;
   label?: string;
-  then_records?: RecordStatement[] | null;
-  else_records?: RecordStatement[] | null;
 }
 
 /**
@@ -952,7 +989,7 @@ export interface SituationLoad {
   feasible: boolean;
 }
 
-export type Statement = SetStatement | KeepStatement | RuleStatement | RawStatement;
+export type Statement = SetStatement | KeepStatement | WithinStatement | RuleStatement | RawStatement;
 
 /** An edit: write `replacement` in the place of a part of the text. */
 export interface Substitute {
@@ -975,6 +1012,17 @@ export type Tier = (typeof TIERS)[number];
 export interface TierRate {
   kind: "tier";
   value: Tier;
+}
+
+/** How a condition is taken over the time before; the value is its spelling. */
+export type TimeWord = "For" | "Within";
+
+/** `term For duration`: it held all that time; `term Within duration`: at some moment of it. */
+export interface TimedCondition {
+  kind: "timed";
+  term: Condition;
+  word: TimeWord;
+  duration: Duration;
 }
 
 /** What one arm carried of a topic: messages, bytes (as declared, where they are) and age. */
@@ -1114,6 +1162,12 @@ export interface TryTopicLoss {
   age_s_bins: (number | null)[];
 }
 
+/** `Until op value` behind a check: what ends it. */
+export interface Until {
+  op: Operator;
+  value: number;
+}
+
 /** What an editor suggests; `every_topic` are the properties of any topic. */
 export interface Vocabulary {
   topics: KnownTopic[];
@@ -1131,6 +1185,21 @@ export interface Watch {
   kind: "watch";
   node: string | null;
   update_hz?: number;
+}
+
+/** `KeepWithin topic property bound`, as a default or in a rule. */
+export interface WithinStatement {
+  kind: "within";
+  comments?: string[] | null;
+  id?: string;
+  key?: string;
+  offset?: number;
+  end_offset?: number;
+  line?: number;
+  text?: string;
+  topic: string;
+  property: string;
+  bound: Bound;
 }
 
 /** An upright rectangle; null is a side that nothing bounds. */

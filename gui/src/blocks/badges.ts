@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 import * as Blockly from "blockly/core";
 import type { TruthName } from "../api/types";
-import { readable } from "../ui/numbers";
-import type { CheckState, RuleState } from "./live_states";
+import { checkWords, RULE_WORDS, timeWords } from "./badge_words";
+import { stacked, timesOn } from "./conditions";
+import type { RuleState } from "./live_states";
 
 const GAP = 10;
 const HEIGHT = 28;
@@ -11,6 +12,8 @@ const FIRST_ROW = 48;
 // Letters are drawn in a monospaced font, so that no badge needs to be measured.
 const LETTER_WIDTH = 9.1;
 const PADDING = 9;
+
+type UnitOf = (check: Blockly.Block) => string;
 
 /** What a badge says, and in which colour. */
 interface Badge {
@@ -30,16 +33,13 @@ export class Badges {
   private readonly drawn = new Map<Blockly.BlockSvg, Drawn>();
 
   /** Shows exactly the `states`, by rule block, and touches only what differs from before. */
-  show(states: ReadonlyMap<Blockly.BlockSvg, RuleState>, unitOf: (check: Blockly.BlockSvg) => string): void {
+  show(states: ReadonlyMap<Blockly.BlockSvg, RuleState>, unitOf: UnitOf): void {
     const wanted = new Map<Blockly.BlockSvg, Badge>();
     for (const [rule, state] of states) {
-      const checks = checkBlocks(rule);
-      if (checks.length !== state.checks.length) continue;
+      const badges = conditionBadges(rule, state, unitOf);
+      if (badges === null) continue;
       wanted.set(rule, { look: state.state, words: RULE_WORDS[state.state] });
-      state.checks.forEach((check, at) => {
-        const block = checks[at];
-        if (block) wanted.set(block, checkBadge(check, unitOf(block)));
-      });
+      for (const [block, badge] of badges) wanted.set(block, badge);
     }
     for (const [block, { group }] of this.drawn) {
       if (wanted.has(block)) continue;
@@ -77,17 +77,27 @@ export class Badges {
   }
 }
 
-const CHECK_WORDS = { true: "✓ true", false: "✗ false", unknown: "? unknown" };
-const RULE_WORDS = { true: "✓ holds", false: "✗ does not hold", unknown: "? unknown" };
-
-function checkBadge({ state, value }: CheckState, unit: string): Badge {
-  const shown = value === null ? "" : ` ${readable(value)}${unit && ` ${unit}`}`;
-  return { look: state, words: `${CHECK_WORDS[state]}${shown}` };
-}
-
-/** The checks of a rule's condition in the order of the text. */
-function checkBlocks(rule: Blockly.BlockSvg): Blockly.BlockSvg[] {
-  const first = rule.getInputTargetBlock("IF");
-  const all = first instanceof Blockly.BlockSvg ? first.getDescendants(true) : [];
-  return all.filter((block) => block.type === "adirf_check" && !block.isInsertionMarker());
+/** The badges of a rule's condition; null where its blocks are not those that the robot tells of. */
+function conditionBadges(rule: Blockly.Block, state: RuleState, unitOf: UnitOf): Map<Blockly.BlockSvg, Badge> | null {
+  const badges = new Map<Blockly.BlockSvg, Badge>();
+  // Both are in the order of the text, in which a time ends behind what it is about.
+  const [checks, times] = [[...state.checks], [...state.times]];
+  let isKnown = true;
+  const visit = (block: Blockly.Block) => {
+    const said: Badge[] = [];
+    if (block.type === "adirf_check") {
+      const check = checks.shift();
+      isKnown &&= check !== undefined;
+      if (check) said.push({ look: check.state, words: checkWords(check, unitOf(block)) });
+    } else stacked(block, "TERMS").forEach(visit);
+    for (const part of timesOn(block)) {
+      const time = times.shift();
+      if (time) said.push({ look: time.state, words: timeWords(time, part) });
+    }
+    const last = said.at(-1);
+    if (last)
+      badges.set(block as Blockly.BlockSvg, { look: last.look, words: said.map(({ words }) => words).join(" · ") });
+  };
+  stacked(rule, "IF").forEach(visit);
+  return isKnown && checks.length === 0 ? badges : null;
 }

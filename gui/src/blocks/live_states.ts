@@ -1,16 +1,17 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import type { CheckCondition, Condition, Live, RuleDocument, TruthName } from "../api/types";
+import type { CheckCondition, Condition, Live, LiveTime, RuleDocument, TimedCondition, TruthName } from "../api/types";
 
 /** What a robot says of one check now. */
 export interface CheckState {
   state: TruthName;
   value: number | null;
 }
-/** What a robot says of one rule now, and of its checks in the order of the text. */
+/** What a robot says of one rule now, of its checks in the order of the text, and of its times as they end in it. */
 export interface RuleState {
   state: TruthName;
   checks: readonly CheckState[];
+  times: readonly LiveTime[];
 }
 
 const UNKNOWN: CheckState = { state: "unknown", value: null };
@@ -24,14 +25,16 @@ const UNKNOWN: CheckState = { state: "unknown", value: null };
 export function ruleStates(document: RuleDocument, live: Live): ReadonlyMap<string, RuleState> {
   const rules = document.collections.flatMap(({ statements }) => statements).filter((each) => each.kind === "rule");
   const labels = numbered(live.blocks.map(({ label }) => label));
-  const blocks = new Map(live.blocks.map(({ state }, index) => [labels[index], state]));
+  const blocks = new Map(live.blocks.map((block, index) => [labels[index], block]));
   const checks = new Map(live.checks.map((check) => [words({ ...check, value: check.limit }), check]));
   const states = new Map<string, RuleState>();
   numbered(rules.map(({ label = "" }) => label)).forEach((label, index) => {
-    const [rule, state] = [rules[index], blocks.get(label)];
-    if (!rule || state === undefined) return;
+    const [rule, block] = [rules[index], blocks.get(label)];
+    if (!rule || block === undefined) return;
     const own = checksOf(rule.condition).map((check) => checks.get(words(check)) ?? UNKNOWN);
-    states.set(rule.id ?? "", { state, checks: own });
+    const { state, times } = block;
+    const isKnown = times.length === timesOf(rule.condition).length;
+    states.set(rule.id ?? "", { state, checks: own, times: isKnown ? times : [] });
   });
   return states;
 }
@@ -54,6 +57,14 @@ function words(check: { topic: string; property: string; op: string; value: numb
 /** All checks of a condition in the order of the text. */
 export function checksOf(condition: Condition): CheckCondition[] {
   if (condition.kind === "check") return [condition];
-  if (condition.kind === "not") return checksOf(condition.term);
+  if (condition.kind === "not" || condition.kind === "timed") return checksOf(condition.term);
   return condition.terms.flatMap(checksOf);
+}
+
+/** All times of a condition, in the order in which they end in the text. */
+export function timesOf(condition: Condition): TimedCondition[] {
+  if (condition.kind === "check") return [];
+  if (condition.kind === "not") return timesOf(condition.term);
+  if (condition.kind === "timed") return [...timesOf(condition.term), condition];
+  return condition.terms.flatMap(timesOf);
 }

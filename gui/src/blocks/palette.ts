@@ -7,6 +7,7 @@ const BLOCK_STYLES = {
   floor: { colourPrimary: "#6b4fa3", colourSecondary: "#e7def7", colourTertiary: "#4c3679" },
   rule: { colourPrimary: "#a2590c", colourSecondary: "#f7e5cf", colourTertiary: "#7a4207" },
   check: { colourPrimary: "#1f7a55", colourSecondary: "#d3efe3", colourTertiary: "#14573c" },
+  record: { colourPrimary: "#9b2c55", colourSecondary: "#f9dde7", colourTertiary: "#6f1d3b" },
   raw: { colourPrimary: "#5b6472", colourSecondary: "#e3e6ea", colourTertiary: "#434b57" },
 };
 
@@ -24,6 +25,8 @@ export function blocklyTheme(root: HTMLElement): Blockly.Theme {
       rate: { colour: BLOCK_STYLES.rate.colourPrimary },
       rule: { colour: BLOCK_STYLES.rule.colourPrimary },
       check: { colour: BLOCK_STYLES.check.colourPrimary },
+      floor: { colour: BLOCK_STYLES.floor.colourPrimary },
+      record: { colour: BLOCK_STYLES.record.colourPrimary },
     },
     componentStyles: {
       workspaceBackgroundColour: colour("--canvas"),

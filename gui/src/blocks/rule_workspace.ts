@@ -4,9 +4,11 @@ import * as Blockly from "blockly/core";
 import * as english from "blockly/msg/en";
 import type { Edit, PlacedFinding, RuleDocument, Statement } from "../api/types";
 import type { Layout } from "../state/layout";
+import { DEFAULT_TYPES } from "./actions";
 import { Badges } from "./badges";
-import { addCheck, addRate, toggleElse } from "./block_buttons";
-import { defineBlocks, type Suggestions, showRawText } from "./block_types";
+import { addBound, addCheck, addRate, addRecord, toggleElse } from "./block_buttons";
+import { defineBlocks, showRawText } from "./block_types";
+import type { Suggestions } from "./fields";
 import { showJoins } from "./joins";
 import type { RuleState } from "./live_states";
 import { fingerprint, toBlock, toStatement } from "./model";
@@ -68,6 +70,8 @@ export class RuleWorkspace {
     defineBlocks(owner.suggestions, {
       addCheck: (block) => addCheck(block),
       addRate: (block, input) => addRate(block, input, owner.suggestions.topics()),
+      addBound: (block, input) => addBound(block, input, owner.suggestions),
+      addRecord,
       toggleElse: (block) => toggleElse(block, owner.suggestions.topics()),
       remove: (block) => block.checkAndDelete(),
     });
@@ -348,7 +352,7 @@ export class RuleWorkspace {
       if (place) {
         this.moved.set(slot.block.id, place);
         slot.block.moveTo(new Blockly.utils.Coordinate(place[0], place[1]));
-        above = slot.block.type === "adirf_set" ? slot.block : null;
+        above = DEFAULT_TYPES.has(slot.block.type) ? slot.block : null;
         continue;
       }
       const { previousConnection } = slot.block;
@@ -357,7 +361,7 @@ export class RuleWorkspace {
       // A block has no size and no place before it is drawn.
       Blockly.renderManagement.triggerQueuedRenders(this.workspace);
       y = Math.max(y, bottomOf(slot.block) + GAP);
-      above = slot.block.type === "adirf_set" ? slot.block : null;
+      above = DEFAULT_TYPES.has(slot.block.type) ? slot.block : null;
     }
   }
 

@@ -18,6 +18,11 @@ const rule = (condition: Condition, then: SetStatement[]) =>
 /** The rule that a new project's first rule block is. */
 export const NEW_RULE = rule(check("/odom", "pose_x", ">", 0), [set("/odom", 10)]);
 export const NEW_RATE = set("/odom", 10);
+const TIMES: Record<string, unknown>[] = [
+  { extraState: { times: 1 }, fields: { WORD0: "For" } },
+  { extraState: { times: 1 }, fields: { WORD0: "Within" } },
+  { extraState: { hasUntil: true }, fields: { UNTIL_OP: "<" } },
+];
 
 /** The blocks to take from: what a statement may be, what a condition may be, and the rules of recipes. */
 export function toolbox(recipes: readonly Statement[]): Blockly.utils.toolbox.ToolboxDefinition {
@@ -31,12 +36,23 @@ export function toolbox(recipes: readonly Statement[]): Blockly.utils.toolbox.To
         categorystyle: "rate",
         contents: [block(toBlock(NEW_RATE)), block({ type: "adirf_keep" })],
       },
+      { kind: "category", name: "Bounds", categorystyle: "floor", contents: [block({ type: "adirf_within" })] },
+      { kind: "category", name: "Recordings", categorystyle: "record", contents: [block({ type: "adirf_record" })] },
       { kind: "category", name: "Rules", categorystyle: "rule", contents: [block(toBlock(NEW_RULE))] },
       {
         kind: "category",
         name: "Checks",
         categorystyle: "check",
         contents: ["adirf_check", "adirf_any", "adirf_all", "adirf_not"].map((type) => block({ type })),
+      },
+      {
+        kind: "category",
+        name: "Times",
+        categorystyle: "check",
+        contents: [
+          ...TIMES.map((state) => block({ type: "adirf_check", ...state })),
+          block({ type: "adirf_all", extraState: { times: 1 } }),
+        ],
       },
       {
         kind: "category",

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import * as Blockly from "blockly/core";
-import type { CheckCondition, PlacedFinding, SetStatement, Statement } from "../api/types";
+import type { Action, CheckCondition, PlacedFinding, Statement } from "../api/types";
+import { ACTION_TYPES } from "./actions";
 import { checksOf } from "./live_states";
 import type { Slot } from "./slots";
 
@@ -54,15 +55,14 @@ function take(block: Blockly.BlockSvg): void {
   block.setWarningText(null);
 }
 
-/** The check or rate that a finding stands in, else the whole statement. */
+/** The check, rate, bound or recording that a finding stands in, else the whole statement. */
 function blockAt(block: Blockly.BlockSvg, statement: Statement, finding: PlacedFinding): Blockly.BlockSvg {
   if (statement.kind !== "rule") return block;
-  const holds = (part: CheckCondition | SetStatement) =>
+  const holds = (part: CheckCondition | Action) =>
     (part.offset ?? 0) <= finding.offset && finding.end_offset <= (part.end_offset ?? -1);
   const inner = block.getDescendants(true) as Blockly.BlockSvg[];
-  const nth = (type: string, index: number) => inner.filter((each) => each.type === type)[index];
   const check = checksOf(statement.condition).findIndex(holds);
-  if (check >= 0) return nth("adirf_check", check) ?? block;
-  const set = [...statement.then, ...statement.else].findIndex(holds);
-  return (set >= 0 ? nth("adirf_set", set) : undefined) ?? block;
+  if (check >= 0) return inner.filter(({ type }) => type === "adirf_check")[check] ?? block;
+  const action = [...statement.then, ...statement.else].findIndex(holds);
+  return inner.filter(({ type }) => ACTION_TYPES.has(type))[action] ?? block;
 }

@@ -12,6 +12,8 @@ export function statementTitle(statement: Statement): string {
     }
     case "keep":
       return `keep ${statement.topic} at least at ${statement.hz} Hz`;
+    case "within":
+      return `keep ${statement.topic} ${statement.property} within ${statement.bound}`;
     case "rule":
       return `Rule ${statement.name ?? statement.label ?? `in line ${statement.line ?? ""}`}`;
     case "raw":

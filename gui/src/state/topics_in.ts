@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { Condition, RuleDocument } from "../api/types";
 
-/** Every topic that the rules set or check. */
+/** Every topic that the rules set, bound, record or check. */
 export function topicsIn(document: Pick<RuleDocument, "collections">): ReadonlySet<string> {
   const topics = new Set<string>();
   for (const { statements } of document.collections) {
@@ -11,7 +11,9 @@ export function topicsIn(document: Pick<RuleDocument, "collections">): ReadonlyS
       if (statement.kind !== "rule") topics.add(statement.topic);
       else {
         addChecked(statement.condition, topics);
-        for (const set of [...statement.then, ...statement.else]) topics.add(set.topic);
+        for (const action of [...statement.then, ...statement.else]) {
+          for (const topic of action.kind === "record" ? action.topics : [action.topic]) topics.add(topic);
+        }
       }
     }
   }
@@ -20,6 +22,6 @@ export function topicsIn(document: Pick<RuleDocument, "collections">): ReadonlyS
 
 function addChecked(condition: Condition, topics: Set<string>): void {
   if (condition.kind === "check") topics.add(condition.topic);
-  else if (condition.kind === "not") addChecked(condition.term, topics);
+  else if (condition.kind === "not" || condition.kind === "timed") addChecked(condition.term, topics);
   else for (const term of condition.terms) addChecked(term, topics);
 }

@@ -24,11 +24,11 @@ test("a topic counts where rules set it, keep it or check it, however deep", () 
         terms: [check("/first"), { kind: "not", term: { kind: "or", terms: [check("/deep"), check("/first")] } }],
       },
       // biome-ignore lint/suspicious/noThenProperty: a rule's THEN, never awaited
-      then: [set("/then")],
+      then: [set("/then"), { kind: "within", topic: "/bound", property: "x", bound: 1 }],
       else: [set("/else")],
     },
   );
-  expect([...topicsIn(document)].sort()).toEqual(["/deep", "/default", "/else", "/first", "/floor", "/then"]);
+  expect([...topicsIn(document)].sort()).toEqual(["/bound", "/deep", "/default", "/else", "/first", "/floor", "/then"]);
 });
 
 test("text that is no rule yet names no topic", () => {

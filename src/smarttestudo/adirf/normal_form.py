@@ -117,13 +117,19 @@ def normal_form(condition: Condition, resolve: Resolve, *, negated: bool = False
             return normal_form(condition.operand, resolve, negated=not negated)
         case Timed():
             is_for = condition.word is TimeWord.FOR
-            held = HeldTime(normal_form(condition.operand, resolve, negated=not is_for))
+            held = held_time(condition, resolve)
             enough = Region.where(Operator.GREATER_EQUAL, condition.duration.ns / NS_PER_S)
             return Within(held, enough if is_for != negated else enough.complement())
         case And() | Or():
             parts = tuple(normal_form(part, resolve, negated=negated) for part in condition.operands)
             joined = Every if isinstance(condition, And) != negated else Some
             return _flat(joined, parts)
+
+
+def held_time(condition: Timed, resolve: Resolve) -> HeldTime:
+    """For how long what a ``For`` is about has held; of a ``Within``, for how long it has not."""
+    negated = condition.word is TimeWord.WITHIN
+    return HeldTime(normal_form(condition.operand, resolve, negated=negated))
 
 
 def check_form(check: Check, signal: Signal) -> Within:

@@ -11,9 +11,11 @@ from typing import Protocol
 
 from smarttestudo.adirf.normal_form import (
     Form,
+    HeldTime,
     LastSeen,
     Resolve,
     check_form,
+    held_time,
     normal_form,
     over_states,
     signals_of,
@@ -30,10 +32,13 @@ from smarttestudo.adirf.syntax import (
     RecordIncident,
     RuleFile,
     SetFrequency,
+    Timed,
+    TimeWord,
     bounds_in,
     checks_in,
     records_in,
     sets_in,
+    times_in,
 )
 from smarttestudo.domain.decision import Reason
 from smarttestudo.domain.errors import RuleFileError
@@ -92,8 +97,19 @@ class WrittenCheck:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class WrittenTime:
+    """A ``For`` or ``Within`` at the place of its duration, with the signal that it compares with it."""
+
+    line: int
+    column: int
+    word: TimeWord
+    held: HeldTime
+    duration_ns: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class WrittenBlock:
-    """An If where it is written, in file number ``file``, with its checks in their order.
+    """An If where it is written, in file number ``file``, with its checks and times in their order.
 
     ``order`` is that of the block of its Then.
     """
@@ -103,6 +119,7 @@ class WrittenBlock:
     column: int
     order: int
     checks: tuple[WrittenCheck, ...]
+    times: tuple[WrittenTime, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -259,6 +276,16 @@ class _Compiler:
             column=block.span.column,
             order=len(self._blocks),
             checks=tuple(map(self._check_as_written, checks_in(block.condition))),
+            times=tuple(map(self._time_as_written, times_in(block.condition))),
+        )
+
+    def _time_as_written(self, timed: Timed) -> WrittenTime:
+        return WrittenTime(
+            line=timed.duration.span.line,
+            column=timed.duration.span.column,
+            word=timed.word,
+            held=held_time(timed, self._resolve),
+            duration_ns=timed.duration.ns,
         )
 
     def _check_as_written(self, check: Check) -> WrittenCheck:

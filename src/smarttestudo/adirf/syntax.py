@@ -309,6 +309,21 @@ def tiers_in(statement: Statement) -> Iterator[tuple[Span, Tier]]:
                 pass
 
 
+def times_in(condition: Condition) -> Iterator[Timed]:
+    """The times of a condition, in the order in which they end."""
+    match condition:
+        case Check():
+            return
+        case Group() | Not():
+            yield from times_in(condition.operand)
+        case Timed():
+            yield from times_in(condition.operand)
+            yield condition
+        case And() | Or():
+            for operand in condition.operands:
+                yield from times_in(operand)
+
+
 def checks_in(condition: Condition) -> Iterator[Check]:
     """The checks of a condition, in their order."""
     match condition:
@@ -319,16 +334,3 @@ def checks_in(condition: Condition) -> Iterator[Check]:
         case And() | Or():
             for operand in condition.operands:
                 yield from checks_in(operand)
-
-
-def has_time(condition: Condition) -> bool:
-    """Whether a ``For``, ``Within`` or ``Until`` stands in ``condition``."""
-    match condition:
-        case Check():
-            return condition.until is not None
-        case Timed():
-            return True
-        case Group() | Not():
-            return has_time(condition.operand)
-        case And() | Or():
-            return any(map(has_time, condition.operands))

@@ -27,10 +27,25 @@ class CheckStatus:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class TimeStatus:
+    """One ``For`` or ``Within`` at the place of its duration.
+
+    ``held_s`` is for how long what a ``For`` is about has held; for a ``Within``, for how long it has not.
+    ``None`` while that is unknown.
+    """
+
+    line: int
+    column: int
+    state: Truth
+    held_s: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class BlockStatus:
     """The condition of one If, at its place in the rule file number ``file``, with its checks in order.
 
-    ``held_s`` is for how long its state has been the same, ``None`` where that is not told.
+    ``held_s`` is for how long its state has been the same, ``None`` where that is not told. ``times`` are in
+    the order in which they end in the text.
     """
 
     file: int
@@ -39,6 +54,7 @@ class BlockStatus:
     state: Truth
     checks: tuple[CheckStatus, ...]
     held_s: float | None = None
+    times: tuple[TimeStatus, ...] = ()
 
 
 class DiagnosticLevel(IntEnum):

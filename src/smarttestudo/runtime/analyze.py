@@ -7,9 +7,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from collections.abc import Set as AbstractSet
 
-from smarttestudo.adirf.rule_set import WrittenBlock, WrittenCheck
+from smarttestudo.adirf.rule_set import WrittenBlock, WrittenCheck, WrittenTime
+from smarttestudo.adirf.syntax import TimeWord
 from smarttestudo.domain.signal import Signal, Truth
-from smarttestudo.domain.status import BlockStatus, CheckStatus
+from smarttestudo.domain.status import BlockStatus, CheckStatus, TimeStatus
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.runtime.knowledge.knowledge import Knowledge
 from smarttestudo.runtime.knowledge.watched_topic import Reading
@@ -47,7 +48,15 @@ def _block(
         state=knowledge.evaluator.truth(block.order),
         checks=tuple(_check(check, knowledge, values[check.signal]) for check in block.checks),
         held_s=(now_ns - knowledge.evaluator.turned_ns(block.order)) / NS_PER_S,
+        times=tuple(_time(time, knowledge, now_ns) for time in block.times),
     )
+
+
+def _time(time: WrittenTime, knowledge: Knowledge, now_ns: int) -> TimeStatus:
+    is_long, held_ns = knowledge.evaluator.window(time.held, time.duration_ns, now_ns)
+    state = is_long if time.word is TimeWord.FOR else Truth(Truth.TRUE.value - is_long.value)
+    held_s = None if held_ns is None else held_ns / NS_PER_S
+    return TimeStatus(line=time.line, column=time.column, state=state, held_s=held_s)
 
 
 def _check(check: WrittenCheck, knowledge: Knowledge, value: float | None) -> CheckStatus:

@@ -145,6 +145,11 @@ def said(statement: Any) -> str:
             return str(meaning(raw))
         case {"kind": "keep"}:
             return f"keep {statement['topic']} {statement['hz']}"
+        case {"kind": "within"}:
+            return f"within {statement['topic']} {statement['property']} {statement['bound']}"
+        case {"kind": "record"}:
+            durations = [statement["before"], statement["after"]]
+            return f"record {statement['name']} {statement['topics']} {durations}"
         case _:
             return f"set {statement['topic']} {statement['rate']}"
 
@@ -152,7 +157,10 @@ def said(statement: Any) -> str:
 def condition_said(condition: Any) -> str:
     match condition:
         case {"kind": "check"}:
-            return f"{condition['topic']} {condition['property']} {condition['op']} {condition['value']}"
+            words = [condition[key] for key in ("topic", "property", "op", "value", "until")]
+            return f"check {words}"
+        case {"kind": "timed"}:
+            return f"{condition['word']} {condition['duration']} {condition_said(condition['term'])}"
         case {"kind": "not"}:
             return f"not {condition_said(condition['term'])}"
         case _:

@@ -16,6 +16,7 @@ from smarttestudo.domain.status import (
     RulesOrigin,
     RuntimeStatus,
     Silence,
+    TimeStatus,
     TopicCounts,
     TopicStatus,
 )
@@ -128,6 +129,16 @@ STATUS = RuntimeStatus(
                 CheckStatus(line=15, column=40, state=Truth.UNKNOWN, value=None),
             ),
         ),
-        BlockStatus(file=1, line=3, column=1, state=Truth.FALSE, checks=()),
+        BlockStatus(
+            file=1,
+            line=3,
+            column=1,
+            state=Truth.FALSE,
+            checks=(),
+            times=(
+                TimeStatus(line=15, column=60, state=Truth.FALSE, held_s=1.5),
+                TimeStatus(line=15, column=80, state=Truth.UNKNOWN, held_s=None),
+            ),
+        ),
     ),
 )

@@ -27,9 +27,12 @@ begin
     EndIf
 
     Rule "Farther"
-    If (CheckValue /odom pose_y > 4)
+    If (CheckValue /odom pose_y > 4 Until < 3 For 2 s AND (Not CheckValue /odom pose_x > 5) Within 1 min)
     Then
         SetFrequency /scan 3
+        KeepWithin /odom position 0.1
+    Else
+        Record "back" /odom Before 2 s After 500 ms
     EndIf
 end
 """

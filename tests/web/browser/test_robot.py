@@ -38,6 +38,19 @@ end
 """
 
 
+TIMED_RULES = """\
+begin
+    SetFrequency /imu 5
+
+    Rule "Long"
+    If (CheckValue /odom pose_x > 3 For 2 s AND (Not CheckValue /odom pose_x > 4) Within 10 min)
+    Then
+        SetFrequency /imu 10
+    EndIf
+end
+"""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class World:
     """A robot's sensors, and a Ruler that hears what runs beside them."""
@@ -53,6 +66,7 @@ def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
         pytest.skip("ROS 2 (rclpy) is not installed")
     project = tmp_path_factory.mktemp("project")
     (project / "patrol.adirf").write_text(RULES)
+    (project / "timed.adirf").write_text(TIMED_RULES)
     with free_domain() as domain:
         robot = SmallRobot(domain, tmp_path_factory.mktemp("robot"))
         try:
@@ -116,6 +130,25 @@ def test_what_holds_on_the_robot_stands_beside_the_blocks(
     expect(page.page.get_by_role("button", name=NOT_CONNECTED)).to_be_visible()
     expect(any_badge(page)).to_have_count(0)
     operator.end()
+
+
+def test_how_long_a_timed_condition_has_held_stands_beside_its_block(page: RulerPage, world: World) -> None:
+    world.source.say("home odom")
+    process = world.robot.runtime(TIMED_RULES)
+    page.home()
+    page.open("timed.adirf")
+    page.page.get_by_role("tab", name="Robot", exact=True).click()
+    expect(badge(page, "✗ false 0 m · ✗ does not hold now")).to_be_visible()
+    expect(badge(page, "✓ holds now")).to_be_visible()
+    world.source.say("move odom")
+    held = page.blocks.get_by_role("img", name=re.compile(r"✓ true 5 m · ✓ holds for \d+ s$"))
+    expect(held).to_be_visible()
+    ago = page.blocks.get_by_role("img", name=re.compile(r": ✓ held \d+ m?s ago$"))
+    expect(ago).to_be_visible()
+    expect(badge(page, "✓ holds")).to_be_visible()
+    process.signal(signal.SIGINT)
+    process.exit_code()
+    page.page.get_by_role("button", name=NOT_CONNECTED).wait_for()
 
 
 def test_axe_finds_nothing_beside_a_robot(page: RulerPage, world: World, runtime: Process) -> None:

@@ -9,12 +9,10 @@ import math
 from collections.abc import Callable, Mapping
 from typing import TypeVar
 
+from smarttestudo.adapters.json.block_status import block_to_json, blocks_from_json
 from smarttestudo.domain.decision import Reason
 from smarttestudo.domain.link_state import AcceptedTopic, LinkState, StreamCounts, TopicOnLink
-from smarttestudo.domain.signal import Truth
 from smarttestudo.domain.status import (
-    BlockStatus,
-    CheckStatus,
     RulesInForce,
     RulesOrigin,
     RuntimeStatus,
@@ -22,78 +20,6 @@ from smarttestudo.domain.status import (
     TopicCounts,
     TopicStatus,
 )
-
-_NAMES = {Truth.FALSE: "false", Truth.UNKNOWN: "unknown", Truth.TRUE: "true"}
-_TRUTHS = {name: truth for truth, name in _NAMES.items()}
-_DIGITS = 6
-_CHECK_ENTRIES = 4
-
-
-def block_to_json(block: BlockStatus) -> dict[str, object]:
-    """An object whose ``checks`` are ``[line, column, state, value]`` each; ``held_s`` if it is told."""
-    held = {} if block.held_s is None else {"held_s": round(block.held_s, 3)}
-    return {
-        "file": block.file,
-        "line": block.line,
-        "column": block.column,
-        "state": _NAMES[block.state],
-        "checks": [
-            [check.line, check.column, _NAMES[check.state], _shortened(check.value)] for check in block.checks
-        ],
-        **held,
-    }
-
-
-def blocks_from_json(record: object) -> tuple[BlockStatus, ...]:
-    """The blocks of a stranger's JSON, without those that are not understood."""
-    blocks = (_block(entry) for entry in record) if isinstance(record, list) else ()
-    return tuple(block for block in blocks if block is not None)
-
-
-def _block(record: object) -> BlockStatus | None:
-    if not isinstance(record, dict):
-        return None
-    file, line, column = (_count(record.get(name)) for name in ("file", "line", "column"))
-    state, checks = _truth(record.get("state")), record.get("checks")
-    if file is None or line is None or column is None or state is None or not isinstance(checks, list):
-        return None
-    read = [_check(check) for check in checks]
-    known = tuple(check for check in read if check is not None)
-    held_s = _number(record.get("held_s"))
-    return BlockStatus(file=file, line=line, column=column, state=state, checks=known, held_s=held_s)
-
-
-def _check(record: object) -> CheckStatus | None:
-    if not isinstance(record, list) or len(record) < _CHECK_ENTRIES:
-        return None
-    line, column, state = _count(record[0]), _count(record[1]), _truth(record[2])
-    value = record[3]
-    if line is None or column is None or state is None:
-        return None
-    return CheckStatus(line=line, column=column, state=state, value=_number(value))
-
-
-def _number(value: object) -> float | None:
-    if not isinstance(value, int | float) or isinstance(value, bool):
-        return None
-    try:
-        return float(value)
-    except OverflowError:
-        return None
-
-
-def _truth(name: object) -> Truth | None:
-    return _TRUTHS.get(name) if isinstance(name, str) else None
-
-
-def _count(number: object) -> int | None:
-    return number if isinstance(number, int) and not isinstance(number, bool) else None
-
-
-def _shortened(value: float | None) -> float | None:
-    """For reading; infinite values are none that JSON has."""
-    return None if value is None or not math.isfinite(value) else float(f"{value:.{_DIGITS}g}")
-
 
 _Read = TypeVar("_Read")
 

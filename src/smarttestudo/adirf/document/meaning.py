@@ -61,18 +61,3 @@ def condition_meaning(condition: Condition) -> Meaning:
             return (condition.word, condition.duration.ns, condition_meaning(condition.operand))
         case And() | Or():
             return (type(condition), *map(condition_meaning, condition.operands))
-
-
-def shape(condition: Condition) -> Meaning:
-    """How the checks of a condition are joined, and their times and ends, whatever else they say."""
-    match condition:
-        case Check():
-            return condition_meaning(condition)[-1:]
-        case Group():
-            return shape(condition.operand)
-        case Not():
-            return (Not, shape(condition.operand))
-        case Timed():
-            return (condition.word, condition.duration.ns, shape(condition.operand))
-        case And() | Or():
-            return (type(condition), *map(shape, condition.operands))

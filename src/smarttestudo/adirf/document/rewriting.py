@@ -4,17 +4,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TypeVar
 
 from smarttestudo.adirf.comments import Comment, Trivia
+from smarttestudo.adirf.document.condition_edits import changed_words, condition_edits
 from smarttestudo.adirf.document.document import Entry
-from smarttestudo.adirf.document.meaning import Meaning, condition_meaning, meaning, shape
+from smarttestudo.adirf.document.meaning import Meaning, condition_meaning, meaning
 from smarttestudo.adirf.document.text_edit import TextEdit, addition, removal
 from smarttestudo.adirf.document.token_range import TokenRange
 from smarttestudo.adirf.formatter import format_condition, format_heading, format_statement
-from smarttestudo.adirf.formatter.text import bound_text, number_text, rate_text
+from smarttestudo.adirf.formatter.text import bound_text, duration_text, number_text, rate_text
 from smarttestudo.adirf.parser.headings import quoted
 from smarttestudo.adirf.parser.tokens import TokenKind
 from smarttestudo.adirf.syntax import (
@@ -28,11 +29,11 @@ from smarttestudo.adirf.syntax import (
     KeepWithin,
     Not,
     Or,
+    RecordIncident,
     SetFrequency,
     Statement,
     Timed,
     checks_in,
-    sets_in,
 )
 
 
@@ -41,13 +42,13 @@ def with_comments(old: Block, new: Block, *, inside: TokenRange) -> Block:
     above = tuple(
         comment for comment in old.trivia.above if inside.places.range(comment.span)[0] >= inside.start
     )
-    sets = {one.topic.text: one.trivia for one in sets_in((*old.then, *old.otherwise))}
+    known = {_subject(one): one.trivia for one in (*old.then, *old.otherwise)}
     written = {meaning(one): one for one in (*old.then, *old.otherwise)}
     return replace(
         new,
         condition=with_comments_preserved(old.condition, new.condition),
-        then=tuple(_with_comments(one, sets, written) for one in new.then),
-        otherwise=tuple(_with_comments(one, sets, written) for one in new.otherwise),
+        then=tuple(_with_comments(one, known, written) for one in new.then),
+        otherwise=tuple(_with_comments(one, known, written) for one in new.otherwise),
         has_end_if=old.has_end_if,
         trivia=replace(old.trivia, above=above, blank_above=False),
         if_trivia=old.if_trivia,
@@ -95,17 +96,26 @@ def _with_checks(condition: Condition, checks: Mapping[Meaning, Check]) -> Condi
             return replace(condition, operands=operands)
 
 
-def _with_comments(new: Action, sets: Mapping[str, Trivia], written: Mapping[Meaning, Action]) -> Action:
+def _with_comments(new: Action, known: Mapping[Meaning, Trivia], written: Mapping[Meaning, Action]) -> Action:
     same = written.get(meaning(new))
-    if same is not None:
-        return same
-    return replace(new, trivia=sets.get(new.topic.text, new.trivia)) if isinstance(new, SetFrequency) else new
+    return same or replace(new, trivia=known.get(_subject(new), new.trivia))
 
 
-_TOPIC, _PROPERTY, _OPERATOR, _NUMBER = 1, 2, 3, 4
-"""Which word of a check is what."""
-_BOUND = 3
-"""Which word of a KeepWithin, which begins like a check."""
+def _subject(action: Action) -> Meaning:
+    """What an action is about, whatever it says of it."""
+    match action:
+        case SetFrequency():
+            return (SetFrequency, action.topic.text)
+        case KeepWithin():
+            return (KeepWithin, action.topic.text, action.property)
+        case RecordIncident():
+            return (RecordIncident, action.name)
+
+
+_TOPIC, _PROPERTY, _BOUND = 1, 2, 3
+"""Which word of a KeepWithin is what."""
+_NAME = 1
+"""Which word of a Record is its name."""
 
 
 def rewritten(entry: Entry, new: Statement | str, line_end: str) -> list[TextEdit]:
@@ -159,9 +169,41 @@ def _action(old: Action, new: Action, words: TokenRange) -> list[TextEdit]:
         return _within(old, new, words)
     if isinstance(old, SetFrequency) and isinstance(new, SetFrequency):
         return _set(old, new, words)
-    if meaning(old) == meaning(new):
-        return []
+    if isinstance(old, RecordIncident) and isinstance(new, RecordIncident):
+        return _record(old, new, words)
     return [TextEdit(*words.places.range(old.span), format_statement(new).rstrip("\n"))]
+
+
+def _record(old: RecordIncident, new: RecordIncident, words: TokenRange) -> list[TextEdit]:
+    first = words.index_at(words.places.range(old.span)[0])
+    changes = (
+        (_NAME, old.name != new.name, quoted(new.name)),
+        *(
+            (_NAME + number, before.text != after.text, after.text)
+            for number, (before, after) in enumerate(zip(old.topics, new.topics, strict=False), 1)
+        ),
+    )
+    durations = ((old.before, new.before), (old.after, new.after))
+    return [
+        *changed_words(first, changes, words),
+        *_more_topics(words[first + _NAME :], len(old.topics), [one.text for one in new.topics]),
+        *(
+            TextEdit(*words.places.range(before.span), duration_text(after))
+            for before, after in durations
+            if before.ns != after.ns
+        ),
+    ]
+
+
+def _more_topics(words: TokenRange, count: int, topics: Sequence[str]) -> list[TextEdit]:
+    """Puts what is more than ``count`` behind the last topic, or takes out the topics that are too many."""
+    added = "".join(f" {topic}" for topic in topics[count:])
+    end = words[count].end
+    removed = (words[at - 1 : at + 1] for at in range(len(topics) + 1, count + 1))
+    return [
+        *(TextEdit(two.offsets[1] if _has_comment(two) else two[0].end, two.end, "") for two in removed),
+        *([TextEdit(end, end, added)] if added else []),
+    ]
 
 
 def _within(old: KeepWithin, new: KeepWithin, words: TokenRange) -> list[TextEdit]:
@@ -171,16 +213,12 @@ def _within(old: KeepWithin, new: KeepWithin, words: TokenRange) -> list[TextEdi
         (_PROPERTY, old.property != new.property, new.property),
         (_BOUND, old.bound != new.bound, bound_text(replace(new, text=""))),
     )
-    return _changed_words(first, changes, words)
+    return changed_words(first, changes, words)
 
 
-def _changed_words(first: int, changes: Iterable[tuple[int, bool, str]], words: TokenRange) -> list[TextEdit]:
-    """Each word, counted from ``first``, that differs, replaced."""
-    return [
-        TextEdit(words.offsets[first + word], words[first + word].end, text)
-        for word, differs, text in changes
-        if differs
-    ]
+def _has_comment(two: TokenRange) -> bool:
+    """Whether a comment stands between two words."""
+    return bool(two.tokens[0].beside or two.tokens[1].above)
 
 
 def _block(old: Block, new: Block, words: TokenRange, line_end: str) -> list[TextEdit]:
@@ -223,9 +261,9 @@ def _heading(old: Block, new: Block, words: TokenRange, line_end: str) -> list[T
 def _condition(old: Condition, new: Condition, words: TokenRange, line_end: str) -> list[TextEdit]:
     if condition_meaning(old) == condition_meaning(new):
         return []
-    if shape(old) == shape(new):
-        pairs = zip(checks_in(old), checks_in(new), strict=True)
-        return [text_edit for before, after in pairs for text_edit in _check(before, after, words)]
+    text_edits = condition_edits(old, new, words)
+    if text_edits is not None:
+        return text_edits
     start, end = words.places.range(old.span)
     place = words.between(start, end)
     lines = format_condition(with_comments_preserved(old, new, beside=place.tokens[-1].beside)).rstrip("\n")
@@ -235,17 +273,6 @@ def _condition(old: Condition, new: Condition, words: TokenRange, line_end: str)
         "//" in lines.rpartition("\n")[2] and words.text[end : words.places.line_range(end)[1]].strip()
     )
     return [TextEdit(start, end, f"{text}{line_end}" if is_hiding else text)]
-
-
-def _check(old: Check, new: Check, words: TokenRange) -> list[TextEdit]:
-    first = words.index_at(words.places.range(old.span)[0])
-    changes = (
-        (_TOPIC, old.topic.text != new.topic.text, new.topic.text),
-        (_PROPERTY, old.property != new.property, new.property),
-        (_OPERATOR, old.operator is not new.operator, new.operator.value),
-        (_NUMBER, old.value != new.value, number_text(new.value)),
-    )
-    return _changed_words(first, changes, words)
 
 
 def _actions(

@@ -9,7 +9,7 @@ from collections.abc import Set as AbstractSet
 from smarttestudo.adirf.evaluator.graph import Graph, Propagation
 from smarttestudo.adirf.evaluator.literal import Latch, Leaf, Literal, Thresholds
 from smarttestudo.adirf.evaluator.rate_arbiter import RequestedRate, TopicArbiter
-from smarttestudo.adirf.normal_form import LastSeen, signals_of
+from smarttestudo.adirf.normal_form import HeldTime, LastSeen, signals_of
 from smarttestudo.adirf.region import Bound
 from smarttestudo.adirf.rule_set import RuleBlock, RuleSet
 from smarttestudo.domain.decision import PlannedRate
@@ -120,6 +120,17 @@ class Evaluator:
         """Since when the condition of a block is as it is."""
         self._propagation.settle()
         return self._turned_ns[block_order]
+
+    def window(self, held: HeldTime, duration_ns: int, now_ns: int) -> tuple[Truth, int | None]:
+        """Whether ``held`` is at least so long, and how long it is at ``now_ns``.
+
+        Unknown for what no condition reads.
+        """
+        self._propagation.settle()
+        window = self._graph.windows.get((held, duration_ns))
+        if window is None:
+            return Truth.UNKNOWN, None
+        return Truth(window.truth), window.held_ns(now_ns)
 
     def latched(self, signal: LastSeen) -> Truth:
         """What is remembered between the two regions; unknown for one that no condition reads."""

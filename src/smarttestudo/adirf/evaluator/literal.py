@@ -153,6 +153,13 @@ class TimeWindow(Node):
             return UNKNOWN
         return TRUE
 
+    def held_ns(self, now_ns: int) -> int | None:
+        """For how long the literal has been known to hold; ``None`` where that is unknown now."""
+        if self._seen != TRUE:
+            return 0 if self._seen == FALSE else None
+        ends_ns = (self._false_until_ns, self._unknown_until_ns)
+        return now_ns - max(until_ns for until_ns in ends_ns if until_ns is not None)
+
     def next_change_ns(self, now_ns: int) -> int | None:
         """When time alone next changes its truth; ``None`` where it does not."""
         if self._seen == FALSE:

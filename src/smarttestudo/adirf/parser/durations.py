@@ -102,7 +102,7 @@ def parse_duration(cursor: Cursor) -> Duration:
             raise cursor.failure("expected-unit", _EXPECTED_UNIT, hint=f"for instance {text} s")
         _refuse_unit(cursor, token.text, token.span)
     cursor.advance()
-    ns = _ns_of(text, unit)
+    ns = duration_ns(text, unit)
     span = cursor.span_from(first)
     if not 0 <= ns <= MAX_DURATION_NS:
         limit = MAX_DURATION_NS // _NS_OF[DurationUnit.MINUTES]
@@ -112,7 +112,7 @@ def parse_duration(cursor: Cursor) -> Duration:
     return Duration(text=text, unit=unit, ns=ns, span=span)
 
 
-def _ns_of(text: str, unit: DurationUnit) -> int:
+def duration_ns(text: str, unit: DurationUnit) -> int:
     """The nanoseconds nearest to ``text`` of ``unit``; more than a duration may have where it is far more."""
     if abs(float(text)) > MAX_DURATION_NS:
         return -1

@@ -145,9 +145,7 @@ def export(request: ExportRequest) -> TextAnswer:
 def _edited(before: Document, edit: Edit) -> str:
     match edit:
         case Replace():
-            entry = before.entry(edit.id)
-            old = None if entry is None else entry.statement
-            return replaced(before, edit.id, new_statement(edit.statement, old))
+            return replaced(before, edit.id, new_statement(edit.statement))
         case Insert():
             return inserted(before, edit.collection, edit.index, new_statement(edit.statement))
         case Delete():

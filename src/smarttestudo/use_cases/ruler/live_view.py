@@ -98,10 +98,22 @@ class LiveTopic(Struct, frozen=True, kw_only=True):
     link: TopicLinkView | None
 
 
+class LiveTime(Struct, frozen=True, kw_only=True):
+    """A ``For`` or ``Within`` of a rule.
+
+    ``held_s`` is for how long what a ``For`` is about has held; for a ``Within``, for how long it has not;
+    null while that is unknown.
+    """
+
+    state: TruthName
+    held_s: float | None
+
+
 class LiveBlock(Struct, frozen=True, kw_only=True):
     """The condition of a rule, at its place in the robot's file number ``file``.
 
-    ``label`` is what decisions call it; empty until the robot's rules were read.
+    ``label`` is what decisions call it; empty until the robot's rules were read. ``times`` are in the order
+    in which they end in the text.
     """
 
     file: int
@@ -109,6 +121,7 @@ class LiveBlock(Struct, frozen=True, kw_only=True):
     column: int
     state: TruthName
     label: str
+    times: tuple[LiveTime, ...]
 
 
 class LiveCheck(Struct, frozen=True, kw_only=True):
@@ -269,6 +282,7 @@ def _block(block: BlockStatus, words: RuleWords) -> LiveBlock:
         column=block.column,
         state=truth_name(block.state),
         label=words.labels.get((block.file, block.line, block.column), ""),
+        times=tuple(LiveTime(state=truth_name(one.state), held_s=one.held_s) for one in block.times),
     )
 
 

@@ -4,12 +4,12 @@
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Sequence
 from typing import TypedDict
 
 from smarttestudo.adirf.document import Document, EditError, Entry, NewStatement, comment_texts
 from smarttestudo.adirf.formatter.text import number_text
+from smarttestudo.adirf.parser.durations import duration_ns
 from smarttestudo.adirf.syntax import (
     Action,
     And,
@@ -17,7 +17,6 @@ from smarttestudo.adirf.syntax import (
     Check,
     Condition,
     Duration,
-    DurationUnit,
     Group,
     KeepAtLeast,
     KeepWithin,
@@ -30,14 +29,10 @@ from smarttestudo.adirf.syntax import (
     Statement,
     Timed,
     TopicName,
-    bounds_in,
-    has_time,
-    records_in,
-    sets_in,
+    Until,
 )
 from smarttestudo.domain.rate import Tier
 from smarttestudo.domain.source import Span
-from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.use_cases.ruler import statements as page
 from smarttestudo.use_cases.ruler.utf16 import Utf16
 
@@ -84,13 +79,12 @@ class StatementWriter:
             text=words.text[words.start : words.end],
         )
         match entry.statement:
-            case None | KeepWithin():
-                return page.RawStatement(**place)
-            case Block() as block if has_time(block.condition) or bounds_in((*block.then, *block.otherwise)):
-                # The page has no words for time and bounds; as text, none gets lost.
+            case None:
                 return page.RawStatement(**place)
             case SetFrequency() as one:
-                return page.SetStatement(topic=one.topic.text, rate=_rate(one.rate), **place)
+                return _set_frequency(one, place)
+            case KeepWithin() as one:
+                return _keep_within(one, place)
             case KeepAtLeast() as one:
                 return page.KeepStatement(topic=one.topic.text, hz=_hertz(one.rate), **place)
             case Block() as block:
@@ -99,30 +93,32 @@ class StatementWriter:
                     priority=block.priority or 0,
                     label=block.label,
                     condition=self._condition(block.condition),
-                    then=tuple(map(self._inner, sets_in(block.then))),
-                    otherwise=tuple(map(self._inner, sets_in(block.otherwise))),
-                    then_records=tuple(map(_record, records_in(block.then))),
-                    else_records=tuple(map(_record, records_in(block.otherwise))),
+                    then=tuple(map(self._inner, block.then)),
+                    otherwise=tuple(map(self._inner, block.otherwise)),
                     **place,
                 )
 
-    def _inner(self, one: SetFrequency) -> page.SetStatement:
+    def _inner(self, one: Action) -> page.Action:
         start, end = self._document.places.range(one.span)
-        return page.SetStatement(
-            topic=one.topic.text,
-            rate=_rate(one.rate),
+        place = _Place(
+            id="",
+            key="",
             comments=tuple(comment_texts(one.trivia.above)),
             offset=self.offset(start),
             end_offset=self.offset(end),
             line=one.span.line,
             text=self._document.text[start:end],
         )
+        return _action(one, place)
 
     def _condition(self, condition: Condition) -> page.Condition:
-        """A condition without time; raises ``TypeError`` for another."""
         match condition:
             case Timed():
-                raise TypeError(condition)
+                return page.TimedCondition(
+                    term=self._condition(condition.operand),
+                    word=condition.word,
+                    duration=_duration(condition.duration),
+                )
             case Check():
                 start, end = self.range(condition.span)
                 return page.CheckCondition(
@@ -130,6 +126,7 @@ class StatementWriter:
                     property=condition.property,
                     op=condition.operator,
                     value=condition.value,
+                    until=_until(condition.until),
                     offset=start,
                     end_offset=end,
                 )
@@ -143,26 +140,56 @@ class StatementWriter:
                 return page.OrCondition(terms=tuple(map(self._condition, condition.operands)))
 
 
-def new_statement(model: page.Statement, old: Statement | None = None) -> NewStatement:
-    """What a request asks to write, in the place of ``old`` if it replaces one.
+def _action(one: Action, place: _Place) -> page.Action:
+    match one:
+        case SetFrequency():
+            return _set_frequency(one, place)
+        case KeepWithin():
+            return _keep_within(one, place)
+        case RecordIncident():
+            return page.RecordStatement(
+                name=one.name,
+                topics=tuple(topic.text for topic in one.topics),
+                before=_duration(one.before),
+                after=_duration(one.after),
+                **place,
+            )
 
-    Raises ``EditError`` for what no rule file can say.
-    """
-    return NewStatement(content=_content(model, old), comments=model.comments)
+
+def _set_frequency(one: SetFrequency, place: _Place) -> page.SetStatement:
+    return page.SetStatement(topic=one.topic.text, rate=_rate(one.rate), **place)
 
 
-def _content(model: page.Statement, old: Statement | None) -> Statement | str:
+def _keep_within(one: KeepWithin, place: _Place) -> page.WithinStatement:
+    return page.WithinStatement(topic=one.topic.text, property=one.property, bound=one.bound, **place)
+
+
+def _duration(duration: Duration) -> page.Duration:
+    return page.Duration(value=float(duration.text), unit=duration.unit)
+
+
+def _until(until: Until | None) -> page.Until | None:
+    return None if until is None else page.Until(op=until.operator, value=until.value)
+
+
+def new_statement(model: page.Statement) -> NewStatement:
+    """What a request asks to write. Raises ``EditError`` for what no rule file can say."""
+    return NewStatement(content=_content(model), comments=model.comments)
+
+
+def _content(model: page.Statement) -> Statement | str:
     match model:
         case page.RawStatement():
             return model.text
         case page.SetStatement():
             return _set(model)
+        case page.WithinStatement():
+            return _within(model)
         case page.KeepStatement():
             rate = RateExpression(value=model.hz, text="", span=_NOWHERE)
             return KeepAtLeast(topic=_topic(model.topic), rate=rate, span=_NOWHERE)
         case page.RuleStatement():
             name = model.name
-            then, otherwise = (old.then, old.otherwise) if isinstance(old, Block) else ((), ())
             if name is None and model.priority:
                 name = model.label or _UNNAMED
             return Block(
@@ -170,59 +197,54 @@ def _content(model: page.Statement, old: Statement | None) -> Statement | str:
                 priority=model.priority or None,
                 label=name or model.label,
                 condition=_read_condition(model.condition),
-                then=_actions(model.then, model.then_records, then),
-                otherwise=_actions(model.otherwise, model.else_records, otherwise),
+                then=tuple(map(_read_action, model.then)),
+                otherwise=tuple(map(_read_action, model.otherwise)),
                 has_end_if=True,
                 span=_NOWHERE,
             )
 
 
-def _actions(
-    sets: Sequence[page.SetStatement], records: Sequence[page.RecordStatement] | None, old: Sequence[Action]
-) -> tuple[Action, ...]:
-    """The statements of a branch in the order of ``old``, with its records where ``records`` is ``None``."""
-    new_sets = deque(map(_set, sets))
-    new_records = deque(records_in(old) if records is None else map(_read_record, records))
-    found: list[Action] = []
-    for one in old:
-        if isinstance(one, KeepWithin):
-            found.append(one)
-            continue
-        waiting: deque[SetFrequency] | deque[RecordIncident] = (
-            new_sets if isinstance(one, SetFrequency) else new_records
-        )
-        if waiting:
-            found.append(waiting.popleft())
-    return (*found, *new_sets, *new_records)
-
-
-def _record(record: RecordIncident) -> page.RecordStatement:
-    return page.RecordStatement(
-        name=record.name,
-        topics=tuple(topic.text for topic in record.topics),
-        before_s=record.before.ns / NS_PER_S,
-        after_s=record.after.ns / NS_PER_S,
-    )
-
-
-def _read_record(model: page.RecordStatement) -> RecordIncident:
-    return RecordIncident(
-        name=model.name,
-        topics=tuple(map(_topic, model.topics)),
-        before=_seconds(model.before_s),
-        after=_seconds(model.after_s),
-        span=_NOWHERE,
-    )
-
-
-def _seconds(value: float) -> Duration:
-    ns = round(value * NS_PER_S)
-    return Duration(text=number_text(value), unit=DurationUnit.SECONDS, ns=ns, span=_NOWHERE)
+def _read_action(model: page.Action) -> Action:
+    match model:
+        case page.SetStatement():
+            return _set(model)
+        case page.WithinStatement():
+            return _within(model)
+        case page.RecordStatement():
+            return RecordIncident(
+                name=model.name,
+                topics=tuple(map(_topic, model.topics)),
+                before=_read_duration(model.before),
+                after=_read_duration(model.after),
+                span=_NOWHERE,
+            )
 
 
 def _set(model: page.SetStatement) -> SetFrequency:
     rate = RateExpression(value=_rate_value(model.rate), text="", span=_NOWHERE)
     return SetFrequency(topic=_topic(model.topic), rate=rate, span=_NOWHERE)
+
+
+def _within(model: page.WithinStatement) -> KeepWithin:
+    if isinstance(model.bound, Tier):
+        raise EditError(f"a bound is a number, not {model.bound.value}", remedy="write how far off it may be")
+    return KeepWithin(
+        topic=_topic(model.topic),
+        property=model.property,
+        property_span=_NOWHERE,
+        bound=model.bound,
+        text="",
+        span=_NOWHERE,
+    )
+
+
+def _read_duration(model: page.Duration) -> Duration:
+    text = number_text(model.value)
+    return Duration(text=text, unit=model.unit, ns=duration_ns(text, model.unit), span=_NOWHERE)
+
+
+def _read_until(model: page.Until | None) -> Until | None:
+    return None if model is None else Until(operator=model.op, value=model.value, text="", span=_NOWHERE)
 
 
 def _topic(name: str) -> TopicName:
@@ -239,6 +261,14 @@ def _read_condition(model: page.Condition) -> Condition:
                 operator=model.op,
                 value=model.value,
                 text="",
+                span=_NOWHERE,
+                until=_read_until(model.until),
+            )
+        case page.TimedCondition():
+            return Timed(
+                operand=_read_condition(model.term),
+                word=model.word,
+                duration=_read_duration(model.duration),
                 span=_NOWHERE,
             )
         case page.NotCondition():

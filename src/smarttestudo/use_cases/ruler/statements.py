@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from msgspec import Struct
 
-from smarttestudo.adirf.syntax import Operator
+from smarttestudo.adirf.syntax import DurationUnit, Operator, TimeWord
 from smarttestudo.domain.rate import Tier
 
 
@@ -44,13 +44,21 @@ class OffRate(Struct, frozen=True, kw_only=True, tag_field="kind", tag="off"):
 Rate = Hz | TierRate | FullRate | OffRate
 
 
+class Until(Struct, frozen=True, kw_only=True):
+    """``Until op value`` behind a check: what ends it."""
+
+    op: Operator
+    value: float
+
+
 class CheckCondition(Struct, frozen=True, kw_only=True, tag_field="kind", tag="check"):
-    """``CheckValue topic property op value``; ``op`` is one of ``> < >= <= = !=``."""
+    """``CheckValue topic property op value [Until op value]``; ``op`` is one of ``> < >= <= = !=``."""
 
     topic: str
     property: str
     op: Operator
     value: float
+    until: Until | None = None
     offset: int = 0
     end_offset: int = 0
 
@@ -73,7 +81,22 @@ class NotCondition(Struct, frozen=True, kw_only=True, tag_field="kind", tag="not
     term: Condition
 
 
-Condition = CheckCondition | AndCondition | OrCondition | NotCondition
+class Duration(Struct, frozen=True, kw_only=True):
+    """A time in ``unit``."""
+
+    value: float
+    unit: DurationUnit
+
+
+class TimedCondition(Struct, frozen=True, kw_only=True, tag_field="kind", tag="timed"):
+    """``term For duration``: it held all that time; ``term Within duration``: at some moment of it."""
+
+    term: Condition
+    word: TimeWord
+    duration: Duration
+
+
+Condition = CheckCondition | AndCondition | OrCondition | NotCondition | TimedCondition
 
 
 class _PlacedStatement(Struct, frozen=True, kw_only=True):
@@ -95,13 +118,28 @@ class SetStatement(_PlacedStatement, frozen=True, kw_only=True, tag_field="kind"
     rate: Rate
 
 
-class RecordStatement(Struct, frozen=True, kw_only=True):
-    """``Record "name" topics Before before_s After after_s``; no topics stand for all that the rules name."""
+Bound = float | Tier
+"""How far off a property may be, in its unit, or the name of a level."""
+
+
+class WithinStatement(_PlacedStatement, frozen=True, kw_only=True, tag_field="kind", tag="within"):
+    """``KeepWithin topic property bound``, as a default or in a rule."""
+
+    topic: str
+    property: str
+    bound: Bound
+
+
+class RecordStatement(_PlacedStatement, frozen=True, kw_only=True, tag_field="kind", tag="record"):
+    """``Record "name" topics Before … After …`` in a rule; no topics stand for all that the rules name."""
 
     name: str
     topics: tuple[str, ...]
-    before_s: float
-    after_s: float
+    before: Duration
+    after: Duration
+
+
+Action = SetStatement | WithinStatement | RecordStatement
 
 
 class KeepStatement(_PlacedStatement, frozen=True, kw_only=True, tag_field="kind", tag="keep"):
@@ -116,22 +154,19 @@ class RuleStatement(
 ):
     """``[Rule "name" [Priority n]] If … Then … [Else …]``; in JSON ``otherwise`` is called ``else``.
 
-    ``label`` (answers only) is what findings and decisions call the rule. ``then_records`` and
-    ``else_records`` left out of a request stay as they are in the rule that it replaces.
+    ``label`` (answers only) is what findings and decisions call the rule.
     """
 
     condition: Condition
-    then: tuple[SetStatement, ...]
-    otherwise: tuple[SetStatement, ...]
+    then: tuple[Action, ...]
+    otherwise: tuple[Action, ...]
     name: str | None = None
     priority: int = 0
     label: str = ""
-    then_records: tuple[RecordStatement, ...] | None = None
-    else_records: tuple[RecordStatement, ...] | None = None
 
 
 class RawStatement(_PlacedStatement, frozen=True, kw_only=True, tag_field="kind", tag="raw"):
-    """Text that does not parse, or says what the page has no words for, as it stands in the file.
+    """Text that does not parse, as it stands in the file.
 
     In a request ``text`` is what to write.
     """
@@ -139,4 +174,4 @@ class RawStatement(_PlacedStatement, frozen=True, kw_only=True, tag_field="kind"
     text: str
 
 
-Statement = SetStatement | KeepStatement | RuleStatement | RawStatement
+Statement = SetStatement | KeepStatement | WithinStatement | RuleStatement | RawStatement

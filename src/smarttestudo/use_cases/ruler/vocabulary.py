@@ -12,7 +12,13 @@ from msgspec import Struct
 
 from smarttestudo.adapters.files.profile import parse_profile
 from smarttestudo.adirf.parser import ParseResult, parse
-from smarttestudo.adirf.properties import ARRIVAL_PROPERTIES, PropertySpec, properties_of, usual_types
+from smarttestudo.adirf.properties import (
+    ARRIVAL_PROPERTIES,
+    PropertySpec,
+    properties_for_bounds,
+    properties_of,
+    usual_types,
+)
 from smarttestudo.adirf.syntax import Block, bounds_in, checks_in, records_in, sets_in
 from smarttestudo.domain.profile import Profile
 
@@ -27,7 +33,7 @@ class TopicSource(Enum):
 
 
 class Property(Struct, frozen=True, kw_only=True):
-    """A property that a check can read."""
+    """A property that a check can read or a bound can be about."""
 
     name: str
     unit: str
@@ -35,11 +41,15 @@ class Property(Struct, frozen=True, kw_only=True):
 
 
 class KnownTopic(Struct, frozen=True, kw_only=True):
-    """A topic, its type where anybody knows it, else the one that its name stands for, and who names it."""
+    """A topic, its type where anybody knows it, else the one that its name stands for, and who names it.
+
+    ``properties`` are those that checks read, ``bounds`` those that only a ``KeepWithin`` can name.
+    """
 
     topic: str
     type: str | None
     properties: tuple[Property, ...]
+    bounds: tuple[Property, ...]
     source: TopicSource
 
 
@@ -96,8 +106,13 @@ def _known_topics(
                 types.setdefault(topic, type_name)
     for topic, source in sources.items():
         known = types.get(topic) or next(iter(usual_types(topic)), None)
-        properties = _properties(properties_of(known or "").values())
-        yield KnownTopic(topic=topic, type=known, properties=properties, source=source)
+        yield KnownTopic(
+            topic=topic,
+            type=known,
+            properties=_properties(properties_of(known or "").values()),
+            bounds=_properties(properties_for_bounds().get(known or "", ())),
+            source=source,
+        )
 
 
 def _properties(specs: Iterable[PropertySpec]) -> tuple[Property, ...]:

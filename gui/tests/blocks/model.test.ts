@@ -1,0 +1,107 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import * as Blockly from "blockly/core";
+import { beforeAll, expect, test } from "vitest";
+import type { Action, CheckCondition, Condition, RuleStatement, Statement, TimedCondition } from "../../src/api/types";
+import { type BlockButtons, defineBlocks } from "../../src/blocks/block_types";
+import { fingerprint, toBlock, toStatement } from "../../src/blocks/model";
+
+const CHECK: CheckCondition = { kind: "check", topic: "/battery_state", property: "level", op: "<", value: 20 };
+const OTHER: CheckCondition = { ...CHECK, op: ">=", value: -0.5 };
+const RATE: Action = { kind: "set", topic: "/odom", rate: { kind: "full", value: null } };
+
+const held = (term: Condition, value = 10): TimedCondition => ({
+  kind: "timed",
+  term,
+  word: "For",
+  duration: { value, unit: "s" },
+});
+const lately = (term: Condition): TimedCondition => ({
+  kind: "timed",
+  term,
+  word: "Within",
+  duration: { value: 0.5, unit: "min" },
+});
+const rule = (condition: Condition, then: Action[] = [RATE], other: Action[] = []): RuleStatement => ({
+  kind: "rule",
+  name: "Low",
+  priority: 2,
+  condition,
+  then,
+  else: other,
+});
+
+beforeAll(() => {
+  const nothing = () => [];
+  const suggest = { topics: nothing, markedTopics: nothing, properties: nothing, bounds: nothing, unit: () => "" };
+  const ignore = () => undefined;
+  const buttons: BlockButtons = {
+    addCheck: ignore,
+    addRate: ignore,
+    addBound: ignore,
+    addRecord: ignore,
+    toggleElse: ignore,
+    remove: ignore,
+  };
+  defineBlocks(suggest, buttons);
+});
+
+/** What the blocks of a statement say. */
+function said(statement: Statement): Statement | { missing: string } {
+  const workspace = new Blockly.Workspace();
+  return toStatement(Blockly.serialization.blocks.append(toBlock(statement), workspace));
+}
+
+const ENDED: CheckCondition = { ...CHECK, until: { op: ">", value: 25 } };
+const BOTH: Condition = { kind: "and", terms: [CHECK, OTHER] };
+const EITHER: Condition = { kind: "or", terms: [CHECK, held(OTHER)] };
+const CONDITIONS: [string, Condition][] = [
+  ["a check for a time", held(CHECK)],
+  ["a check with an end", ENDED],
+  ["a check with an end for a time", held(ENDED)],
+  ["times around times", lately(held(held(CHECK), 3))],
+  ["both for a time", held(BOTH)],
+  ["one of both for a time, lately", lately(held(EITHER))],
+  ["not for a time", { kind: "not", term: held(CHECK) }],
+  ["not both for a time", { kind: "not", term: held(BOTH) }],
+  ["for a time not", held({ kind: "not", term: BOTH })],
+  ["both, one for a time", { kind: "and", terms: [held(CHECK), lately(EITHER)] }],
+];
+
+test.each(CONDITIONS)("blocks say %s as the text does", (_, condition) => {
+  const statement = rule(condition);
+  expect(fingerprint(said(statement) as Statement)).toBe(fingerprint(statement));
+});
+
+test("whether not stands before or behind a time is another rule", () => {
+  const inside = rule({ kind: "not", term: held(CHECK) });
+  const outside = rule(held({ kind: "not", term: CHECK }));
+  expect(fingerprint(inside)).not.toBe(fingerprint(outside));
+  expect(toBlock(inside)).not.toEqual(toBlock(outside));
+});
+
+const BOUND: Statement & Action = { kind: "within", topic: "/odom", property: "position", bound: 0.05 };
+const LEVEL: Statement & Action = { ...BOUND, bound: "Acceptable" };
+const RECORD: Action = {
+  kind: "record",
+  name: 'a "near" miss',
+  topics: ["/scan", "imu"],
+  before: { value: 30, unit: "s" },
+  after: { value: 500, unit: "ms" },
+};
+const OF_ALL: Action = { ...RECORD, topics: [] };
+
+test.each<[string, Statement]>([
+  ["a bound", BOUND],
+  ["a bound with a level's name", LEVEL],
+  ["a rule that bounds and records", rule(CHECK, [RECORD, RATE, LEVEL, OF_ALL, BOUND])],
+  ["a rule that records in ELSE alone", rule(CHECK, [BOUND], [OF_ALL])],
+])("blocks say %s as the text does", (_, statement) => {
+  expect(fingerprint(said(statement) as Statement)).toBe(fingerprint(statement));
+});
+
+test("a recording outside a rule is not a statement", () => {
+  const workspace = new Blockly.Workspace();
+  const block = Blockly.serialization.blocks.append({ type: "adirf_record" }, workspace);
+  expect(toStatement(block)).toEqual({ missing: "This belongs in a rule" });
+});
