@@ -94,7 +94,7 @@ def _require_room(waypoints: Sequence[Waypoint], path: Path) -> None:
         leg_m = start.place.distance_m(end.place)
         if leg_m <= max(arcs_m, _CHECKED_M):
             raise MissionError(
-                f"the way from waypoint {number} to the next is {leg_m:.2f} m, too short",
+                f"the way from waypoint {number} to the next is {leg_m:.2f} m, too short for its corners",
                 place=str(path),
                 remedy=f"where the robot does not pause it takes corners in arcs of {CORNER_RADIUS_M:g} m; "
                 "move them apart, or let it pause",
