@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from smarttestudo.adapters.files.outputs import require_separate
-from smarttestudo.cli import bag_figures, bag_loss, bag_report
+from smarttestudo.cli import bag_accuracy, bag_figures, bag_loss, bag_report
 from smarttestudo.cli.bag_options import (
     add_map,
     add_topics_and_form,
@@ -44,7 +44,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser = commands.add_parser(
         "bag",
         help="measure and compare recordings: rates, bandwidth, losses",
-        description="Measure and compare recordings. Only `loss` and `report` read payloads.",
+        description="Measure and compare recordings. Only `loss`, `accuracy` and `report` read payloads.",
     )
     actions = parser.add_subparsers(title="actions", metavar="ACTION", required=True)
     for name, (purpose, table) in _TABLES.items():
@@ -65,6 +65,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
             bag_figures.add_figures(action, _DRAWN[name])
     _add_compare(actions)
     bag_loss.add_action(actions)
+    bag_accuracy.add_action(actions)
     bag_report.add_action(actions)
 
 

@@ -33,6 +33,11 @@ def add_topics(action: argparse.ArgumentParser) -> None:
 def add_topics_and_form(action: argparse.ArgumentParser) -> None:
     """Add ``--topics``, and ``--json`` or ``--csv``."""
     add_topics(action)
+    add_form(action)
+
+
+def add_form(action: argparse.ArgumentParser) -> None:
+    """Add ``--json`` or ``--csv``."""
     form = action.add_mutually_exclusive_group()
     form.add_argument("--json", action="store_true", help="print one JSON object instead of tables")
     form.add_argument("--csv", action="store_true", help="print comma-separated values instead of tables")

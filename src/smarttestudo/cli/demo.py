@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 from smarttestudo.adapters.files.outputs import require_separate
 from smarttestudo.adapters.ros import open_robot
 from smarttestudo.adapters.ros.discovery import discovery_variables
-from smarttestudo.cli.loop_options import add_simulation, add_when_slow, seconds
+from smarttestudo.cli.loop_options import add_mission, add_simulation, add_when_slow, seconds
 from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.progress import progress
 from smarttestudo.cli.tables import print_table
@@ -30,6 +30,7 @@ from smarttestudo.visualizer.link_comparison import arrival_ages_table, arrival_
 
 if TYPE_CHECKING:
     from smarttestudo.use_cases.demo.demo import DemoOutcome
+    from smarttestudo.visualizer.accuracy import AccuracyComparison
     from smarttestudo.visualizer.loss.report import LossReport
 
 _DEFAULT_OUT = Path("demo-out")
@@ -82,6 +83,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         full_images_help="write whole camera frames (about 0.2 GB a second) instead of small ones with "
         "declared sizes",
     )
+    add_mission(parser)
     add_when_slow(parser)
     parser.set_defaults(run=run)
 
@@ -94,6 +96,10 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.link is not None and arguments.full_images:
         raise UsageError(
             "with --link, frames have a size of their own", place="--full-images", remedy="leave one out"
+        )
+    if arguments.link is not None and arguments.mission is not None:
+        raise UsageError(
+            "with --link, the robot drives the patrol", place="--mission", remedy="leave one out"
         )
     usual_s = _DEFAULT_SECONDS if arguments.link is None else _DEFAULT_LINK_SECONDS
     length_s = usual_s if arguments.seconds is None else arguments.seconds
@@ -115,6 +121,7 @@ def run(arguments: argparse.Namespace) -> int:
                 progress=progress,
                 robot=robot,
                 link_bit_per_s=arguments.link,
+                mission=arguments.mission,
             )
         )
     _print(outcome, arguments.out)
@@ -141,23 +148,30 @@ def _recorder(opened: ExitStack) -> Robot:
 
 def _print(outcome: DemoOutcome, out: Path) -> None:
     from smarttestudo.use_cases.demo import demo  # noqa: PLC0415  see run
-    from smarttestudo.use_cases.demo.rules import RULES  # noqa: PLC0415
+    from smarttestudo.use_cases.demo.rules import PREDICTED, RULES, WITHIN  # noqa: PLC0415
 
     for table in (frequency_table(outcome.comparison), bandwidth_table(outcome.comparison)):
         print_table(table)
         print()  # noqa: T201
     _print_loss(outcome.loss)
+    _print_accuracy(outcome.accuracy)
     if outcome.arrivals:
         for table in (arrival_rates_table(outcome.arrivals), arrival_ages_table(outcome.arrivals)):
             print_table(table)
             print()  # noqa: T201
     for notice in outcome.notices:
         print(f"note: {notice}", file=sys.stderr)  # noqa: T201
+    bounding = {
+        WITHIN: "rules that keep the operator's picture within bounds",
+        PREDICTED: "the same for an operator's end that shows dead reckoning",
+        demo.ACCURACY: "how far the picture is off under each of them",
+    }
     written = {
         demo.BASELINE: "what the robot published (rosbag2)",
         demo.ADAPTIVE: "what the operator received (rosbag2)",
         demo.DECISIONS: f"every change of a rate, with its reason: {outcome.decisions} decisions",
         RULES: "the rules",
+        **(bounding if outcome.accuracy else {}),
         demo.REPORT: "all of it in one page: map, decisions, rates, bandwidth, losses",
     }
     width = max(len(str(out / name)) for name in written)
@@ -183,4 +197,15 @@ def _print_loss(loss: LossReport | None) -> None:
     from smarttestudo.visualizer.summary import loss_sentences  # noqa: PLC0415  see run
 
     for sentence in () if loss is None else (*loss_sentences(loss), ""):
+        print(sentence)  # noqa: T201
+
+
+def _print_accuracy(accuracy: AccuracyComparison | None) -> None:
+    from smarttestudo.visualizer.accuracy_table import accuracy_sentences, accuracy_tables  # noqa: PLC0415  see run
+
+    if accuracy is None:
+        return
+    for table in accuracy_tables(accuracy):
+        print_table(table)
+    for sentence in ("", *accuracy_sentences(accuracy), ""):
         print(sentence)  # noqa: T201

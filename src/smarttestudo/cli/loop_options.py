@@ -82,6 +82,16 @@ def add_simulation(
         images.add_argument("--medium-images", action="store_true", help=medium_images_help)
 
 
+def add_mission(parser: argparse.ArgumentParser) -> None:
+    """Add ``--mission``."""
+    parser.add_argument(
+        "--mission",
+        metavar="FILE",
+        type=file_path,
+        help="drive this tour (TOML, as examples/errands.toml), instead of the patrol of the thesis",
+    )
+
+
 def seconds(text: str) -> float:
     """A duration from the command line; ``ArgumentTypeError`` for anything but 1 s to a day."""
     try:

@@ -7,7 +7,7 @@ from __future__ import annotations
 import argparse
 
 from smarttestudo.adapters.ros import open_robot
-from smarttestudo.cli.loop_options import add_ros_arguments, add_simulation, seconds
+from smarttestudo.cli.loop_options import add_mission, add_ros_arguments, add_simulation, seconds
 from smarttestudo.cli.terminal import stop_signals
 
 NODE = ("-r", "__node:=turtlebot3")
@@ -27,6 +27,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         full_images_help="publish the raw camera, and whole compressed frames: about 190 MB each second",
         medium_images_help="compressed frames of 960 x 540 pixels, about 100 KB each",
     )
+    add_mission(parser)
     add_ros_arguments(parser)
     parser.set_defaults(run=run)
 
@@ -43,6 +44,7 @@ def run(arguments: argparse.Namespace) -> int:
             SimulateRequest(
                 seconds=arguments.seconds,
                 seed=arguments.seed,
+                mission=arguments.mission,
                 frames=FrameSize.MEDIUM if arguments.medium_images else frames,
             ),
             robot,

@@ -46,6 +46,10 @@ class ProfileError(TestudoError):
     """A profile that cannot be read or holds a wrong value."""
 
 
+class MissionError(TestudoError):
+    """A mission of the simulated robot that cannot be read or driven."""
+
+
 class RecordingError(TestudoError):
     """A recording that cannot be read or written."""
 

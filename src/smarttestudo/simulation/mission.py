@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import heapq
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,10 +14,12 @@ from smarttestudo.domain.floor_plan import FloorPlan
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.simulation.body_sensors import FrameBroadcaster, InertialUnit, Odometer, WheelEncoders
 from smarttestudo.simulation.camera import Camera, FrameSize, raspberry_pi_lens
+from smarttestudo.simulation.geometry import BodyVelocity
 from smarttestudo.simulation.lidar import Lidar, RayCaster
 from smarttestudo.simulation.readings import Device, TimedReading
 from smarttestudo.simulation.robot import DifferentialDrive, DriveModel
 from smarttestudo.simulation.route import Navigator, PurePursuit, Route
+from smarttestudo.simulation.tour import Tour, WaypointFollower
 
 _TRANSPORT_NS = 500_000
 _JITTER = 0.02
@@ -26,13 +28,13 @@ _MAX_JITTER = 0.1
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MissionRequest:
-    """What is to be driven where.
+    """What is to be driven where: along a route without a stop, or on a tour.
 
     ``start_ns`` is the time at which the mission starts, ``seed`` fixes every noise.
     """
 
     plan: FloorPlan
-    route: Route
+    route: Route | Tour
     seed: int
     start_ns: int
     frames: FrameSize = FrameSize.SMALL
@@ -97,7 +99,7 @@ def _devices(request: MissionRequest, model: DriveModel) -> Sequence[Device]:
     noises = [np.random.default_rng([request.seed, index, 0]) for index in range(4)]
     caster = RayCaster(request.plan)
     return (
-        Navigator(PurePursuit(request.route, model)),
+        Navigator(_steering(request.route, model)),
         Odometer(noises[0]),
         InertialUnit(noises[1]),
         WheelEncoders(),
@@ -105,3 +107,10 @@ def _devices(request: MissionRequest, model: DriveModel) -> Sequence[Device]:
         FrameBroadcaster(model),
         Camera(request.plan, caster, raspberry_pi_lens(request.frames), noises[3]),
     )
+
+
+def _steering(route: Route | Tour, model: DriveModel) -> Callable[[DifferentialDrive], BodyVelocity]:
+    if isinstance(route, Tour):
+        return WaypointFollower(route, model).command
+    pursuit = PurePursuit(route, model)
+    return lambda drive: pursuit.command(drive.pose)

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from itertools import accumulate, pairwise
 
 from smarttestudo.domain.floor_plan import Point
@@ -43,6 +43,23 @@ class Route:
                 waypoints[(index + 1) % count],
             )
             points += _arc(before, corner, after, corner_radius_m)
+        return Route(points)
+
+    @staticmethod
+    def from_first(waypoints: Sequence[Point], *, corner_radii_m: Sequence[float]) -> Route:
+        """A round from the first of ``waypoints`` through the others and back.
+
+        Each corner is an arc of its radius; 0 leaves it a corner, as the first one always is.
+        """
+        points = [waypoints[0]]
+        for index in range(1, len(waypoints)):
+            before, corner, after = (
+                waypoints[index - 1],
+                waypoints[index],
+                waypoints[(index + 1) % len(waypoints)],
+            )
+            radius_m = corner_radii_m[index]
+            points += _arc(before, corner, after, radius_m) if radius_m else (corner,)
         return Route(points)
 
     @property
@@ -83,9 +100,9 @@ def _arc(before: Point, corner: Point, after: Point, radius_m: float) -> Iterato
         yield Pose(centre.x_m, centre.y_m, bearing).ahead(radius_m)
 
 
-_LOOKAHEAD_M = 0.4
-_SEARCH_M = 0.5
-_CRUISE_M_PER_S = 0.25
+LOOKAHEAD_M = 0.4
+SEARCH_M = 0.5
+CRUISE_M_PER_S = 0.25
 _SLOW_BELOW_RADIUS_M = 0.9
 _SLOWEST_SHARE = 0.4
 
@@ -103,26 +120,31 @@ class PurePursuit:
     def command(self, pose: Pose) -> BodyVelocity:
         """The velocity that brings a robot at ``pose`` back to the route one lookahead further on."""
         here = Point(pose.x_m, pose.y_m)
-        self.travelled_m = self._route.nearest_m(here, from_m=self.travelled_m, window_m=_SEARCH_M)
-        goal = self._route.at(self.travelled_m + _LOOKAHEAD_M)
-        bearing = math.atan2(goal.y_m - pose.y_m, goal.x_m - pose.x_m) - pose.yaw_rad
-        curvature_per_m = 2 * math.sin(bearing) / here.distance_m(goal)
-        share = min(1.0, max(_SLOWEST_SHARE, 1 / max(abs(curvature_per_m) * _SLOW_BELOW_RADIUS_M, 1e-9)))
-        linear = min(_CRUISE_M_PER_S * share, self._model.max_linear_m_per_s)
-        limit = self._model.max_angular_rad_per_s
-        return BodyVelocity(linear, min(max(linear * curvature_per_m, -limit), limit))
+        self.travelled_m = self._route.nearest_m(here, from_m=self.travelled_m, window_m=SEARCH_M)
+        goal = self._route.at(self.travelled_m + LOOKAHEAD_M)
+        return towards(goal, pose, self._model, cruise_m_per_s=CRUISE_M_PER_S)
+
+
+def towards(goal: Point, pose: Pose, model: DriveModel, *, cruise_m_per_s: float) -> BodyVelocity:
+    """The arc from ``pose`` to ``goal``, at ``cruise_m_per_s`` where it is not tight."""
+    bearing = math.atan2(goal.y_m - pose.y_m, goal.x_m - pose.x_m) - pose.yaw_rad
+    curvature_per_m = 2 * math.sin(bearing) / Point(pose.x_m, pose.y_m).distance_m(goal)
+    share = min(1.0, max(_SLOWEST_SHARE, 1 / max(abs(curvature_per_m) * _SLOW_BELOW_RADIUS_M, 1e-9)))
+    linear = min(cruise_m_per_s * share, model.max_linear_m_per_s)
+    limit = model.max_angular_rad_per_s
+    return BodyVelocity(linear, min(max(linear * curvature_per_m, -limit), limit))
 
 
 class Navigator:
-    """Steers the robot along its route and publishes what it asks of the wheels."""
+    """Steers the robot and publishes what it asks of the wheels."""
 
     rate_hz = 10.0
 
-    def __init__(self, pursuit: PurePursuit) -> None:
-        self._pursuit = pursuit
+    def __init__(self, steer: Callable[[DifferentialDrive], BodyVelocity]) -> None:
+        self._steer = steer
 
     def sample(self, drive: DifferentialDrive) -> Sequence[tuple[Topic, Reading]]:
         """Command the wheels anew."""
-        velocity = self._pursuit.command(drive.pose)
+        velocity = self._steer(drive)
         drive.command(velocity)
         return [(Topic.CMD_VEL, Command(velocity=velocity))]

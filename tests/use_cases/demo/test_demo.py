@@ -22,7 +22,17 @@ THESIS_CHANGE_PERCENT = {
     "/camera/camera_info": -89.5,
     "/tf": -66.4,
 }
-WRITTEN = {"adaptive", "baseline", "decisions.jsonl", "demo.json", "report.html", "warehouse.adirf"}
+WRITTEN = {
+    "accuracy.json",
+    "adaptive",
+    "baseline",
+    "decisions.jsonl",
+    "demo.json",
+    "report.html",
+    "warehouse.adirf",
+    "warehouse_predicted.adirf",
+    "warehouse_within.adirf",
+}
 
 
 def _change_percent(before: Messages, after: Messages, topic: str) -> float:

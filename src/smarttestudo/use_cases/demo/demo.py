@@ -21,10 +21,12 @@ from smarttestudo.use_cases.bags.report import Progress, ReportRequest, bag_repo
 from smarttestudo.use_cases.demo import linked
 from smarttestudo.use_cases.demo.folder import MARKER, demo_folder
 from smarttestudo.use_cases.demo.live import LOGS, LiveDemoRequest, record_live
-from smarttestudo.use_cases.demo.mission import bytes_per_second, record_mission
-from smarttestudo.use_cases.demo.rules import RULES, DemoRules, put_rules
+from smarttestudo.use_cases.demo.mission import bytes_per_second, record_mission, route_of
+from smarttestudo.use_cases.demo.rules import PREDICTED, RULES, WITHIN, DemoRules, put_rules
+from smarttestudo.use_cases.replay.accuracy import AccuracyRequest, NamedRules, compare_accuracy
 from smarttestudo.use_cases.replay.outcome import ReplayOutcome
 from smarttestudo.use_cases.replay.replay import ReplayRequest, replay
+from smarttestudo.visualizer.accuracy import AccuracyComparison, View
 from smarttestudo.visualizer.comparison import Comparison
 from smarttestudo.visualizer.link_comparison import LinkArrivals
 from smarttestudo.visualizer.loss.report import LossReport
@@ -34,7 +36,8 @@ BASELINE = "baseline"
 ADAPTIVE = "adaptive"
 DECISIONS = "decisions.jsonl"
 REPORT = "report.html"
-_MADE = frozenset({BASELINE, ADAPTIVE, DECISIONS, REPORT, RULES, MARKER, *LOGS})
+ACCURACY = "accuracy.json"
+_MADE = frozenset({BASELINE, ADAPTIVE, DECISIONS, REPORT, ACCURACY, RULES, WITHIN, PREDICTED, MARKER, *LOGS})
 _TITLE = "A TurtleBot3 patrols a warehouse"
 _EXPLANATION = (
     "Default is everything that the robot published. SmartTestudo is what an operator received of it while "
@@ -48,7 +51,8 @@ class DemoRequest:
 
     ``full_images`` asks for whole camera frames, about 0.2 GB each second, instead of small ones. With a
     ``robot``, the node that records, the mission takes place in real time on a real ROS graph; with
-    ``link_bit_per_s`` across a link that carries so much, once for each contender.
+    ``link_bit_per_s`` across a link that carries so much, once for each contender. ``mission`` is the file of
+    a tour; without one the robot drives the patrol of the thesis.
     """
 
     out: Path
@@ -59,17 +63,20 @@ class DemoRequest:
     progress: Progress
     robot: Robot | None = None
     link_bit_per_s: float | None = None
+    mission: Path | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DemoOutcome:
     """Both runs compared, what the operator lost, the number of decisions, and what was odd, a line each.
 
-    ``arrivals`` is what each contender brought over a link.
+    ``accuracy`` has the same drive at fixed rates and under rules with bounds. ``arrivals`` is what each
+    contender brought over a link.
     """
 
     comparison: Comparison
     loss: LossReport | None
+    accuracy: AccuracyComparison | None
     decisions: int
     notices: tuple[str, ...]
     arrivals: tuple[LinkArrivals, ...] = ()
@@ -84,6 +91,7 @@ def run_demo(request: DemoRequest) -> DemoOutcome:
     Raises:
         DemoFolderError: the folder may not be replaced or cannot be written.
         RuleFileError: the edited rules cannot be used.
+        MissionError: the mission cannot be read or driven.
         RecordingError: a recording cannot be written.
         NetworkError: there can be no link on this machine.
     """
@@ -98,13 +106,16 @@ def run_demo(request: DemoRequest) -> DemoOutcome:
         else:
             notices = _in_real_time(request, folder, request.robot)
             decisions = _recorded_decisions(folder)
-        report = _write_report(request, folder, rules, decisions)
+        bounding = [put_rules(folder, request.out, name) for name in (WITHIN, PREDICTED)]
+        accuracy = _accuracy(request, folder, rules, bounding)
+        report = _write_report(request, folder, rules, decisions, accuracy)
         (folder / MARKER).write_text(json.dumps(_settings(request), indent=2) + "\n", "utf-8")
     return DemoOutcome(
         comparison=report.comparison,
         loss=report.loss,
+        accuracy=accuracy,
         decisions=len(decisions),
-        notices=(*_rule_notices(request, rules), *notices),
+        notices=(*_rule_notices(request, (rules, *bounding)), *notices),
         arrivals=arrivals,
     )
 
@@ -114,11 +125,13 @@ def _needed_bytes(request: DemoRequest) -> int:
     return round((usual if request.link_bit_per_s is None else linked.BYTES_PER_SECOND) * request.seconds)
 
 
-def _rule_notices(request: DemoRequest, rules: DemoRules) -> tuple[str, ...]:
-    """Where the rules are not the demo's own, that they are not."""
-    if not rules.are_edited:
-        return ()
-    return (f"{request.out / RULES} was edited: kept and used; without it the demo takes its own rules",)
+def _rule_notices(request: DemoRequest, rules: Sequence[DemoRules]) -> tuple[str, ...]:
+    """Where rules are not the demo's own, that they are not."""
+    return tuple(
+        f"{request.out / one.name} was edited: kept and used; without it the demo takes its own rules"
+        for one in rules
+        if one.are_edited
+    )
 
 
 def _in_virtual_time(
@@ -128,6 +141,7 @@ def _in_virtual_time(
     with request.progress("Driving the patrol") as report:
         record_mission(
             folder / BASELINE,
+            route=route_of(request.mission),
             seconds=request.seconds,
             seed=request.seed,
             full_images=request.full_images,
@@ -171,6 +185,7 @@ def _in_real_time(request: DemoRequest, folder: Path, robot: Robot) -> tuple[str
                 seed=request.seed,
                 full_images=request.full_images,
                 when_slow=request.when_slow,
+                mission=request.mission,
             ),
             robot,
             report,
@@ -215,8 +230,38 @@ def _replay(request: DemoRequest, folder: Path, rules: DemoRules) -> tuple[Repla
     return outcome, decisions
 
 
+def _accuracy(
+    request: DemoRequest, folder: Path, rules: DemoRules, bounding: Sequence[DemoRules]
+) -> AccuracyComparison | None:
+    """The baseline at fixed rates, under the rules, and under those with bounds; what of it is on disk.
+
+    With whole images it would read them again and again, to say the same as without.
+    """
+    if request.full_images or request.link_bit_per_s is not None:
+        return None
+    within, predicted = bounding
+    shown = ((rules, View.HOLD), (within, View.HOLD), (within, View.RECKONED), (predicted, View.RECKONED))
+    comparison = compare_accuracy(
+        AccuracyRequest(
+            bag=folder / BASELINE,
+            rules=[
+                NamedRules(name=Path(one.name).stem, rule_set=one.rule_set, view=view) for one, view in shown
+            ],
+            progress=request.progress,
+            called=BASELINE,
+        )
+    )
+    if comparison is not None:
+        (folder / ACCURACY).write_text(json.dumps(comparison.to_json(), indent=2) + "\n", "utf-8")
+    return comparison
+
+
 def _write_report(
-    request: DemoRequest, folder: Path, rules: DemoRules, decisions: Sequence[Decision]
+    request: DemoRequest,
+    folder: Path,
+    rules: DemoRules,
+    decisions: Sequence[Decision],
+    accuracy: AccuracyComparison | None,
 ) -> RunReport:
     """Measure both recordings as they lie on disk, and show them."""
     report = bag_report(
@@ -235,6 +280,7 @@ def _write_report(
             called=lambda path: str(request.out / path.name),
         )
     )
+    report = replace(report, accuracy=accuracy)
     (folder / REPORT).write_text(render_report(report), "utf-8")
     return report
 
@@ -279,4 +325,5 @@ def _settings(request: DemoRequest) -> dict[str, object]:
         "when_slow": request.when_slow.value,
         "live": request.robot is not None,
         "link_bit_per_s": request.link_bit_per_s,
+        "mission": None if request.mission is None else request.mission.read_text("utf-8-sig"),
     }

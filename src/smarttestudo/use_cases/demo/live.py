@@ -78,6 +78,7 @@ class LiveDemoRequest:
     seed: int
     full_images: bool
     when_slow: WhenSlow
+    mission: Path | None = None
 
 
 def record_live(request: LiveDemoRequest, robot: Robot, report: Callable[[float], None]) -> tuple[str, ...]:
@@ -146,4 +147,6 @@ def _run_arguments(request: LiveDemoRequest) -> list[str]:
 
 def _simulate_arguments(request: LiveDemoRequest) -> list[str]:
     arguments = ["simulate", "--seed", str(request.seed)]
+    if request.mission is not None:
+        arguments += ["--mission", str(request.mission)]
     return [*arguments, "--full-images"] if request.full_images else arguments

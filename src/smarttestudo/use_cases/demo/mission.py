@@ -7,12 +7,15 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
+from smarttestudo.adapters.files.mission_file import load_mission
 from smarttestudo.adapters.rosbag.writer import create_recording
 from smarttestudo.adapters.simulated_robot.messages import RobotMessages
 from smarttestudo.domain.units import NS_PER_S, ns_from_s
 from smarttestudo.simulation.camera import FrameSize
 from smarttestudo.simulation.mission import MissionRequest, drive_mission
 from smarttestudo.simulation.readings import Topic
+from smarttestudo.simulation.route import Route
+from smarttestudo.simulation.tour import Tour
 from smarttestudo.simulation.warehouse import patrol, warehouse
 
 START_NS = 1_767_600_000 * NS_PER_S
@@ -30,15 +33,26 @@ _SMALL_BYTES_PER_S = 500_000
 _FULL_BYTES_PER_S = 216_000_000
 
 
+def route_of(mission: Path | None) -> Route | Tour:
+    """The tour in the mission file, without one the patrol of the thesis; raises ``MissionError``."""
+    return patrol() if mission is None else load_mission(mission, warehouse())
+
+
 def bytes_per_second(*, full_images: bool) -> int:
     """About how much disk both recordings of a mission take for each of its seconds."""
     return _FULL_BYTES_PER_S if full_images else _SMALL_BYTES_PER_S
 
 
 def record_mission(
-    path: Path, *, seconds: float, seed: int, full_images: bool, report: Callable[[float], None]
+    path: Path,
+    *,
+    route: Route | Tour,
+    seconds: float,
+    seed: int,
+    full_images: bool,
+    report: Callable[[float], None],
 ) -> None:
-    """Write ``seconds`` of the patrol to a new recording at ``path``; ``report`` gets the share done.
+    """Write ``seconds`` of the drive to a new recording at ``path``; ``report`` gets the share done.
 
     Unless ``full_images``, camera frames are small, and the recording declares the size of whole ones.
 
@@ -46,7 +60,7 @@ def record_mission(
         RecordingError: the recording cannot be written.
     """
     frames = FrameSize.FULL if full_images else FrameSize.SMALL
-    request = MissionRequest(plan=warehouse(), route=patrol(), seed=seed, start_ns=START_NS, frames=frames)
+    request = MissionRequest(plan=warehouse(), route=route, seed=seed, start_ns=START_NS, frames=frames)
     messages = RobotMessages(jpeg_bytes=JPEG_BYTES[frames])
     duration_ns = ns_from_s(seconds)
     declared_bytes = {} if full_images else DECLARED_BYTES

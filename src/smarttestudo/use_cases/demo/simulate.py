@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 
 from smarttestudo.adapters.simulated_robot.messages import RobotMessages
 from smarttestudo.domain.robot import Publisher, Qos, Robot
@@ -13,8 +14,8 @@ from smarttestudo.domain.units import ns_from_s
 from smarttestudo.simulation.camera import FrameSize
 from smarttestudo.simulation.mission import MissionRequest, drive_mission
 from smarttestudo.simulation.readings import TimedReading, Topic
-from smarttestudo.simulation.warehouse import patrol, warehouse
-from smarttestudo.use_cases.demo.mission import JPEG_BYTES
+from smarttestudo.simulation.warehouse import warehouse
+from smarttestudo.use_cases.demo.mission import JPEG_BYTES, route_of
 
 _QOS = Qos(reliable=True, transient_local=False)
 _LONGEST_WAIT_S = 0.2
@@ -24,27 +25,33 @@ _LONGEST_WAIT_S = 0.2
 class SimulateRequest:
     """How long the robot drives (``None``: until stopped), and with which noise.
 
-    Only with full ``frames`` it has a raw camera.
+    Only with full ``frames`` it has a raw camera. ``mission`` is the file of a tour, ``None`` the patrol.
     """
 
     seconds: float | None
     seed: int
     frames: FrameSize
+    mission: Path | None = None
 
 
 def simulate(request: SimulateRequest, robot: Robot, stopped: Callable[[], bool]) -> None:
     """Publish what the robot's devices say, each reading when its time comes, until it drove or ``stopped``.
 
     Topics whose message type is not installed are left out and named in the log.
+
+    Raises:
+        MissionError: the mission cannot be read or driven.
     """
+    route = route_of(request.mission)
     messages = RobotMessages(jpeg_bytes=JPEG_BYTES[request.frames])
     publishers = _publishers(robot, messages, request.frames)
     start_ns = robot.now_ns()
     end_ns = None if request.seconds is None else start_ns + ns_from_s(request.seconds)
-    robot.log.info(f"Driving the patrol with {len(publishers)} topics{_left_out(robot, messages)}")
+    drive = "patrol" if request.mission is None else "mission"
+    robot.log.info(f"Driving the {drive} with {len(publishers)} topics{_left_out(robot, messages)}")
     mission = MissionRequest(
         plan=warehouse(),
-        route=patrol(),
+        route=route,
         seed=request.seed,
         start_ns=start_ns,
         frames=request.frames,

@@ -17,6 +17,7 @@ from smarttestudo.visualizer.report.rule_styles import RuleStyles, styles_of
 from smarttestudo.visualizer.report.run_report import RunReport
 from smarttestudo.visualizer.report.scripts import content_policy, script_elements, style
 from smarttestudo.visualizer.report.sections import (
+    accuracy_section,
     bandwidth_section,
     loss_section,
     notices_section,
@@ -87,6 +88,8 @@ def _parts(report: RunReport, drawn: _Drawn) -> Iterator[Markup]:
         yield link_section(report.link, total.kb_per_s, report.duration_s)
     if report.loss is not None:
         yield loss_section(report.loss, report.names)
+    if report.accuracy is not None:
+        yield accuracy_section(report.accuracy)
     for table in report.shown_tables:
         yield section(table.title, html_table(table))
     if report.notices:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.floor_plan import FloorPlan
+from smarttestudo.visualizer.accuracy import AccuracyComparison
 from smarttestudo.visualizer.comparison import Comparison
 from smarttestudo.visualizer.comparison_tables import RunNames, bandwidth_table, frequency_table
 from smarttestudo.visualizer.floor import PathPoint
@@ -87,6 +88,7 @@ class RunReport:
     tables: tuple[Table, ...] = ()
     budget_kb_per_s: float | None = None
     loss: LossReport | None = None
+    accuracy: AccuracyComparison | None = None
     link: LinkHistory | None = None
     rules: tuple[RuleText, ...] = ()
     provenance: tuple[Fact, ...] = ()

@@ -6,6 +6,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from smarttestudo.visualizer.accuracy import AccuracyComparison
+from smarttestudo.visualizer.accuracy_table import accuracy_sentences, accuracy_tables
 from smarttestudo.visualizer.comparison import TopicComparison
 from smarttestudo.visualizer.comparison_tables import RunNames
 from smarttestudo.visualizer.loss.report import LossReport
@@ -111,6 +113,15 @@ def loss_section(loss: LossReport, names: RunNames) -> Markup:
     letters = f"In the tables, A is {names.before} and B is {names.after}."
     note = [] if names == RunNames(before="A", after="B") else [tag("p", letters, class_="note")]
     return section("What the operator lost", *_position(loss, names), *note, *tables, explanation=explanation)
+
+
+def accuracy_section(comparison: AccuracyComparison) -> Markup:
+    """How far the operator's picture was off at fixed rates and under rules."""
+    return section(
+        "Fixed rates, rates by rules, and bounds",
+        *(html_table(table) for table in accuracy_tables(comparison)),
+        explanation=" ".join(accuracy_sentences(comparison)),
+    )
 
 
 def _position(loss: LossReport, names: RunNames) -> Iterator[Markup]:
