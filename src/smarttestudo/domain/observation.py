@@ -41,7 +41,10 @@ class SourceChanged:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ListenersChanged:
-    """Whether the output topic of ``topic`` has a subscriber; until this comes, it counts as if it had."""
+    """Whether the output topic of ``topic`` has a subscriber; until this comes, it counts as if it had.
+
+    It comes again for each further subscriber, which has got nothing yet.
+    """
 
     topic: str
     are_there: bool
