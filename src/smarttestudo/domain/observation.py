@@ -61,4 +61,11 @@ class LinkBudget:
     is_measured: bool = False
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReceiversReckon:
+    """Of these topics all receivers show dead reckoning from now on, of the others the last value."""
+
+    topics: frozenset[str]
+
+
 Observation = Arrival | SourceChanged | ListenersChanged | LinkBudget

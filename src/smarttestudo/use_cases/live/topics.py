@@ -142,6 +142,14 @@ class LiveTopics:
             if (now - before.get(topic, now)) or (not now and before.get(topic, True))
         ]
 
+    def heard_here(self) -> frozenset[str]:
+        """The relayed topics that have, as of the last look, a subscriber on a ROS graph."""
+        return frozenset(
+            topic
+            for topic, live in self._topics.items()
+            if live.output is not None and any(one.gid for one in self._subscribers.of(live.output))
+        )
+
     def subscriptions(self) -> dict[str, Subscription]:
         """All subscriptions that are open."""
         return {
