@@ -9,6 +9,7 @@ counted from the end of that header (OMG DDS-XTYPES 1.3, 7.4.1 and 7.6.2). Nothi
 from __future__ import annotations
 
 import struct
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from types import MappingProxyType
 from typing import NamedTuple
@@ -27,6 +28,8 @@ _LITTLE_ENDIAN = b"\x00\x01"
 _TRANSFORM_BYTES = 7 * 8
 _STAMP = MappingProxyType({order: struct.Struct(f"{order}iI") for order in "<>"})
 _TRANSFORM = MappingProxyType({order: struct.Struct(f"{order}7d") for order in "<>"})
+_POSE_BYTES = 7 * 8
+_COVARIANCE = MappingProxyType({order: struct.Struct(f"{order}36d") for order in "<>"})
 _POSE_AND_TWIST = MappingProxyType({order: struct.Struct(f"{order}7d288x6d") for order in "<>"})
 
 Payload = bytes | bytearray | memoryview
@@ -112,6 +115,18 @@ class FrameReader:
             transforms.append(Transform(frame, child_frame, at_ns, numbers.unpack_from(payload, numbers_at)))
         return transforms
 
+    def moved(self, payload: bytes, at_ns: int, numbers: Mapping[str, Sequence[float]]) -> bytes | None:
+        """``payload`` at another time, with these translations and rotations by child frame."""
+        order = _byte_order(payload)
+        places = self._read(payload).places
+        if order is None or not all(place[1] in numbers for place in places):
+            return None
+        data = bytearray(payload)
+        for _, child_frame, stamp_at, numbers_at in places:
+            _STAMP[order].pack_into(data, stamp_at, *divmod(at_ns, NS_PER_S))
+            _TRANSFORM[order].pack_into(data, numbers_at, *numbers[child_frame])
+        return bytes(data)
+
     def _read(self, payload: Payload) -> _Transforms:
         known = self._known.get(len(payload))
         if known is not None and known.layout.unpack(payload) == known.constant:
@@ -166,6 +181,25 @@ class PoseReader:
             return self._frames, numbers.unpack_from(payload, _aligned(self._end, 8))
         return None
 
+    def moved(
+        self, payload: bytes, at_ns: int, numbers: Sequence[float], variances: Sequence[float]
+    ) -> bytes | None:
+        """``payload``, which has a covariance, at another time and pose.
+
+        The ``variances`` of x, y, z and of the rotations about them, in m² and rad², come on top of its own.
+        """
+        order = _byte_order(payload)
+        if order is None or self.read(payload) is None:
+            return None
+        data, pose_at = bytearray(payload), _aligned(self._end, 8)
+        _STAMP[order].pack_into(data, HEADER_BYTES, *divmod(at_ns, NS_PER_S))
+        _TRANSFORM[order].pack_into(data, pose_at, *numbers)
+        covariance = list(_COVARIANCE[order].unpack_from(data, pose_at + _POSE_BYTES))
+        for place, variance in enumerate(variances):
+            covariance[7 * place] += variance
+        _COVARIANCE[order].pack_into(data, pose_at + _POSE_BYTES, *covariance)
+        return bytes(data)
+
 
 class JointReader:
     """The joints in a JointState: names, positions and velocities, as long as each is."""
@@ -190,6 +224,16 @@ class JointReader:
             velocities, _ = _doubles(payload, end, uint32, order)
             return self._names, positions, velocities
         return None
+
+    def moved(self, payload: bytes, at_ns: int, positions: Sequence[float]) -> bytes | None:
+        """``payload`` at another time, with so many other positions as it has."""
+        order, found = _byte_order(payload), self.read(payload)
+        if order is None or found is None or len(found[1]) != len(positions):
+            return None
+        data, at = bytearray(payload), _aligned(_aligned(self._end, 4) + 4, 8)
+        _STAMP[order].pack_into(data, HEADER_BYTES, *divmod(at_ns, NS_PER_S))
+        struct.pack_into(f"{order}{len(positions)}d", data, at, *positions)
+        return bytes(data)
 
     def _read_names(self, payload: bytes, uint32: struct.Struct) -> None:
         self._end = -1

@@ -147,6 +147,12 @@ class SmallRobot:
         process.line_with("ready")
         return process
 
+    def watcher(self) -> Process:
+        """A process that hears a source beside what is relayed of it; see ``picture_watcher.py``."""
+        process = self._start([str(FOLDER / "picture_watcher.py")])
+        process.line_with("ready")
+        return process
+
     def counter(self, path: Path, texts: list[str], count: int) -> Process:
         """A process that counts through a runtime while its rules are reloaded; see ``echo_counter.py``."""
         return self._start([str(FOLDER / "echo_counter.py"), str(path), json.dumps(texts), str(count)])

@@ -116,10 +116,11 @@ class SmallGraph(UnaskedRobot):
         reliable: bool = False,
         transient_local: bool = False,
         asks: tuple[str, ...] = (),
+        gid: bytes = b"",
     ) -> None:
         """An operator subscribes."""
         endpoint = Endpoint(
-            node=node, type_name=TEXT, reliable=reliable, transient_local=transient_local, asks=asks
+            node=node, type_name=TEXT, reliable=reliable, transient_local=transient_local, asks=asks, gid=gid
         )
         self.operators.setdefault(topic, []).append(endpoint)
 

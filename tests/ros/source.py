@@ -4,13 +4,15 @@
 
 usage: source.py '{"imu": {"type": "sensor_msgs/msg/Imu", "hz": 195, "reliable": true}, …}'
 The stamp of a message, or the ``linear.y`` of a Twist, is the monotonic time at which it was due. An Odometry
-is at ``x``, a String is numbered. A Clock begins at ``from_s`` and goes on by ``step_ms`` with each message.
+is at ``x``, or drives from there with ``twist``, forward in m/s and around in rad/s. A String is numbered. A
+Clock begins at ``from_s`` and goes on by ``step_ms`` with each message.
 A topic without ``hz`` is latched: ``texts`` are published once, each by a publisher of its own. ``topic`` is
 the topic's name where it is not the key.
 
 Lines on stdin, about all topics or those named: ``move odom`` puts the robot at x = 5, ``home odom`` at 0;
-``spoil odom`` sends bytes that are no message until ``heal odom``; ``hush odom`` sends no more;
-``press estop`` sends true, and then no more; ``rewind clock`` begins again at 0. ``stop`` ends it.
+``spoil odom`` sends bytes that are no message until ``heal odom``; ``hush odom`` sends no more, until
+``speak odom``; ``halt odom`` has a robot that drives stand still, until ``drive odom``; ``press estop`` sends
+true, and then no more; ``rewind clock`` begins again at 0. ``stop`` ends it.
 """
 
 from __future__ import annotations
@@ -33,6 +35,25 @@ NO_MESSAGE = b"\x00\x01\x00\x00\x01"
 PLACES_M = {"move": 5.0, "home": 0.0}
 
 
+class Drive:
+    """A robot that drives an arc, as an Odometry tells of it."""
+
+    def __init__(self, forward: float, around: float) -> None:
+        self.forward = forward
+        self.around = around
+        self.driven_s = 0.0
+        self.is_on = True
+
+    def go_on(self, message: Any, elapsed_s: float) -> None:
+        self.driven_s += elapsed_s * self.is_on
+        angle = self.around * self.driven_s
+        pose, twist = message.pose.pose, message.twist.twist
+        pose.position.x = self.forward / self.around * math.sin(angle)
+        pose.position.y = self.forward / self.around * (1 - math.cos(angle))
+        pose.orientation.z, pose.orientation.w = math.sin(angle / 2), math.cos(angle / 2)
+        twist.linear.x, twist.angular.z = self.forward * self.is_on, self.around * self.is_on
+
+
 class Stream:
     def __init__(self, node: Any, name: str, topic: dict[str, Any]) -> None:
         self.message = message_class(topic["type"])()
@@ -41,7 +62,8 @@ class Stream:
         )
         if is_odometry(self.message):
             self.message.pose.pose.position.x = topic.get("x", 0.0)
-        self.period_s = 1.0 / topic["hz"]
+        self.drive = Drive(*topic["twist"]) if "twist" in topic else None
+        self.usual_period_s = self.period_s = 1.0 / topic["hz"]
         self.clock_ns = topic.get("from_s", 0) * NS_PER_S
         self.step_ns = topic.get("step_ms", 0) * NS_PER_MS
         self.start_s = time.monotonic()
@@ -52,8 +74,14 @@ class Stream:
     def due_s(self) -> float:
         return float(self.start_s + self.sent * self.period_s)
 
+    def speak(self) -> None:
+        self.period_s = self.usual_period_s
+        self.start_s = time.monotonic() - self.sent * self.period_s
+
     def send(self) -> None:
         write_due(self.message, self.due_s)
+        if self.drive is not None:
+            self.drive.go_on(self.message, self.period_s)
         if isinstance(self.message, String):
             self.message.data = str(self.sent)
         if self.step_ns:
@@ -103,6 +131,10 @@ def obey(stream: Stream, command: str) -> None:
         stream.message.pose.pose.position.x = PLACES_M[command]
     elif command == "hush":
         stream.period_s = math.inf
+    elif command == "speak":
+        stream.speak()
+    elif command in {"halt", "drive"} and stream.drive is not None:
+        stream.drive.is_on = command == "drive"
     elif command in {"spoil", "heal"}:
         stream.is_spoilt = command == "spoil"
     elif command == "press":

@@ -66,14 +66,16 @@ def test_a_topic_is_subscribed_to_while_an_operator_listens_to_it() -> None:
     ]
 
 
-def test_it_is_said_once_when_somebody_begins_or_ceases_to_listen() -> None:
+def test_it_is_said_once_when_somebody_begins_to_listen_and_when_nobody_does_any_more() -> None:
     graph = SmallGraph()
     live = Live(graph, "/imu", "/scan", watched=("/odom",))
     graph.listens("/testudo/scan")
     said = []
     changes: list[Callable[[], object]] = [
         lambda: None,
-        lambda: graph.listens("/testudo/imu"),
+        lambda: graph.listens("/testudo/imu", gid=b"first"),
+        lambda: graph.listens("/testudo/imu", gid=b"second"),
+        graph.operators["/testudo/scan"].clear,
         graph.operators.clear,
     ]
     for change in changes:
@@ -81,7 +83,13 @@ def test_it_is_said_once_when_somebody_begins_or_ceases_to_listen() -> None:
         live.looks(1)
         said.append({(one.topic, one.are_there) for one in live.topics.listeners()})
         assert live.topics.listeners() == []
-    assert said == [{("/imu", False)}, {("/imu", True)}, {("/imu", False), ("/scan", False)}]
+    assert said == [
+        {("/imu", False)},
+        {("/imu", True)},
+        {("/imu", True)},
+        {("/scan", False)},
+        {("/imu", False)},
+    ]
 
 
 def test_a_topic_that_checks_read_is_subscribed_to_in_any_case() -> None:

@@ -30,8 +30,11 @@ from smarttestudo.cli.top_table import open_screen
 from smarttestudo.domain.command import command_topics
 from smarttestudo.domain.errors import UsageError, said
 from smarttestudo.domain.link import Sink
-from smarttestudo.domain.names import STATUS_TOPIC
+from smarttestudo.domain.names import STATUS_TOPIC, is_topic_name
+from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.domain.visible_topics import testudo_nodes
+from smarttestudo.link.reports import MAX_PREDICTED
+from smarttestudo.use_cases.receive.prediction import Predictor
 from smarttestudo.use_cases.receive.reception import Reception
 from smarttestudo.use_cases.receive.reception_metrics import ReceptionMetrics
 from smarttestudo.use_cases.receive.sending import CommandRoute, Sending
@@ -93,6 +96,15 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         default=[],
         help="send these topics, by the robot's names, to robots that accept them, unless older than 0.5 s",
     )
+    parser.add_argument(
+        "--predict",
+        metavar="TOPIC",
+        nargs="+",
+        action="extend",
+        default=[],
+        help="publish dead reckoning of these topics, by the robot's names, between their messages, at the "
+        "source's rate (Odometry, transforms, joint states with a KeepWithin)",
+    )
     add_openmetrics(parser)
     add_zenoh_config(parser)
     parser.set_defaults(run=run)
@@ -111,20 +123,21 @@ def run(arguments: argparse.Namespace) -> int:
             place="--no-ros",
             remedy="add --record DIR, --foxglove PORT or --openmetrics PORT",
         )
-    options = _options(arguments)
+    options, predicts = _options(arguments), _predicted(arguments)
     with ExitStack() as opened:
         stopped = opened.enter_context(stop_signals())
         statuses = StatusSink(STATUS_TOPIC)
         metrics = ReceptionMetrics(statuses)
         opened.enter_context(served_metrics(arguments.openmetrics, metrics.metrics))
         sinks: list[Sink] = [opened.enter_context(closing(sink)) for sink in _sinks(arguments, opened)]
-        end = opened.enter_context(open_operator_end(options, warn))
+        end = opened.enter_context(open_operator_end(options, warn, predicts=predicts))
         sending = None
         if end.commands is not None:
             sending = opened.enter_context(_sending(end.commands, arguments.output_topic))
             sinks.append(sending)
         _say_where(options)
-        reception = Reception([*sinks, statuses])
+        predictor = Predictor(predicts, statuses.source_hz) if predicts else None
+        reception = Reception([*sinks, statuses], predictor)
         looks = [] if arguments.openmetrics is None else [lambda: metrics.look(reception, end)]
         _receive(reception, end.wait, stopped, looks, (lambda: sending.routes) if sending else tuple)
     return 0
@@ -175,6 +188,23 @@ def _options(arguments: argparse.Namespace) -> LinkOptions:
     )
 
 
+def _predicted(arguments: argparse.Namespace) -> frozenset[str]:
+    if not arguments.predict:
+        return frozenset()
+    if arguments.no_ros and arguments.foxglove is None:
+        raise UsageError(
+            "what is predicted is for who looks on, and is not recorded",
+            place="--predict",
+            remedy="leave out --no-ros, or add --foxglove PORT",
+        )
+    for topic in arguments.predict:
+        if not is_topic_name(topic):
+            raise UsageError(f"{topic!r} is no topic", place="--predict", remedy="write it as in /odom")
+    if len(set(arguments.predict)) > MAX_PREDICTED:
+        raise UsageError(f"at most {MAX_PREDICTED} topics can be predicted", place="--predict")
+    return frozenset(arguments.predict)
+
+
 def _sinks(arguments: argparse.Namespace, opened: ExitStack) -> Iterator[Sink]:
     if not arguments.no_ros:
         robot = opened.enter_context(open_robot(name=_receiving_node()))
@@ -209,9 +239,12 @@ def _receive(
                 lambda: show(reception_lines(reception, shutil.get_terminal_size().columns, routes()))
             )
         look_s = time.monotonic()
+        wait_s = _WAIT_S
         while not stopped():
-            for event in wait(_WAIT_S):
+            for event in wait(wait_s):
                 reception.take(event, time.monotonic_ns())
+            due_ns, now_ns = reception.predict(time.monotonic_ns()), time.monotonic_ns()
+            wait_s = _WAIT_S if due_ns is None else min(max(due_ns - now_ns, 0) / NS_PER_S, _WAIT_S)
             if looks and time.monotonic() >= look_s:
                 look_s = time.monotonic() + _LOOK_PERIOD_S
                 reception.look(time.monotonic_ns())

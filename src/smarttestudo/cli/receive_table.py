@@ -19,7 +19,7 @@ _COLUMNS = (
     Column(heading="Messages"),
     Column(heading="Type", align=Align.LEFT),
 )
-
+_PREDICTED = Column(heading="Predicted")
 
 _SENT_COLUMNS = (
     Column(heading="Sent topic", align=Align.LEFT),
@@ -58,6 +58,7 @@ def _heading(name: str, robot: ReceivedRobot) -> Line:
 
 def _topics(robot: ReceivedRobot, width: int | None) -> list[Line]:
     topics = sorted(robot.topics.items())
+    predicts = any(topic.predicted for _, topic in topics)
     rows = tuple(
         Row(
             cells=(
@@ -66,12 +67,14 @@ def _topics(robot: ReceivedRobot, width: int | None) -> list[Line]:
                 Number(topic.meter.kb_per_s, decimals=1),
                 Number(topic.age_ms, decimals=0),
                 Number(topic.flow.messages, decimals=0),
+                *([Number(topic.predicted, decimals=0)] * predicts),
                 Text(topic.type_name),
             )
         )
         for name, topic in topics
     )
-    lines = plain_table(Table(title="", columns=_COLUMNS, rows=rows), width=width).split("\n")
+    columns = (*_COLUMNS[:-1], *([_PREDICTED] * predicts), _COLUMNS[-1])
+    lines = plain_table(Table(title="", columns=columns, rows=rows), width=width).split("\n")
     heading_lines = len(lines) - len(topics)
     looks = [Look.HEADING] * heading_lines
     looks += [Look.STALE if topic.meter.is_silent else Look.PLAIN for _, topic in topics]

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -15,11 +15,23 @@ from smarttestudo.domain.status import RuntimeStatus
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Prediction:
+    """The robot's end keeps what a receiver reckons of a topic within these bounds, by property.
+
+    At least ``heartbeat_hz`` messages a second pass while the source sends any.
+    """
+
+    within: Mapping[str, float]
+    heartbeat_hz: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class StreamInfo:
     """One stream of a link: the messages of one publisher of a topic on the robot.
 
     ``publisher`` numbers the publishers of the topic that are kept apart. ``definition`` is the message
     definition as rosbag2 stores it (concatenated .msg texts), empty where the robot does not know it.
+    Without a ``prediction``, messages are to be shown as they are.
     """
 
     topic: str
@@ -27,6 +39,7 @@ class StreamInfo:
     qos: Qos
     publisher: int = 0
     definition: str = ""
+    prediction: Prediction | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -47,7 +60,9 @@ class ReceivedMessage:
     """A whole message at the operator's end.
 
     ``offered_ns`` is the robot's clock when its loop relayed the message, ``age_ns`` how long ago that was
-    when it arrived, as far as the clocks of both ends can be compared.
+    when it arrived, as far as the clocks of both ends can be compared. One that ``begins_anew`` does not
+    follow directly on the one before, so what was reckoned of it is void. One that ``is_predicted`` was made
+    at this end.
     """
 
     robot: str
@@ -55,6 +70,8 @@ class ReceivedMessage:
     payload: bytes
     offered_ns: int
     age_ns: int | None
+    begins_anew: bool = True
+    is_predicted: bool = False
 
 
 class OutgoingLink(Protocol):
@@ -65,6 +82,9 @@ class OutgoingLink(Protocol):
 
     def follow(self, needs: Mapping[str, LinkNeeds]) -> None:
         """Serve topics so from now on."""
+
+    def predict(self, predictions: Mapping[str, Prediction], anew: Collection[str]) -> None:
+        """Have receivers reckon these topics; of some, ``anew`` from the next message on."""
 
     def tell(self, status: RuntimeStatus) -> None:
         """Have everyone who watches receive this status."""
@@ -102,7 +122,7 @@ class Sink(Protocol):
         """A robot has this stream; its messages may follow. Said again where a stream changed."""
 
     def take(self, message: ReceivedMessage) -> None:
-        """A message arrived."""
+        """A message arrived, or ``is_predicted``."""
 
     def close(self) -> None:
         """Nothing more comes."""

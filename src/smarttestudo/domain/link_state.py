@@ -26,13 +26,17 @@ class LinkState:
     """What the robot's end knows of the link; ``None`` for what was not measured yet.
 
     ``capacity_kb_per_s`` is what the link carries, ``round_trip_ms`` the least of the last seconds,
-    ``outages`` how often the operator's end was silent while something was under way to it.
+    ``outages`` how often the operator's end was silent while something was under way to it. ``sessions``
+    counts how often an operator's end came that may lack what was sent before. All operator's ends that are
+    there reckon the topics in ``predicted`` where they are told how.
     """
 
     is_connected: bool = False
     capacity_kb_per_s: float | None = None
     round_trip_ms: float | None = None
     outages: int = 0
+    sessions: int = 0
+    predicted: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

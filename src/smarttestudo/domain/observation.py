@@ -41,7 +41,10 @@ class SourceChanged:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ListenersChanged:
-    """Whether the output topic of ``topic`` has a subscriber; until this comes, it counts as if it had."""
+    """Whether the output topic of ``topic`` has a subscriber; until this comes, it counts as if it had.
+
+    It comes again for each further subscriber, which has got nothing yet.
+    """
 
     topic: str
     are_there: bool
@@ -56,6 +59,13 @@ class LinkBudget:
 
     link_kb_per_s: float
     is_measured: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReceiversReckon:
+    """Of these topics all receivers show dead reckoning from now on, of the others the last value."""
+
+    topics: frozenset[str]
 
 
 Observation = Arrival | SourceChanged | ListenersChanged | LinkBudget

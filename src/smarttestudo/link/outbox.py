@@ -140,6 +140,11 @@ class Outbox:
         self._streams.pop(stream, None)
         self._active.pop(stream, None)
 
+    def skip(self, stream: int) -> None:
+        """Leave out a number, so that the next message does not follow on the last one."""
+        open_stream = self._streams[stream]
+        open_stream.next_number = (open_stream.next_number + 1) % 2**32
+
     def set_needs(self, stream: int, needs: LinkNeeds) -> None:
         """Serve a stream so from now on."""
         self._streams[stream].needs = needs

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from smarttestudo.domain.errors import LinkError
 from smarttestudo.domain.link import ReceivedMessage, StreamInfo
@@ -48,12 +48,16 @@ class LinkReceiver:
     Give it chunks (``take``), and send what ``next_report`` gives at ``wake_ns``.
     """
 
-    def __init__(self, robot: str, receiver: int, decompress: Decompress) -> None:
+    def __init__(
+        self, robot: str, receiver: int, decompress: Decompress, predicts: frozenset[str] = frozenset()
+    ) -> None:
+        """``predicts`` are the topics that this end reckons where the robot's does so too."""
         self.robot = robot
         self.counts = ReceiverCounts()
         self.streams: dict[int, StreamInfo] = {}
         self._receiver = receiver
         self._decompress = decompress
+        self._predicts = predicts
         self._session = 0
         self._session_bytes = 0
         self._parts = Reassembler()
@@ -85,15 +89,16 @@ class LinkReceiver:
     def next_report(self, now_ns: int) -> bytes:
         """The report to send now."""
         self._reported_ns, self._reported_bytes = now_ns, self._session_bytes
-        ages_ms = {}
-        if now_ns - self._ages_reported_ns >= _AGES_PERIOD_NS:
-            self._ages_reported_ns = now_ns
+        ages_ms, predicts = {}, frozenset[str]()
+        if now_ns - self._ages_reported_ns >= _AGES_PERIOD_NS or self._session == 0:
+            self._ages_reported_ns, predicts = now_ns, self._predicts
             ages_ms, self._ages_ms = self._ages_ms, {}
         return Report(
             receiver=self._receiver,
             session=self._session,
             received_bytes=self._session_bytes,
             ages_ms=ages_ms,
+            predicts=predicts,
         ).to_bytes()
 
     def _take(self, chunk: Chunk, size_bytes: int, now_ns: int) -> Announcement | ReceivedMessage | None:
@@ -129,7 +134,8 @@ class LinkReceiver:
             self.streams.pop(said.stream, None)
         else:
             self.streams[said.stream] = said.info
-        self._newest.pop(said.stream, None)
+        if known is None or said.info is None or replace(known, prediction=said.info.prediction) != said.info:
+            self._newest.pop(said.stream, None)
         return said
 
     def _message(self, chunk: Chunk, payload: bytes, transit_ns: int) -> ReceivedMessage | None:
@@ -137,7 +143,8 @@ class LinkReceiver:
         if info is None:
             self.counts.garbage += 1
             return None
-        if chunk.number <= self._newest.get(chunk.stream, -1):
+        before = self._newest.get(chunk.stream)
+        if before is not None and chunk.number <= before:
             self.counts.repeated += 1
             return None
         if transit_ns > LATE_AFTER_NS + 4 * self._round_trip_ns and not chunk.is_kept:
@@ -153,4 +160,5 @@ class LinkReceiver:
             payload=payload,
             offered_ns=chunk.offered_ns,
             age_ns=max(age_ns, 0),
+            begins_anew=before is None or chunk.number != before + 1,
         )

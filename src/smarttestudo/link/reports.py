@@ -5,25 +5,30 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 import struct
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 from smarttestudo.domain.errors import LinkError
 from smarttestudo.domain.json_text import json_text
-from smarttestudo.domain.link import StreamInfo
+from smarttestudo.domain.link import Prediction, StreamInfo
 from smarttestudo.domain.names import is_topic_name
 from smarttestudo.domain.robot import Qos
 from smarttestudo.link.chunks import MAX_STREAMS
 
 MAX_REPORT_BYTES = 256_000
+MAX_PREDICTED = 64
+"""How many topics an operator's end reckons."""
 _MAX_DEPTH = 1_000
 _MAX_DEFINITION_BYTES = 256_000
 _MAX_DURATION_MS = 1e9
 _UNREADABLE = (ValueError, TypeError, LookupError, AttributeError, ArithmeticError, RecursionError)
 _TYPE_NAME = re.compile(r"[A-Za-z]\w{0,99}/msg/[A-Za-z]\w{0,99}", re.ASCII)
 _VERSION = 1
+_PREDICTS = "predicts"
 # version, receiver, session, received bytes
 _HEAD = struct.Struct("<BQIQ")
 
@@ -33,20 +38,23 @@ class Report:
     """What the operator's end has: ``received_bytes`` of chunks of ``session``, 0 where it knows of none.
 
     ``receiver`` is a random number that tells it from others. ``ages_ms`` says how old the last message of
-    each stream was when it arrived; it is there about once a second.
+    each stream was when it arrived; it is there about once a second, and so is what it ``predicts``: the
+    topics that it reckons where the robot's end does so too.
     """
 
     receiver: int
     session: int
     received_bytes: int
     ages_ms: Mapping[int, float] = field(default_factory=dict)
+    predicts: frozenset[str] = frozenset()
 
     def to_bytes(self) -> bytes:
         """The report as it travels."""
         head = _HEAD.pack(_VERSION, self.receiver, self.session, self.received_bytes)
-        if not self.ages_ms:
-            return head
-        return head + json_text({str(stream): round(age, 1) for stream, age in self.ages_ms.items()}).encode()
+        said: dict[str, object] = {str(stream): round(age, 1) for stream, age in self.ages_ms.items()}
+        if self.predicts:
+            said[_PREDICTS] = sorted(self.predicts)
+        return head + json_text(said).encode() if said else head
 
     @staticmethod
     def from_bytes(data: bytes) -> Report:
@@ -58,11 +66,18 @@ class Report:
             )
         _, receiver, session, received_bytes = _HEAD.unpack_from(data)
         try:
-            ages = json.loads(data[_HEAD.size :]) if len(data) > _HEAD.size else {}
-            ages_ms = {int(stream): _duration_ms(age) for stream, age in ages.items()}
+            said = json.loads(data[_HEAD.size :]) if len(data) > _HEAD.size else {}
+            predicts = _topics(said.pop(_PREDICTS, []))
+            ages_ms = {int(stream): _duration_ms(age) for stream, age in said.items()}
         except _UNREADABLE as error:
             raise LinkError("the ages of a report are not readable") from error
-        return Report(receiver=receiver, session=session, received_bytes=received_bytes, ages_ms=ages_ms)
+        return Report(
+            receiver=receiver,
+            session=session,
+            received_bytes=received_bytes,
+            ages_ms=ages_ms,
+            predicts=predicts,
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -96,6 +111,9 @@ def control_message(said: Announcement | RoundTrip) -> bytes:
             "publisher": info.publisher,
             "definition": info.definition,
         }
+        if info.prediction is not None:
+            record["predicted_within"] = dict(info.prediction.within)
+            record["heartbeat_hz"] = info.prediction.heartbeat_hz
     return json_text(record).encode()
 
 
@@ -120,7 +138,7 @@ def _duration_ms(value: object) -> float:
     return number
 
 
-def _info(record: Mapping[str, object]) -> StreamInfo:
+def _info(record: Mapping[str, Any]) -> StreamInfo:
     topic, type_name, depth = str(record["topic"]), str(record["type"]), int(str(record["depth"]))
     if not is_topic_name(topic) or not _TYPE_NAME.fullmatch(type_name) or not 0 < depth <= _MAX_DEPTH:
         raise LinkError(f"{topic[:80]!r} is no topic")
@@ -137,4 +155,22 @@ def _info(record: Mapping[str, object]) -> StreamInfo:
         ),
         publisher=int(str(record["publisher"])),
         definition=definition,
+        prediction=_prediction(record),
     )
+
+
+def _prediction(record: Mapping[str, Any]) -> Prediction | None:
+    within = record.get("predicted_within")
+    if within is None:
+        return None
+    bounds = {str(name): float(bound) for name, bound in within.items()}
+    heartbeat_hz = float(record["heartbeat_hz"])
+    if not (all(0 <= bound < math.inf for bound in bounds.values()) and 0 < heartbeat_hz < math.inf):
+        raise LinkError("a prediction without usable bounds")
+    return Prediction(within=bounds, heartbeat_hz=heartbeat_hz)
+
+
+def _topics(names: list[object]) -> frozenset[str]:
+    if len(names) > MAX_PREDICTED or not all(isinstance(name, str) and is_topic_name(name) for name in names):
+        raise ValueError("no names of topics")
+    return frozenset(map(str, names))

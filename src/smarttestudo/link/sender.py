@@ -4,14 +4,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping
+from collections.abc import Collection, Hashable, Mapping
 from dataclasses import replace
 
-from smarttestudo.domain.link import LinkNeeds, StreamInfo
+from smarttestudo.domain.link import LinkNeeds, Prediction, StreamInfo
 from smarttestudo.domain.link_state import LinkState, StreamCounts
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_MS, NS_PER_S
 from smarttestudo.link.chunks import CONTROL_STREAM, HEADER_BYTES, MAX_STREAMS
 from smarttestudo.link.outbox import Encode, Encoded, Outbox, plain
+from smarttestudo.link.receivers import Receivers
 from smarttestudo.link.reports import Announcement, Report, RoundTrip, control_message
 from smarttestudo.link.window import Window
 
@@ -38,7 +39,8 @@ class LinkSender:
 
     The driver gives it messages (``offer``) and reports (``take_report``), and sends what ``next_chunk``
     gives while that gives something; another look is due after a message or a report.
-    It serves one operator's end at a time: the first that reports, until that is silent.
+    It serves one operator's end at a time: the first that reports, until that is silent. Others hear what
+    that one is sent.
     """
 
     def __init__(self, encode: Encode = plain) -> None:
@@ -49,6 +51,9 @@ class LinkSender:
         self._needs: Mapping[str, LinkNeeds] = {}
         self._window = Window()
         self._session = 0
+        self._sessions = 0
+        self._predictions: Mapping[str, Prediction] = {}
+        self._receivers = Receivers(LOST_AFTER_NS)
         self._receiver: int | None = None
         self._heard_ns = 0
         self._outages = 0
@@ -66,7 +71,7 @@ class LinkSender:
         number = next((one for one in range(1, MAX_STREAMS) if one not in self._infos), None)
         if number is None:
             return None
-        self._infos[number] = info
+        self._infos[number] = replace(info, prediction=self._predictions.get(info.topic))
         self._outbox.open(number, depth=info.qos.depth if info.qos.transient_local else None)
         self._outbox.set_needs(number, self._needs.get(info.topic, LinkNeeds()))
         self._announce(number, now_ns)
@@ -84,6 +89,20 @@ class LinkSender:
         for number, info in self._infos.items():
             self._outbox.set_needs(number, needs.get(info.topic, LinkNeeds()))
 
+    def predict(self, predictions: Mapping[str, Prediction], anew: Collection[str], now_ns: int) -> None:
+        """Have the operator's end reckon these topics; of some, ``anew`` from the next message on.
+
+        It ends with the session, because a receiver that comes may lack what was sent before.
+        """
+        self._predictions = predictions
+        for number, info in self._infos.items():
+            said = replace(info, prediction=predictions.get(info.topic))
+            if said != info:
+                self._infos[number] = said
+                self._announce(number, now_ns)
+            if info.topic in anew:
+                self._outbox.skip(number)
+
     def offer(self, stream: int, payload: bytes, now_ns: int, lane: Hashable = None) -> None:
         """Have a message sent; it replaces one of its ``lane`` that has not begun."""
         if stream in self._infos:
@@ -91,6 +110,8 @@ class LinkSender:
 
     def take_report(self, report: Report, now_ns: int) -> None:
         """An operator's end says what it has."""
+        if self._receivers.take(report, now_ns):
+            self._introduce(now_ns)
         is_silent = self._receiver is None or now_ns - self._heard_ns > LOST_AFTER_NS
         if report.receiver != self._receiver and not is_silent:
             return
@@ -149,6 +170,7 @@ class LinkSender:
     def disconnect(self) -> None:
         """The operator's end is gone; the next that reports gets a new session."""
         self._receiver = None
+        self._receivers = Receivers(LOST_AFTER_NS)
 
     def state(self, now_ns: int) -> LinkState:
         """What is known of the link."""
@@ -158,6 +180,8 @@ class LinkSender:
             capacity_kb_per_s=window.capacity_bytes_per_s / BYTES_PER_KB if window.is_measured else None,
             round_trip_ms=None if window.round_trip_ns is None else window.round_trip_ns / NS_PER_MS,
             outages=self._outages,
+            sessions=self._sessions,
+            predicted=self._receivers.predicted(now_ns),
         )
 
     @property
@@ -195,6 +219,13 @@ class LinkSender:
         self._outbox.close(CONTROL_STREAM)
         self._outbox.open(CONTROL_STREAM)
         self._outbox.restart()
+        self._introduce(now_ns)
+
+    def _introduce(self, now_ns: int) -> None:
+        """Say all that a receiver must know that may lack what was sent before, which nobody predicts now."""
+        self._sessions += 1
+        self._predictions = {}
+        self._infos = {number: replace(info, prediction=None) for number, info in self._infos.items()}
         for number in self._infos:
             self._announce(number, now_ns)
 

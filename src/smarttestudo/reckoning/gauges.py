@@ -8,7 +8,7 @@ import math
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from typing import Any, NamedTuple, Protocol
 
-from smarttestudo.cdr import FrameReader, JointReader, PoseReader, Transform, header_stamp_ns
+from smarttestudo.cdr import FrameReader, JointReader, PoseReader, header_stamp_ns
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.reckoning.motion import Rotation, SpatialPose, Twist, Vector3, moved, twist_between
 
@@ -30,6 +30,10 @@ class MovingPart(NamedTuple):
 
 
 Reading = Sequence[MovingPart]
+UNKNOWN_M = 1000.0
+"""What stands for the bound of a position that has none."""
+HALF_TURN = 180.0
+"""No orientation is farther off."""
 
 
 class Gauge(Protocol):
@@ -41,6 +45,10 @@ class Gauge(Protocol):
     def is_shared(self) -> bool:
         """Whether the publishers of a topic speak of the same parts, which are told apart by name."""
 
+    @property
+    def needs_every_message(self) -> bool:
+        """Whether the motion of a part may come from its last two messages."""
+
     def read(self, payload: bytes, message: object | None, now_ns: int) -> Reading | None:
         """The parts of a message that came at ``now_ns``; ``None`` where they cannot be read."""
 
@@ -49,6 +57,14 @@ class Gauge(Protocol):
 
     def after(self, state: Any, motion: Any, elapsed_s: float) -> Any:
         """What a receiver that reckons shows ``elapsed_s`` after ``state``."""
+
+    def written(
+        self, payload: bytes, parts: Reading, at_ns: int, within: Mapping[str, float]
+    ) -> bytes | None:
+        """``payload`` at ``at_ns`` with these parts in the place of its own; ``None`` if its type stays.
+
+        Bounds of properties, by which the parts may be off, become covariance where the type has one.
+        """
 
 
 class PoseState(NamedTuple):
@@ -62,9 +78,11 @@ class PoseGauge:
     """Odometry, which moves by its twist; PoseStamped and PoseWithCovarianceStamped, which stay."""
 
     is_shared = False
+    needs_every_message = False
 
     def __init__(self, distances: Mapping[str, Distance], *, frame_count: int, has_twist: bool) -> None:
         self.distances = distances
+        self._has_twist = has_twist
         self._reader = PoseReader(frame_count, has_twist=has_twist)
 
     def read(self, payload: bytes, _message: object | None, now_ns: int) -> Reading | None:
@@ -86,11 +104,24 @@ class PoseGauge:
         """The pose moved by its twist."""
         return state if motion is None else PoseState(moved(state.pose, motion, elapsed_s), state.twist)
 
+    def written(
+        self, payload: bytes, parts: Reading, at_ns: int, within: Mapping[str, float]
+    ) -> bytes | None:
+        """An Odometry at another pose; the squares of the bounds come on top of its covariance."""
+        if not self._has_twist:
+            return None
+        (part,) = parts
+        bound_m = within.get("position", UNKNOWN_M)
+        bound_rad = math.radians(within.get("orientation", HALF_TURN))
+        variances = (*(bound_m**2,) * 3, *(bound_rad**2,) * 3)
+        return self._reader.moved(payload, at_ns, _numbers(part.state), variances)
+
 
 class FrameGauge:
     """TFMessage: each child frame moves by the twist between the last two messages that held it."""
 
     is_shared = True
+    needs_every_message = True
 
     def __init__(self, distances: Mapping[str, Distance]) -> None:
         self.distances = distances
@@ -116,6 +147,12 @@ class FrameGauge:
         """The frame moved by its twist."""
         return state if motion is None else PoseState(moved(state.pose, motion, elapsed_s), None)
 
+    def written(
+        self, payload: bytes, parts: Reading, at_ns: int, _within: Mapping[str, float]
+    ) -> bytes | None:
+        """The same frames elsewhere."""
+        return self._reader.moved(payload, at_ns, {part.name: _numbers(part.state) for part in parts})
+
 
 class JointGauge:
     """JointState: each joint moves with the velocity of its message, else with that of the last two messages.
@@ -124,6 +161,7 @@ class JointGauge:
     """
 
     is_shared = True
+    needs_every_message = True
 
     def __init__(self, distances: Mapping[str, Distance]) -> None:
         self.distances = distances
@@ -156,11 +194,18 @@ class JointGauge:
         """The joint moved by its velocity."""
         return state[0] + motion * elapsed_s, state[1]
 
+    def written(
+        self, payload: bytes, parts: Reading, at_ns: int, _within: Mapping[str, float]
+    ) -> bytes | None:
+        """The same joints at other positions."""
+        return self._reader.moved(payload, at_ns, [part.state[0] for part in parts])
+
 
 class FieldGauge:
     """Fields of a decoded message of any type, each a state of its own; they stay as they are."""
 
     is_shared = False
+    needs_every_message = False
 
     def __init__(
         self, distances: Mapping[str, Distance], readers: Mapping[str, Callable[[object], object]]
@@ -182,9 +227,15 @@ class FieldGauge:
         """The same."""
         return state
 
+    def written(
+        self, _payload: bytes, _parts: Reading, _at_ns: int, _within: Mapping[str, float]
+    ) -> bytes | None:
+        """None, as nothing moves."""
+        return None
 
-def _frame_state(transform: Transform) -> PoseState:
-    return PoseState(_pose(transform.numbers), None)
+
+def _numbers(state: PoseState) -> tuple[float, ...]:
+    return (*state.pose.position, *state.pose.orientation)
 
 
 def _pose(numbers: Sequence[float]) -> SpatialPose:

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from smarttestudo.domain.units import NS_PER_S
@@ -33,6 +33,11 @@ class Picture:
         self._gauges = tuple(gauges)
         self._reckons = reckons
         self._shown: dict[Hashable, _Shown] = {}
+
+    @property
+    def needs_every_message(self) -> bool:
+        """Whether what is shown after a message depends on earlier ones, too."""
+        return self._reckons and any(gauge.needs_every_message for gauge in self._gauges)
 
     def read(self, payload: bytes, message: object | None, now_ns: int) -> tuple[Reading | None, ...]:
         """What a message says, a reading for each gauge; ``None`` where it cannot be read."""
@@ -73,6 +78,23 @@ class Picture:
                     self._shown.clear()
                 motion = gauge.motion(before.part if before else None, part) if self._reckons else None
                 self._shown[key] = _Shown(part, motion)
+
+    def reckoned(
+        self, payload: bytes, publisher: Hashable, at_ns: int, within: Mapping[str, float]
+    ) -> bytes | None:
+        """What a receiver shows at ``at_ns`` of the parts in ``payload``, which it got, as a message.
+
+        ``None`` where it shows nothing, or what it got. ``within`` is how far the parts may be off.
+        """
+        gauge = self._gauges[0]
+        source = None if gauge.is_shared else publisher
+        parts: list[MovingPart] = []
+        for part in gauge.read(payload, None, at_ns) or ():
+            shown = self._shown.get((0, source, part.name))
+            if shown is None or shown.part.frames != part.frames:
+                return None
+            parts.append(part._replace(at_ns=at_ns, state=self._state(gauge, shown, at_ns)))
+        return gauge.written(payload, parts, at_ns, within) if parts else None
 
     def forget(self) -> None:
         """A receiver came that has got nothing yet."""

@@ -8,7 +8,7 @@ from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field
 
 from smarttestudo.adirf.rule_set import RuleSet
-from smarttestudo.domain.observation import LinkBudget, ListenersChanged, SourceChanged
+from smarttestudo.domain.observation import LinkBudget, ListenersChanged, ReceiversReckon, SourceChanged
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.profile import Profile
 from smarttestudo.pacing.sample import WhenSlow
@@ -33,10 +33,10 @@ class MessageInput:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ChangeInput:
-    """The publishers of a topic, its listeners or the budget changed."""
+    """The publishers of a topic, its listeners, what receivers reckon, or the budget changed."""
 
     stamp_ns: int
-    change: SourceChanged | ListenersChanged | LinkBudget
+    change: SourceChanged | ListenersChanged | LinkBudget | ReceiversReckon
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -39,6 +39,19 @@ class Relayed(NamedTuple):
     publisher: Hashable = None
 
 
+class ReckonedPicture(NamedTuple):
+    """What receivers reckon of a topic, and within which bounds, by property; infinite where there is none.
+
+    ``number`` is another one when they have to begin anew with the next message. Where the motion comes from
+    the last two messages, ``needs_every_message``.
+    """
+
+    number: int
+    within: Mapping[str, float]
+    heartbeat_hz: float
+    needs_every_message: bool
+
+
 class Relay:
     """The pacer of one topic, fed with what it must know of each message, and counts of what it lets pass.
 
@@ -53,6 +66,7 @@ class Relay:
         "_has_frames",
         "_is_reckoned",
         "_level_unit",
+        "_picture_number",
         "_rate_hz",
         "_stale_after_ns",
         "_type_name",
@@ -82,6 +96,7 @@ class Relay:
         self._accuracy: Accuracy | None = None
         self._floor_hz = 0.0
         self._is_reckoned = is_reckoned
+        self._picture_number = 0
         self._level_unit = profile.level_unit
         self._type_name = profile.type_name or ""
         self._when_slow = when_slow
@@ -139,12 +154,37 @@ class Relay:
 
     def greet_receiver(self, now_ns: int) -> None:
         """A receiver came that has got nothing yet, so the newest message is due where there are bounds."""
+        self._picture_number += 1
         if isinstance(self.pacer, TopicPacer):
             self.pacer.forget_receivers(now_ns)
+
+    def set_reckoned(self, *, is_reckoned: bool, now_ns: int) -> Sequence[Relayed]:
+        """Whether receivers reckon the topic from now on; a change of that begins with a new picture."""
+        if is_reckoned == self._is_reckoned:
+            return ()
+        self._is_reckoned = is_reckoned
+        if self._accuracy is None:
+            return ()
+        self._accuracy = replace(self._accuracy, picture=self._picture(self._accuracy.bounds))
+        return self._apply_accuracy(now_ns)
+
+    @property
+    def reckoned_picture(self) -> ReckonedPicture | None:
+        """What receivers reckon; ``None`` where they show the last value."""
+        accuracy = self._accuracy
+        if accuracy is None or not self._is_reckoned or isinstance(self.pacer, Follower):
+            return None
+        return ReckonedPicture(
+            self._picture_number,
+            accuracy.bounds,
+            accuracy.heartbeat_hz,
+            accuracy.picture.needs_every_message,
+        )
 
     def _picture(self, names: Iterable[str]) -> Picture:
         gauges = gauges_for(self._type_name, dict.fromkeys(names), self._level_unit)
         self.needs_decoded = needs_decoded(gauges)
+        self._picture_number += 1
         return Picture(gauges, reckons=self._is_reckoned)
 
     def _apply_accuracy(self, now_ns: int) -> Sequence[Relayed]:

@@ -13,6 +13,7 @@ from smarttestudo.domain.observation import (
     LinkBudget,
     ListenersChanged,
     Observation,
+    ReceiversReckon,
     SourceChanged,
 )
 from smarttestudo.domain.profile import Profile
@@ -36,7 +37,8 @@ class RelayLoop:
     The driver lets it ``take`` all that happens, in order, and a ``WakeInput`` when the clock reaches
     ``next_wake_ns``; a later wake, or the next message in its place, only delays what it would have done.
     The clock may jump back: for the plan it then stood still (``SteadyTime``), and the pacers begin anew.
-    Of topics in ``reckoned``, receivers show dead reckoning in the place of the last value. ``knowledge`` and
+    Of topics in ``reckoned``, receivers show dead reckoning in the place of the last value, until a
+    ``ReceiversReckon`` says otherwise. ``knowledge`` and
     ``relays`` are there to be looked at; only the loop changes them. ``triggered`` may be set, and is told at
     once of each block that begins to record.
     """
@@ -147,8 +149,10 @@ class RelayLoop:
                 return self._take_rules(given)
 
     def _take_change(
-        self, change: SourceChanged | ListenersChanged | LinkBudget, now_ns: int
+        self, change: SourceChanged | ListenersChanged | LinkBudget | ReceiversReckon, now_ns: int
     ) -> Sequence[Relayed]:
+        if isinstance(change, ReceiversReckon):
+            return [*self._pass_time(now_ns), *self.relays.set_reckoned(change.topics, now_ns)]
         relayed = [*self._restarted(now_ns)]
         self._step((change,), now_ns)
         relayed += self._woken(now_ns)

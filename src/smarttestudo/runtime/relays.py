@@ -15,7 +15,7 @@ from smarttestudo.pacing.follower import Follower, leaders
 from smarttestudo.pacing.sample import WhenSlow
 from smarttestudo.pacing.topic_pacer import TopicPacer
 from smarttestudo.runtime.inputs import MessageInput
-from smarttestudo.runtime.relay import Relay, Relayed
+from smarttestudo.runtime.relay import ReckonedPicture, Relay, Relayed
 from smarttestudo.runtime.statistics import RelayStatistics
 
 
@@ -85,6 +85,23 @@ class Relays:
         """Whether messages of ``topic`` must be decoded for the bounds of its picture."""
         relay = self._relays.get(topic)
         return relay is not None and relay.needs_decoded
+
+    @property
+    def pictures(self) -> Mapping[str, ReckonedPicture]:
+        """What receivers reckon of each topic that has bounds and is reckoned."""
+        if not self._reckoned:
+            return {}
+        found = {topic: relay.reckoned_picture for topic, relay in self._relays.items()}
+        return {topic: picture for topic, picture in found.items() if picture is not None}
+
+    def set_reckoned(self, topics: Collection[str], now_ns: int) -> list[Relayed]:
+        """Receivers reckon these topics from now on, and no others; what was held may pass then."""
+        self._reckoned = frozenset(topics)
+        relayed: list[Relayed] = []
+        for topic, relay in self._relays.items():
+            relayed += relay.set_reckoned(is_reckoned=topic in self._reckoned, now_ns=now_ns)
+            self._arm(relay)
+        return relayed
 
     def greet_receiver(self, topic: str, now_ns: int) -> None:
         """A receiver of ``topic`` came that has got nothing yet."""

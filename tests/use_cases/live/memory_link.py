@@ -4,9 +4,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
-from smarttestudo.domain.link import LinkNeeds, StreamInfo
+from smarttestudo.domain.link import LinkNeeds, Prediction, StreamInfo
 from smarttestudo.domain.link_state import LinkState, StreamCounts
 from smarttestudo.domain.questions import Asked
 from smarttestudo.domain.robot import Publisher
@@ -23,12 +23,16 @@ class MemoryLink:
         self.is_watched = False
         self.told: list[RuntimeStatus] = []
         self.followed: list[Mapping[str, LinkNeeds]] = []
+        self.predicted: list[tuple[Mapping[str, Prediction], Collection[str]]] = []
 
     def advertise(self, stream: StreamInfo) -> Publisher:
         raise NotImplementedError
 
     def follow(self, needs: Mapping[str, LinkNeeds]) -> None:
         self.followed.append(needs)
+
+    def predict(self, predictions: Mapping[str, Prediction], anew: Collection[str]) -> None:
+        self.predicted.append((predictions, anew))
 
     def tell(self, status: RuntimeStatus) -> None:
         self.told.append(status)

@@ -8,7 +8,13 @@ from base64 import b64decode, b64encode
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from smarttestudo.domain.observation import LinkBudget, ListenersChanged, SourceChanged, Undecodable
+from smarttestudo.domain.observation import (
+    LinkBudget,
+    ListenersChanged,
+    ReceiversReckon,
+    SourceChanged,
+    Undecodable,
+)
 from smarttestudo.pacing.sample import WhenSlow
 from smarttestudo.runtime.inputs import (
     ChangeInput,
@@ -59,6 +65,8 @@ def _change(given: ChangeInput) -> dict[str, object]:
             record: dict[str, object] = {"event": "budget", "stamp_ns": stamp_ns}
             record["budget_kb_per_s"] = budget_kb_per_s
             return record | {"measured": True} if is_measured else record
+        case ReceiversReckon(topics=topics):
+            return {"event": "reckoned", "stamp_ns": stamp_ns, "topics": sorted(topics)}
 
 
 def _message(given: MessageInput) -> dict[str, object]:
@@ -80,6 +88,7 @@ def input_from_json(record: Mapping[str, Any]) -> RecordedInput:
         "source": _read_source,
         "listeners": _read_listeners,
         "budget": _read_budget,
+        "reckoned": _read_reckoned,
         "rules": _read_rules,
     }
     return readers[record["event"]](record)
@@ -116,6 +125,11 @@ def _read_budget(record: Mapping[str, Any]) -> ChangeInput:
         link_kb_per_s=float(record["budget_kb_per_s"]), is_measured=bool(record.get("measured", False))
     )
     return ChangeInput(stamp_ns=int(record["stamp_ns"]), change=budget)
+
+
+def _read_reckoned(record: Mapping[str, Any]) -> ChangeInput:
+    change = ReceiversReckon(topics=frozenset(map(str, record["topics"])))
+    return ChangeInput(stamp_ns=int(record["stamp_ns"]), change=change)
 
 
 def _read_rules(record: Mapping[str, Any]) -> RuleTextsInput:

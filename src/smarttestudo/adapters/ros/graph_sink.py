@@ -17,12 +17,16 @@ MAX_DEPTH = 1000
 _StreamKey = tuple[str, str, int]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(slots=True, kw_only=True)
 class _OpenStream:
-    """``publisher`` is ``None`` where none can be had, which was said."""
+    """``publisher`` is ``None`` where none can be had, which was said.
+
+    Predicted messages have a publisher of their own, so that they can be told from what arrived.
+    """
 
     stream: StreamInfo
     publisher: Publisher | None
+    predicting: Publisher | None = None
 
 
 class GraphSink:
@@ -59,8 +63,15 @@ class GraphSink:
         stream = self._streams.get((message.robot, message.stream.topic, message.stream.publisher))
         if stream is None or stream.publisher is None:
             return
+        publisher: Publisher | None = stream.publisher
+        if message.is_predicted:
+            if stream.predicting is None:
+                stream.predicting = self._advertise(message.robot, stream.stream)
+            publisher = stream.predicting
+        if publisher is None:
+            return
         try:
-            stream.publisher.publish(message.payload)
+            publisher.publish(message.payload)
         except TestudoError as error:
             self._say(str(error))
 
@@ -93,5 +104,6 @@ class GraphSink:
 
 
 def _close(stream: _OpenStream) -> None:
-    if stream.publisher is not None:
-        stream.publisher.close()
+    for publisher in (stream.publisher, stream.predicting):
+        if publisher is not None:
+            publisher.close()

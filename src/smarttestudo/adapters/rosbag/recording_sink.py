@@ -88,9 +88,9 @@ class RecordingSink:
             recording.channels[stream.topic, stream.publisher] = channel
 
     def take(self, message: ReceivedMessage) -> None:
-        """Record the message of a stream that is open."""
+        """Record the message of a stream that is open; what is predicted did not arrive."""
         recording = self._recordings.get(message.robot)
-        if recording is None:
+        if recording is None or message.is_predicted:
             return
         channel = recording.channels.get((message.stream.topic, message.stream.publisher))
         if channel is None:

@@ -58,11 +58,13 @@ def open_operator_end(
     *,
     clock: Callable[[], int] = time.monotonic_ns,
     most_waiting_bytes: int = MAX_WAITING_BYTES,
+    predicts: frozenset[str] = frozenset(),
 ) -> Iterator[OperatorEnd]:
     """The operator's end of the links of all robots that are or will be there.
 
     It is a router, so that further ends can connect to where it listens. ``clock`` gives ns from any start;
-    ``most_waiting_bytes`` may wait to be read.
+    ``most_waiting_bytes`` may wait to be read; ``predicts`` are the topics, by the robots' names, that who
+    reads reckons where the robot's end does so too.
     Raises ``LinkError`` as ``open_robot_end`` does.
     """
     _require_zenoh()
@@ -71,7 +73,7 @@ def open_operator_end(
     from smarttestudo.adapters.zenoh.session import open_session  # noqa: PLC0415  needs zenoh
 
     with open_session(options, "router", warn) as session:
-        end = OperatorEnd(session, warn, clock, most_waiting_bytes)
+        end = OperatorEnd(session, warn, clock, most_waiting_bytes, predicts)
         try:
             if options.commands:
                 end.commands = CommandOutbox(session, options.commands, warn, suspended_too_ns)

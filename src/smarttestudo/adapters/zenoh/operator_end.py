@@ -56,7 +56,9 @@ class OperatorEnd:
         warn: Callable[[str], None],
         clock: Callable[[], int],
         most_waiting_bytes: int,
+        predicts: frozenset[str] = frozenset(),
     ) -> None:
+        """``predicts`` are the topics that who reads here reckons where the robot's end does so too."""
         self.strays = 0
         """Chunks of robots that are not known here."""
         self.commands: CommandOutbox | None = None
@@ -64,6 +66,7 @@ class OperatorEnd:
         self._session = session
         self._warn = warn
         self._clock = clock
+        self._predicts = predicts
         self._receiver = secrets.randbits(64)
         self._arrivals = EventQueue(most_waiting_bytes)
         self._robots: dict[str, _Robot] = {}
@@ -168,7 +171,7 @@ class OperatorEnd:
                     self._warn(f"{boot.robot} is not received: there are {MAX_ROBOTS} robots already")
                 return None
             del self._robots[gone]
-        receiver = LinkReceiver(boot.robot, self._receiver, decompress)
+        receiver = LinkReceiver(boot.robot, self._receiver, decompress, self._predicts)
         robot = self._robots[boot.key] = _Robot(boot, receiver)
         return robot
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 import secrets
 import threading
 from collections import deque
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable, Collection, Hashable, Mapping
 from functools import partial
 
 import zenoh
@@ -19,7 +19,7 @@ from smarttestudo.adapters.zenoh.keys import new_boot
 from smarttestudo.adapters.zenoh.told_status import ToldStatus
 from smarttestudo.cdr import FrameReader
 from smarttestudo.domain.errors import LinkError
-from smarttestudo.domain.link import LinkNeeds, StreamInfo
+from smarttestudo.domain.link import LinkNeeds, Prediction, StreamInfo
 from smarttestudo.domain.link_state import LinkState, StreamCounts
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.status import RuntimeStatus
@@ -87,6 +87,10 @@ class RobotEnd:
     def follow(self, needs: Mapping[str, LinkNeeds]) -> None:
         """Serve each topic by these needs from now on."""
         self._do(partial(self._sender.follow, needs))
+
+    def predict(self, predictions: Mapping[str, Prediction], anew: Collection[str]) -> None:
+        """Have receivers reckon these topics; of some, ``anew`` from the next message on."""
+        self._do(lambda: self._sender.predict(predictions, anew, self._clock()))
 
     @property
     def robot(self) -> str:

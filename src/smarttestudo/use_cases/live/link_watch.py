@@ -5,15 +5,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 
 from smarttestudo.domain.decision import PlannedRate
-from smarttestudo.domain.link import LinkNeeds, OutgoingLink
+from smarttestudo.domain.link import LinkNeeds, OutgoingLink, Prediction
 from smarttestudo.domain.link_state import StreamCounts, TopicOnLink
-from smarttestudo.domain.observation import LinkBudget
+from smarttestudo.domain.observation import LinkBudget, ListenersChanged, ReceiversReckon
 from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.runtime.relay import ReckonedPicture
 from smarttestudo.use_cases.live.rules import LiveRules
 
 LINK_PERIOD_S = 0.25
@@ -35,6 +36,9 @@ class LinkWatch:
         self._told_ns = 0
         self._wait_ns = _LEAST_WAIT_NS
         self._has_risen = False
+        self._sessions = 0
+        self._reckoned: frozenset[str] = frozenset()
+        self._pictures: Mapping[str, ReckonedPicture] = {}
 
     @property
     def is_connected(self) -> bool:
@@ -49,13 +53,59 @@ class LinkWatch:
                 floor_hz=max(
                     rules.rule_set.floors_hz.get(topic, 0.0), rules.profile.topic(topic).min_hz or 0.0
                 ),
-                is_full=topic in plan and math.isinf(plan[topic].rate.hz),
+                is_full=(topic in plan and math.isinf(plan[topic].rate.hz))
+                or (topic in self._pictures and self._pictures[topic].needs_every_message),
             )
             for topic, output in rules.output_topics.items()
         }
         if needs != self._needs:
             self._needs = needs
             self._link.follow(needs)
+
+    def changed_receivers(
+        self, rules: LiveRules, plan: Mapping[str, PlannedRate], heard_here: Collection[str]
+    ) -> list[ListenersChanged | ReceiversReckon]:
+        """What the loop is to know of the operator's ends that came, left or reckon something else.
+
+        Topics that are ``heard_here`` are shown as they are by somebody, and are not reckoned for others.
+        """
+        changes: list[ListenersChanged | ReceiversReckon] = []
+        state, outputs = self._link.state, rules.output_topics
+        reckoned = frozenset(
+            topic
+            for topic, output in outputs.items()
+            if output in state.predicted and topic not in heard_here
+        )
+        if reckoned != self._reckoned:
+            self._reckoned = reckoned
+            changes.append(ReceiversReckon(topics=reckoned))
+        if state.sessions != self._sessions:
+            self._sessions = state.sessions
+            changes += [
+                ListenersChanged(topic=topic, are_there=True)
+                for topic in outputs
+                if topic in plan and plan[topic].within
+            ]
+        return changes
+
+    def tell_pictures(self, rules: LiveRules, pictures: Mapping[str, ReckonedPicture]) -> None:
+        """Have receivers reckon these topics; to be called before what is made from them goes out."""
+        before, self._pictures = self._pictures, pictures
+        if before == pictures:
+            return
+        outputs = rules.output_topics
+        predictions = {
+            outputs[topic]: Prediction(within=bounds, heartbeat_hz=picture.heartbeat_hz)
+            for topic, picture in pictures.items()
+            if topic in outputs
+            and (bounds := {name: bound for name, bound in picture.within.items() if bound < math.inf})
+        }
+        anew = {
+            outputs[topic]
+            for topic, picture in pictures.items()
+            if topic in outputs and (topic not in before or before[topic].number != picture.number)
+        }
+        self._link.predict(predictions, anew)
 
     def added_to(self, status: RuntimeStatus) -> RuntimeStatus:
         """``status`` with the robot's name, the state of the link and of each topic on it."""

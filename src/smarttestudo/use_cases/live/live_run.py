@@ -145,14 +145,21 @@ class LiveRun:
 
     def _look_at_link(self) -> None:
         assert self._link is not None
-        self._link.follow(self._rules, self._loop.knowledge.plan)
+        plan = self._loop.knowledge.plan
+        for change in self._link.changed_receivers(self._rules, plan, self._topics.heard_here()):
+            self._take(ChangeInput(stamp_ns=self._robot.now_ns(), change=change))
+        self._link.tell_pictures(self._rules, self._loop.relays.pictures)
+        self._link.follow(self._rules, plan)
         budget = self._link.changed_budget(self._robot.steady_ns())
         if budget is not None:
             self._take(ChangeInput(stamp_ns=self._robot.now_ns(), change=budget))
 
     def _take(self, given: LoopInput) -> None:
         self._inputs.record(given, self._rules)
-        for one in self._loop.take(given):
+        relayed = self._loop.take(given)
+        if relayed and self._link is not None:
+            self._link.tell_pictures(self._rules, self._loop.relays.pictures)
+        for one in relayed:
             self._topics.publish(one)
             self._status.note(one)
 

@@ -94,7 +94,7 @@ class LiveTopics:
         self._leaders: Mapping[str, str] = {}
         self._publishers = EndpointCache(robot.publisher_count, robot.publishers)
         self._subscribers = EndpointCache(robot.subscriber_count, robot.subscribers)
-        self._heard: dict[str, bool] = {}
+        self._heard: dict[str, frozenset[bytes]] = {}
         self._testudos: frozenset[str] = frozenset()
         self._said: set[str] = set()
 
@@ -129,18 +129,26 @@ class LiveTopics:
         return [change for change in changes if change is not None]
 
     def listeners(self) -> list[ListenersChanged]:
-        """Which relayed topics have, as of the last look, gained a first or lost their last subscriber."""
+        """Which relayed topics have, as of the last look, gained a subscriber or lost their last one."""
         heard = {
-            topic: bool(self._subscribers.of(live.output))
+            topic: frozenset(one.gid for one in self._subscribers.of(live.output))
             for topic, live in self._topics.items()
             if live.output is not None
         }
         before, self._heard = self._heard, heard
         return [
-            ListenersChanged(topic=topic, are_there=are_there)
-            for topic, are_there in heard.items()
-            if before.get(topic, True) != are_there
+            ListenersChanged(topic=topic, are_there=bool(now))
+            for topic, now in heard.items()
+            if (now - before.get(topic, now)) or (not now and before.get(topic, True))
         ]
+
+    def heard_here(self) -> frozenset[str]:
+        """The relayed topics that have, as of the last look, a subscriber on a ROS graph."""
+        return frozenset(
+            topic
+            for topic, live in self._topics.items()
+            if live.output is not None and any(one.gid for one in self._subscribers.of(live.output))
+        )
 
     def subscriptions(self) -> dict[str, Subscription]:
         """All subscriptions that are open."""

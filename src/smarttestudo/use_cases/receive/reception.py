@@ -11,16 +11,21 @@ from smarttestudo.adapters.zenoh.arrivals import LinkEvent, RobotPresence, Strea
 from smarttestudo.domain.link import ReceivedMessage, Sink, StreamInfo
 from smarttestudo.domain.rate_meter import Flow, FlowMeter
 from smarttestudo.domain.units import NS_PER_MS
+from smarttestudo.use_cases.receive.prediction import Predictor
 
 
 @dataclass(slots=True)
 class ReceivedTopic:
-    """How one topic of a robot arrives: ``age_ms`` is that of its last message, as far as it is known."""
+    """How one topic of a robot arrives: ``age_ms`` is that of its last message, as far as it is known.
+
+    ``predicted`` messages were made here; they count as nothing else.
+    """
 
     type_name: str
     flow: Flow
     meter: FlowMeter
     age_ms: float | None = None
+    predicted: int = 0
 
 
 @dataclass(slots=True)
@@ -34,12 +39,13 @@ class ReceivedRobot:
 class Reception:
     """Takes the events of the operator's end, in order, and gives what they bring to ``sinks``.
 
-    Times are ns of a clock that never jumps.
+    Where there is a ``predictor``, so is what it makes of them. Times are ns of a clock that never jumps.
     """
 
-    def __init__(self, sinks: Sequence[Sink]) -> None:
+    def __init__(self, sinks: Sequence[Sink], predictor: Predictor | None = None) -> None:
         self.robots: dict[str, ReceivedRobot] = {}
         self._sinks = sinks
+        self._predictor = predictor
 
     def take(self, event: LinkEvent, now_ns: int) -> None:
         """Something arrived."""
@@ -50,16 +56,32 @@ class Reception:
                 known.boots.add(boot)
             case RobotPresence(boot=boot):
                 known.boots.discard(boot)
+                if self._predictor is not None and not known.boots:
+                    self._predictor.leave(robot)
             case StreamSaid(info=StreamInfo() as stream):
                 _topic(known, stream).type_name = stream.type_name
+                if self._predictor is not None:
+                    self._predictor.open(robot, stream)
                 for sink in self._sinks:
                     sink.open(robot, stream)
             case ReceivedMessage(stream=stream, age_ns=age_ns):
                 topic = _topic(known, stream)
                 topic.age_ms = None if age_ns is None else age_ns / NS_PER_MS
                 topic.flow.record(now_ns, len(event.payload))
+                if self._predictor is not None:
+                    self._predictor.take(event, now_ns)
                 for sink in self._sinks:
                     sink.take(event)
+
+    def predict(self, now_ns: int) -> int | None:
+        """Give ``sinks`` what is predicted and due; when there is more."""
+        if self._predictor is None:
+            return None
+        for message in self._predictor.predicted(now_ns):
+            _topic(self.robots[message.robot], message.stream).predicted += 1
+            for sink in self._sinks:
+                sink.take(message)
+        return self._predictor.due_ns
 
     def look(self, now_ns: int) -> None:
         """Measure the rates anew; to be called about once a second."""

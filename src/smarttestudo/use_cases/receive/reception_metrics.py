@@ -43,6 +43,9 @@ _BANDWIDTH = _name("topic", "bytes_per_second", "What arrives of the topic, unpa
 _AGE = _name("topic_age", "seconds", "Age of the topic's last message when it arrived.", labels=_TOPIC)
 _MESSAGES = _name("topic", "messages", "Messages of the topic that arrived.", labels=_TOPIC, counts=True)
 _BYTES = _name("topic", "bytes", "What arrived of the topic, unpacked.", labels=_TOPIC, counts=True)
+_PREDICTED = _name(
+    "topic_predicted", "messages", "Messages of the topic that were made here.", labels=_TOPIC, counts=True
+)
 _COUNTS = {
     "messages": _name("delivered", "messages", "Messages that arrived whole.", labels=_ROBOT, counts=True),
     "late": _name("late", "messages", "Messages dropped after an outage.", labels=_ROBOT, counts=True),
@@ -60,7 +63,7 @@ _DROPPED = _name("dropped", "events", "Events that gave way because this end was
 _UNREADABLE = _name("unreadable", "statuses", "Statuses of robots that could not be read here.", counts=True)
 _LEFT_OUT = _name("left_out", "topics", f"Topics without metrics here, beyond {MAX_TOPICS:,}.")
 RECEPTION_METRICS = (
-    *(_CONNECTED, _HERTZ, _BANDWIDTH, _AGE, _MESSAGES, _BYTES, *_COUNTS.values()),
+    *(_CONNECTED, _HERTZ, _BANDWIDTH, _AGE, _MESSAGES, _BYTES, _PREDICTED, *_COUNTS.values()),
     *(_STRAYS, _DROPPED, _UNREADABLE, _LEFT_OUT),
 )
 """All that ``ReceptionMetrics`` may give beside the metrics of robots' statuses."""
@@ -115,6 +118,8 @@ def _of_topics(topics: list[tuple[tuple[str, str], ReceivedTopic]]) -> Iterator[
     )
     yield Metric(name=_AGE, samples=[(labels, ms / _MS_PER_S) for labels, ms in ages if ms is not None])
     yield Metric(name=_MESSAGES, samples=[(labels, float(topic.flow.messages)) for labels, topic in topics])
+    predicted = [(labels, float(topic.predicted)) for labels, topic in topics if topic.predicted]
+    yield Metric(name=_PREDICTED, samples=predicted)
     yield Metric(name=_BYTES, samples=[(labels, float(topic.flow.size_bytes)) for labels, topic in topics])
 
 

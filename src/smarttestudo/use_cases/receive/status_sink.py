@@ -50,6 +50,13 @@ class StatusSink:
                 self._statuses[robot] = status
         return self._statuses
 
+    def source_hz(self, robot: str, topic: str) -> float | None:
+        """The rate of the source of what ``robot`` sends as ``topic``; ``None`` while it is not known."""
+        status = self.statuses().get(robot)
+        if status is None:
+            return None
+        return next((one.source_hz for one in status.topics.values() if one.output == topic), None)
+
 
 def _status(payload: bytes) -> RuntimeStatus | None:
     text = string_text(payload) if len(payload) <= MAX_STATUS_BYTES else None
