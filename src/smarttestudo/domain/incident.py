@@ -37,6 +37,12 @@ class MissingReason(Enum):
     ENDED = "ended"
     """The run or the recording ended before the window did."""
 
+    DISK = "disk"
+    """They came faster than the disk could take them."""
+
+    KILLED = "killed"
+    """The run was killed; what there is was completed by the next one."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Missing:

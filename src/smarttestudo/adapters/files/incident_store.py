@@ -17,6 +17,8 @@ from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.incident import IncidentRecord
 
 RECORD_NAME = "incident.json"
+PARTIAL_SUFFIX = ".partial"
+"""How the folder of an incident ends that is not whole; it begins with a point."""
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,99}\Z")
 _MAX_LISTED = 100_000
 
@@ -57,18 +59,9 @@ class IncidentStore:
     def incident(self, name: str) -> StoredIncident:
         """The incident in the folder ``name``. Raises ``RecordingError`` where it cannot be read."""
         path = self._path(name)
-        place = path / RECORD_NAME
-        with _errors_at(place):
-            found = place.lstat()
-            if not stat.S_ISREG(found.st_mode):
-                raise RecordingError("is not a file", place=str(place))
-            if found.st_size > MAX_RECORD_BYTES:
-                raise RecordingError("is too large for the record of an incident", place=str(place))
-            text = place.read_bytes()
+        with _errors_at(path):
             size_bytes = sum(one.lstat().st_size for one in _files(path))
-        return StoredIncident(
-            name=name, path=path, size_bytes=size_bytes, record=read_incident(text, str(place))
-        )
+        return StoredIncident(name=name, path=path, size_bytes=size_bytes, record=read_record(path))
 
     def export(self, name: str, target: Path) -> int:
         """Copy the files of an incident to the new folder ``target``; how many they were."""
@@ -97,6 +90,19 @@ class IncidentStore:
                 remedy="'testudo incidents list' names them",
             )
         return path
+
+
+def read_record(folder: Path) -> IncidentRecord:
+    """The record of the incident in ``folder``. Raises ``RecordingError`` where it cannot be read."""
+    place = folder / RECORD_NAME
+    with _errors_at(place):
+        found = place.lstat()
+        if not stat.S_ISREG(found.st_mode):
+            raise RecordingError("is not a file", place=str(place))
+        if found.st_size > MAX_RECORD_BYTES:
+            raise RecordingError("is too large for the record of an incident", place=str(place))
+        text = place.read_bytes()
+    return read_incident(text, str(place))
 
 
 def _is_folder(path: Path) -> bool:

@@ -8,6 +8,7 @@ from array import array
 from bisect import bisect_left
 from collections import deque
 from collections.abc import Iterator
+from itertools import islice
 from typing import NamedTuple
 
 MESSAGE_OVERHEAD_BYTES = 400
@@ -112,6 +113,12 @@ class TopicRing:
     def since_ns(self, from_ns: int) -> Iterator[SourceMessage]:
         """The messages that came at ``from_ns`` or later."""
         return (message for at_ns, message in self._messages if at_ns >= from_ns)
+
+    def first_number_since(self, from_ns: int) -> int | None:
+        """The number of the first message that came then, whether it was given up or not."""
+        numbers = [one.number for one in self.given_up_since(from_ns)[:1]]
+        numbers += [message.number for message in islice(self.since_ns(from_ns), 1)]
+        return min(numbers, default=None)
 
     def given_up_since(self, from_ns: int) -> list[GivenUp]:
         """The messages that came then and were given up."""
