@@ -188,6 +188,9 @@ class SharedMessages:
         """``folder`` has all it needs. Raises ``OSError``."""
         self.members.remove(folder)
         self.cut()
+        if not folder.files:
+            # A bag without files is none.
+            Segment(folder).close()
 
     def cut(self) -> None:
         """End the segment that is open. Raises ``OSError``."""
