@@ -20,6 +20,7 @@ from smarttestudo.cli.loop_options import (
     add_output_domain,
     add_ros_arguments,
     add_rules,
+    max_gb,
     memory_mb,
     output_domain,
 )
@@ -92,6 +93,12 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
         metavar="MB",
         type=memory_mb,
         help=f"memory for what came before an incident (default: {DEFAULT_INCIDENT_MEMORY_MB})",
+    )
+    parser.add_argument(
+        "--incidents-max-gb",
+        metavar="GB",
+        type=max_gb,
+        help="disk that all incidents may take: old ones are deleted, those that were read first",
     )
     add_openmetrics(parser)
     add_link(parser)
@@ -181,4 +188,5 @@ def _given(arguments: argparse.Namespace) -> dict[str, ParameterValue]:
         "record_inputs": None if arguments.record_inputs is None else str(arguments.record_inputs),
         "incidents": None if arguments.incidents is None else str(arguments.incidents),
         "incident_memory_mb": arguments.incident_memory,
+        "incidents_max_gb": arguments.incidents_max_gb,
     }

@@ -4,14 +4,29 @@
 
 from __future__ import annotations
 
+import resource
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from random import Random
 
 import pytest
 
-from adapters.incidents.folder_runs import LATCHED, FolderRun, channel, disk_bytes, payloads, record_of
+from adapters.incidents.folder_runs import (
+    LATCHED,
+    MS,
+    START_MS,
+    FolderRun,
+    channel,
+    disk_bytes,
+    payloads,
+    record_of,
+)
 from adapters.rosbag.bag_reading import read_bag, read_with_mcap, read_with_rosbags
 from runtime.incidents.incident_runs import recording_rules
+from smarttestudo.adapters.incidents.background import BackgroundSink
+from smarttestudo.adapters.incidents.recovery import complete_incidents
+from smarttestudo.runtime.incidents.recorder import IncidentRecorder
 
 LONGEST_PART = 10
 """A part of a window that incidents share is at most a tenth of it, or a second."""
@@ -142,3 +157,96 @@ def test_a_topic_without_messages_or_definition_is_listed(tmp_path: Path) -> Non
     (path,) = run.finish()
     assert read_bag(path).messages == []
     assert set(record_of(path)["topics"]) == {"/odom"}
+
+
+@contextmanager
+def files_of_at_most(size_bytes: int) -> Iterator[None]:
+    """The system refuses to let a file grow further."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size_bytes, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+
+
+def test_what_cannot_be_written_ends_its_incidents_which_are_named_and_no_others(tmp_path: Path) -> None:
+    failed: list[str] = []
+    run = FolderRun(
+        recording_rules('Record "one" /odom Before 1 s After 1 s', 'Record "two" /scan Before 1 s After 1 s'),
+        tmp_path / "incidents",
+        failed=lambda name, error: failed.append(f"{name} {error}"),
+    )
+    run.trigger()
+    with files_of_at_most(100_000):
+        for _ in range(20):
+            run.wait(20)
+            run.message("/odom", 10_000)
+            run.message("/scan", 100)
+    assert [line.partition(" ")[0] for line in failed] == ["19700101T001640000Z-one"]
+    assert "File too large" in failed[0]
+    run.wait(5000)
+    run.trigger()
+    run.message("/odom")
+    run.finish()
+    whole = {path.name: payloads(path) for path in (tmp_path / "incidents").iterdir() if path.name[0] != "."}
+    assert len(whole) == 3
+    (left,) = complete_incidents(tmp_path / "incidents")
+    assert (left.name, left.error) == ("19700101T001640000Z-one", None)
+    found = payloads(tmp_path / "incidents" / left.name)
+    sent = [payload for _, _, topic, payload in run.came if topic == "/odom"]
+    assert list(found) == sent[: len(found)]
+    assert len(found) >= 8
+
+
+def test_a_disk_that_is_too_slow_costs_messages_that_are_counted(tmp_path: Path) -> None:
+    run = FolderRun(recording_rules('Record "one" /odom Before 1 s After 1 s'), tmp_path / "incidents")
+    sink = BackgroundSink(run.folders, max_waiting_bytes=2000)
+    run.recorder = IncidentRecorder(run.rule_set, sink, 100_000, START_MS * MS)
+    run.recorder.hear("/odom", START_MS * MS, transient_local=False)
+    run.trigger()
+    # The thread that writes begins only now.
+    for _ in range(10):
+        run.wait(10)
+        run.message("/odom", 600)
+    with sink.running():
+        run.recorder.finish(run.clock_ms * MS + 2_000_000_000)
+    (path,) = (tmp_path / "incidents").iterdir()
+    held = payloads(path)
+    lost = next(one for one in record_of(path)["missing"] if one["reason"] == "disk")
+    assert len(held) + lost["messages"] == 10
+    assert (lost["from_ns"], lost["to_ns"]) == (
+        (START_MS + 10 * (len(held) + 1)) * MS,
+        (START_MS + 100) * MS,
+    )
+
+
+@pytest.mark.parametrize("name", ["../../up", "/etc/passwd", "a/b", "x" * 10_000, "Größe ✗", "…"])
+def test_no_name_leads_out_of_the_folder(tmp_path: Path, name: str) -> None:
+    run = FolderRun(recording_rules(f'Record "{name}" /odom Before 1 s After 1 s'), tmp_path / "incidents")
+    run.trigger()
+    run.message("/odom")
+    run.trigger()
+    folders = run.finish()
+    assert len(folders) == 2
+    assert all(len(path.name) <= 82 and path.is_dir() for path in folders)
+    assert {record_of(path)["name"] for path in folders} == {name}
+    assert list(tmp_path.iterdir()) == [tmp_path / "incidents"]
+    assert all(len(payloads(path)) == 1 for path in folders)
+
+
+def test_without_hard_links_each_incident_has_its_own_files(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refused(*_: object) -> None:
+        raise PermissionError(1, "Operation not permitted")
+
+    monkeypatch.setattr("os.link", refused)
+    run = burst(tmp_path / "incidents", before_s=2, after_s=1)
+    folders = run.finish()
+    assert len(folders) == 50
+    monkeypatch.undo()
+    whole = burst(tmp_path / "linked", before_s=2, after_s=1).finish()
+    for one, other in zip(folders, whole, strict=True):
+        assert set(payloads(one)) <= set(payloads(other))
+        assert record_of(one)["missing"] == record_of(other)["missing"]

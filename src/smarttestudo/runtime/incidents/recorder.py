@@ -105,6 +105,16 @@ class IncidentRecorder:
         return sum(len(ring) for ring in self._rings.values())
 
     @property
+    def topics(self) -> int:
+        """How many topics are kept, latched ones included."""
+        return len(self._rings.keys() | self._latched.keys())
+
+    @property
+    def open_incidents(self) -> int:
+        """How many windows are open."""
+        return len(self._open)
+
+    @property
     def next_wake_ns(self) -> int | None:
         """When, on the clock, the next window is over."""
         if not self._open:

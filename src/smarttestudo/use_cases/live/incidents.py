@@ -9,16 +9,17 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+from smarttestudo.adapters.files.incident_space import make_room
 from smarttestudo.adapters.incidents.background import BackgroundSink
 from smarttestudo.adapters.incidents.bag_metadata import offered_qos
 from smarttestudo.adapters.incidents.folders import IncidentFolders
 from smarttestudo.adapters.incidents.mcap_records import StoredChannel
 from smarttestudo.adapters.incidents.recovery import complete_incidents
 from smarttestudo.domain.errors import TestudoError
-from smarttestudo.domain.incident import DEFAULT_INCIDENT_MEMORY_MB
+from smarttestudo.domain.incident import DEFAULT_INCIDENT_MEMORY_MB, IncidentState
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Robot
-from smarttestudo.domain.units import BYTES_PER_MB
+from smarttestudo.domain.units import BYTES_PER_GB, BYTES_PER_MB
 from smarttestudo.runtime.incidents.recorder import MAX_OPEN_INCIDENTS, IncidentRecorder
 from smarttestudo.runtime.relay_loop import RelayLoop
 from smarttestudo.use_cases.live.rules import LiveRules
@@ -31,10 +32,14 @@ _WITHOUT_FOLDER = "the rules have a Record, and no folder is named to record int
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class IncidentOptions:
-    """The folder of the incidents, none if nothing is recorded, and the memory for what came before."""
+    """The folder of the incidents, none if nothing is recorded, and the memory for what came before.
+
+    Where all of them would take more than ``max_gb`` of disk, old ones are deleted.
+    """
 
     folder: Path | None = None
     memory_mb: float = DEFAULT_INCIDENT_MEMORY_MB
+    max_gb: float | None = None
 
 
 class LiveIncidents:
@@ -53,11 +58,16 @@ class LiveIncidents:
         self._channels: dict[str, StoredChannel] = {}
         self._recorder: IncidentRecorder | None = None
         self._background: BackgroundSink | None = None
+        self._max_bytes = None if options.max_gb is None else round(options.max_gb * BYTES_PER_GB)
         self._refused = 0
         self._has_said = False
+        # The thread that writes changes these.
+        self._recorded = self._lost = 0
+        self._problem: str | None = None
         if self._folder is not None:
             for found in complete_incidents(self._folder):
                 robot.log.warning(f"incident {found}")
+            self._make_room()
             folders = IncidentFolders(self._folder, self._channels, failed=self._failed, ended=self._ended)
             self._background = BackgroundSink(folders, round(WAITING_SHARE * self._memory_bytes))
         self.topics: frozenset[str] = frozenset()
@@ -135,8 +145,38 @@ class LiveIncidents:
                 f"incidents not recorded because {MAX_OPEN_INCIDENTS} were open: {self._refused} so far"
             )
 
+    def state(self) -> IncidentState | None:
+        """What recording costs now; ``None`` where nothing is recorded."""
+        recorder = self._recorder
+        if recorder is None:
+            return None
+        return IncidentState(
+            held_bytes=recorder.held_bytes,
+            memory_bytes=self._memory_bytes,
+            topics=recorder.topics,
+            open=recorder.open_incidents,
+            recorded=self._recorded,
+            failed=self._lost + recorder.refused,
+            problem=self._problem,
+        )
+
     def _ended(self, path: Path) -> None:
+        self._recorded += 1
+        self._problem = None
         self._robot.log.info(f"incident {path.name}")
+        self._make_room()
 
     def _failed(self, name: str, error: TestudoError) -> None:
+        self._lost += 1
+        self._problem = str(error)
         self._robot.log.warning(f"incident {name}: ends early: {error}")
+
+    def _make_room(self) -> None:
+        if self._folder is None or self._max_bytes is None or not self._folder.is_dir():
+            return
+        try:
+            for one in make_room(self._folder, self._max_bytes):
+                read = "read" if one.was_read else "not read by anyone"
+                self._robot.log.warning(f"incident {one.name}: deleted to make room, {read}")
+        except TestudoError as error:
+            self._robot.log.warning(str(error))

@@ -199,6 +199,7 @@ class LiveRun:
             now_ns,
             status_hz=self._timer.status_hz,
         )
+        status = replace(status, incidents=self._incidents.state())
         if self._link is not None:
             status = self._link.added_to(status)
         if self._acceptance is not None:

@@ -100,6 +100,12 @@ PARAMETERS = (
         value=float(DEFAULT_INCIDENT_MEMORY_MB),
         is_typed=False,
     ),
+    Parameter(
+        name="incidents_max_gb",
+        description="GB of disk that all incidents may take; old ones are deleted. No limit while not set.",
+        value=None,
+        is_typed=False,
+    ),
 )
 
 
@@ -165,6 +171,7 @@ def _request(values: Mapping[str, ParameterValue]) -> RunRequest:
         incidents=IncidentOptions(
             folder=_path(values["incidents"]),
             memory_mb=_positive(values["incident_memory_mb"], "incident_memory_mb"),
+            max_gb=_limit(values["incidents_max_gb"], "incidents_max_gb"),
         ),
     )
 
@@ -189,6 +196,10 @@ def _positive(value: ParameterValue, name: str) -> float:
     if isinstance(value, int | float) and not isinstance(value, bool) and 0 < value < math.inf:
         return float(value)
     raise UsageError(f"it is a number above 0, not {value!r}", place=f"parameter {name}")
+
+
+def _limit(value: ParameterValue, name: str) -> float | None:
+    return None if value is None else _positive(value, name)
 
 
 def _names(value: ParameterValue) -> tuple[str, ...]:
