@@ -37,6 +37,9 @@ class MissingReason(Enum):
     ENDED = "ended"
     """The run or the recording ended before the window did."""
 
+    LOST = "lost"
+    """The robot's middleware lost them: machine or network were too slow."""
+
     DISK = "disk"
     """They came faster than the disk could take them."""
 

@@ -57,7 +57,7 @@ class _OpenIncident:
     incident: Incident
     topics: frozenset[str]
     end_ns: int
-    missing: tuple[Missing, ...]
+    missing: list[Missing]
 
 
 class IncidentRecorder:
@@ -176,6 +176,20 @@ class IncidentRecorder:
             if keeping:
                 self._sink.take(message, keeping)
 
+    def lose(self, topic: str, messages: int, since_ns: int, now_ns: int) -> None:
+        """So many messages of a topic were lost before they came, between two stamps of the clock."""
+        ring = self._rings.get(topic)
+        if ring is None:
+            return
+        self.advance(now_ns)
+        lost = Missing(
+            topic=topic, reason=MissingReason.LOST, messages=messages, from_ns=since_ns, to_ns=now_ns
+        )
+        ring.lose(lost, self._time.now_ns)
+        for one in self._open:
+            if topic in one.topics:
+                one.missing.append(lost)
+
     def begin(self, trigger: Trigger) -> None:
         """Open the windows of a block that begins to hold; what it read was taken before."""
         self.advance(trigger.stamp_ns)
@@ -238,10 +252,11 @@ class IncidentRecorder:
             from_number=min(numbers, default=self._number + 1),
             given_up=given_up,
         )
-        missing = (
+        missing = [
             *(one for topic, ring in rings for one in _unheard(topic, ring, from_ns, incident)),
+            *(one for _, ring in rings for one in ring.lost_since(from_ns)),
             *missing_for_memory(given_up),
-        )
+        ]
         self._sink.begin(incident, latched, messages)
         self._open.append(
             _OpenIncident(

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator
+from collections.abc import Hashable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,7 +18,7 @@ from smarttestudo.adapters.incidents.recovery import complete_incidents
 from smarttestudo.domain.errors import TestudoError
 from smarttestudo.domain.incident import DEFAULT_INCIDENT_MEMORY_MB, IncidentState
 from smarttestudo.domain.payload import Payload
-from smarttestudo.domain.robot import Robot
+from smarttestudo.domain.robot import Robot, Subscription
 from smarttestudo.domain.units import BYTES_PER_GB, BYTES_PER_MB
 from smarttestudo.runtime.incidents.recorder import MAX_OPEN_INCIDENTS, IncidentRecorder
 from smarttestudo.runtime.relay_loop import RelayLoop
@@ -59,6 +59,7 @@ class LiveIncidents:
         self._recorder: IncidentRecorder | None = None
         self._background: BackgroundSink | None = None
         self._max_bytes = None if options.max_gb is None else round(options.max_gb * BYTES_PER_GB)
+        self._dropped: dict[str, tuple[Subscription, int, int]] = {}
         self._refused = 0
         self._has_said = False
         # The thread that writes changes these.
@@ -122,6 +123,19 @@ class LiveIncidents:
                 definition=self._robot.definition(source.type_name),
                 qos_text=qos_text,
             )
+
+    def look(self, subscriptions: Mapping[str, Subscription], now_ns: int) -> None:
+        """See what was lost since the last look before it could be taken."""
+        if self._recorder is None:
+            return
+        before, self._dropped = self._dropped, {}
+        for topic in self.topics & subscriptions.keys():
+            subscription = subscriptions[topic]
+            dropped = subscription.dropped
+            known, count, since_ns = before.get(topic, (subscription, 0, now_ns))
+            if known is subscription and dropped > count:
+                self._recorder.lose(topic, dropped - count, min(since_ns, now_ns), now_ns)
+            self._dropped[topic] = (subscription, dropped, now_ns)
 
     def take(self, topic: str, payload: Payload, publisher: Hashable, now_ns: int) -> None:
         """A message came, before the loop is given it."""

@@ -160,7 +160,9 @@ class LiveRun:
         for heard in self._topics.listeners():
             self._take(ChangeInput(stamp_ns=now_ns, change=heard))
         self._sampling.look(self._topics.pausable(), now_ns)
-        self._losses.look(self._topics.subscriptions(), now_ns)
+        subscriptions = self._topics.subscriptions()
+        self._losses.look(subscriptions, now_ns)
+        self._incidents.look(subscriptions, now_ns)
         if self._acceptance is not None:
             is_connected = self._link is not None and self._link.is_connected
             self._acceptance.look(set(self._rules.output_topics.values()), is_connected=is_connected)
