@@ -29,6 +29,9 @@ class UnaskedRobot:
     def own_publisher(self, topic: str, type_name: str, qos: Qos) -> Publisher:
         raise NotImplementedError
 
+    def definition(self, type_name: str) -> str:
+        raise NotImplementedError
+
     def declare(self, parameters: Sequence[Parameter], accept: Accept) -> Mapping[str, ParameterValue]:
         raise NotImplementedError
 

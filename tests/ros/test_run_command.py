@@ -45,7 +45,7 @@ def test_rules_that_record_are_followed_and_that_nothing_is_recorded_is_said(rob
         "begin SetFrequency /imu 10 If CheckValue /imu rate > 1 Then "
         'Record "moving" Before 1 s After 1 s SetFrequency /imu 20 EndIf end'
     )
-    runtime.line_with("the rules have a Record, which a live run does not carry out")
+    runtime.line_with("the rules have a Record, and no folder is named to record into: --incidents DIR")
     runtime.line_with("/imu: 10 Hz (default)")
 
 

@@ -77,7 +77,9 @@ def _list(arguments: argparse.Namespace) -> int:
 
 
 def _show(arguments: argparse.Namespace) -> int:
-    stored = IncidentStore(arguments.folder).incident(arguments.name)
+    store = IncidentStore(arguments.folder)
+    stored = store.incident(arguments.name)
+    store.mark_read(arguments.name)
     if arguments.json:
         print(json_text(_json(stored)))  # noqa: T201
         return 0
@@ -97,7 +99,9 @@ def _show(arguments: argparse.Namespace) -> int:
 
 
 def _export(arguments: argparse.Namespace) -> int:
-    files = IncidentStore(arguments.folder).export(arguments.name, arguments.output)
+    store = IncidentStore(arguments.folder)
+    files = store.export(arguments.name, arguments.output)
+    store.mark_read(arguments.name)
     print(f"{counted(files, 'file')} in {arguments.output}")  # noqa: T201
     return 0
 
@@ -112,6 +116,7 @@ def _json(stored: StoredIncident) -> dict[str, object]:
     return {
         "incident": stored.name,
         "size_bytes": stored.size_bytes,
+        "read": stored.is_read,
         **incident_to_json(stored.record),
     }
 
@@ -124,6 +129,7 @@ def _list_table(incidents: list[StoredIncident]) -> Table:
             Column(heading="Rule", align=Align.LEFT),
             Column(heading="Messages"),
             Column(heading="Size", unit="MB"),
+            Column(heading="Read", align=Align.LEFT),
             Column(heading="Missing", align=Align.LEFT),
         ),
         rows=tuple(
@@ -133,6 +139,7 @@ def _list_table(incidents: list[StoredIncident]) -> Table:
                     Text(one.record.rule),
                     Number(sum(topic.messages for topic in one.record.topics.values()), decimals=0),
                     Number(one.size_bytes / BYTES_PER_MB),
+                    Text("yes" if one.is_read else "no"),
                     Text(", ".join(dict.fromkeys(each.reason.value for each in one.record.missing))),
                 )
             )

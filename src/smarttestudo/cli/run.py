@@ -16,11 +16,19 @@ from smarttestudo.adapters.files.rule_files import rule_files_named
 from smarttestudo.adapters.ros import open_robot
 from smarttestudo.adapters.zenoh import open_robot_end
 from smarttestudo.cli.link_options import add_link, link_options, warn
-from smarttestudo.cli.loop_options import add_output_domain, add_ros_arguments, add_rules, output_domain
+from smarttestudo.cli.loop_options import (
+    add_output_domain,
+    add_ros_arguments,
+    add_rules,
+    max_gb,
+    memory_mb,
+    output_domain,
+)
 from smarttestudo.cli.metrics_options import add_openmetrics, served_metrics
 from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.terminal import stop_signals
 from smarttestudo.domain.command import command_topics
+from smarttestudo.domain.incident import DEFAULT_INCIDENT_MEMORY_MB
 from smarttestudo.domain.names import TOPIC_PLACEHOLDER, is_topic_prefix
 from smarttestudo.domain.parameter import ParameterValue
 from smarttestudo.domain.robot import DataPathKind
@@ -73,6 +81,24 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
         metavar="DIR",
         type=file_path,
         help="record the inputs of the loop in a new folder; 'testudo replay DIR' repeats the decisions",
+    )
+    parser.add_argument(
+        "--incidents",
+        metavar="DIR",
+        type=file_path,
+        help="write what the rules record (Record) into this folder, a folder for each incident",
+    )
+    parser.add_argument(
+        "--incident-memory",
+        metavar="MB",
+        type=memory_mb,
+        help=f"memory for what came before an incident (default: {DEFAULT_INCIDENT_MEMORY_MB})",
+    )
+    parser.add_argument(
+        "--incidents-max-gb",
+        metavar="GB",
+        type=max_gb,
+        help="disk that all incidents may take: old ones are deleted, those that were read first",
     )
     add_openmetrics(parser)
     add_link(parser)
@@ -142,6 +168,7 @@ def _require_separate(request: RunRequest) -> None:
         {
             "--decisions": request.decisions,
             "--record-inputs": None if recorded is None else recorded / INPUTS_FILE,
+            "--incidents": request.incidents.folder,
         },
         (request.profile, *rule_files_named(request.rules)),
     )
@@ -159,4 +186,7 @@ def _given(arguments: argparse.Namespace) -> dict[str, ParameterValue]:
         "budget_kb_per_s": arguments.budget,
         "decisions_file": None if arguments.decisions is None else str(arguments.decisions),
         "record_inputs": None if arguments.record_inputs is None else str(arguments.record_inputs),
+        "incidents": None if arguments.incidents is None else str(arguments.incidents),
+        "incident_memory_mb": arguments.incident_memory,
+        "incidents_max_gb": arguments.incidents_max_gb,
     }

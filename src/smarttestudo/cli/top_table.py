@@ -15,9 +15,10 @@ from pathlib import Path
 
 from smarttestudo.cli.tables import is_unicode, write_text
 from smarttestudo.domain.decision import Reason
+from smarttestudo.domain.incident import IncidentState
 from smarttestudo.domain.link_state import AcceptedTopic, LinkState
 from smarttestudo.domain.status import DiagnosticLevel, RuntimeStatus, Silence, TopicStatus
-from smarttestudo.domain.units import counted
+from smarttestudo.domain.units import BYTES_PER_MB, counted
 from smarttestudo.use_cases.live.diagnostics import topic_health
 from smarttestudo.visualizer.table import (
     Align,
@@ -82,7 +83,7 @@ _MEASURES: dict[SortKey, Callable[[TopicStatus], float | None]] = {
 
 
 def summary_lines(status: RuntimeStatus, *, silent_s: float | None = None) -> list[Line]:
-    """The runtime itself, the link and what is accepted of operators.
+    """The runtime itself, the link, what is accepted of operators, and what recording costs.
 
     ``silent_s`` is the time without a status, if it is too long.
     """
@@ -91,6 +92,7 @@ def summary_lines(status: RuntimeStatus, *, silent_s: float | None = None) -> li
         Line(_link(status), Look.ERROR if status.floors_break_budget else Look.PLAIN),
         *([Line("No valid rules: everything is relayed at full rate.", Look.WARN)] * status.is_fallback),
         *(Line(_accepted(topic), Look.WARN if topic.problem else Look.PLAIN) for topic in status.accepted),
+        *([] if status.incidents is None else [_incidents(status.incidents)]),
         *([] if silent_s is None else [Line(f"No status received for {silent_s:.0f} s.", Look.STALE)]),
     ]
 
@@ -157,6 +159,17 @@ def _accepted(topic: AcceptedTopic) -> str:
         f"accepts {topic.topic}: {topic.delivered:,} delivered, {topic.too_old:,} too old, "
         f"{topic.refused:,} refused{age}"
     )
+
+
+def _incidents(state: IncidentState) -> Line:
+    held, limit = state.held_bytes / BYTES_PER_MB, state.memory_bytes / BYTES_PER_MB
+    failed = f", {state.failed} failed" if state.failed else ""
+    problem = f": {state.problem}" if state.problem else ""
+    text = (
+        f"records {counted(state.topics, 'topic')} in {held:,.1f} of {limit:,.0f} MB   "
+        f"incidents: {state.open} open, {state.recorded} recorded{failed}{problem}"
+    )
+    return Line(printable(text), Look.WARN if state.problem else Look.PLAIN)
 
 
 def _sorted(status: RuntimeStatus, sort: SortKey) -> list[tuple[str, TopicStatus]]:

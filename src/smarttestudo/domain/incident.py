@@ -37,6 +37,15 @@ class MissingReason(Enum):
     ENDED = "ended"
     """The run or the recording ended before the window did."""
 
+    LOST = "lost"
+    """The robot's middleware lost them: machine or network were too slow."""
+
+    DISK = "disk"
+    """They came faster than the disk could take them."""
+
+    KILLED = "killed"
+    """The run was killed; what there is was completed by the next one."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Missing:
@@ -106,3 +115,21 @@ def incident_folder_name(name: str, stamp_ns: int) -> str:
     except OverflowError:
         time = f"{stamp_ns}ns"
     return f"{time}-{slug or 'incident'}"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class IncidentState:
+    """What recording costs a running robot, and what came of it.
+
+    ``held_bytes`` of at most ``memory_bytes`` are kept of ``topics`` topics for what may happen. Incidents
+    are ``open`` now, were ``recorded`` whole, or ``failed`` since the start; ``problem`` says why the last
+    one could not be written, until the next one can.
+    """
+
+    held_bytes: int
+    memory_bytes: int
+    topics: int
+    open: int = 0
+    recorded: int = 0
+    failed: int = 0
+    problem: str | None = None

@@ -216,6 +216,9 @@ class Robot(Protocol):
     def begins_with_header(self, type_name: str) -> bool:
         """Whether messages of that type begin with a std_msgs/Header; not where it is not installed."""
 
+    def definition(self, type_name: str) -> str:
+        """The definition of a message type with those of its parts, as bags store it; empty where unknown."""
+
     def diagnostics_publisher(self, topic: str) -> Callable[[Sequence[Diagnostic]], None]:
         """What sends a diagnostic_msgs/msg/DiagnosticArray on ``topic``; both may raise ``RosError``."""
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from enum import Enum, IntEnum
 
 from smarttestudo.domain.decision import Reason
+from smarttestudo.domain.incident import IncidentState
 from smarttestudo.domain.link_state import AcceptedTopic, LinkState, TopicOnLink
 from smarttestudo.domain.signal import Truth
 
@@ -208,6 +209,8 @@ class RuntimeStatus:
     robot: str = ""
     accepted: tuple[AcceptedTopic, ...] = ()
     """The topics that are accepted of operators."""
+    incidents: IncidentState | None = None
+    """What rules record, if that is carried out."""
 
     @property
     def robot_id(self) -> str:

@@ -11,6 +11,7 @@ NS_PER_MS = 1_000_000
 BYTES_PER_KB = 1000
 BITS_PER_BYTE = 8
 BYTES_PER_MB = 1_000_000
+BYTES_PER_GB = 1_000_000_000
 
 LAST_STAMP_NS = 2**63 - 1
 """The latest time that ROS and recordings can represent, in the year 2262."""

@@ -137,6 +137,22 @@ def test_links_in_an_incident_are_not_followed(
     assert "is not a file" in capsys.readouterr().err
 
 
+def test_one_that_was_shown_or_exported_counts_as_read(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def is_read() -> bool:
+        capsys.readouterr()
+        assert main(["incidents", "list", str(folder), "--json"]) == 0
+        found: bool = json.loads(capsys.readouterr().out)[0]["read"]
+        return found
+
+    assert not is_read()
+    assert main(["incidents", "show", str(folder), NAME]) == 0
+    assert is_read()
+    assert main(["incidents", "export", str(folder), NAME, "--output", str(tmp_path / "copy")]) == 0
+    assert {one.name for one in (tmp_path / "copy").iterdir()} == {"incident.json", "bag.mcap"}
+
+
 def test_a_folder_that_is_none_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["incidents", "list", str(tmp_path / "nowhere")]) == 1
     assert "nowhere: error: is not a folder of incidents" in capsys.readouterr().err

@@ -39,10 +39,11 @@ class KeepingSink:
     ) -> None:
         self.kept.append(Kept(incident, list(latched), list(messages)))
 
-    def take(self, incident: Incident, message: SourceMessage) -> None:
-        one = self._of(incident)
-        assert one.missing is None
-        one.messages.append(message)
+    def take(self, message: SourceMessage, incidents: Sequence[Incident]) -> None:
+        for incident in incidents:
+            one = self._of(incident)
+            assert one.missing is None
+            one.messages.append(message)
 
     def end(self, incident: Incident, missing: Sequence[Missing]) -> None:
         self._of(incident).missing = tuple(missing)

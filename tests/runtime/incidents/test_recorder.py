@@ -7,6 +7,7 @@ from smarttestudo.domain.incident import MissingReason
 from smarttestudo.runtime.incidents.recorder import MAX_OPEN_INCIDENTS
 
 S = 1_000_000_000
+MS = 1_000_000
 RULES = recording_rules('Record "near miss" /scan Before 10 s After 5 s')
 
 
@@ -131,3 +132,21 @@ def test_other_rules_keep_what_was_kept() -> None:
     recorder.change_rules(longer)
     recorder.begin(trigger(longer, 101 * S))
     assert [message.payload for message in sink.kept[0].messages] == [b"scan"]
+
+
+def test_what_the_middleware_lost_is_in_the_windows_that_it_concerns() -> None:
+    rule_set = recording_rules('Record "one" /odom Before 1 s After 1 s')
+    recorder, sink = recorder_for(rule_set)
+    recorder.lose("/odom", 7, 0, 10 * MS)
+    recorder.lose("/odom", 3, 2000 * MS, 2500 * MS)
+    recorder.lose("/scan", 9, 2000 * MS, 2500 * MS)
+    recorder.begin(trigger(rule_set, 3000 * MS))
+    recorder.lose("/odom", 2, 3000 * MS, 3500 * MS)
+    recorder.lose("/odom", 1, 4500 * MS, 5000 * MS)
+    recorder.finish(6000 * MS)
+    (one,) = sink.kept
+    assert one.missing is not None
+    assert [(missing.reason, missing.messages) for missing in one.missing] == [
+        (MissingReason.LOST, 3),
+        (MissingReason.LOST, 2),
+    ]

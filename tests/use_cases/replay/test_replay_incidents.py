@@ -72,7 +72,9 @@ def test_an_incident_holds_every_source_message_of_its_window(tmp_path: Path) ->
     expected = [latched, *wanted("/odom", "/gripper", from_ns=start_ns, to_ns=end_ns)]
     assert read_bag(path).messages == expected
     assert read_with_rosbags(path) == expected
-    assert read_with_mcap(next(path.glob("*.mcap"))) == expected
+    with_mcap = [one for file in path.glob("*.mcap") for one in read_with_mcap(file)]
+    assert set(with_mcap) == set(expected)
+    assert len(with_mcap) == len(expected)
 
 
 def test_its_record_says_which_rule_when_and_what_is_missing(tmp_path: Path) -> None:
@@ -127,7 +129,7 @@ def test_the_same_inputs_give_the_same_bytes(tmp_path: Path) -> None:
         {str(one.relative_to(root)): one.read_bytes() for one in root.rglob("*") if one.is_file()}
         for root in (tmp_path / "incidents", tmp_path / "incidents again")
     )
-    assert len(first) == 6
+    assert len([name for name in first if name.endswith("incident.json")]) == 2
     assert first == second
 
 

@@ -9,6 +9,7 @@ from dataclasses import replace
 import pytest
 
 from smarttestudo.domain.decision import Reason
+from smarttestudo.domain.incident import IncidentState
 from smarttestudo.domain.link_state import LinkState, StreamCounts, TopicOnLink
 from smarttestudo.domain.status import Diagnostic, DiagnosticLevel, RuntimeStatus
 from smarttestudo.use_cases.live.diagnostics import diagnostics
@@ -105,6 +106,23 @@ def test_the_node_says_how_its_link_does() -> None:
         "link_round_trip_ms": "24.000",
         "link_outages": "2",
     }
+
+
+def test_the_node_says_what_recording_costs_and_that_it_fails() -> None:
+    state = IncidentState(held_bytes=12_340_000, memory_bytes=256_000_000, topics=5, open=1, recorded=3)
+    node = named("smarttestudo", replace(STATUS, incidents=state))
+    assert {name: value for name, value in node.values.items() if name.startswith("incident")} == {
+        "incident_memory_mb": "12.340",
+        "incident_topics": "5",
+        "incidents_open": "1",
+        "incidents_recorded": "3",
+        "incidents_failed": "0",
+    }
+    failed = named("smarttestudo", replace(STATUS, incidents=replace(state, problem="the disk is full")))
+    assert (failed.level, failed.message) == (
+        DiagnosticLevel.WARN,
+        "incidents cannot be written: the disk is full",
+    )
 
 
 def test_a_link_without_an_operator_is_a_warning_and_what_it_carries_is_not_known() -> None:

@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 
 from smarttestudo.adapters.json.status import status_from_text, status_to_json
 from smarttestudo.domain.decision import Reason
+from smarttestudo.domain.incident import IncidentState
 from smarttestudo.domain.link_state import AcceptedTopic
 from smarttestudo.domain.status import RulesOrigin, Silence, TopicStatus
 from use_cases.status.statuses import STATUS
@@ -126,6 +127,16 @@ def test_what_is_accepted_of_operators_is_read_and_left_out_where_nothing_is() -
     status = replace(STATUS, accepted=ACCEPTED)
     assert status_from_text(json.dumps(status_to_json(status))) == status
     assert "accepted" not in RECORD
+
+
+def test_what_recording_costs_is_read_and_left_out_where_nothing_is_recorded() -> None:
+    state = IncidentState(
+        held_bytes=12, memory_bytes=256_000_000, topics=5, open=1, recorded=3, failed=2, problem="full"
+    )
+    for incidents in (state, replace(state, problem=None)):
+        status = replace(STATUS, incidents=incidents)
+        assert status_from_text(json.dumps(status_to_json(status))) == status
+    assert "incidents" not in RECORD
 
 
 @given(json_values)

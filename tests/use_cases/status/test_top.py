@@ -19,6 +19,7 @@ from smarttestudo.cli.main import main
 from smarttestudo.cli.terminal import key_presses
 from smarttestudo.cli.top_table import Line, Look, SortKey, cropped, print_lines, summary_lines, topic_lines
 from smarttestudo.domain.decision import Reason
+from smarttestudo.domain.incident import IncidentState
 from smarttestudo.domain.link_state import AcceptedTopic
 from use_cases.status.statuses import ONE_OF_EACH, RELAYED, STATUS
 
@@ -40,6 +41,16 @@ def test_it_looks_like_this(width: int) -> None:
     shown = "".join(f"{line.text}\n" for line in lines)
     assert shown == (GOLDEN / f"top-{width}.txt").read_text(encoding="utf-8")
     assert all(len(line.text) <= width for line in lines)
+
+
+def test_what_recording_costs_has_a_line() -> None:
+    state = IncidentState(held_bytes=12_340_000, memory_bytes=256_000_000, topics=5, open=1, recorded=3)
+    (line,) = summary_lines(replace(STATUS, incidents=state))[2:]
+    assert line == Line("records 5 topics in 12.3 of 256 MB   incidents: 1 open, 3 recorded")
+    failed = replace(state, failed=2, problem="/data: error: the disk is full")
+    (line,) = summary_lines(replace(STATUS, incidents=failed))[2:]
+    assert line.text.endswith("1 open, 3 recorded, 2 failed: /data: error: the disk is full")
+    assert line.look is Look.WARN
 
 
 def test_what_is_accepted_of_operators_has_a_line_a_topic() -> None:

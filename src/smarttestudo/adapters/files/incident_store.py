@@ -8,7 +8,7 @@ import re
 import shutil
 import stat
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,17 +17,25 @@ from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.incident import IncidentRecord
 
 RECORD_NAME = "incident.json"
+READ_NAME = "read"
+"""An empty file in the folder of an incident that somebody looked at."""
+PARTIAL_SUFFIX = ".partial"
+"""How the folder of an incident ends that is not whole; it begins with a point."""
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,99}\Z")
 _MAX_LISTED = 100_000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StoredIncident:
-    """An incident by the name of its folder; ``size_bytes`` is what its files take."""
+    """An incident by the name of its folder; ``size_bytes`` is what its files take.
+
+    ``is_read`` says that somebody looked at it.
+    """
 
     name: str
     path: Path
     size_bytes: int
+    is_read: bool
     record: IncidentRecord
 
 
@@ -57,18 +65,17 @@ class IncidentStore:
     def incident(self, name: str) -> StoredIncident:
         """The incident in the folder ``name``. Raises ``RecordingError`` where it cannot be read."""
         path = self._path(name)
-        place = path / RECORD_NAME
-        with _errors_at(place):
-            found = place.lstat()
-            if not stat.S_ISREG(found.st_mode):
-                raise RecordingError("is not a file", place=str(place))
-            if found.st_size > MAX_RECORD_BYTES:
-                raise RecordingError("is too large for the record of an incident", place=str(place))
-            text = place.read_bytes()
+        with _errors_at(path):
             size_bytes = sum(one.lstat().st_size for one in _files(path))
+            is_read = (path / READ_NAME).exists()
         return StoredIncident(
-            name=name, path=path, size_bytes=size_bytes, record=read_incident(text, str(place))
+            name=name, path=path, size_bytes=size_bytes, is_read=is_read, record=read_record(path)
         )
+
+    def mark_read(self, name: str) -> None:
+        """Somebody looked at the incident: it is among those that give way first. No error if that fails."""
+        with suppress(OSError):
+            (self._path(name) / READ_NAME).touch(exist_ok=True)
 
     def export(self, name: str, target: Path) -> int:
         """Copy the files of an incident to the new folder ``target``; how many they were."""
@@ -99,14 +106,28 @@ class IncidentStore:
         return path
 
 
+def read_record(folder: Path) -> IncidentRecord:
+    """The record of the incident in ``folder``. Raises ``RecordingError`` where it cannot be read."""
+    place = folder / RECORD_NAME
+    with _errors_at(place):
+        found = place.lstat()
+        if not stat.S_ISREG(found.st_mode):
+            raise RecordingError("is not a file", place=str(place))
+        if found.st_size > MAX_RECORD_BYTES:
+            raise RecordingError("is too large for the record of an incident", place=str(place))
+        text = place.read_bytes()
+    return read_incident(text, str(place))
+
+
 def _is_folder(path: Path) -> bool:
     """Whether it is a folder itself, not a link to one."""
     return path.is_dir() and not path.is_symlink()
 
 
 def _files(path: Path) -> Iterator[Path]:
-    """The files in a folder; an incident has no folders in it, and a link is none of its files."""
-    return (one for one in sorted(path.iterdir()) if stat.S_ISREG(one.lstat().st_mode))
+    """The files in a folder; an incident has no folders in it, and a link or a mark is none of its files."""
+    files = (one for one in sorted(path.iterdir()) if stat.S_ISREG(one.lstat().st_mode))
+    return (one for one in files if one.name != READ_NAME)
 
 
 @contextmanager

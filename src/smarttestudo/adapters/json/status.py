@@ -6,11 +6,11 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Mapping
-from typing import TypeVar
 
 from smarttestudo.adapters.json.block_status import block_to_json, blocks_from_json
+from smarttestudo.adapters.json.json_record import JsonRecord
 from smarttestudo.domain.decision import Reason
+from smarttestudo.domain.incident import IncidentState
 from smarttestudo.domain.link_state import AcceptedTopic, LinkState, StreamCounts, TopicOnLink
 from smarttestudo.domain.status import (
     RulesInForce,
@@ -20,8 +20,6 @@ from smarttestudo.domain.status import (
     TopicCounts,
     TopicStatus,
 )
-
-_Read = TypeVar("_Read")
 
 
 def status_to_json(status: RuntimeStatus) -> dict[str, object]:
@@ -48,6 +46,7 @@ def status_to_json(status: RuntimeStatus) -> dict[str, object]:
             if status.accepted
             else {}
         ),
+        **({} if status.incidents is None else {"incidents": _incidents_to_json(status.incidents)}),
     }
 
 
@@ -66,7 +65,7 @@ def status_from_text(text: str) -> RuntimeStatus:
 def status_from_json(value: object) -> RuntimeStatus:
     """The status that a stranger's JSON value holds; ``ValueError`` as from ``status_from_text``."""
     try:
-        record = _Record(value)
+        record = JsonRecord(value)
         return RuntimeStatus(
             node=record.text("node"),
             stamp_ns=record.integer("stamp_ns"),
@@ -77,13 +76,14 @@ def status_from_json(value: object) -> RuntimeStatus:
             cpu_percent=record.optional(record.number, "cpu_percent"),
             memory_mb=record.optional(record.number, "memory_mb"),
             topics={
-                source: _topic(_Record(topic)) for source, topic in record.record("topics").entries.items()
+                source: _topic(JsonRecord(topic)) for source, topic in record.record("topics").entries.items()
             },
             status_hz=record.optional(record.number, "status_hz") or 1.0,
             blocks=blocks_from_json(record.entries.get("blocks")),
             link=_link(record.optional(record.record, "link")),
             robot=record.optional(record.text, "robot") or "",
             accepted=_accepted(record.optional(record.record, "accepted")),
+            incidents=_incidents(record.optional(record.record, "incidents")),
         )
     except TypeError as error:
         raise ValueError(str(error)) from error
@@ -107,7 +107,7 @@ def _link_to_json(link: LinkState) -> dict[str, object]:
     }
 
 
-def _link(record: _Record | None) -> LinkState | None:
+def _link(record: JsonRecord | None) -> LinkState | None:
     if record is None:
         return None
     return LinkState(
@@ -130,8 +130,8 @@ def _accepted_to_json(topic: AcceptedTopic) -> dict[str, object]:
     }
 
 
-def _accepted(record: _Record | None) -> tuple[AcceptedTopic, ...]:
-    records = () if record is None else ((name, _Record(one)) for name, one in record.entries.items())
+def _accepted(record: JsonRecord | None) -> tuple[AcceptedTopic, ...]:
+    records = () if record is None else ((name, JsonRecord(one)) for name, one in record.entries.items())
     return tuple(
         AcceptedTopic(
             topic=name,
@@ -147,6 +147,32 @@ def _accepted(record: _Record | None) -> tuple[AcceptedTopic, ...]:
     )
 
 
+def _incidents_to_json(state: IncidentState) -> dict[str, object]:
+    return {
+        "held_bytes": state.held_bytes,
+        "memory_bytes": state.memory_bytes,
+        "topics": state.topics,
+        "open": state.open,
+        "recorded": state.recorded,
+        "failed": state.failed,
+        "problem": state.problem,
+    }
+
+
+def _incidents(record: JsonRecord | None) -> IncidentState | None:
+    if record is None:
+        return None
+    return IncidentState(
+        held_bytes=record.integer("held_bytes"),
+        memory_bytes=record.integer("memory_bytes"),
+        topics=record.integer("topics"),
+        open=record.integer("open"),
+        recorded=record.integer("recorded"),
+        failed=record.integer("failed"),
+        problem=record.optional(record.text, "problem"),
+    )
+
+
 def _on_link_to_json(topic: TopicOnLink) -> dict[str, object]:
     counts = topic.counts
     return {
@@ -158,7 +184,7 @@ def _on_link_to_json(topic: TopicOnLink) -> dict[str, object]:
     }
 
 
-def _on_link(record: _Record | None) -> TopicOnLink | None:
+def _on_link(record: JsonRecord | None) -> TopicOnLink | None:
     if record is None:
         return None
     counts = StreamCounts(
@@ -208,44 +234,7 @@ def _rounded(number: float | None) -> float | None:
     return None if number is None else round(number, 3)
 
 
-class _Record:
-    """An object of a stranger's JSON; ``TypeError`` where it or an entry is not what was asked for."""
-
-    def __init__(self, record: object) -> None:
-        if not isinstance(record, dict):
-            raise TypeError("not an object")
-        self.entries: Mapping[str, object] = record
-
-    def optional(self, read: Callable[[str], _Read], name: str) -> _Read | None:
-        return None if self.entries.get(name) is None else read(name)
-
-    def number(self, name: str) -> float:
-        return self.integer(name) if isinstance(self.entries.get(name), int) else self._entry(name, float)
-
-    def integer(self, name: str) -> int:
-        return self._entry(name, int)
-
-    def text(self, name: str) -> str:
-        return self._entry(name, str)
-
-    def flag(self, name: str) -> bool:
-        return self._entry(name, bool)
-
-    def texts(self, name: str) -> tuple[str, ...]:
-        return tuple(str(entry) for entry in self._entry(name, list))
-
-    def record(self, name: str) -> _Record:
-        return _Record(self.entries.get(name))
-
-    def _entry(self, name: str, kind: type[_Read]) -> _Read:
-        entry = self.entries.get(name)
-        # True and False are integers to Python.
-        if not isinstance(entry, kind) or (isinstance(entry, bool) and kind is not bool):
-            raise TypeError(f"{name} has an unexpected type or value")
-        return entry
-
-
-def _rules(record: _Record) -> RulesInForce:
+def _rules(record: JsonRecord) -> RulesInForce:
     named = record.entries.get("origin")
     return RulesInForce(
         paths=record.texts("files"),
@@ -255,7 +244,7 @@ def _rules(record: _Record) -> RulesInForce:
     )
 
 
-def _topic(record: _Record) -> TopicStatus:
+def _topic(record: JsonRecord) -> TopicStatus:
     def optional_number(name: str) -> float | None:
         return record.optional(record.number, name)
 

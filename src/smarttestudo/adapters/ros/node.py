@@ -16,6 +16,7 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from smarttestudo.adapters.ros.data_path import open_data_path
+from smarttestudo.adapters.ros.definitions import message_definition
 from smarttestudo.adapters.ros.diagnostics import diagnostics_publisher
 from smarttestudo.adapters.ros.graph_looks import GraphLooks
 from smarttestudo.adapters.ros.message_types import begins_with_header, message_type
@@ -183,6 +184,10 @@ class RosNode:
     def begins_with_header(self, type_name: str) -> bool:
         """Whether messages of that type begin with a std_msgs/Header; not where it is not installed."""
         return begins_with_header(type_name)
+
+    def definition(self, type_name: str) -> str:
+        """The definition of a message type with those of its parts, as bags store it; empty where unknown."""
+        return message_definition(type_name)
 
     def diagnostics_publisher(self, topic: str) -> Callable[[Sequence[Diagnostic]], None]:
         """What sends a diagnostic_msgs/msg/DiagnosticArray on ``topic``; both may raise ``RosError``."""

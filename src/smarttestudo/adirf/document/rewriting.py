@@ -15,7 +15,7 @@ from smarttestudo.adirf.document.meaning import Meaning, condition_meaning, mean
 from smarttestudo.adirf.document.text_edit import TextEdit, addition, removal
 from smarttestudo.adirf.document.token_range import TokenRange
 from smarttestudo.adirf.formatter import format_condition, format_heading, format_statement
-from smarttestudo.adirf.formatter.text import bound_text, duration_text, number_text, rate_text
+from smarttestudo.adirf.formatter.text import bound_text, duration_text, rate_text
 from smarttestudo.adirf.parser.headings import quoted
 from smarttestudo.adirf.parser.tokens import TokenKind
 from smarttestudo.adirf.syntax import (

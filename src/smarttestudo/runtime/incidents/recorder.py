@@ -4,14 +4,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator, Sequence
+from collections.abc import Collection, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
 from smarttestudo.adirf.rule_set import Recording, RuleSet
 from smarttestudo.domain.incident import Missing, MissingReason
 from smarttestudo.runtime.incidents.latched import LatchedSamples, holds_static_frames
-from smarttestudo.runtime.incidents.topic_ring import SourceMessage, TopicRing
+from smarttestudo.runtime.incidents.topic_ring import GivenUp, SourceMessage, TopicRing
 from smarttestudo.runtime.incidents.triggers import Trigger
 from smarttestudo.runtime.knowledge.knowledge import SteadyTime
 
@@ -20,12 +20,19 @@ MAX_OPEN_INCIDENTS = 100
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Incident:
-    """What one ``Record`` keeps because of one trigger, between two stamps of the clock, both included."""
+    """What one ``Record`` keeps because of one trigger, between two stamps of the clock, both included.
+
+    ``rules_sha256`` is that of the texts of the rules. ``from_number`` is that of the first message that came
+    in the window; ``given_up`` are those, by topic, that memory did not hold.
+    """
 
     trigger: Trigger
     recording: Recording
     from_ns: int
     to_ns: int
+    rules_sha256: str
+    from_number: int
+    given_up: Mapping[str, Sequence[GivenUp]]
 
 
 class IncidentSink(Protocol):
@@ -36,8 +43,8 @@ class IncidentSink(Protocol):
     ) -> None:
         """A window opened, ``messages`` of which came before; ``latched`` came before it and still count."""
 
-    def take(self, incident: Incident, message: SourceMessage) -> None:
-        """A message came while the window was open."""
+    def take(self, message: SourceMessage, incidents: Sequence[Incident]) -> None:
+        """A message came while the windows of ``incidents`` were open, which keep it."""
 
     def end(self, incident: Incident, missing: Sequence[Missing]) -> None:
         """The window is over."""
@@ -50,7 +57,7 @@ class _OpenIncident:
     incident: Incident
     topics: frozenset[str]
     end_ns: int
-    missing: tuple[Missing, ...]
+    missing: list[Missing]
 
 
 class IncidentRecorder:
@@ -65,7 +72,15 @@ class IncidentRecorder:
     counts incidents that were not begun, because ``MAX_OPEN_INCIDENTS`` were open.
     """
 
-    def __init__(self, rule_set: RuleSet, sink: IncidentSink, memory_bytes: int, start_ns: int) -> None:
+    def __init__(
+        self,
+        rule_set: RuleSet,
+        sink: IncidentSink,
+        memory_bytes: int,
+        start_ns: int,
+        *,
+        rules_sha256: str = "",
+    ) -> None:
         self._sink = sink
         self._memory_bytes = memory_bytes
         self._time = SteadyTime(start_ns)
@@ -77,7 +92,7 @@ class IncidentRecorder:
         self._latched_bytes: dict[str, int] = {}
         self._open: list[_OpenIncident] = []
         self.refused = 0
-        self.change_rules(rule_set)
+        self.change_rules(rule_set, rules_sha256)
 
     @property
     def held_bytes(self) -> int:
@@ -90,14 +105,25 @@ class IncidentRecorder:
         return sum(len(ring) for ring in self._rings.values())
 
     @property
+    def topics(self) -> int:
+        """How many topics are kept, latched ones included."""
+        return len(self._rings.keys() | self._latched.keys())
+
+    @property
+    def open_incidents(self) -> int:
+        """How many windows are open."""
+        return len(self._open)
+
+    @property
     def next_wake_ns(self) -> int | None:
         """When, on the clock, the next window is over."""
         if not self._open:
             return None
         return self._time.on_clock(min(one.end_ns for one in self._open) + 1)
 
-    def change_rules(self, rule_set: RuleSet) -> None:
+    def change_rules(self, rule_set: RuleSet, rules_sha256: str = "") -> None:
         """Keep what these rules ask for; windows that are open stay so."""
+        self._rules_sha256 = rules_sha256
         horizons: dict[str, int] = {}
         for block in rule_set.blocks:
             for recording in block.recordings:
@@ -144,9 +170,25 @@ class IncidentRecorder:
             self._ring_bytes += ring.held_bytes - before
         if self.held_bytes > self._memory_bytes:
             self._make_room(now_ns)
+        if self._open:
+            is_latched = samples is not None
+            keeping = [one.incident for one in self._open if is_latched or topic in one.topics]
+            if keeping:
+                self._sink.take(message, keeping)
+
+    def lose(self, topic: str, messages: int, since_ns: int, now_ns: int) -> None:
+        """So many messages of a topic were lost before they came, between two stamps of the clock."""
+        ring = self._rings.get(topic)
+        if ring is None:
+            return
+        self.advance(now_ns)
+        lost = Missing(
+            topic=topic, reason=MissingReason.LOST, messages=messages, from_ns=since_ns, to_ns=now_ns
+        )
+        ring.lose(lost, self._time.now_ns)
         for one in self._open:
-            if topic in one.topics or samples is not None:
-                self._sink.take(one.incident, message)
+            if topic in one.topics:
+                one.missing.append(lost)
 
     def begin(self, trigger: Trigger) -> None:
         """Open the windows of a block that begins to hold; what it read was taken before."""
@@ -186,12 +228,6 @@ class IncidentRecorder:
     def _begin(self, trigger: Trigger, recording: Recording) -> None:
         now_ns = self._time.now_ns
         from_ns = now_ns - recording.before_ns
-        incident = Incident(
-            trigger=trigger,
-            recording=recording,
-            from_ns=trigger.stamp_ns - recording.before_ns,
-            to_ns=trigger.stamp_ns + recording.after_ns,
-        )
         rings = [(topic, self._rings[topic]) for topic in recording.topics if topic in self._rings]
         messages = sorted(message for _, ring in rings for message in ring.since_ns(from_ns))
         known = {message.number for message in messages}
@@ -202,9 +238,25 @@ class IncidentRecorder:
             if message.number not in known
         )
         found = {message.number for message in latched}
-        missing = tuple(
-            one for topic, ring in rings for one in _missing(topic, ring, from_ns, incident, found)
+        numbers = [number for _, ring in rings if (number := ring.first_number_since(from_ns)) is not None]
+        given_up = {
+            topic: [one for one in ring.given_up_since(from_ns) if one.number not in found]
+            for topic, ring in rings
+        }
+        incident = Incident(
+            trigger=trigger,
+            recording=recording,
+            from_ns=trigger.stamp_ns - recording.before_ns,
+            to_ns=trigger.stamp_ns + recording.after_ns,
+            rules_sha256=self._rules_sha256,
+            from_number=min(numbers, default=self._number + 1),
+            given_up=given_up,
         )
+        missing = [
+            *(one for topic, ring in rings for one in _unheard(topic, ring, from_ns, incident)),
+            *(one for _, ring in rings for one in ring.lost_since(from_ns)),
+            *missing_for_memory(given_up),
+        ]
         self._sink.begin(incident, latched, messages)
         self._open.append(
             _OpenIncident(
@@ -229,10 +281,8 @@ class IncidentRecorder:
             self._ring_bytes += largest.held_bytes - before
 
 
-def _missing(
-    topic: str, ring: TopicRing, from_ns: int, incident: Incident, found: set[int]
-) -> Iterator[Missing]:
-    """What the time before the trigger lacks of a topic; messages in ``found`` are there all the same."""
+def _unheard(topic: str, ring: TopicRing, from_ns: int, incident: Incident) -> Iterator[Missing]:
+    """From when to when, before the trigger, nobody heard a topic."""
     if ring.since is None:
         yield Missing(
             topic=topic,
@@ -251,12 +301,19 @@ def _missing(
             from_ns=incident.from_ns,
             to_ns=clock_ns,
         )
-    given_up = [one for one in ring.given_up_since(from_ns) if one.number not in found]
-    if given_up:
-        yield Missing(
-            topic=topic,
-            reason=MissingReason.MEMORY,
-            messages=len(given_up),
-            from_ns=given_up[0].stamp_ns,
-            to_ns=given_up[-1].stamp_ns,
-        )
+
+
+def missing_for_memory(
+    given_up: Mapping[str, Sequence[GivenUp]], held: Collection[int] = ()
+) -> Iterator[Missing]:
+    """What memory did not hold of each topic; messages whose numbers are ``held`` are there all the same."""
+    for topic, messages in given_up.items():
+        lacking = [one for one in messages if one.number not in held]
+        if lacking:
+            yield Missing(
+                topic=topic,
+                reason=MissingReason.MEMORY,
+                messages=len(lacking),
+                from_ns=lacking[0].stamp_ns,
+                to_ns=lacking[-1].stamp_ns,
+            )

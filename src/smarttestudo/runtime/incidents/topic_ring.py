@@ -8,11 +8,15 @@ from array import array
 from bisect import bisect_left
 from collections import deque
 from collections.abc import Iterator
+from itertools import islice
 from typing import NamedTuple
+
+from smarttestudo.domain.incident import Missing
 
 MESSAGE_OVERHEAD_BYTES = 400
 """About what a message takes beside its payload."""
 _GIVEN_UP_BYTES = 24
+_MAX_LOSSES = 1000
 
 
 class SourceMessage(NamedTuple):
@@ -82,6 +86,7 @@ class TopicRing:
         self._message_bytes = 0
         self._messages: deque[tuple[int, SourceMessage]] = deque()
         self._given_up = _GivenUpMessages()
+        self._lost: deque[tuple[int, Missing]] = deque(maxlen=_MAX_LOSSES)
 
     @property
     def held_bytes(self) -> int:
@@ -95,6 +100,14 @@ class TopicRing:
         """Keep a message that came at the steady time ``now_ns``."""
         self._messages.append((now_ns, message))
         self._message_bytes += message.held_bytes
+
+    def lose(self, lost: Missing, now_ns: int) -> None:
+        """Messages were lost before they came, as was seen at the steady time ``now_ns``."""
+        self._lost.append((now_ns, lost))
+
+    def lost_since(self, from_ns: int) -> list[Missing]:
+        """What was seen to be lost then."""
+        return [lost for at_ns, lost in self._lost if at_ns >= from_ns]
 
     def forget_before(self, from_ns: int) -> None:
         """Drop what came before ``from_ns``; nobody asks for it any more."""
@@ -112,6 +125,12 @@ class TopicRing:
     def since_ns(self, from_ns: int) -> Iterator[SourceMessage]:
         """The messages that came at ``from_ns`` or later."""
         return (message for at_ns, message in self._messages if at_ns >= from_ns)
+
+    def first_number_since(self, from_ns: int) -> int | None:
+        """The number of the first message that came then, whether it was given up or not."""
+        numbers = [one.number for one in self.given_up_since(from_ns)[:1]]
+        numbers += [message.number for message in islice(self.since_ns(from_ns), 1)]
+        return min(numbers, default=None)
 
     def given_up_since(self, from_ns: int) -> list[GivenUp]:
         """The messages that came then and were given up."""

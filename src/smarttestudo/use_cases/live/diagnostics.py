@@ -7,10 +7,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from smarttestudo.domain.incident import IncidentState
 from smarttestudo.domain.link_state import LinkState, TopicOnLink
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.status import Diagnostic, DiagnosticLevel, RuntimeStatus, Silence, TopicStatus
-from smarttestudo.domain.units import counted
+from smarttestudo.domain.units import BYTES_PER_MB, counted
 from smarttestudo.use_cases.live.status import TOLERANCE_PERCENT
 
 _UNKNOWN = "N/A"
@@ -61,8 +62,19 @@ def _of_node(status: RuntimeStatus) -> Diagnostic:
             "cpu_percent": _number(status.cpu_percent),
             "memory_mb": _number(status.memory_mb),
             **({} if status.link is None else _link_values(status.link)),
+            **({} if status.incidents is None else _incident_values(status.incidents)),
         },
     )
+
+
+def _incident_values(state: IncidentState) -> Mapping[str, str]:
+    return {
+        "incident_memory_mb": _number(state.held_bytes / BYTES_PER_MB),
+        "incident_topics": str(state.topics),
+        "incidents_open": str(state.open),
+        "incidents_recorded": str(state.recorded),
+        "incidents_failed": str(state.failed),
+    }
 
 
 def _link_values(link: LinkState) -> Mapping[str, str]:
@@ -83,6 +95,8 @@ def node_health(status: RuntimeStatus) -> Health:
         return Health(DiagnosticLevel.ERROR, "the floors alone are more than the budget")
     if status.is_fallback:
         return Health(DiagnosticLevel.WARN, "no valid rules: everything is relayed at full rate")
+    if status.incidents is not None and status.incidents.problem is not None:
+        return Health(DiagnosticLevel.WARN, "incidents cannot be written", status.incidents.problem)
     if status.link is not None and not status.link.is_connected:
         return Health(DiagnosticLevel.WARN, "no operator is connected over the link")
     return Health(DiagnosticLevel.OK, f"relaying {len(status.topics)} topics")

@@ -18,6 +18,7 @@ from smarttestudo.domain.status import RulesInForce, RuntimeStatus
 from smarttestudo.runtime.inputs import ChangeInput, LoopInput, MessageInput, RulesInput, WakeInput
 from smarttestudo.use_cases.live.acceptance import Acceptance
 from smarttestudo.use_cases.live.decisions import LiveDecisions
+from smarttestudo.use_cases.live.incidents import LiveIncidents
 from smarttestudo.use_cases.live.input_recorder import InputRecorder
 from smarttestudo.use_cases.live.link_watch import LINK_PERIOD_S, LinkWatch
 from smarttestudo.use_cases.live.losses import LiveLosses
@@ -45,16 +46,21 @@ class LiveRun:
         decisions: LiveDecisions,
         link: OutgoingLink | None = None,
         *,
+        incidents: LiveIncidents,
         commands: IncomingCommands | None = None,
         told: Told | None = None,
     ) -> None:
         self._robot = robot
         self._inputs = inputs
-        self._loop = loop = inputs.loop(rules, robot.now_ns())
+        now_ns = robot.now_ns()
+        self._loop = loop = inputs.loop(rules, now_ns)
+        self._incidents = incidents
+        incidents.follow(rules, now_ns)
+        incidents.watch(loop)
         self._decisions = decisions
         self._rules = rules
         self._topics = LiveTopics(robot, self._receive, self._priority_of, is_lazy=not inputs.is_recording)
-        self._topics.follow(rules.output_topics, loop.knowledge.watched, loop.relays.leaders)
+        self._follow(rules)
         robot.log.info(f"Data path: {robot.data_path.description}")
         self._link = None if link is None else LinkWatch(link)
         self._acceptance = None if commands is None else Acceptance(robot, commands)
@@ -86,9 +92,13 @@ class LiveRun:
 
     def reload(self, rules: LiveRules) -> None:
         """Put other rules in force; to be called between two messages, that is, within ``Robot.wait``."""
-        self._rules, now_ns = rules, self._robot.now_ns()
+        now_ns = self._robot.now_ns()
+        # What is due by the rules before this is theirs.
+        self._take(WakeInput(stamp_ns=now_ns))
+        self._rules = rules
+        self._incidents.follow(rules, now_ns)
         self._take(RulesInput(stamp_ns=now_ns, rule_set=rules.rule_set, profile=rules.profile))
-        self._topics.follow(rules.output_topics, self._loop.knowledge.watched, self._loop.relays.leaders)
+        self._follow(rules)
         self._look(has_changed=True)
 
     def set_budget(self, budget_kb_per_s: float) -> None:
@@ -104,15 +114,20 @@ class LiveRun:
         """Have ``standing`` called for the origin of the rules in force."""
         self._standing = standing
 
+    def _follow(self, rules: LiveRules) -> None:
+        loop, recorded = self._loop, self._incidents.topics
+        self._given = frozenset((*rules.output_topics, *loop.knowledge.watched))
+        self._topics.follow(
+            rules.output_topics, loop.knowledge.watched, loop.relays.leaders, recorded=recorded
+        )
+
     def _priority_of(self, topic: str) -> float:
         return self._loop.knowledge.profile.topic(topic).priority
 
     @property
     def _wake_ns(self) -> int | None:
-        loop_ns, sampling_ns = self._loop.next_wake_ns, self._sampling.wake_ns
-        if loop_ns is None or sampling_ns is None:
-            return sampling_ns if loop_ns is None else loop_ns
-        return min(loop_ns, sampling_ns)
+        wakes_ns = (self._loop.next_wake_ns, self._sampling.wake_ns, self._incidents.wake_ns)
+        return min((wake_ns for wake_ns in wakes_ns if wake_ns is not None), default=None)
 
     def _wake(self) -> None:
         now_ns = self._robot.now_ns()
@@ -122,11 +137,15 @@ class LiveRun:
         wake_ns = self._sampling.wake_ns
         if wake_ns is not None and wake_ns <= now_ns:
             self._sampling.on_wake(now_ns)
+        self._incidents.advance(now_ns)
 
     def _receive(self, topic: str, payload: Payload, publisher: Hashable) -> None:
+        now_ns = self._robot.now_ns()
+        self._incidents.take(topic, payload, publisher, now_ns)
+        if topic not in self._given:
+            return
         message = self._topics.decoded(topic, payload) if self._loop.needs_decoded(topic) else None
         self._sampling.received(topic, len(payload))
-        now_ns = self._robot.now_ns()
         self._take(MessageInput(now_ns, topic, payload, len(payload), message, publisher))
 
     def _look(self, has_changed: bool) -> None:  # noqa: FBT001 - what a robot calls
@@ -134,11 +153,16 @@ class LiveRun:
         now_ns = self._robot.now_ns()
         self._take(WakeInput(stamp_ns=now_ns))
         for change in self._topics.look(has_changed=has_changed):
-            self._take(ChangeInput(stamp_ns=now_ns, change=change))
+            if change.topic in self._given:
+                self._take(ChangeInput(stamp_ns=now_ns, change=change))
+        for topic, source in self._topics.heard():
+            self._incidents.hear(topic, source, now_ns)
         for heard in self._topics.listeners():
             self._take(ChangeInput(stamp_ns=now_ns, change=heard))
-        self._sampling.look(self._topics.lone_subscriptions(), now_ns)
-        self._losses.look(self._topics.subscriptions(), now_ns)
+        self._sampling.look(self._topics.pausable(), now_ns)
+        subscriptions = self._topics.subscriptions()
+        self._losses.look(subscriptions, now_ns)
+        self._incidents.look(subscriptions, now_ns)
         if self._acceptance is not None:
             is_connected = self._link is not None and self._link.is_connected
             self._acceptance.look(set(self._rules.output_topics.values()), is_connected=is_connected)
@@ -184,6 +208,7 @@ class LiveRun:
             now_ns,
             status_hz=self._timer.status_hz,
         )
+        status = replace(status, incidents=self._incidents.state())
         if self._link is not None:
             status = self._link.added_to(status)
         if self._acceptance is not None:
@@ -197,4 +222,4 @@ class LiveRun:
         decisions = self._loop.take_decisions()
         if decisions:
             self._decisions.report(decisions)
-            self._sampling.look(self._topics.lone_subscriptions(), self._robot.now_ns())
+            self._sampling.look(self._topics.pausable(), self._robot.now_ns())

@@ -98,10 +98,6 @@ FALLBACK_LOOK_PERIOD_S = 1.0
 # Checking so much takes a few tenths of a second, in which nothing is relayed.
 MAX_CHECKED_AT_ONCE_BYTES = 64_000
 _STAYS = "the last valid rules stay in force"
-_NO_RECORDINGS = (
-    "the rules have a Record, which a live run does not carry out; "
-    "'testudo replay --incidents' does, from a recording"
-)
 _FALLBACK = "relaying everything at Full until there are rules"
 
 
@@ -230,8 +226,6 @@ class RuleManager:
         self._robot.show("rules_hash", rules.rules_hash)
         self._robot.show("rules_text", rules.texts.get(PUSHED, ""))
         self._robot.show("rules_in_force", rules.rule_texts.to_text())
-        if rules.rule_set.has_recordings:
-            self._robot.log.warning(_NO_RECORDINGS)
 
     def _standing(self) -> RulesInForce:
         rules, waits_ns = self._rules, self._in_force.waits_ns(self._robot.steady_ns())

@@ -12,6 +12,7 @@ from smarttestudo.domain.link import OutgoingLink
 from smarttestudo.domain.robot import Robot
 from smarttestudo.use_cases.live.decisions import Decided, LiveDecisions
 from smarttestudo.use_cases.live.fallback import Fallback
+from smarttestudo.use_cases.live.incidents import LiveIncidents
 from smarttestudo.use_cases.live.input_recorder import InputRecorder, Note
 from smarttestudo.use_cases.live.link_questions import LinkQuestions
 from smarttestudo.use_cases.live.live_run import LOOK_PERIOD_S, LiveRun, Told
@@ -38,6 +39,7 @@ def run_live(
     over it. What comes as ``commands`` is published among the robot's own nodes.
 
     Raises:
+        OutputFileError: incidents are recorded, and their folder cannot be made.
         RosError: decisions cannot be published at all.
         UsageError: names of output topics are invalid or taken by other topics.
     """
@@ -58,10 +60,11 @@ def run_live(
         fallback.look()
     rules = first.rules or fallback.rules()
     inputs = InputRecorder(robot, request, note)
-    live = LiveRun(robot, inputs, rules, decisions, link, commands=commands, told=told)
+    incidents = LiveIncidents(robot, request.incidents, resolve("/tf_static"))
+    live = LiveRun(robot, inputs, rules, decisions, link, incidents=incidents, commands=commands, told=told)
     live.set_status_hz(request.status_hz)
     keeper = RuleManager(robot, live, files, fallback, first)
-    with keeper.keep():
+    with incidents.running(), keeper.keep():
         parameters.serve(keeper.accept)
         if link is not None:
             LinkQuestions(robot, link)

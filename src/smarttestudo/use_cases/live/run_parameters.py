@@ -4,16 +4,19 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from smarttestudo.domain.budget import budget_kb_per_s
 from smarttestudo.domain.errors import UsageError
+from smarttestudo.domain.incident import DEFAULT_INCIDENT_MEMORY_MB
 from smarttestudo.domain.names import is_topic_prefix
 from smarttestudo.domain.parameter import Accept, Access, Parameter, ParameterValue
 from smarttestudo.domain.robot import Robot
 from smarttestudo.pacing.sample import WhenSlow
+from smarttestudo.use_cases.live.incidents import IncidentOptions
 from smarttestudo.use_cases.live.output_topics import DEFAULT_OUTPUT_TOPIC
 from smarttestudo.use_cases.live.status import STATUS_HZ
 
@@ -86,6 +89,23 @@ PARAMETERS = (
         description="New folder for the recorded inputs of the loop, for testudo replay.",
         value="",
     ),
+    Parameter(
+        name="incidents",
+        description="Folder for what the rules record (Record), a folder for each incident.",
+        value="",
+    ),
+    Parameter(
+        name="incident_memory_mb",
+        description="MB of memory for what came before an incident.",
+        value=float(DEFAULT_INCIDENT_MEMORY_MB),
+        is_typed=False,
+    ),
+    Parameter(
+        name="incidents_max_gb",
+        description="GB of disk that all incidents may take; old ones are deleted. No limit while not set.",
+        value=None,
+        is_typed=False,
+    ),
 )
 
 
@@ -107,6 +127,7 @@ class RunRequest:
     status_hz: float = STATUS_HZ
     decisions: Path | None = None
     record_inputs: Path | None = None
+    incidents: IncidentOptions = field(default_factory=IncidentOptions)
 
 
 class RunParameters:
@@ -147,6 +168,11 @@ def _request(values: Mapping[str, ParameterValue]) -> RunRequest:
         status_hz=status_hz_parameter(values["status_hz"]),
         decisions=_path(values["decisions_file"]),
         record_inputs=_path(values["record_inputs"]),
+        incidents=IncidentOptions(
+            folder=_path(values["incidents"]),
+            memory_mb=_positive(values["incident_memory_mb"], "incident_memory_mb"),
+            max_gb=_limit(values["incidents_max_gb"], "incidents_max_gb"),
+        ),
     )
 
 
@@ -164,6 +190,16 @@ def status_hz_parameter(value: ParameterValue) -> float:
         return float(value)
     cause = f"it is a number from {STATUS_HZ:g} to {MAX_STATUS_HZ:g}, not {value!r}"
     raise UsageError(cause, place="parameter status_hz")
+
+
+def _positive(value: ParameterValue, name: str) -> float:
+    if isinstance(value, int | float) and not isinstance(value, bool) and 0 < value < math.inf:
+        return float(value)
+    raise UsageError(f"it is a number above 0, not {value!r}", place=f"parameter {name}")
+
+
+def _limit(value: ParameterValue, name: str) -> float | None:
+    return None if value is None else _positive(value, name)
 
 
 def _names(value: ParameterValue) -> tuple[str, ...]:

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Hashable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 
 from smarttestudo.domain.errors import RosError
@@ -91,6 +91,7 @@ class LiveTopics:
         self._is_lazy = is_lazy
         self._topics: dict[str, OpenTopic] = {}
         self._watched: frozenset[str] = frozenset()
+        self._recorded: frozenset[str] = frozenset()
         self._leaders: Mapping[str, str] = {}
         self._publishers = EndpointCache(robot.publisher_count, robot.publishers)
         self._subscribers = EndpointCache(robot.subscriber_count, robot.subscribers)
@@ -99,16 +100,23 @@ class LiveTopics:
         self._said: set[str] = set()
 
     def follow(
-        self, output_topics: Mapping[str, str], watched: Collection[str], leaders: Mapping[str, str]
+        self,
+        output_topics: Mapping[str, str],
+        watched: Collection[str],
+        leaders: Mapping[str, str],
+        *,
+        recorded: Collection[str] = (),
     ) -> None:
         """Serve these topics from now on; what is open for others is closed, or for another output.
 
         ``output_topics`` names the output topic of each relayed source; ``watched`` are the sources that are
-        read by checks; ``leaders`` says with which topic others are paced.
+        read by checks; ``leaders`` says with which topic others are paced. ``recorded`` are received whole,
+        and so is what is latched, if there are any.
         """
         before, self._topics = self._topics, {}
         self._watched, self._leaders = frozenset(watched), leaders
-        for topic in dict.fromkeys([*output_topics, *watched]):
+        self._recorded = frozenset(recorded)
+        for topic in dict.fromkeys([*output_topics, *watched, *sorted(recorded)]):
             live, output = before.get(topic), output_topics.get(topic)
             if live is None or live.output != output:
                 live = self._new(topic, output)
@@ -156,13 +164,19 @@ class LiveTopics:
             topic: live.subscription for topic, live in self._topics.items() if live.subscription is not None
         }
 
-    def lone_subscriptions(self) -> dict[str, Subscription]:
-        """The subscriptions to topics that have one publisher, or none any more."""
+    def pausable(self) -> dict[str, Subscription]:
+        """The subscriptions to topics that are not recorded and have one publisher, or none any more."""
         return {
             topic: subscription
             for topic, subscription in self.subscriptions().items()
-            if len(self._publishers.of(topic)) <= 1
+            if topic not in self._recorded and len(self._publishers.of(topic)) <= 1
         }
+
+    def heard(self) -> Iterator[tuple[str, LiveSource]]:
+        """The topics whose messages are received, with their sources."""
+        for topic, live in self._topics.items():
+            if live.subscription is not None and live.source is not None:
+                yield topic, live.source
 
     def decoded(self, topic: str, payload: Payload) -> object:
         """The message of a payload that just came, or ``Undecodable``."""
@@ -210,7 +224,17 @@ class LiveTopics:
         if not self._is_lazy:
             return self._topics
         listened = set(heard)
-        return self._watched | listened | {self._leaders.get(topic, topic) for topic in listened}
+        leaders = {self._leaders.get(topic, topic) for topic in listened}
+        return self._watched | self._recorded | self._latched() | listened | leaders
+
+    def _latched(self) -> frozenset[str]:
+        """What every incident holds, if there can be any."""
+        if not self._recorded:
+            return frozenset()
+        topics = self._topics.items()
+        return frozenset(
+            topic for topic, live in topics if live.source is not None and live.source.qos.transient_local
+        )
 
     def _want(self, live: OpenTopic, *, is_wanted: bool) -> None:
         try:
@@ -219,12 +243,14 @@ class LiveTopics:
             self._warn_once(str(error))
             return
         if has_changed:
-            what = (
-                "subscribed, because there is a subscriber"
-                if is_wanted
-                else "not subscribed, because there is no subscriber"
-            )
-            self._robot.log.info(f"{live.topic}: {what}")
+            self._robot.log.info(f"{live.topic}: {self._why(live)}")
+
+    def _why(self, live: OpenTopic) -> str:
+        if not live.is_wanted:
+            return "not subscribed, because there is no subscriber"
+        has_subscriber = live.output is not None and self._subscribers.of(live.output)
+        why = "there is a subscriber" if has_subscriber else "rules read or record it"
+        return f"subscribed, because {why}"
 
     def _look_at(self, live: OpenTopic) -> SourceChanged | None:
         endpoints = self._publishers.of(live.topic)

@@ -9,11 +9,14 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from smarttestudo.adapters.rosbag.incident_folders import IncidentFolders
+from smarttestudo.adapters.incidents.folders import IncidentFolders
+from smarttestudo.adapters.rosbag.stored_channels import stored_channels
+from smarttestudo.adapters.rosbag.writer import require_new
 from smarttestudo.adirf.rule_set import RuleSet
 from smarttestudo.domain.incident import DEFAULT_INCIDENT_MEMORY_MB
 from smarttestudo.domain.recording import Channel
 from smarttestudo.domain.units import BYTES_PER_MB, counted
+from smarttestudo.runtime.incidents.latched import holds_static_frames
 from smarttestudo.runtime.incidents.recorder import MAX_OPEN_INCIDENTS, IncidentRecorder
 from smarttestudo.runtime.relay_loop import RelayLoop
 
@@ -33,9 +36,14 @@ class IncidentCutter:
     def __init__(
         self, request: IncidentRequest, rule_set: RuleSet, sources: Mapping[str, Channel], start_ns: int
     ) -> None:
-        self.folders = IncidentFolders(request.folder, sources, request.rules_sha256)
+        require_new(request.folder)
+        self.written: list[Path] = []
+        recorded = {topic: channel for topic, channel in sources.items() if _is_recorded(rule_set, channel)}
+        self.folders = IncidentFolders(request.folder, stored_channels(recorded), ended=self.written.append)
         memory_bytes = round(request.memory_mb * BYTES_PER_MB)
-        self._recorder = IncidentRecorder(rule_set, self.folders, memory_bytes, start_ns)
+        self._recorder = IncidentRecorder(
+            rule_set, self.folders, memory_bytes, start_ns, rules_sha256=request.rules_sha256
+        )
         for topic, channel in sources.items():
             self._recorder.hear(topic, start_ns, transient_local=channel.transient_local)
 
@@ -57,6 +65,11 @@ class IncidentCutter:
         if self._recorder.refused:
             refused = counted(self._recorder.refused, "incident")
             yield f"not recorded, because {MAX_OPEN_INCIDENTS} windows were open: {refused}"
+
+
+def _is_recorded(rule_set: RuleSet, channel: Channel) -> bool:
+    topic = channel.topic
+    return topic in rule_set.recorded or channel.transient_local or holds_static_frames(topic)
 
 
 @contextmanager

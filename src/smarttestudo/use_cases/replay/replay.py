@@ -115,7 +115,7 @@ def replay(request: ReplayRequest) -> ReplayOutcome:
         notices=(*absent_topics(rule_set, topics.sources), *recording.notices(), *run.notices()),
         duration_s=(recording.end_ns - recording.start_ns) / NS_PER_S,
         wall_seconds=time.perf_counter() - started_s,
-        incidents=() if cutter is None else tuple(path.name for path in cutter.folders.written),
+        incidents=() if cutter is None else tuple(path.name for path in cutter.written),
     )
 
 

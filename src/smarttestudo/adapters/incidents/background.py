@@ -1,0 +1,83 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Writes incidents while the loop goes on."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from functools import partial
+from queue import SimpleQueue
+
+from smarttestudo.domain.incident import Missing, MissingReason
+from smarttestudo.runtime.incidents.recorder import Incident, IncidentSink
+from smarttestudo.runtime.incidents.topic_ring import SourceMessage
+
+
+class BackgroundSink:
+    """An ``IncidentSink`` that hands what it is told to ``sink``, in order, on a thread of its own.
+
+    Messages that come faster than they are written wait, at most ``max_waiting_bytes`` of them; further ones
+    are missing in their incidents, which say so. ``sink`` must not raise.
+    """
+
+    def __init__(self, sink: IncidentSink, max_waiting_bytes: int) -> None:
+        self._sink = sink
+        self._max_waiting_bytes = max_waiting_bytes
+        self._tasks: SimpleQueue[Callable[[], None] | None] = SimpleQueue()
+        # One thread writes each of these, so that neither needs a lock.
+        self._given_bytes = 0
+        self._done_bytes = 0
+        self._left_out: dict[Incident, dict[str, Missing]] = {}
+
+    def begin(
+        self, incident: Incident, latched: Sequence[SourceMessage], messages: Sequence[SourceMessage]
+    ) -> None:
+        """Have it begun."""
+        self._left_out[incident] = {}
+        self._tasks.put(partial(self._sink.begin, incident, latched, messages))
+
+    def take(self, message: SourceMessage, incidents: Sequence[Incident]) -> None:
+        """Have it written, unless too much waits already."""
+        if self._given_bytes - self._done_bytes > self._max_waiting_bytes:
+            for incident in incidents:
+                self._leave_out(incident, message)
+            return
+        self._given_bytes += message.held_bytes
+        self._tasks.put(partial(self._take, message, incidents))
+
+    def end(self, incident: Incident, missing: Sequence[Missing]) -> None:
+        """Have it ended."""
+        left_out = self._left_out.pop(incident, {})
+        self._tasks.put(partial(self._sink.end, incident, (*missing, *left_out.values())))
+
+    @contextmanager
+    def running(self) -> Iterator[None]:
+        """Write during the block, and what is left after it."""
+        thread = threading.Thread(target=self._run, name="incidents", daemon=True)
+        thread.start()
+        try:
+            yield
+        finally:
+            self._tasks.put(None)
+            thread.join()
+
+    def _take(self, message: SourceMessage, incidents: Sequence[Incident]) -> None:
+        self._sink.take(message, incidents)
+        self._done_bytes += message.held_bytes
+
+    def _leave_out(self, incident: Incident, message: SourceMessage) -> None:
+        topics = self._left_out[incident]
+        known = topics.get(message.topic)
+        topics[message.topic] = Missing(
+            topic=message.topic,
+            reason=MissingReason.DISK,
+            messages=1 if known is None else (known.messages or 0) + 1,
+            from_ns=message.stamp_ns if known is None else known.from_ns,
+            to_ns=message.stamp_ns,
+        )
+
+    def _run(self) -> None:
+        while (task := self._tasks.get()) is not None:
+            task()

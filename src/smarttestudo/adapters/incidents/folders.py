@@ -1,0 +1,276 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Incidents as folders: a rosbag2 (mcap) beside ``incident.json``."""
+
+from __future__ import annotations
+
+import shutil
+import struct
+import tempfile
+from collections import Counter
+from collections.abc import Callable, Hashable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from smarttestudo.adapters.files.incident_store import PARTIAL_SUFFIX, RECORD_NAME
+from smarttestudo.adapters.files.whole_file import not_written, whole_file
+from smarttestudo.adapters.incidents.bag_metadata import METADATA_NAME, metadata_text
+from smarttestudo.adapters.incidents.mcap_records import StoredChannel
+from smarttestudo.adapters.incidents.mcap_writer import FileContent
+from smarttestudo.adapters.incidents.segments import BagFolder, SharedMessages
+from smarttestudo.adapters.json.incidents import incident_text
+from smarttestudo.domain.errors import TestudoError, testudo_error
+from smarttestudo.domain.incident import (
+    IncidentRecord,
+    IncidentTopic,
+    LatchedSample,
+    Missing,
+    MissingReason,
+    incident_folder_name,
+)
+from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.runtime.incidents.recorder import Incident, missing_for_memory
+from smarttestudo.runtime.incidents.topic_ring import SourceMessage
+
+SEGMENTS_OF_A_WINDOW = 10
+LEAST_SEGMENT_NS = NS_PER_S
+_WRITE_ERRORS = (OSError, struct.error, TestudoError)
+
+Failed = Callable[[str, TestudoError], None]
+"""Takes the name of an incident that ends early, and why."""
+
+
+@dataclass(slots=True, kw_only=True, eq=False)
+class _OpenFolder:
+    """An incident that is being written; ``lacking`` is known to be missing so far."""
+
+    bag: BagFolder
+    shared: SharedMessages
+    record: IncidentRecord
+    last_stamp_ns: int
+
+
+class IncidentFolders:
+    """An ``IncidentSink`` that writes each incident into a folder of its own below ``folder``.
+
+    A folder has its name when its incident is whole; until then it is hidden, and a bag all the same.
+    ``channels`` are the topics by name; messages of others are left out. Incidents of the same topics share
+    files where their windows overlap, if the disk has hard links. ``ended`` is told of each folder.
+
+    What cannot be written ends the incidents concerned: ``failed`` is told, or, where there is none, it
+    raises ``TestudoError``.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        channels: Mapping[str, StoredChannel],
+        *,
+        failed: Failed | None = None,
+        ended: Callable[[Path], None] = lambda _: None,
+    ) -> None:
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            self._shares = _has_hard_links(folder)
+        except OSError as error:
+            raise not_written(folder, "the incidents", error) from error
+        self._folder = folder
+        self._channels = channels
+        self._failed = failed
+        self._ended = ended
+        self._open: dict[Incident, _OpenFolder] = {}
+        self._shared: dict[Hashable, SharedMessages] = {}
+
+    def begin(
+        self, incident: Incident, latched: Sequence[SourceMessage], messages: Sequence[SourceMessage]
+    ) -> None:
+        """Write what came before; ``latched`` with the stamp of the window's start."""
+        shared = self._shared_of(incident)
+        name = self._unused_name(incident)
+        bag = BagFolder(path=self._folder / f".{name}{PARTIAL_SUFFIX}", name=name)
+        try:
+            bag.path.mkdir()
+            self._begin(incident, bag, shared, latched, messages)
+        except _WRITE_ERRORS as error:
+            self._give_up(shared, name, error)
+
+    def take(self, message: SourceMessage, incidents: Sequence[Incident]) -> None:
+        """Write one more, for ``incidents``."""
+        done: set[int] = set()
+        for incident in incidents:
+            found = self._open.get(incident)
+            if found is None:
+                continue
+            found.last_stamp_ns = message.stamp_ns
+            if id(found.shared) in done:
+                continue
+            done.add(id(found.shared))
+            try:
+                found.shared.take(message)
+            except _WRITE_ERRORS as error:
+                self._give_up(found.shared, found.bag.name, error)
+
+    def end(self, incident: Incident, missing: Sequence[Missing]) -> None:
+        """Have the folder appear with its record."""
+        found = self._open.pop(incident, None)
+        if found is None:
+            return
+        try:
+            found.shared.end(found.bag)
+            found.record = replace(found.record, missing=self._still_missing(incident, found.bag, missing))
+            self._finish(found)
+        except _WRITE_ERRORS as error:
+            self._give_up(found.shared, found.bag.name, error)
+
+    def abort(self) -> None:
+        """Leave nothing of incidents that have not ended."""
+        for found in self._open.values():
+            found.shared.abandon()
+        for found in self._open.values():
+            shutil.rmtree(found.bag.path, ignore_errors=True)
+        self._open.clear()
+
+    def _begin(
+        self,
+        incident: Incident,
+        bag: BagFolder,
+        shared: SharedMessages,
+        latched: Sequence[SourceMessage],
+        messages: Sequence[SourceMessage],
+    ) -> None:
+        trigger, recording = incident.trigger, incident.recording
+        record = IncidentRecord(
+            name=recording.name,
+            rule=trigger.block.label,
+            path=trigger.block.path,
+            line=recording.line,
+            triggered_ns=trigger.stamp_ns,
+            from_ns=incident.from_ns,
+            to_ns=incident.to_ns,
+            values=trigger.values,
+            rules_sha256=incident.rules_sha256,
+            topics={
+                topic: IncidentTopic(type_name="", messages=0, size_bytes=0) for topic in recording.topics
+            },
+            latched=tuple(
+                LatchedSample(topic=one.topic, stamp_ns=one.stamp_ns)
+                for one in latched
+                if one.stamp_ns < incident.from_ns
+            ),
+        )
+        found = _OpenFolder(bag=bag, shared=shared, record=record, last_stamp_ns=trigger.stamp_ns)
+        self._open[incident] = found
+        # What a killed run leaves says what it was.
+        _write_record(bag.path, record)
+        shared.begin(bag, incident.from_number, messages)
+        held = bag.numbers() if latched else set()
+        shared.add_latched(bag, [one for one in latched if one.number not in held], incident.from_ns)
+
+    def _shared_of(self, incident: Incident) -> SharedMessages:
+        recording = incident.recording
+        length_ns = max(LEAST_SEGMENT_NS, (recording.before_ns + recording.after_ns) // SEGMENTS_OF_A_WINDOW)
+        key: Hashable = recording.topics if self._shares else incident
+        shared = self._shared.get(key)
+        if shared is None:
+            shared = SharedMessages(self._channels, length_ns)
+            if self._shares:
+                self._shared[key] = shared
+        shared.forget_before(incident.trigger.stamp_ns, recording.before_ns)
+        return shared
+
+    def _still_missing(
+        self, incident: Incident, bag: BagFolder, missing: Sequence[Missing]
+    ) -> tuple[Missing, ...]:
+        """``missing``, without what the memory lacked and an earlier incident had on disk."""
+        if not any(one.reason is MissingReason.MEMORY for one in missing):
+            return tuple(missing)
+        held = bag.numbers()
+        return (
+            *(one for one in missing if one.reason is not MissingReason.MEMORY),
+            *missing_for_memory(incident.given_up, held),
+        )
+
+    def _finish(self, found: _OpenFolder) -> None:
+        record = finished_record(found.record, found.bag.contents(), self._channels)
+        finish_folder(found.bag.path, record, found.bag.contents(), self._channels)
+        path = self._folder / found.bag.name
+        found.bag.path = found.bag.path.rename(path)
+        self._ended(path)
+
+    def _give_up(self, shared: SharedMessages, name: str, error: Exception) -> None:
+        """End the incidents that share what cannot be written."""
+        problem = (
+            not_written(self._folder / name, "an incident", error)
+            if isinstance(error, OSError)
+            else testudo_error(error)
+        )
+        if self._failed is None:
+            raise problem from error
+        lost = {incident: found for incident, found in self._open.items() if found.shared is shared}
+        shared.abandon()
+        for key, one in list(self._shared.items()):
+            if one is shared:
+                del self._shared[key]
+        for incident in lost:
+            del self._open[incident]
+        for one_name in {name, *(found.bag.name for found in lost.values())}:
+            self._failed(one_name, problem)
+
+    def _unused_name(self, incident: Incident) -> str:
+        plain = incident_folder_name(incident.recording.name, incident.trigger.stamp_ns)
+        name, number = plain, 1
+        while any((self._folder / one).exists() for one in (name, f".{name}{PARTIAL_SUFFIX}")):
+            number += 1
+            name = f"{plain}-{number}"
+        return name
+
+
+def _has_hard_links(folder: Path) -> bool:
+    """Whether files in ``folder`` can have several names. Raises ``OSError`` where none can be made."""
+    with tempfile.TemporaryDirectory(prefix=".", suffix=PARTIAL_SUFFIX, dir=folder) as workshop:
+        file = Path(workshop, "file")
+        file.touch()
+        try:
+            Path(workshop, "link").hardlink_to(file)
+        except OSError:
+            return False
+    return True
+
+
+def finished_record(
+    record: IncidentRecord, files: Mapping[str, FileContent], channels: Mapping[str, StoredChannel]
+) -> IncidentRecord:
+    """``record`` with what its files hold of each topic."""
+    messages, size_bytes = Counter[str](), Counter[str]()
+    for content in files.values():
+        messages.update(content.messages)
+        size_bytes.update(content.size_bytes)
+    return replace(
+        record,
+        topics={
+            topic: IncidentTopic(
+                type_name=channels[topic].type_name if topic in channels else "",
+                messages=messages[topic],
+                size_bytes=size_bytes[topic],
+            )
+            for topic in sorted({*record.topics, *messages})
+        },
+    )
+
+
+def finish_folder(
+    path: Path,
+    record: IncidentRecord,
+    files: Mapping[str, FileContent],
+    channels: Mapping[str, StoredChannel],
+) -> None:
+    """Write what names the files of a bag, and the record. Raises ``OutputFileError``."""
+    listed = [channels[topic] for topic in record.topics if topic in channels]
+    with whole_file(path / METADATA_NAME, "the metadata of an incident") as write:
+        write(metadata_text(files, listed))
+    _write_record(path, record)
+
+
+def _write_record(path: Path, record: IncidentRecord) -> None:
+    with whole_file(path / RECORD_NAME, "the record of an incident") as write:
+        write(incident_text(record))

@@ -1,0 +1,195 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The records of an MCAP file as bytes (https://mcap.dev/spec)."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+
+MAGIC = b"\x89MCAP0\r\n"
+FRAME = struct.Struct("<BQ")
+MESSAGE_HEADER = struct.Struct("<HIQQ")
+MESSAGE_START = struct.Struct("<BQHIQQ")
+CHUNK_START = struct.Struct("<BQQQQIIQ")
+"""The frame of an uncompressed chunk and what comes before its records."""
+FOOTER_BYTES = FRAME.size + 20 + len(MAGIC)
+_LIBRARY = "smarttestudo"
+
+
+class Op(IntEnum):
+    """Kinds of records."""
+
+    HEADER = 0x01
+    FOOTER = 0x02
+    SCHEMA = 0x03
+    CHANNEL = 0x04
+    MESSAGE = 0x05
+    CHUNK = 0x06
+    MESSAGE_INDEX = 0x07
+    CHUNK_INDEX = 0x08
+    STATISTICS = 0x0B
+    SUMMARY_OFFSET = 0x0E
+    DATA_END = 0x0F
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StoredChannel:
+    """A topic as a bag stores it.
+
+    ``definition`` is that of its type with those of its parts, ``digest`` its ``RIHS01_…`` hash or empty,
+    ``qos_text`` the offered profiles in YAML, as version 8 of the metadata has them.
+    """
+
+    topic: str
+    type_name: str
+    definition: str = ""
+    digest: str = ""
+    qos_text: str = ""
+    serialization_format: str = "cdr"
+
+
+@dataclass(slots=True, kw_only=True)
+class ChunkPlace:
+    """A chunk in its file: stamps in ns, offsets and sizes in bytes.
+
+    ``stamps`` has, for each channel by number, stamp and offset within the chunk of each of its messages.
+    ``indexes`` are the offsets of their indexes in the file, ``index_bytes`` is what all of these take.
+    """
+
+    start: int
+    record_bytes: int
+    stamps: dict[int, list[tuple[int, int]]]
+    indexes: dict[int, int]
+    index_bytes: int = 0
+
+    @property
+    def first_ns(self) -> int:
+        """The least stamp in it."""
+        return min((stamp_ns for column in self.stamps.values() for stamp_ns, _ in column), default=0)
+
+    @property
+    def last_ns(self) -> int:
+        """The greatest stamp in it."""
+        return max((stamp_ns for column in self.stamps.values() for stamp_ns, _ in column), default=0)
+
+
+def record(op: Op, content: bytes) -> bytes:
+    """A record with its frame."""
+    return FRAME.pack(op, len(content)) + content
+
+
+def file_start() -> bytes:
+    """What a file begins with."""
+    return MAGIC + record(Op.HEADER, _text("ros2") + _text(_LIBRARY))
+
+
+def schema_record(number: int, channel: StoredChannel) -> bytes:
+    """The type of a channel."""
+    encoding = "" if not channel.definition else "ros2idl" if _is_idl(channel.definition) else "ros2msg"
+    names = _text(channel.type_name) + _text(encoding)
+    return record(Op.SCHEMA, struct.pack("<H", number) + names + _text(channel.definition))
+
+
+def channel_record(number: int, schema: int, channel: StoredChannel) -> bytes:
+    """A channel whose type is that of the schema with the number ``schema``."""
+    notes = _text("offered_qos_profiles") + _text(channel.qos_text)
+    if channel.digest:
+        notes += _text("topic_type_hash") + _text(channel.digest)
+    content = struct.pack("<HH", number, schema) + _text(channel.topic) + _text(channel.serialization_format)
+    return record(Op.CHANNEL, content + struct.pack("<I", len(notes)) + notes)
+
+
+def chunk_start(chunk: ChunkPlace) -> bytes:
+    """What stands before the records of a chunk."""
+    size = chunk.record_bytes
+    return CHUNK_START.pack(
+        Op.CHUNK, CHUNK_START.size - FRAME.size + size, chunk.first_ns, chunk.last_ns, size, 0, 0, size
+    )
+
+
+def message_index(channel: int, stamps: Sequence[tuple[int, int]]) -> bytes:
+    """Where the messages of a channel are in the chunk before it."""
+    entries = b"".join(struct.pack("<QQ", *entry) for entry in stamps)
+    return record(Op.MESSAGE_INDEX, struct.pack("<HI", channel, len(entries)) + entries)
+
+
+def chunk_index(chunk: ChunkPlace) -> bytes:
+    """Where a chunk and its indexes are."""
+    size = chunk.record_bytes
+    head = struct.pack("<QQQQ", chunk.first_ns, chunk.last_ns, chunk.start, CHUNK_START.size + size)
+    places = b"".join(struct.pack("<HQ", *entry) for entry in chunk.indexes.items())
+    tail = struct.pack("<QIQQ", chunk.index_bytes, 0, size, size)
+    return record(Op.CHUNK_INDEX, head + struct.pack("<I", len(places)) + places + tail)
+
+
+def statistics(counts: Mapping[int, int], *, schemas: int, chunks: Sequence[ChunkPlace]) -> bytes:
+    """How much there is of everything; ``counts`` are messages by channel."""
+    filled = [chunk for chunk in chunks if chunk.stamps]
+    first_ns = min((chunk.first_ns for chunk in filled), default=0)
+    last_ns = max((chunk.last_ns for chunk in filled), default=0)
+    content = struct.pack(
+        "<QHIIIIQQ", sum(counts.values()), schemas, len(counts), 0, 0, len(chunks), first_ns, last_ns
+    )
+    entries = b"".join(struct.pack("<HQ", *entry) for entry in sorted(counts.items()))
+    return record(Op.STATISTICS, content + struct.pack("<I", len(entries)) + entries)
+
+
+def file_end(summary_start: int, groups: Sequence[tuple[Op, bytes]]) -> bytes:
+    """The summary of ``groups`` of records, each by its kind, from ``summary_start`` on, and the end."""
+    summary, offsets, place = b"", b"", summary_start
+    for op, group in groups:
+        if group:
+            offsets += record(Op.SUMMARY_OFFSET, struct.pack("<BQQ", op, place, len(group)))
+            summary += group
+            place += len(group)
+    footer = record(Op.FOOTER, struct.pack("<QQI", summary_start, place, 0))
+    return summary + offsets + footer + MAGIC
+
+
+def read_schema(content: bytes) -> tuple[int, str, str]:
+    """Number, type and definition of a schema; ``struct.error`` and ``ValueError`` for what is none."""
+    (number,) = struct.unpack_from("<H", content)
+    name, place = _read_text(content, 2)
+    _, place = _read_text(content, place)
+    definition, _ = _read_text(content, place)
+    return number, name, definition
+
+
+def read_channel(content: bytes, schemas: Mapping[int, tuple[str, str]]) -> tuple[int, StoredChannel]:
+    """Number and channel, whose type and definition are in ``schemas``; errors as in ``read_schema``."""
+    number, schema = struct.unpack_from("<HH", content)
+    topic, place = _read_text(content, 4)
+    serialization_format, place = _read_text(content, place)
+    notes: dict[str, str] = {}
+    place += 4
+    while place < len(content):
+        key, place = _read_text(content, place)
+        notes[key], place = _read_text(content, place)
+    type_name, definition = schemas.get(schema, ("", ""))
+    channel = StoredChannel(
+        topic=topic,
+        type_name=type_name,
+        definition=definition,
+        digest=notes.get("topic_type_hash", ""),
+        qos_text=notes.get("offered_qos_profiles", ""),
+        serialization_format=serialization_format,
+    )
+    return number, channel
+
+
+def _read_text(content: bytes, place: int) -> tuple[str, int]:
+    (size,) = struct.unpack_from("<I", content, place)
+    end = place + 4 + size
+    return content[place + 4 : end].decode(), end
+
+
+def _text(text: str) -> bytes:
+    data = text.encode()
+    return struct.pack("<I", len(data)) + data
+
+
+def _is_idl(definition: str) -> bool:
+    return definition.startswith("=" * 80 + "\nIDL: ")

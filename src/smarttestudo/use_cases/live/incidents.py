@@ -1,0 +1,196 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What rules record of a live run."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from smarttestudo.adapters.files.incident_space import make_room
+from smarttestudo.adapters.incidents.background import BackgroundSink
+from smarttestudo.adapters.incidents.bag_metadata import offered_qos
+from smarttestudo.adapters.incidents.folders import IncidentFolders
+from smarttestudo.adapters.incidents.mcap_records import StoredChannel
+from smarttestudo.adapters.incidents.recovery import complete_incidents
+from smarttestudo.domain.errors import TestudoError
+from smarttestudo.domain.incident import DEFAULT_INCIDENT_MEMORY_MB, IncidentState
+from smarttestudo.domain.payload import Payload
+from smarttestudo.domain.robot import Robot, Subscription
+from smarttestudo.domain.units import BYTES_PER_GB, BYTES_PER_MB
+from smarttestudo.runtime.incidents.recorder import MAX_OPEN_INCIDENTS, IncidentRecorder
+from smarttestudo.runtime.relay_loop import RelayLoop
+from smarttestudo.use_cases.live.rules import LiveRules
+from smarttestudo.use_cases.live.topic import LiveSource
+
+WAITING_SHARE = 0.25
+"""How much of the memory may wait for the disk beside what the ring holds."""
+_WITHOUT_FOLDER = "the rules have a Record, and no folder is named to record into: --incidents DIR does"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class IncidentOptions:
+    """The folder of the incidents, none if nothing is recorded, and the memory for what came before.
+
+    Where all of them would take more than ``max_gb`` of disk, old ones are deleted.
+    """
+
+    folder: Path | None = None
+    memory_mb: float = DEFAULT_INCIDENT_MEMORY_MB
+    max_gb: float | None = None
+
+
+class LiveIncidents:
+    """Keeps the topics that rules record, and writes the incidents; nothing of it stops the relays.
+
+    ``static_topic`` is the robot's ``/tf_static``.
+
+    Raises ``OutputFileError`` where the folder cannot be made.
+    """
+
+    def __init__(self, robot: Robot, options: IncidentOptions, static_topic: str) -> None:
+        self._robot = robot
+        self._folder = options.folder
+        self._memory_bytes = round(options.memory_mb * BYTES_PER_MB)
+        self._static_topic = static_topic
+        self._channels: dict[str, StoredChannel] = {}
+        self._recorder: IncidentRecorder | None = None
+        self._background: BackgroundSink | None = None
+        self._max_bytes = None if options.max_gb is None else round(options.max_gb * BYTES_PER_GB)
+        self._dropped: dict[str, tuple[Subscription, int, int]] = {}
+        self._refused = 0
+        self._has_said = False
+        # The thread that writes changes these.
+        self._recorded = self._lost = 0
+        self._problem: str | None = None
+        if self._folder is not None:
+            for found in complete_incidents(self._folder):
+                robot.log.warning(f"incident {found}")
+            self._make_room()
+            folders = IncidentFolders(self._folder, self._channels, failed=self._failed, ended=self._ended)
+            self._background = BackgroundSink(folders, round(WAITING_SHARE * self._memory_bytes))
+        self.topics: frozenset[str] = frozenset()
+        """The topics that are to be heard because of recordings."""
+
+    @contextmanager
+    def running(self) -> Iterator[None]:
+        """Write during the block; at its end, windows that are open end, too."""
+        if self._background is None:
+            yield
+            return
+        with self._background.running():
+            try:
+                yield
+            finally:
+                if self._recorder is not None:
+                    self._recorder.finish(self._robot.now_ns())
+
+    def follow(self, rules: LiveRules, now_ns: int) -> None:
+        """Keep what these rules record from now on."""
+        rule_set = rules.rule_set
+        if self._background is None:
+            if rule_set.has_recordings and not self._has_said:
+                self._has_said = True
+                self._robot.log.warning(_WITHOUT_FOLDER)
+            return
+        if self._recorder is None:
+            self._recorder = IncidentRecorder(
+                rule_set, self._background, self._memory_bytes, now_ns, rules_sha256=rules.rules_hash
+            )
+        else:
+            self._recorder.change_rules(rule_set, rules.rules_hash)
+        recorded = rule_set.recorded
+        self.topics = recorded | {self._static_topic} if recorded else frozenset()
+
+    def watch(self, loop: RelayLoop) -> None:
+        """Begin an incident when a block of the loop does."""
+        if self._recorder is not None:
+            loop.triggered = self._recorder.begin
+
+    def hear(self, topic: str, source: LiveSource, now_ns: int) -> None:
+        """Messages of ``source`` are received from now on, if they were not before."""
+        if self._recorder is None:
+            return
+        self._recorder.hear(topic, now_ns, transient_local=source.qos.transient_local)
+        known = self._channels.get(topic)
+        qos_text = offered_qos(source.qos)
+        if known is None or (known.type_name, known.qos_text) != (source.type_name, qos_text):
+            self._channels[topic] = StoredChannel(
+                topic=topic,
+                type_name=source.type_name,
+                definition=self._robot.definition(source.type_name),
+                qos_text=qos_text,
+            )
+
+    def look(self, subscriptions: Mapping[str, Subscription], now_ns: int) -> None:
+        """See what was lost since the last look before it could be taken."""
+        if self._recorder is None:
+            return
+        before, self._dropped = self._dropped, {}
+        for topic in self.topics & subscriptions.keys():
+            subscription = subscriptions[topic]
+            dropped = subscription.dropped
+            known, count, since_ns = before.get(topic, (subscription, 0, now_ns))
+            if known is subscription and dropped > count:
+                self._recorder.lose(topic, dropped - count, min(since_ns, now_ns), now_ns)
+            self._dropped[topic] = (subscription, dropped, now_ns)
+
+    def take(self, topic: str, payload: Payload, publisher: Hashable, now_ns: int) -> None:
+        """A message came, before the loop is given it."""
+        recorder = self._recorder
+        if recorder is not None and recorder.keeps(topic):
+            recorder.take(topic, now_ns, payload[:], publisher)
+
+    @property
+    def wake_ns(self) -> int | None:
+        """When, on the clock, the next window is over."""
+        return None if self._recorder is None else self._recorder.next_wake_ns
+
+    def advance(self, now_ns: int) -> None:
+        """Time passed."""
+        if self._recorder is None:
+            return
+        self._recorder.advance(now_ns)
+        if self._recorder.refused > self._refused:
+            self._refused = self._recorder.refused
+            self._robot.log.warning(
+                f"incidents not recorded because {MAX_OPEN_INCIDENTS} were open: {self._refused} so far"
+            )
+
+    def state(self) -> IncidentState | None:
+        """What recording costs now; ``None`` where nothing is recorded."""
+        recorder = self._recorder
+        if recorder is None:
+            return None
+        return IncidentState(
+            held_bytes=recorder.held_bytes,
+            memory_bytes=self._memory_bytes,
+            topics=recorder.topics,
+            open=recorder.open_incidents,
+            recorded=self._recorded,
+            failed=self._lost + recorder.refused,
+            problem=self._problem,
+        )
+
+    def _ended(self, path: Path) -> None:
+        self._recorded += 1
+        self._problem = None
+        self._robot.log.info(f"incident {path.name}")
+        self._make_room()
+
+    def _failed(self, name: str, error: TestudoError) -> None:
+        self._lost += 1
+        self._problem = str(error)
+        self._robot.log.warning(f"incident {name}: ends early: {error}")
+
+    def _make_room(self) -> None:
+        if self._folder is None or self._max_bytes is None or not self._folder.is_dir():
+            return
+        try:
+            for one in make_room(self._folder, self._max_bytes):
+                read = "read" if one.was_read else "not read by anyone"
+                self._robot.log.warning(f"incident {one.name}: deleted to make room, {read}")
+        except TestudoError as error:
+            self._robot.log.warning(str(error))

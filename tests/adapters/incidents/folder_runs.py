@@ -1,0 +1,95 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""A recorder in virtual time that writes to a real disk, and what lies there in the end."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from adapters.rosbag.bag_reading import read_bag
+from runtime.incidents.incident_runs import AMPLE_BYTES, trigger
+from smarttestudo.adapters.incidents.bag_metadata import offered_qos
+from smarttestudo.adapters.incidents.folders import Failed, IncidentFolders
+from smarttestudo.adapters.incidents.mcap_records import StoredChannel
+from smarttestudo.adirf.rule_set import RuleSet
+from smarttestudo.domain.robot import Qos
+from smarttestudo.runtime.incidents.recorder import IncidentRecorder
+
+MS = 1_000_000
+START_MS = 1_000_000
+LATCHED = "/tf_static"
+
+
+def channel(topic: str, *, definition: str = "string data\n") -> StoredChannel:
+    return StoredChannel(
+        topic=topic,
+        type_name="std_msgs/msg/String",
+        definition=definition,
+        qos_text=offered_qos(Qos(reliable=True, transient_local=topic == LATCHED)),
+    )
+
+
+@dataclass
+class FolderRun:
+    """``came`` are the clock and the steady time of each message, both in ms, its topic and its payload."""
+
+    rule_set: RuleSet
+    folder: Path
+    topics: tuple[str, ...] = ("/odom", "/scan", LATCHED)
+    memory_bytes: int = AMPLE_BYTES
+    failed: Failed | None = None
+    came: list[tuple[int, int, str, bytes]] = field(default_factory=list)
+    begun_ms: list[tuple[int, int]] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.folders = IncidentFolders(
+            self.folder, {topic: channel(topic) for topic in self.topics}, failed=self.failed
+        )
+        self.clock_ms = self.steady_ms = START_MS
+        self.recorder = IncidentRecorder(
+            self.rule_set, self.folders, self.memory_bytes, START_MS * MS, rules_sha256="ab"
+        )
+        for topic in self.topics:
+            self.recorder.hear(topic, START_MS * MS, transient_local=topic == LATCHED)
+
+    def wait(self, by_ms: int) -> None:
+        """The clock jumps where that is negative."""
+        self.clock_ms += by_ms
+        self.steady_ms += max(by_ms, 0)
+        self.recorder.advance(self.clock_ms * MS)
+
+    def message(self, topic: str, size_bytes: int = 20) -> None:
+        payload = len(self.came).to_bytes(8, "little") + bytes(max(size_bytes - 8, 0))
+        self.recorder.take(topic, self.clock_ms * MS, payload)
+        self.came.append((self.clock_ms, self.steady_ms, topic, payload))
+
+    def trigger(self) -> None:
+        self.begun_ms.append((self.clock_ms, self.steady_ms))
+        self.recorder.begin(trigger(self.rule_set, self.clock_ms * MS))
+
+    def finish(self) -> list[Path]:
+        """The folders of all incidents, in the order of their names."""
+        self.recorder.finish(self.clock_ms * MS)
+        return sorted(path for path in self.folder.iterdir())
+
+
+def record_of(folder: Path) -> dict[str, Any]:
+    found: dict[str, Any] = json.loads((folder / "incident.json").read_text())
+    return found
+
+
+def payloads(folder: Path) -> Counter[bytes]:
+    """The payloads of an incident with how often each is there."""
+    found = read_bag(folder)
+    assert found.notices == []
+    return Counter(message.payload for message in found.messages)
+
+
+def disk_bytes(folder: Path) -> int:
+    """What the files below it take, each once whatever it is called."""
+    found = (path.lstat() for path in folder.rglob("*") if path.is_file())
+    return sum({(one.st_dev, one.st_ino): one.st_blocks * 512 for one in found}.values())

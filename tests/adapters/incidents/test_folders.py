@@ -1,0 +1,252 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Incidents on disk: whole, each message once, what is missing named, and what they share stored once."""
+
+from __future__ import annotations
+
+import resource
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from random import Random
+
+import pytest
+
+from adapters.incidents.folder_runs import (
+    LATCHED,
+    MS,
+    START_MS,
+    FolderRun,
+    channel,
+    disk_bytes,
+    payloads,
+    record_of,
+)
+from adapters.rosbag.bag_reading import read_bag, read_with_mcap, read_with_rosbags
+from runtime.incidents.incident_runs import recording_rules
+from smarttestudo.adapters.incidents.background import BackgroundSink
+from smarttestudo.adapters.incidents.recovery import complete_incidents
+from smarttestudo.runtime.incidents.recorder import IncidentRecorder
+
+LONGEST_PART = 10
+"""A part of a window that incidents share is at most a tenth of it, or a second."""
+
+
+def random_run(seed: int, folder: Path) -> FolderRun:
+    """A minute of a robot that triggers at random, with little or ample memory, and a clock that may jump."""
+    random = Random(seed)
+    records = [
+        f'Record "one" /odom /scan Before {random.randint(0, 6000)} ms After {random.randint(0, 4000)} ms'
+    ]
+    if random.random() < 0.5:
+        records.append(f'Record "two" /scan Before {random.randint(0, 3000)} ms After 1 s')
+    memory_bytes = random.choice([3000, 20_000, 10_000_000])
+    run = FolderRun(recording_rules(*records), folder, memory_bytes=memory_bytes)
+    jumps = random.random() < 0.3
+    for _ in range(random.randint(50, 250)):
+        run.wait(random.choice([0, 1, 10, 40, 200]))
+        if jumps and random.random() < 0.02:
+            run.wait(random.choice([-5000, 5000]))
+        kind = random.random()
+        if kind < 0.03:
+            run.trigger()
+        else:
+            topic = LATCHED if kind < 0.1 else random.choice(["/odom", "/scan"])
+            run.message(topic, random.choice([8, 20, 300]))
+    run.finish()
+    return run
+
+
+@pytest.mark.parametrize("seed", range(100))
+def test_every_message_of_a_window_is_there_once_or_named_as_missing(tmp_path: Path, seed: int) -> None:
+    run = random_run(seed, tmp_path / "incidents")
+    stamps = {payload: (clock_ms, steady_ms, topic) for clock_ms, steady_ms, topic, payload in run.came}
+    found = sorted((tmp_path / "incidents").iterdir())
+    recordings = run.rule_set.blocks[0].recordings
+    assert len(found) == len(run.begun_ms) * len(recordings) - run.recorder.refused
+    steady_by_clock = dict(run.begun_ms)
+    for path in found:
+        record, held = record_of(path), payloads(path)
+        assert set(held.values()) <= {1}
+        recording = next(one for one in recordings if one.name == record["name"])
+        begun_ms = steady_by_clock[record["triggered_ns"] // 1_000_000]
+        if list(steady_by_clock).count(record["triggered_ns"] // 1_000_000) > 1:
+            continue
+        from_ms = begun_ms - recording.before_ns // 1_000_000
+        to_ms = begun_ms + recording.after_ns // 1_000_000
+        missing = {one["topic"]: one["messages"] for one in record["missing"] if one["reason"] == "memory"}
+        for topic in recording.topics:
+            window = {
+                payload
+                for payload, (_, steady_ms, name) in stamps.items()
+                if name == topic and from_ms <= steady_ms <= to_ms
+            }
+            lacking = window - set(held)
+            assert len(lacking) == missing.get(topic, 0)
+        part_ms = max(1000, (to_ms - from_ms) // LONGEST_PART)
+        assert all(
+            steady_ms >= from_ms - part_ms
+            for payload, (_, steady_ms, name) in stamps.items()
+            if payload in held and name != LATCHED
+        )
+        last_latched = [
+            payload
+            for payload, (_, steady_ms, name) in stamps.items()
+            if name == LATCHED and steady_ms <= begun_ms
+        ]
+        assert set(last_latched[-1:]) <= set(held)
+
+
+def burst(folder: Path, *, before_s: int = 30, after_s: int = 10) -> FolderRun:
+    """A robot of 1.3 MB/s, 50 incidents in 10 s."""
+    rules = recording_rules(f'Record "burst" /odom /scan Before {before_s} s After {after_s} s')
+    run = FolderRun(rules, folder, memory_bytes=100_000_000)
+    run.message(LATCHED, 160_000)
+    for tick in range(20 * (before_s + after_s + 11)):
+        run.wait(50)
+        run.message("/odom", 700)
+        run.message("/scan", 64_000)
+        if 0 <= tick - 20 * before_s < 200 and tick % 4 == 0:
+            run.trigger()
+    return run
+
+
+@pytest.mark.parametrize("after_s", [10, 0])
+def test_50_incidents_in_10_s_take_little_more_than_what_they_share(tmp_path: Path, after_s: int) -> None:
+    run = burst(tmp_path / "incidents", after_s=after_s)
+    folders = run.finish()
+    assert len(folders) == 50
+    shared = {payload for folder in folders for payload in payloads(folder)}
+    assert disk_bytes(tmp_path / "incidents") <= 1.2 * sum(map(len, shared))
+
+
+def test_one_of_many_is_read_alike_by_all(tmp_path: Path) -> None:
+    folders = burst(tmp_path / "incidents", before_s=3, after_s=2).finish()
+    for path in (folders[0], folders[17], folders[-1]):
+        messages = read_bag(path).messages
+        assert read_with_rosbags(path) == messages
+        with_mcap = [message for file in path.glob("*.mcap") for message in read_with_mcap(file)]
+        assert sorted(with_mcap, key=lambda one: one.stamp_ns) == messages
+
+
+def test_what_another_incident_shared_stays_when_that_is_deleted(tmp_path: Path) -> None:
+    folders = burst(tmp_path / "incidents", before_s=3, after_s=2).finish()
+    expected = payloads(folders[1])
+    for path in folders[0].iterdir():
+        path.unlink()
+    assert payloads(folders[1]) == expected
+
+
+def test_the_same_run_gives_the_same_bytes(tmp_path: Path) -> None:
+    first, second = (
+        {
+            str(file.relative_to(root)): file.read_bytes()
+            for root in [tmp_path / name]
+            for folder in burst(root, before_s=3, after_s=2).finish()
+            for file in folder.iterdir()
+        }
+        for name in ("one", "two")
+    )
+    assert first == second
+
+
+def test_a_topic_without_messages_or_definition_is_listed(tmp_path: Path) -> None:
+    assert channel("/odom", definition="") != channel("/odom")
+    run = FolderRun(recording_rules('Record "silent" /odom Before 1 s After 1 s'), tmp_path / "incidents")
+    run.trigger()
+    (path,) = run.finish()
+    assert read_bag(path).messages == []
+    assert set(record_of(path)["topics"]) == {"/odom"}
+
+
+@contextmanager
+def files_of_at_most(size_bytes: int) -> Iterator[None]:
+    """The system refuses to let a file grow further."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size_bytes, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+
+
+def test_what_cannot_be_written_ends_its_incidents_which_are_named_and_no_others(tmp_path: Path) -> None:
+    failed: list[str] = []
+    run = FolderRun(
+        recording_rules('Record "one" /odom Before 1 s After 1 s', 'Record "two" /scan Before 1 s After 1 s'),
+        tmp_path / "incidents",
+        failed=lambda name, error: failed.append(f"{name} {error}"),
+    )
+    run.trigger()
+    with files_of_at_most(100_000):
+        for _ in range(20):
+            run.wait(20)
+            run.message("/odom", 10_000)
+            run.message("/scan", 100)
+    assert [line.partition(" ")[0] for line in failed] == ["19700101T001640000Z-one"]
+    assert "File too large" in failed[0]
+    run.wait(5000)
+    run.trigger()
+    run.message("/odom")
+    run.finish()
+    whole = {path.name: payloads(path) for path in (tmp_path / "incidents").iterdir() if path.name[0] != "."}
+    assert len(whole) == 3
+    (left,) = complete_incidents(tmp_path / "incidents")
+    assert (left.name, left.error) == ("19700101T001640000Z-one", None)
+    found = payloads(tmp_path / "incidents" / left.name)
+    sent = [payload for _, _, topic, payload in run.came if topic == "/odom"]
+    assert list(found) == sent[: len(found)]
+    assert len(found) >= 8
+
+
+def test_a_disk_that_is_too_slow_costs_messages_that_are_counted(tmp_path: Path) -> None:
+    run = FolderRun(recording_rules('Record "one" /odom Before 1 s After 1 s'), tmp_path / "incidents")
+    sink = BackgroundSink(run.folders, max_waiting_bytes=2000)
+    run.recorder = IncidentRecorder(run.rule_set, sink, 100_000, START_MS * MS)
+    run.recorder.hear("/odom", START_MS * MS, transient_local=False)
+    run.trigger()
+    # The thread that writes begins only now.
+    for _ in range(10):
+        run.wait(10)
+        run.message("/odom", 600)
+    with sink.running():
+        run.recorder.finish(run.clock_ms * MS + 2_000_000_000)
+    (path,) = (tmp_path / "incidents").iterdir()
+    held = payloads(path)
+    lost = next(one for one in record_of(path)["missing"] if one["reason"] == "disk")
+    assert len(held) + lost["messages"] == 10
+    assert (lost["from_ns"], lost["to_ns"]) == (
+        (START_MS + 10 * (len(held) + 1)) * MS,
+        (START_MS + 100) * MS,
+    )
+
+
+@pytest.mark.parametrize("name", ["../../up", "/etc/passwd", "a/b", "x" * 10_000, "Größe ✗", "…"])
+def test_no_name_leads_out_of_the_folder(tmp_path: Path, name: str) -> None:
+    run = FolderRun(recording_rules(f'Record "{name}" /odom Before 1 s After 1 s'), tmp_path / "incidents")
+    run.trigger()
+    run.message("/odom")
+    run.trigger()
+    folders = run.finish()
+    assert len(folders) == 2
+    assert all(len(path.name) <= 82 and path.is_dir() for path in folders)
+    assert {record_of(path)["name"] for path in folders} == {name}
+    assert list(tmp_path.iterdir()) == [tmp_path / "incidents"]
+    assert all(len(payloads(path)) == 1 for path in folders)
+
+
+def test_without_hard_links_each_incident_has_its_own_files(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refused(*_: object) -> None:
+        raise PermissionError(1, "Operation not permitted")
+
+    monkeypatch.setattr("os.link", refused)
+    run = burst(tmp_path / "incidents", before_s=2, after_s=1)
+    folders = run.finish()
+    assert len(folders) == 50
+    monkeypatch.undo()
+    whole = burst(tmp_path / "linked", before_s=2, after_s=1).finish()
+    for one, other in zip(folders, whole, strict=True):
+        assert set(payloads(one)) <= set(payloads(other))
+        assert record_of(one)["missing"] == record_of(other)["missing"]
