@@ -47,8 +47,28 @@ export class Api {
     return call("GET /api/file", null, { query: `?name=${encodeURIComponent(name)}` });
   }
 
-  save(name: string, text: string, baseHash: string | null): Answer<"PUT /api/file"> {
-    return call("PUT /api/file", { name, text, base_hash: baseHash });
+  /** `byItself` is whether nobody asked for it. */
+  save(name: string, text: string, baseHash: string | null, byItself = false): Answer<"PUT /api/file"> {
+    return call("PUT /api/file", { name, text, base_hash: baseHash, by_itself: byItself });
+  }
+
+  /** Whether changes are saved without being asked, for everybody who opens the project. */
+  setSavesByItself(savesByItself: boolean): Answer<"PUT /api/project/settings"> {
+    return call("PUT /api/project/settings", { saves_by_itself: savesByItself });
+  }
+
+  /** What was saved of a rule file, the newest first. */
+  versions(name: string): Answer<"GET /api/versions"> {
+    return call("GET /api/versions", null, { query: `?name=${encodeURIComponent(name)}` });
+  }
+
+  version(name: string, id: string): Answer<"POST /api/version"> {
+    return call("POST /api/version", { name, id });
+  }
+
+  /** What a robot does otherwise with the new text of a rule file, in words. */
+  difference(oldText: string, newText: string): Answer<"POST /api/difference"> {
+    return call("POST /api/difference", { old_text: oldText, new_text: newText });
   }
 
   document(rules: Rules): Answer<"POST /api/document"> {

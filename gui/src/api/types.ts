@@ -142,6 +142,19 @@ export interface Delete {
   id: string;
 }
 
+/** What a robot does otherwise with the new text, in sentences; which of the two has errors of syntax. */
+export interface DifferenceAnswer {
+  differences: string[];
+  old_parses: boolean;
+  new_parses: boolean;
+}
+
+/** `POST /api/difference` → `DifferenceAnswer`: two texts of a rule file. */
+export interface DifferenceRequest {
+  old_text: string;
+  new_text: string;
+}
+
 /**
  * A rule file as an editor holds it, with the text of its profile; findings call them by the names.
  *
@@ -233,11 +246,16 @@ export interface FileAnswer {
 /** What a file is to the Ruler; the value is its name in JSON. */
 export type FileKind = "rules" | "profile" | "bag" | "map" | "layout" | "image";
 
-/** A file by its name in the project, with `/` between folders. A bag may be a folder. */
+/**
+ * A file by its name in the project, with `/` between folders. A bag may be a folder.
+ *
+ * `changed_at_s` is when it was changed last, in seconds since 1970.
+ */
 export interface FoundFile {
   name: string;
   kind: FileKind;
   size_bytes: number;
+  changed_at_s: number;
 }
 
 /** Frames of one arm, and the longest time without a new one, in s; it counts to the end of A. */
@@ -696,6 +714,7 @@ export interface Progress {
  *
  * A bag is named by its folder, or by its file where it has no metadata. `ros` is whether the server can
  * reach ROS 2; `version` is that of SmartTestudo. `root_hash` tells folders of one name apart.
+ * `saves_by_itself` is whether the page saves what was changed without being asked.
  */
 export interface Project {
   root_name: string;
@@ -705,6 +724,7 @@ export interface Project {
   version: string;
   ros: boolean;
   has_more: boolean;
+  saves_by_itself: boolean;
 }
 
 /** A property that a check can read or a bound can be about. */
@@ -902,6 +922,22 @@ export interface RuleStatement {
 }
 
 /**
+ * One version; `saved_at_ms` counts since 1970, `by_itself` is whether nobody asked the page to save.
+ *
+ * `changes` is what a robot does otherwise than with the version before: empty where only comments or
+ * layout differ, null where none is before it or it was not compared. `parses` is whether it is without
+ * errors of syntax, null where it was not read.
+ */
+export interface RuleVersion {
+  id: string;
+  saved_at_ms: number;
+  by_itself: boolean;
+  size_bytes: number;
+  changes: string[] | null;
+  parses: boolean | null;
+}
+
+/**
  * The zones of the rule `id`, in any of which it may hold.
  *
  * `others` are its checks that bound no zone, as text; `holds_elsewhere` is whether it can hold outside
@@ -919,16 +955,22 @@ export interface RuleZones {
 /** Where the rules in force come from; the value is its name in JSON. */
 export type RulesOrigin = "files" | "pushed" | "waiting" | "fallback";
 
-/** The SHA-256 of what is on disk now. */
+/** The SHA-256 of what is on disk now; `note` is why no version of it is kept, empty if one is. */
 export interface SaveAnswer {
   hash: string;
+  note: string;
 }
 
-/** `PUT /api/file`: `base_hash` is what the editor read; null where the file must not exist yet. */
+/**
+ * `PUT /api/file`: `base_hash` is what the editor read; null where the file must not exist yet.
+ *
+ * `by_itself` is whether nobody asked the page to save.
+ */
 export interface SaveRequest {
   name: string;
   text: string;
   base_hash?: string | null;
+  by_itself?: boolean;
 }
 
 /** `SetFrequency topic rate`: a default, or what a rule sets (then `id` and `key` are empty). */
@@ -943,6 +985,11 @@ export interface SetStatement {
   text?: string;
   topic: string;
   rate: Rate;
+}
+
+/** `PUT /api/project/settings` → `Project`: what everybody who opens the project wants. */
+export interface SettingsRequest {
+  saves_by_itself: boolean;
 }
 
 /** How much a finding matters; only errors stop a file from being used. */
@@ -1168,6 +1215,24 @@ export interface Until {
   value: number;
 }
 
+/** `POST /api/version` → `VersionText`: one version of the rule file `name`. */
+export interface VersionRequest {
+  name: string;
+  id: string;
+}
+
+/** The whole text of a version. */
+export interface VersionText {
+  text: string;
+}
+
+/** `GET /api/versions?name=`: the newest first, at most `most`, kept in `folder` of the project. */
+export interface VersionsAnswer {
+  versions: RuleVersion[];
+  most: number;
+  folder: string;
+}
+
 /** What an editor suggests; `every_topic` are the properties of any topic. */
 export interface Vocabulary {
   topics: KnownTopic[];
@@ -1231,6 +1296,10 @@ export interface Routes {
   "GET /api/project": { asked: null; answered: Project };
   "GET /api/file": { asked: null; answered: FileAnswer };
   "PUT /api/file": { asked: SaveRequest; answered: SaveAnswer };
+  "PUT /api/project/settings": { asked: SettingsRequest; answered: Project };
+  "GET /api/versions": { asked: null; answered: VersionsAnswer };
+  "POST /api/version": { asked: VersionRequest; answered: VersionText };
+  "POST /api/difference": { asked: DifferenceRequest; answered: DifferenceAnswer };
   "POST /api/document": { asked: Draft; answered: RuleDocument };
   "POST /api/edit": { asked: EditRequest; answered: EditAnswer };
   "POST /api/format": { asked: Draft; answered: TextAnswer };

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { type Signal, useComputed, useSignal } from "@preact/signals";
+import { computed, type Signal, useComputed, useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useEffect, useMemo, useState } from "preact/hooks";
 import { ApiError } from "../api/client";
@@ -18,6 +18,7 @@ import { BagWork } from "../state/bag_work";
 import { RobotRules } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
 import { RulePush } from "../state/rule_push";
+import { type SelfSaving, saveByItself } from "../state/save_by_itself";
 import type { Trial } from "../state/trial";
 import { ConflictDialog } from "../ui/conflict_dialog";
 import { Header } from "../ui/header";
@@ -42,12 +43,19 @@ export function EditorPage({ api, project, name, robot: node, editors, refresh }
   const [state, setState] = useState<"opening" | "open" | { problem: string }>("opening");
   useEffect(() => void open(editor, setState), []);
   useUndoKeys(editor);
+  const savesByItself = project.saves_by_itself && state === "open";
+  useEffect(() => (savesByItself ? saveByItself(selfSaving(editor)) : undefined), [savesByItself]);
   if (state === "opening") return <p class="quiet center">Opening {name} …</p>;
   if (state !== "open") return <Notice kind="error" text={state.problem} />;
   return (
     <div class="editor">
       <div>
-        <EditorBar editor={editor} rulePush={robot.rulePush} onTool={(next) => (tool.value = next)}>
+        <EditorBar
+          editor={editor}
+          savesByItself={savesByItself}
+          rulePush={robot.rulePush}
+          onTool={(next) => (tool.value = next)}
+        >
           <ShareButtons {...{ editor, api, project }} />
         </EditorBar>
         <RestoredNotice file={editor} />
@@ -70,6 +78,7 @@ export function EditorPage({ api, project, name, robot: node, editors, refresh }
       </section>
       <Toast message={editor.message} />
       <ConflictDialog
+        api={api}
         file={editor}
         onSavedAs={(saved) => refresh().then(() => toRoute({ page: "rules", name: saved }))}
       />
@@ -102,15 +111,16 @@ function useRobotSide(api: PageProps["api"], editor: RuleEditor): { robotRules: 
 
 interface BarProps {
   editor: RuleEditor;
+  savesByItself: boolean;
   rulePush: RulePush;
   onTool: (tool: Tool) => void;
   children: ComponentChildren;
 }
 
-function EditorBar({ editor, rulePush, onTool, children }: BarProps) {
+function EditorBar({ editor, savesByItself, rulePush, onTool, children }: BarProps) {
   const { history } = editor;
   return (
-    <Header title={editor.name} note={editor.isSaved.value ? "saved" : "not saved"}>
+    <Header title={editor.name} note={savedNote(editor, savesByItself)}>
       <button type="button" disabled={!history.canUndo.value} onClick={() => editor.undo()}>
         Undo
       </button>
@@ -144,6 +154,13 @@ function EditorBar({ editor, rulePush, onTool, children }: BarProps) {
   );
 }
 
+/** Whether the file holds what is open, and why it may not. */
+function savedNote(editor: RuleEditor, savesByItself: boolean): string {
+  if (editor.isSaved.value) return savesByItself ? "saved by itself" : "saved";
+  const waits = savesByItself && editor.errors.value.length > 0;
+  return waits ? "not saved while there are errors" : "not saved";
+}
+
 function useChoices(editor: RuleEditor) {
   return useComputed((): Choice<Tool>[] => [
     { value: "findings", label: `Findings (${editor.findings.value.length})` },
@@ -151,6 +168,12 @@ function useChoices(editor: RuleEditor) {
     { value: "try", label: "Try on a bag" },
     { value: "robot", label: "Robot" },
   ]);
+}
+
+function selfSaving(editor: RuleEditor): SelfSaving {
+  const { isSaved, conflict, restored } = editor;
+  const content = computed(() => JSON.stringify([editor.text.value, editor.layout.value, editor.map.value]));
+  return { content, isSaved, conflict, restored, isSound: () => editor.isSound(), save: () => editor.save(true) };
 }
 
 type Opened = "open" | { problem: string };

@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { useId, useState } from "preact/hooks";
-import { ApiError } from "../api/client";
+import { type Api, ApiError } from "../api/client";
 import type { Project } from "../api/types";
+import { FileLists } from "../panels/file_lists";
 import { RECIPES } from "../recipes/recipes";
-import { href, type Route, toRoute } from "../route";
-import type { OpenEditors } from "../state/open_editors";
+import { toRoute } from "../route";
 import { FormDialog } from "../ui/dialog";
 import { useDroppedFile } from "../ui/dropped_file";
 import { FileProblem, fileText } from "../ui/file_text";
@@ -34,15 +34,20 @@ export function HomePage({ api, project, refresh, editors }: PageProps) {
     }
   };
   useDroppedFile((file) => void take(file));
+  // Who comes back looks for the own files, who is new for a way to begin.
+  const hasFiles = project.files.some(({ kind }) => kind === "rules" || kind === "profile");
   const profile = project.files.find((file) => file.kind === "profile")?.name ?? "profile.toml";
   return (
     <main class="home">
       <RobotState />
-      <div class="hero">
+      <div class={hasFiles ? "hero small" : "hero"}>
         <img src="./icon.svg" alt="" width="56" height="56" />
         <h1 tabIndex={-1}>ADIRF Ruler</h1>
         <p>Say how often each topic of your robot is worth sending, and when. No programming needed.</p>
       </div>
+      {refused && <Notice kind="error" text={refused} action={{ label: "Close", act: () => setRefused("") }} />}
+      {hasFiles && <FileLists {...{ project, editors }} />}
+      {hasFiles && <SavesByItself {...{ api, project }} onSet={refresh} onRefused={setRefused} />}
       <nav class="cards" aria-label="Start">
         <Card
           title="Create New Project"
@@ -75,11 +80,7 @@ export function HomePage({ api, project, refresh, editors }: PageProps) {
           ))}
         </div>
       </section>
-      {refused && <Notice kind="error" text={refused} action={{ label: "Close", act: () => setRefused("") }} />}
-      <div class="file-lists">
-        <FileList project={project} kind="rules" title="Rules" page="rules" editors={editors} />
-        <FileList project={project} kind="profile" title="Topic parameters" page="topics" editors={editors} />
-      </div>
+      {!hasFiles && <FileLists {...{ project, editors }} />}
       <footer class="quiet">
         {project.root_name} · SmartTestudo {project.version} · {project.ros ? "ROS 2 found" : "works without ROS 2"}
       </footer>
@@ -102,31 +103,33 @@ function Card({ title, text, act }: { title: string; text: string; act: () => vo
   );
 }
 
-interface FileListProps {
+interface SavesProps {
+  api: Api;
   project: Project;
-  kind: "rules" | "profile";
-  title: string;
-  page: Route["page"];
-  editors: OpenEditors;
+  onSet: () => Promise<void>;
+  onRefused: (why: string) => void;
 }
 
-function FileList(props: FileListProps) {
-  const saved = props.project.files.filter((file) => file.kind === props.kind).map((file) => file.name);
-  const unsaved = new Set(props.editors.unsaved(props.kind));
-  const names = [...saved, ...[...unsaved].filter((name) => !saved.includes(name))];
+/** Whether changes are saved without being asked: a setting of the project. */
+function SavesByItself({ api, project, onSet, onRefused }: SavesProps) {
+  const set = async (isWanted: boolean) => {
+    try {
+      await api.setSavesByItself(isWanted);
+      await onSet();
+    } catch (error) {
+      if (!(error instanceof ApiError)) throw error;
+      onRefused(error.message);
+    }
+  };
   return (
-    <section aria-label={props.title}>
-      <h2>{props.title}</h2>
-      {names.length === 0 && <p class="quiet">None in {props.project.root_name} yet.</p>}
-      <ul class="files">
-        {names.map((name) => (
-          <li key={name}>
-            <a href={href({ page: props.page, name })}>{name}</a>
-            {unsaved.has(name) && <span class="quiet">not saved</span>}
-          </li>
-        ))}
-      </ul>
-    </section>
+    <label class="setting">
+      <input
+        type="checkbox"
+        checked={project.saves_by_itself}
+        onChange={(event) => void set(event.currentTarget.checked)}
+      />
+      Save by itself, two seconds after the last change without errors
+    </label>
   );
 }
 

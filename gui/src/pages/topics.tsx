@@ -1,11 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+import { computed } from "@preact/signals";
 import { useEffect, useMemo, useState } from "preact/hooks";
 import { ApiError } from "../api/client";
 import { LevelPanel } from "../levels/level_panel";
 import { MeasureRobot } from "../panels/measure_robot";
 import { TopicTable } from "../panels/topic_table";
 import { toRoute } from "../route";
+import { saveByItself } from "../state/save_by_itself";
 import { ConflictDialog } from "../ui/conflict_dialog";
 import { Header } from "../ui/header";
 import { Notice } from "../ui/notice";
@@ -36,6 +38,13 @@ export function TopicsPage({ api, project, name, refresh, editors }: PageProps) 
     redo: () => editor.redo(),
     save: async () => (canSave() ? save() : undefined),
   });
+  const savesByItself = project.saves_by_itself && isOpen;
+  useEffect(() => {
+    const { isSaved, conflict, restored } = editor;
+    const content = computed(() => JSON.stringify([editor.rows.value, editor.budget.value]));
+    const isSound = () => editor.problems.peek().length === 0;
+    return savesByItself ? saveByItself({ content, isSaved, conflict, restored, isSound, save }) : undefined;
+  }, [savesByItself]);
   const bags = project.files.filter((file) => file.kind === "bag").map((file) => file.name);
   const isSaved = editor.isSaved.value;
   return (
@@ -65,6 +74,7 @@ export function TopicsPage({ api, project, name, refresh, editors }: PageProps) 
         {isOpen && <LevelPanel {...{ editor, api, bags }} />}
         <Toast message={editor.message} />
         <ConflictDialog
+          api={api}
           file={editor}
           onSavedAs={(saved) => refresh().then(() => toRoute({ page: "topics", name: saved }))}
         />

@@ -4,6 +4,7 @@ import { useEffect, useState } from "preact/hooks";
 import { type Api, ApiError } from "../api/client";
 import type { OptimizeAnswer, Refusal, Repair } from "../api/types";
 import { href } from "../route";
+import { setBudget } from "../state/budget";
 import type { RuleEditor } from "../state/rule_editor";
 import { download } from "../ui/download";
 import { readable } from "../ui/numbers";
@@ -38,7 +39,7 @@ export function OptimizePanel({ editor, api }: { editor: RuleEditor; api: Api })
     <div class="optimize">
       <Verdict editor={editor} result={result} />
       {result.refusals.map((refusal) => (
-        <RefusalCard key={refusal.rule ?? "defaults"} {...{ editor, refusal }} text={result.text} />
+        <RefusalCard key={refusal.rule ?? "defaults"} {...{ api, editor, refusal }} text={result.text} />
       ))}
       <div class="situations">
         {result.situations.map((situation) => (
@@ -74,7 +75,7 @@ function Verdict({ editor, result }: { editor: RuleEditor; result: OptimizeAnswe
   );
 }
 
-function RefusalCard({ editor, refusal, text }: { editor: RuleEditor; refusal: Refusal; text: string }) {
+function RefusalCard({ api, editor, refusal, text }: { api: Api; editor: RuleEditor; refusal: Refusal; text: string }) {
   return (
     <div class="notice warning column" role="alert">
       <p>{refusal.message}</p>
@@ -85,7 +86,7 @@ function RefusalCard({ editor, refusal, text }: { editor: RuleEditor; refusal: R
             type="button"
             class="small repair"
             title={repair.sentence}
-            onClick={() => void apply(editor, repair, text)}
+            onClick={() => void apply(api, editor, repair, text)}
           >
             {repair.title}
           </button>
@@ -95,9 +96,9 @@ function RefusalCard({ editor, refusal, text }: { editor: RuleEditor; refusal: R
   );
 }
 
-async function apply(editor: RuleEditor, repair: Repair, text: string): Promise<void> {
+async function apply(api: Api, editor: RuleEditor, repair: Repair, text: string): Promise<void> {
   if (repair.budget_kb_per_s === null) await editor.repair(text, repair);
-  else await editor.setBudget(repair.budget_kb_per_s);
+  else await setBudget(api, editor, repair.budget_kb_per_s);
 }
 
 async function optimize(editor: RuleEditor, api: Api, done: (result: Result) => void): Promise<void> {

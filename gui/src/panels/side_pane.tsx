@@ -10,12 +10,14 @@ import { type Choice, Tabs } from "../ui/tabs";
 import { FloorChoice } from "./floor_bar";
 import { MapPanel } from "./map_panel";
 import { TextPane } from "./text_pane";
+import { VersionsPane } from "./versions_pane";
 
-type Side = "text" | "map";
+type Side = "text" | "map" | "versions";
 
 const CHOICES: Choice<Side>[] = [
   { value: "text", label: "Text" },
   { value: "map", label: "Map" },
+  { value: "versions", label: "Versions" },
 ];
 
 /** Whether the text is what the file says. */
@@ -23,7 +25,7 @@ function SavedNote({ editor }: { editor: RuleEditor }) {
   return <span class="quiet">{editor.isTextSaved.value ? "the text is saved" : "the text is not saved yet"}</span>;
 }
 
-/** The right half: the rules as text, or their zones on a map. */
+/** The right half: the rules as text, their zones on a map, or what was saved of them. */
 export function SidePane({ editor, api }: { editor: RuleEditor; api: Api }) {
   const side = useSignal<Side>("text");
   const floor = useMemo(() => new MapFloor(api, editor), []);
@@ -40,11 +42,12 @@ export function SidePane({ editor, api }: { editor: RuleEditor; api: Api }) {
   return (
     <div class="pane side">
       <div class="pane-bar">
-        <Tabs label="Text or map" choices={CHOICES} chosen={side} />
+        <Tabs label="Text, map or versions" choices={CHOICES} chosen={side} />
         {isMap ? <FloorChoice {...{ floor, editor }} /> : <SavedNote editor={editor} />}
       </div>
-      <TextPane editor={editor} hidden={isMap} />
+      <TextPane editor={editor} hidden={side.value !== "text"} />
       {isMap && <MapPanel {...{ editor, zones, floor }} />}
+      {side.value === "versions" && <VersionsPane {...{ editor, api }} />}
     </div>
   );
 }

@@ -40,9 +40,10 @@ export async function saveOver(
   name: string,
   text: string,
   baseHash: string | null,
-): Promise<{ hash: string } | Conflict> {
+  byItself = false,
+): Promise<{ hash: string; note?: string } | Conflict> {
   try {
-    return await api.save(name, text, baseHash);
+    return await api.save(name, text, baseHash, byItself);
   } catch (error) {
     if (!isStatus(error, 409)) throw error;
   }

@@ -75,6 +75,13 @@ export function rulesFor({ rules_files }: RobotSummary, { files, opened }: Proje
   return names.find((name) => followed.has(baseName(name))) ?? opened ?? names[0] ?? null;
 }
 
+/** The robots that follow the rule file of a project, as far as its name tells. */
+export function followersOf(name: string, robots: readonly RobotSummary[]): RobotSummary[] {
+  return robots.filter(
+    ({ rules, rules_files }) => rules === "files" && rules_files.some((path) => baseName(path) === baseName(name)),
+  );
+}
+
 function baseName(path: string): string {
   return path.slice(path.lastIndexOf("/") + 1);
 }

@@ -58,7 +58,9 @@ export class RuleEditor implements Contested {
       this.layout.value === this.saved.value.layout &&
       this.map.value === this.saved.value.map,
   );
-  readonly isTextSaved = computed(() => this.text.value === this.saved.value.text);
+  /** What the file says. */
+  readonly savedText = computed(() => this.saved.value.text);
+  readonly isTextSaved = computed(() => this.text.value === this.savedText.value);
   /** How many blocks say nothing that the text could say, such as a check outside a rule. */
   blocksLeftOut = 0;
   /** Takes back a part of something that is not in the text yet; whether there was any. */
@@ -225,9 +227,17 @@ export class RuleEditor implements Contested {
     await this.check();
   }
 
-  async save(): Promise<void> {
+  async save(byItself = false): Promise<void> {
     await this.blocksHandedOver();
-    await this.inTurn(() => this.saveOver(this.saved.value.hash));
+    await this.inTurn(() => this.saveOver(this.saved.value.hash, byItself));
+  }
+
+  /** Goes back to an older text and saves that; what was not saved is saved before, so that it is a version, too. */
+  async bringBack(text: string): Promise<void> {
+    if (!this.isTextSaved.value) await this.save();
+    if (!this.isTextSaved.value) return;
+    await this.setText(text);
+    await this.save();
   }
 
   async saveAnyway(): Promise<void> {
@@ -256,9 +266,9 @@ export class RuleEditor implements Contested {
     this.saved.value = { text, hash: null, layout, map };
   }
 
-  private async saveOver(baseHash: string | null): Promise<void> {
+  private async saveOver(baseHash: string | null, byItself = false): Promise<void> {
     const [text, layout, map] = [this.text.value, this.layout.value, this.map.value];
-    const done = await saveOver(this.api, this.name, text, baseHash);
+    const done = await saveOver(this.api, this.name, text, baseHash, byItself);
     this.conflict.value = "mine" in done ? done : null;
     if ("mine" in done) return;
     this.saved.value = { ...this.saved.value, text, hash: done.hash };
@@ -266,7 +276,8 @@ export class RuleEditor implements Contested {
       this.layoutHash = await writeLayout(this.api, layoutName(this.name), { layout, map }, this.layoutHash);
     }
     this.saved.value = { ...this.saved.value, layout, map };
-    this.message.value = `Saved ${this.name}${this.withoutBlocks()}`;
+    if (done.note) this.message.value = `Saved ${this.name}, but no version is kept of it: ${done.note}`;
+    else if (!byItself) this.message.value = `Saved ${this.name}${this.withoutBlocks()}`;
   }
 
   /** The statement with this id in what the blocks show. */
@@ -282,21 +293,6 @@ export class RuleEditor implements Contested {
   /** Remembers where blocks stand. */
   moveBlocks(layout: Layout): void {
     if (JSON.stringify(layout) !== JSON.stringify(this.layout.value)) this.layout.value = layout;
-  }
-
-  /** Sets the budget in the file of the topic parameters, and keeps everything else in it. */
-  async setBudget(budgetKbPerS: number): Promise<void> {
-    const { profile } = this;
-    if (profile.value === null) return;
-    await this.inTurn(async () => {
-      const { name } = profile.value ?? { name: "" };
-      const { text, hash } = await this.api.read(name);
-      const table = await this.api.parseProfile(name, text);
-      const written = await this.api.writeProfile(name, { ...table, budget_kb_per_s: budgetKbPerS }, text);
-      await this.api.save(name, written.text, hash);
-      this.message.value = `Saved ${name}: ${budgetKbPerS} KB/s`;
-      await this.useProfile(name);
-    });
   }
 
   private goTo(text: string | null): void {
@@ -382,7 +378,8 @@ export class RuleEditor implements Contested {
     if (document.parses || this.shown.value === null) this.shown.value = { document, text };
   }
 
-  private inTurn(work: () => Promise<void>): Promise<void> {
+  /** Does this once all that was asked for before is done. */
+  inTurn(work: () => Promise<void>): Promise<void> {
     this.queue = this.queue.then(work).catch((error: unknown) => this.tell(error));
     return this.queue;
   }

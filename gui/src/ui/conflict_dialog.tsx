@@ -1,12 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { useState } from "preact/hooks";
-import { ApiError } from "../api/client";
+import { type Api, ApiError } from "../api/client";
 import { type Conflict, type Contested, isStatus } from "../state/conflict";
-import { differingLines } from "../text/difference";
 import { FormDialog } from "./dialog";
+import { DifferenceWords } from "./difference_words";
+import { TextComparison } from "./text_comparison";
 
 interface Props {
+  api: Api;
   file: Contested;
   /** Called with the name of the new file, after the text was saved under it. */
   onSavedAs: (name: string) => unknown;
@@ -18,7 +20,7 @@ export function ConflictDialog(props: Props) {
   return conflict && <WaysOut {...props} conflict={conflict} />;
 }
 
-function WaysOut({ file, conflict, onSavedAs }: Props & { conflict: Conflict }) {
+function WaysOut({ api, file, conflict, onSavedAs }: Props & { conflict: Conflict }) {
   const [problem, setProblem] = useState("");
   const ending = file.name.slice(file.name.lastIndexOf("."));
   const guarded = async (work: () => Promise<unknown>, where = file.name) => {
@@ -44,7 +46,17 @@ function WaysOut({ file, conflict, onSavedAs }: Props & { conflict: Conflict }) 
       onClose={() => (file.conflict.value = null)}
     >
       <p>Nothing was saved, and nothing that you typed is lost.</p>
-      {conflict.theirs !== null && <Versions mine={conflict.mine} theirs={conflict.theirs} />}
+      {conflict.theirs !== null && (
+        <TextComparison a="Theirs" textA={conflict.theirs} b="Yours" textB={conflict.mine} />
+      )}
+      {conflict.theirs !== null && ending === ".adirf" && (
+        <DifferenceWords
+          api={api}
+          title="With yours, a robot does this otherwise than with theirs:"
+          oldText={conflict.theirs}
+          newText={conflict.mine}
+        />
+      )}
       <div class="ways">
         {!isGone && (
           <button type="button" onClick={() => void guarded(() => file.readAgain())}>
@@ -67,26 +79,5 @@ function WaysOut({ file, conflict, onSavedAs }: Props & { conflict: Conflict }) 
         </p>
       )}
     </FormDialog>
-  );
-}
-
-/** The lines in which two texts differ, side by side. */
-function Versions({ mine, theirs }: { mine: string; theirs: string }) {
-  const { line, a, b } = differingLines(theirs, mine);
-  return (
-    <div class="versions">
-      <Version title={`Theirs, from line ${line}`} text={a} />
-      <Version title={`Yours, from line ${line}`} text={b} />
-    </div>
-  );
-}
-
-function Version({ title, text }: { title: string; text: string }) {
-  return (
-    <figure aria-label={title}>
-      <figcaption class="quiet">{title}</figcaption>
-      {/* biome-ignore lint/a11y/noNoninteractiveTabindex: the keyboard scrolls only what it can reach */}
-      <pre tabIndex={0}>{text || "(nothing)"}</pre>
-    </figure>
   );
 }

@@ -16,12 +16,20 @@ from starlette.types import ASGIApp
 
 from smarttestudo.adapters.files.project_folder import ProjectFolder
 from smarttestudo.domain.errors import TestudoError
-from smarttestudo.use_cases.ruler import edits, optimize_answer, profile_table, profiles, sharing, zone_edits
+from smarttestudo.use_cases.ruler import (
+    edits,
+    optimize_answer,
+    profile_table,
+    profiles,
+    sharing,
+    versions,
+    zone_edits,
+)
 from smarttestudo.use_cases.ruler.backgrounds import BackgroundRequest, Backgrounds, PathRequest
 from smarttestudo.use_cases.ruler.checked_text import Draft
 from smarttestudo.use_cases.ruler.curve import Curve, CurveRequest
 from smarttestudo.use_cases.ruler.edits import TextAnswer
-from smarttestudo.use_cases.ruler.project import ProjectFiles, SaveRequest
+from smarttestudo.use_cases.ruler.project import ProjectFiles, SaveRequest, SettingsRequest
 from smarttestudo.use_cases.ruler.pushing import ConfirmRequest, PushRequest
 from smarttestudo.use_cases.ruler.robot_link import OpenRobots, RobotLink
 from smarttestudo.use_cases.ruler.robots import WatchedRobots
@@ -71,6 +79,7 @@ def api_routes(
     """All that the page can ask in JSON."""
     robots = WatchedRobots(link)
     yield from _project_routes(ProjectFiles(folder, opened))
+    yield from _version_routes(versions.Versions(folder))
     yield from _rule_routes(edits.EditedTexts(), robots)
     yield from _profile_routes(profiles.Profiles(folder))
     yield from _background_routes(Backgrounds(folder))
@@ -88,6 +97,13 @@ def _project_routes(files: ProjectFiles) -> Iterator[ApiRoute]:
     yield telling("/api/project", files.project)
     yield telling("/api/file", files.read, query="name")
     yield answering("/api/file", SaveRequest, files.save, method="PUT")
+    yield answering("/api/project/settings", SettingsRequest, files.set, method="PUT")
+
+
+def _version_routes(kept: versions.Versions) -> Iterator[ApiRoute]:
+    yield telling("/api/versions", kept.versions, query="name")
+    yield answering("/api/version", versions.VersionRequest, kept.version)
+    yield answering("/api/difference", versions.DifferenceRequest, versions.difference)
 
 
 def _rule_routes(texts: edits.EditedTexts, robots: WatchedRobots) -> Iterator[ApiRoute]:

@@ -62,19 +62,24 @@ class ChangedFileError(TestudoError):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FoundFile:
-    """A file by its name in the project, with ``/`` between folders. A bag may be a folder."""
+    """A file by its name in the project, with ``/`` between folders. A bag may be a folder.
+
+    ``changed_at_s`` is when it was changed last, in seconds since 1970.
+    """
 
     name: str
     kind: FileKind
     size_bytes: int
+    changed_at_s: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FileText:
-    """The text of a file, every byte of it, and the SHA-256 of those."""
+    """The text of a file, every byte of it, the SHA-256 of those, and when it was written (since 1970)."""
 
     text: str
     sha256: str
+    changed_at_ms: int
 
 
 class ProjectFolder:
@@ -147,14 +152,16 @@ class ProjectFolder:
 
     def read(self, name: str) -> FileText:
         """The text of the rule file, profile, map description or layout ``name``."""
-        self._kind(name)
-        data = self._bytes(self.path(name), name)
+        self.kind(name)
+        path = self.path(name)
+        data = self._bytes(path, name)
         if len(data) > MAX_TEXT_BYTES:
             raise TestudoError("the file is larger than 1 MB", place=name, remedy="is it the right one?")
         try:
-            return FileText(text=data.decode("utf-8"), sha256=_sha256(data))
+            text = data.decode("utf-8")
         except UnicodeDecodeError as error:
             raise TestudoError("the file is not UTF-8", place=name, remedy="save it as UTF-8") from error
+        return FileText(text=text, sha256=_sha256(data), changed_at_ms=_changed_at_ms(path))
 
     def write(self, name: str, text: str, base_sha256: str | None) -> str:
         """Write ``text`` in one step; the SHA-256 of it.
@@ -162,7 +169,7 @@ class ProjectFolder:
         Raises ``ChangedFileError`` where the file is not the one that ``base_sha256`` was read of; ``None``
         means that there is none.
         """
-        if self._kind(name) not in _WRITABLE:
+        if self.kind(name) not in _WRITABLE:
             raise ForbiddenPathError("the Ruler does not write such files", place=name)
         path, data = self.path(name), text.encode("utf-8")
         if len(data) > MAX_TEXT_BYTES:
@@ -200,7 +207,8 @@ class ProjectFolder:
             cause = f"the file cannot be read: {error.strerror}"
             raise TestudoError(cause, place=name, remedy="check its permissions") from error
 
-    def _kind(self, name: str) -> FileKind:
+    def kind(self, name: str) -> FileKind:
+        """What the file ``name`` is, by its name; ``ForbiddenPathError`` for what the Ruler does not edit."""
         last = PurePosixPath(name).name
         if _LAYOUT.fullmatch(last):
             return FileKind.LAYOUT
@@ -231,7 +239,7 @@ class ProjectFolder:
         elif entry.is_dir(follow_symlinks=False) and _is_shown(entry.name) and depth > 0:
             path = Path(entry.path)
             if (path / "metadata.yaml").is_file():
-                yield self._found(path, FileKind.BAG, _folder_bytes(path))
+                yield self._found(path, FileKind.BAG, entry.stat(), _folder_bytes(path))
             else:
                 yield from self._walk(path, depth - 1)
 
@@ -246,10 +254,12 @@ class ProjectFolder:
             return
         if kind is FileKind.MAP and not _describes_map(path):
             return
-        yield self._found(path, kind, entry.stat().st_size)
+        found = entry.stat()
+        yield self._found(path, kind, found, found.st_size)
 
-    def _found(self, path: Path, kind: FileKind, size_bytes: int) -> FoundFile:
-        return FoundFile(name=path.relative_to(self._root).as_posix(), kind=kind, size_bytes=size_bytes)
+    def _found(self, path: Path, kind: FileKind, found: os.stat_result, size_bytes: int) -> FoundFile:
+        name = path.relative_to(self._root).as_posix()
+        return FoundFile(name=name, kind=kind, size_bytes=size_bytes, changed_at_s=found.st_mtime)
 
 
 def _is_one_line(name: str) -> bool:
@@ -276,6 +286,14 @@ def _mode(path: Path) -> int | None:
         return path.stat().st_mode
     except OSError:
         return None
+
+
+def _changed_at_ms(path: Path) -> int:
+    """When a file was written last; 0 where it went away meanwhile."""
+    try:
+        return path.stat().st_mtime_ns // 1_000_000
+    except OSError:
+        return 0
 
 
 def _is_shown(name: str) -> bool:

@@ -4,12 +4,17 @@
 
 from __future__ import annotations
 
+import time
+from collections.abc import Callable
 from importlib.util import find_spec
 
 from msgspec import Struct
 
 from smarttestudo import __version__
-from smarttestudo.adapters.files.project_folder import FoundFile, ProjectFolder
+from smarttestudo.adapters.files.project_folder import FileKind, FileText, FoundFile, ProjectFolder
+from smarttestudo.adapters.files.project_settings import ProjectSettings, read_settings, write_settings
+from smarttestudo.adapters.files.version_store import VersionStore
+from smarttestudo.domain.errors import TestudoError
 
 
 class Project(Struct, frozen=True, kw_only=True):
@@ -17,6 +22,7 @@ class Project(Struct, frozen=True, kw_only=True):
 
     A bag is named by its folder, or by its file where it has no metadata. ``ros`` is whether the server can
     reach ROS 2; ``version`` is that of SmartTestudo. ``root_hash`` tells folders of one name apart.
+    ``saves_by_itself`` is whether the page saves what was changed without being asked.
     """
 
     root_name: str
@@ -26,6 +32,13 @@ class Project(Struct, frozen=True, kw_only=True):
     version: str
     ros: bool
     has_more: bool
+    saves_by_itself: bool
+
+
+class SettingsRequest(Struct, frozen=True, kw_only=True):
+    """``PUT /api/project/settings`` → ``Project``: what everybody who opens the project wants."""
+
+    saves_by_itself: bool
 
 
 class FileAnswer(Struct, frozen=True, kw_only=True):
@@ -37,25 +50,37 @@ class FileAnswer(Struct, frozen=True, kw_only=True):
 
 
 class SaveRequest(Struct, frozen=True, kw_only=True):
-    """``PUT /api/file``: ``base_hash`` is what the editor read; null where the file must not exist yet."""
+    """``PUT /api/file``: ``base_hash`` is what the editor read; null where the file must not exist yet.
+
+    ``by_itself`` is whether nobody asked the page to save.
+    """
 
     name: str
     text: str
     base_hash: str | None = None
+    by_itself: bool = False
 
 
 class SaveAnswer(Struct, frozen=True, kw_only=True):
-    """The SHA-256 of what is on disk now."""
+    """The SHA-256 of what is on disk now; ``note`` is why no version of it is kept, empty if one is."""
 
     hash: str
+    note: str
 
 
 class ProjectFiles:
-    """The files of ``folder``; ``opened`` is the one that the user named, if any."""
+    """The files of ``folder``; ``opened`` is the one that the user named, if any.
 
-    def __init__(self, folder: ProjectFolder, opened: str | None) -> None:
+    ``now_s`` is the time in seconds since 1970.
+    """
+
+    def __init__(
+        self, folder: ProjectFolder, opened: str | None, now_s: Callable[[], float] = time.time
+    ) -> None:
         self._folder = folder
+        self._versions = VersionStore(folder)
         self._opened = opened
+        self._now_s = now_s
 
     def project(self) -> Project:
         """What there is to open."""
@@ -68,7 +93,13 @@ class ProjectFiles:
             version=__version__,
             ros=find_spec("rclpy") is not None,
             has_more=has_more,
+            saves_by_itself=read_settings(self._folder).saves_by_itself,
         )
+
+    def set(self, request: SettingsRequest) -> Project:
+        """Change the settings of the project."""
+        write_settings(self._folder, ProjectSettings(saves_by_itself=request.saves_by_itself))
+        return self.project()
 
     def read(self, name: str) -> FileAnswer:
         """One text file."""
@@ -76,5 +107,30 @@ class ProjectFiles:
         return FileAnswer(name=name, text=found.text, hash=found.sha256)
 
     def save(self, request: SaveRequest) -> SaveAnswer:
-        """Write one text file."""
-        return SaveAnswer(hash=self._folder.write(request.name, request.text, request.base_hash))
+        """Write one text file; of a rule file, what was and what is there are kept as versions."""
+        name = request.name
+        if self._folder.kind(name) is not FileKind.RULES:
+            return SaveAnswer(hash=self._written(request), note="")
+        before = self._before(request)
+        sha256 = self._written(request)
+        try:
+            if before is not None:
+                self._versions.keep(name, before.text, before.changed_at_ms)
+            self._versions.keep(name, request.text, int(self._now_s() * 1000), by_itself=request.by_itself)
+        except TestudoError as error:
+            # The file itself is saved, and that must be said.
+            return SaveAnswer(hash=sha256, note=error.cause)
+        return SaveAnswer(hash=sha256, note="")
+
+    def _written(self, request: SaveRequest) -> str:
+        return self._folder.write(request.name, request.text, request.base_hash)
+
+    def _before(self, request: SaveRequest) -> FileText | None:
+        """What a save replaces, which another program may have written; ``None`` where nothing is."""
+        if request.base_hash is None:
+            return None
+        try:
+            return self._folder.read(request.name)
+        except TestudoError:
+            # The save itself says what is wrong with it.
+            return None

@@ -1,0 +1,130 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import { useSignal, useSignalEffect } from "@preact/signals";
+import { useEffect } from "preact/hooks";
+import { type Api, ApiError } from "../api/client";
+import type { RuleVersion, VersionsAnswer } from "../api/types";
+import type { RuleEditor } from "../state/rule_editor";
+import { DifferenceWords } from "../ui/difference_words";
+import { TextComparison } from "../ui/text_comparison";
+import { moment } from "../ui/times";
+
+const SHOWN_CHANGES = 5;
+
+/** What was saved of the rule file: when, what changed in words, and the way back. */
+export function VersionsPane({ editor, api }: { editor: RuleEditor; api: Api }) {
+  const list = useSignal<VersionsAnswer | null>(null);
+  const problem = useSignal("");
+  /** The version that is compared with what is open, and its text. */
+  const compared = useSignal<{ id: string; text: string } | null>(null);
+  const guarded = async (work: () => Promise<unknown>) => {
+    try {
+      await work();
+      problem.value = "";
+    } catch (error) {
+      if (!(error instanceof ApiError)) throw error;
+      problem.value = error.message;
+    }
+  };
+  const read = () => guarded(async () => (list.value = await api.versions(editor.name)));
+  // Each save makes a version.
+  useSignalEffect(() => {
+    void editor.savedText.value;
+    void read();
+  });
+  useEffect(() => () => (compared.value = null), []);
+  const textOf = async (id: string) => (await api.version(editor.name, id)).text;
+  const compare = (id: string) =>
+    guarded(async () => (compared.value = compared.peek()?.id === id ? null : { id, text: await textOf(id) }));
+  const bringBack = (id: string) =>
+    guarded(async () => {
+      const text = await textOf(id);
+      compared.value = null;
+      await editor.bringBack(text);
+    });
+  if (list.value === null) return <p class="quiet versions-pane">{problem.value || "Reading the versions …"}</p>;
+  const { versions, most, folder } = list.value;
+  return (
+    <section class="versions-pane" aria-label="Versions">
+      {problem.value && (
+        <p class="problem" role="alert">
+          {problem.value}
+        </p>
+      )}
+      {versions.length === 0 && <p class="quiet">None yet: each save of this file keeps one.</p>}
+      <ol class="version-list">
+        {versions.map((version, index) => (
+          <li key={version.id} aria-label={titleOf(version)}>
+            <div class="row">
+              <strong>{moment(version.saved_at_ms)}</strong>
+              {version.by_itself && <span class="quiet">saved by itself</span>}
+              {index === 0 && <span class="quiet">the newest</span>}
+              <span class="version-tools">
+                <button
+                  type="button"
+                  class="small"
+                  aria-expanded={compared.value?.id === version.id}
+                  onClick={() => void compare(version.id)}
+                >
+                  Compare
+                </button>
+                <button type="button" class="small" onClick={() => void bringBack(version.id)}>
+                  Bring back
+                </button>
+              </span>
+            </div>
+            <Changes version={version} isOldest={index === versions.length - 1} />
+            {compared.value?.id === version.id && (
+              <Comparison {...{ api, editor }} version={version} text={compared.value.text} />
+            )}
+          </li>
+        ))}
+      </ol>
+      <p class="quiet">
+        At most {most} versions are kept, in {folder} of the project. Bringing one back saves it as the newest.
+      </p>
+    </section>
+  );
+}
+
+function titleOf(version: RuleVersion): string {
+  return `Version of ${moment(version.saved_at_ms)}`;
+}
+
+/** What changed in a version, as a robot sees it. */
+function Changes({ version: { changes, parses }, isOldest }: { version: RuleVersion; isOldest: boolean }) {
+  if (changes === null) {
+    return <p class="quiet">{isOldest ? "The oldest that is kept." : "Not compared in words: the files are large."}</p>;
+  }
+  const more = changes.length - SHOWN_CHANGES;
+  return (
+    <>
+      {changes.length === 0 && parses && <p class="quiet">Comments, layout or order only.</p>}
+      <ul>
+        {changes.slice(0, SHOWN_CHANGES).map((each) => (
+          <li key={each}>{each}</li>
+        ))}
+        {more > 0 && <li class="quiet">and {more} more</li>}
+      </ul>
+      {parses === false && <p class="quiet">It has errors of syntax.</p>}
+    </>
+  );
+}
+
+interface ComparisonProps {
+  api: Api;
+  editor: RuleEditor;
+  version: RuleVersion;
+  text: string;
+}
+
+function Comparison({ api, editor, version, text }: ComparisonProps) {
+  const now = editor.text.value;
+  if (text === now) return <p role="status">This is what is open.</p>;
+  return (
+    <div class="version-comparison" role="status">
+      <DifferenceWords api={api} title="Bringing it back changes for a robot:" oldText={now} newText={text} />
+      <TextComparison a="Open now" textA={now} b={moment(version.saved_at_ms)} textB={text} />
+    </div>
+  );
+}

@@ -1,0 +1,48 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import { useEffect, useState } from "preact/hooks";
+import { type Api, ApiError } from "../api/client";
+import type { DifferenceAnswer } from "../api/types";
+
+interface Props {
+  api: Api;
+  /** What stands above the sentences. */
+  title: string;
+  oldText: string;
+  newText: string;
+}
+
+/** What a robot does otherwise with the new text of a rule file, in sentences. */
+export function DifferenceWords({ api, title, oldText, newText }: Props) {
+  const [answer, setAnswer] = useState<DifferenceAnswer | { problem: string } | null>(null);
+  useEffect(() => {
+    let isAsked = true;
+    const show = (found: typeof answer) => isAsked && setAnswer(found);
+    api.difference(oldText, newText).then(show, (error: unknown) => {
+      if (!(error instanceof ApiError)) throw error;
+      show({ problem: error.message });
+    });
+    return () => {
+      isAsked = false;
+    };
+  }, [oldText, newText]);
+  if (answer === null) return null;
+  if ("problem" in answer) return <p class="problem">{answer.problem}</p>;
+  return (
+    <div>
+      {answer.differences.length > 0 && <p>{title}</p>}
+      <ul class="differences" aria-label="Differences">
+        {answer.differences.map((each) => (
+          <li key={each}>{each}</li>
+        ))}
+      </ul>
+      <p class="quiet">{reservation(answer)}</p>
+    </div>
+  );
+}
+
+/** What the sentences do not say. */
+function reservation({ differences, old_parses, new_parses }: DifferenceAnswer): string {
+  if (!old_parses || !new_parses) return "A text has errors of syntax: what cannot be read is not compared in words.";
+  return differences.length === 0 ? "For a robot they are the same: comments, layout or order differ." : "";
+}
