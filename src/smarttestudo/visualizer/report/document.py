@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from smarttestudo.visualizer.report.accuracy_section import accuracy_section
 from smarttestudo.visualizer.report.decision_chart import Lane, lanes
 from smarttestudo.visualizer.report.decision_section import decision_section
 from smarttestudo.visualizer.report.floor_map import FloorMap, floor_map
@@ -87,6 +88,8 @@ def _parts(report: RunReport, drawn: _Drawn) -> Iterator[Markup]:
         yield link_section(report.link, total.kb_per_s, report.duration_s)
     if report.loss is not None:
         yield loss_section(report.loss, report.names)
+    if report.accuracy is not None:
+        yield accuracy_section(report.accuracy)
     for table in report.shown_tables:
         yield section(table.title, html_table(table))
     if report.notices:
