@@ -13,8 +13,9 @@ from smarttestudo.visualizer.report import RunReport
 from smarttestudo.visualizer.report.accuracy_chart import LogAxis, Sent, accuracy_chart
 
 _SIZE_IN = (7.2, 2.6)
-_RECKONED = (0, (5.0, 3.0))
+_RECKONED = (0, (3.0, 2.0))
 _MARK = 3.0
+_SAMPLE_LENGTH = 5.0
 
 
 def accuracy_figure(report: RunReport) -> Figure | None:
@@ -45,7 +46,7 @@ def accuracy_figure(report: RunReport) -> Figure | None:
     axes.set_ylim(chart.errors.low, chart.errors.high)
     axes.set_xlabel("Messages")
     axes.set_ylabel(f"Worst error in {plain(chart.unit)}" if chart.unit else "Worst error")
-    axes.legend(fontsize=7)
+    axes.legend(fontsize=7, handlelength=_SAMPLE_LENGTH)
     return figure
 
 
