@@ -14,6 +14,13 @@ from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.units import NS_PER_S, ns_from_s
 from smarttestudo.visualizer.comparison import compare
 from smarttestudo.visualizer.floor import PathPoint
+from smarttestudo.visualizer.loss.accuracy import (
+    AccuracyCurve,
+    AccuracyPoint,
+    BoundPrice,
+    Motion,
+    PictureError,
+)
 from smarttestudo.visualizer.loss.report import (
     Age,
     Carried,
@@ -149,6 +156,7 @@ def demo_like_report(
         series=series,
         total=total,
         loss=_loss(),
+        accuracy_curve=demo_like_accuracy(),
         decisions=decisions,
         rules=(RuleText(path="examples/warehouse.adirf", text=RULES),),
         provenance=(
@@ -292,3 +300,27 @@ def _path() -> tuple[PathPoint, ...]:
 
 def _rectangle(min_x_m: float, max_x_m: float, min_y_m: float, max_y_m: float) -> Rectangle:
     return Rectangle(min_x_m=min_x_m, max_x_m=max_x_m, min_y_m=min_y_m, max_y_m=max_y_m)
+
+
+def demo_like_accuracy() -> AccuracyCurve:
+    """The position of a robot at constant speed: with hold a bound gains little, with dead reckoning much."""
+    sent = {0.01: (764, 35), 0.02: (509, 33), 0.05: (254, 31), 0.1: (139, 31), 0.2: (73, 31)}
+    return AccuracyCurve(
+        topic="/odom",
+        property_name="position",
+        unit="m",
+        messages=1530,
+        motion=Motion(mean_per_s=0.248, max_per_s=0.25),
+        points=tuple(
+            AccuracyPoint(bound=bound, hold=_price(bound, held, 1.2), reckoned=_price(bound, reckoned, 4.0))
+            for bound, (held, reckoned) in sent.items()
+        ),
+    )
+
+
+def _price(bound: float, messages: int, worse: float) -> BoundPrice:
+    within, fixed = (
+        PictureError(messages=messages, rmse=worst / 2, worst=worst, unknown=0)
+        for worst in (0.99 * bound, worse * bound)
+    )
+    return BoundPrice(within=within, fixed=fixed, fixed_hz=messages / 60)

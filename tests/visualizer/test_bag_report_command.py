@@ -26,7 +26,7 @@ end
 """
 ALL_FIGURES = {
     f"{name}.{form}"
-    for name in ("rates", "bandwidth", "total", "intervals", "path")
+    for name in ("rates", "bandwidth", "total", "intervals", "accuracy", "path")
     for form in ("png", "svg")
 }
 
@@ -146,7 +146,7 @@ def test_the_actions_draw_what_they_tell(desk: Desk) -> None:
     assert desk.names_in("r") == {name for name in ALL_FIGURES if name.startswith(("rates", "intervals"))}
     assert desk.names_in("b") == {"1-sent", "2-received"}
     assert desk.names_in("b/1-sent") == {name for name in ALL_FIGURES if name.startswith(("band", "total"))}
-    assert desk.names_in("c") == {name for name in ALL_FIGURES if not name.startswith("path")}
+    assert desk.names_in("c") == {name for name in ALL_FIGURES if not name.startswith(("accuracy", "path"))}
     assert "wrote c/rates.svg\n" in ran.err
     assert "wrote" not in ran.out
 

@@ -259,3 +259,13 @@ def test_the_first_messages_that_nobody_received_are_said_to_show_nothing(
     (bound,) = json.loads(capsys.readouterr().out)["bounds"]
     assert bound["stretches"] == [{"from_s": 0, "to_s": 2, "messages": 40, "worst": None}]
     assert (bound["broken"], bound["worst"]) == (40, 0)
+
+
+def test_a_report_tells_of_the_bounds_too(tmp_path: Path) -> None:
+    run = replay_content(CIRCLE, TOO_SLOW, tmp_path)
+    page = tmp_path / "report.html"
+    command = ["bag", "report", str(tmp_path / "bag"), str(run.output), "-o", str(page), "--rules"]
+    assert main([*command, str(tmp_path / "rules.adirf")]) == 0
+    text = page.read_text(encoding="utf-8")
+    assert "/odom position 0.3 broken: 1.30 to 1.50 s (0.400 m); " in text
+    assert "What an accuracy costs" in text

@@ -13,6 +13,7 @@ from matplotlib import rc_context
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from smarttestudo.adapters.figures.accuracy import accuracy_figure
 from smarttestudo.adapters.figures.intervals import intervals_figure
 from smarttestudo.adapters.figures.over_time import bandwidth_figure, rates_figure, total_figure
 from smarttestudo.adapters.figures.path import path_figure
@@ -35,6 +36,7 @@ class FigureKind(Enum):
     BANDWIDTH = "bandwidth"
     TOTAL = "total"
     INTERVALS = "intervals"
+    ACCURACY = "accuracy"
     PATH = "path"
 
 
@@ -44,6 +46,7 @@ _DRAWN: Mapping[FigureKind, Callable[[RunReport], Figure | None]] = {
     FigureKind.TOTAL: total_figure,
     FigureKind.INTERVALS: intervals_figure,
     FigureKind.PATH: path_figure,
+    FigureKind.ACCURACY: accuracy_figure,
 }
 
 

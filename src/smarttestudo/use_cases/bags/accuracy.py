@@ -77,6 +77,22 @@ def accuracy_wanted(samples: TopicSamples, asked: Collection[str]) -> tuple[Want
     )
 
 
+_POSITIONS = (
+    "nav_msgs/msg/Odometry",
+    "geometry_msgs/msg/PoseWithCovarianceStamped",
+    "geometry_msgs/msg/PoseStamped",
+    "tf2_msgs/msg/TFMessage",
+)
+
+
+def position_wanted(bag: Path, topics: Collection[str]) -> dict[str, tuple[WantedProperty, ...]]:
+    """The position of one of ``topics``: of odometry, else of a pose, else of frames; empty without any."""
+    with open_recording(bag) as recording:
+        known = [one for one in recording.channels if one.topic in topics and one.type_name in _POSITIONS]
+    first = min(known, key=lambda one: (_POSITIONS.index(one.type_name), one.topic), default=None)
+    return {} if first is None else {first.topic: geometry_of([first])[first.topic][:1]}
+
+
 def measure_accuracy(
     bag: Path,
     wanted: Mapping[str, Sequence[WantedProperty]],

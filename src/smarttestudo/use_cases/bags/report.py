@@ -15,6 +15,7 @@ from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.floor_plan import FloorPlan
 from smarttestudo.domain.profile import Profile
+from smarttestudo.use_cases.bags.accuracy import measure_accuracy, position_wanted
 from smarttestudo.use_cases.bags.link_statuses import has_statuses, link_history
 from smarttestudo.use_cases.bags.loss import LossQuestion, measure_loss
 from smarttestudo.use_cases.bags.measure import measure_run
@@ -23,6 +24,7 @@ from smarttestudo.visualizer.bag_tables import bandwidth_table, rates_table
 from smarttestudo.visualizer.comparison_tables import RunNames
 from smarttestudo.visualizer.floor import rule_zones
 from smarttestudo.visualizer.link_history import LinkHistory
+from smarttestudo.visualizer.loss.accuracy import AccuracyCurve
 from smarttestudo.visualizer.loss.report import LossReport
 from smarttestudo.visualizer.report import Fact, RuleText, RunReport
 from smarttestudo.visualizer.table import Table
@@ -69,9 +71,10 @@ def bag_report(request: ReportRequest) -> RunReport:
     runs = _measure(request, with_places=True)
     loss, notices = (None, ()) if request.b is None else _loss(request, request.b)
     report = _report(request, runs)
+    accuracy_curve, accuracy_notices = _accuracy(request, runs)
     link, link_notices = _link(request, runs.a.summary.span.start_ns)
-    said = (*report.notices, *notices, *link_notices)
-    return replace(report, loss=loss, link=link, notices=tuple(dict.fromkeys(said)))
+    said = (*report.notices, *notices, *accuracy_notices, *link_notices)
+    return replace(report, loss=loss, accuracy_curve=accuracy_curve, link=link, notices=tuple(dict.fromkeys(said)))
 
 
 def series_over_time(request: ReportRequest) -> RunReport:
@@ -132,6 +135,16 @@ def _loss(request: ReportRequest, b: Path) -> tuple[LossReport | None, tuple[str
         except RecordingError as error:
             return None, (f"what was lost is not known: {error.cause}",)
     return loss, loss.notices
+
+
+def _accuracy(request: ReportRequest, runs: PairedRuns) -> tuple[AccuracyCurve | None, tuple[str, ...]]:
+    """What accuracies of the robot's position in A cost, if A tells it."""
+    wanted = position_wanted(request.a, {pair.topic for pair in runs.pairs})
+    if not wanted:
+        return None, ()
+    with request.progress("Measuring what an accuracy costs") as report:
+        found = measure_accuracy(request.a, wanted, request.profile, report)
+    return next(iter(found.curves), None), found.notices
 
 
 def _link(request: ReportRequest, start_ns: int) -> tuple[LinkHistory | None, tuple[str, ...]]:

@@ -22,8 +22,8 @@ from smarttestudo.visualizer.table import (
 )
 
 _NOTE = (
-    "Sent: messages that keep the picture within the bound, and a heartbeat in 2 s. RMSE, worst: the error of "
-    "the picture after each message of the source. Fixed: the rate of as many messages, shown the same way."
+    "Sent: messages that keep the picture within the bound, and a heartbeat in 2 s. RMSE, worst: the error "
+    "of the picture after each message of the source. Fixed: the rate of as many messages, shown alike."
 )
 
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from smarttestudo.visualizer.report.accuracy_section import accuracy_curve_section
 from smarttestudo.visualizer.report.decision_chart import Lane, lanes
 from smarttestudo.visualizer.report.decision_section import decision_section
 from smarttestudo.visualizer.report.floor_map import FloorMap, floor_map
@@ -90,6 +91,8 @@ def _parts(report: RunReport, drawn: _Drawn) -> Iterator[Markup]:
         yield loss_section(report.loss, report.names)
     if report.accuracy is not None:
         yield accuracy_section(report.accuracy)
+    if report.accuracy_curve is not None:
+        yield accuracy_curve_section(report.accuracy_curve)
     for table in report.shown_tables:
         yield section(table.title, html_table(table))
     if report.notices:

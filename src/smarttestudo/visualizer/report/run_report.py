@@ -13,6 +13,7 @@ from smarttestudo.visualizer.comparison import Comparison
 from smarttestudo.visualizer.comparison_tables import RunNames, bandwidth_table, frequency_table
 from smarttestudo.visualizer.floor import PathPoint
 from smarttestudo.visualizer.link_history import LinkHistory
+from smarttestudo.visualizer.loss.accuracy import AccuracyCurve
 from smarttestudo.visualizer.loss.report import LossReport
 from smarttestudo.visualizer.rule_timeline import by_topic
 from smarttestudo.visualizer.series import Series
@@ -73,8 +74,8 @@ class RunReport:
     """One recording, or two beside each other. Every text may come from a stranger.
 
     Times are in seconds since the first recording's start, those of ``decisions`` too. ``explanation`` says
-    what is compared; ``total`` is the bandwidth of all topics together. Of a pair, ``tables`` may be left
-    empty for the usual two.
+    what is compared; ``total`` is the bandwidth of all topics together, ``accuracy_curve`` what
+    bounds of the robot's position cost. Of a pair, ``tables`` may be left empty for the usual two.
     """
 
     title: str
@@ -89,6 +90,7 @@ class RunReport:
     budget_kb_per_s: float | None = None
     loss: LossReport | None = None
     accuracy: AccuracyComparison | None = None
+    accuracy_curve: AccuracyCurve | None = None
     link: LinkHistory | None = None
     rules: tuple[RuleText, ...] = ()
     provenance: tuple[Fact, ...] = ()
