@@ -47,7 +47,7 @@ def test_rates_and_sizes_are_those_of_the_sources(tmp_path: Path) -> None:
 
 
 def test_a_pose_that_does_not_move_needs_the_heartbeat_only(tmp_path: Path) -> None:
-    robot = VirtualRobot(sources={"/pose": Source("geometry_msgs/msg/PoseStamped", hz=10)})
+    robot = VirtualRobot(sources={"/pose": Source(type_name="geometry_msgs/msg/PoseStamped", hz=10)})
     found = profile_in(tmp_path, measured(robot, seconds=20)).topic("/pose")
     tiers = found.accuracies[LevelledProperty.POSITION]
     assert tiers.needs_hz == pytest.approx((0.5,) * 6, rel=0.15)
