@@ -332,7 +332,8 @@ class _Speller:
         if isinstance(statement, Block):
             yield from self._block(statement, owner)
         elif isinstance(statement, KeepWithin):
-            words = ["KeepWithin", statement.topic.text, statement.property, statement.text]
+            bound = statement.bound.value if isinstance(statement.bound, Tier) else statement.text
+            words = ["KeepWithin", statement.topic.text, statement.property, bound]
             yield from _owned(words, owner)
         elif isinstance(statement, RecordIncident):
             yield from _owned(["Record", _quoted(statement.name)], owner)

@@ -10,6 +10,7 @@ import pytest
 
 from smarttestudo.adapters.files.profile import load_profile
 from smarttestudo.cli.main import main
+from smarttestudo.domain.accuracy import LevelledProperty
 from smarttestudo.domain.errors import TestudoError
 from smarttestudo.domain.profile import Profile
 from smarttestudo.use_cases.live.profile import RobotProfile, profile_of_robot
@@ -43,6 +44,13 @@ def test_rates_and_sizes_are_those_of_the_sources(tmp_path: Path) -> None:
     assert {topic.message_kb for topic in profile.topics.values()} == {0.25}
     assert profile.topic("/map").source_hz is None
     assert profile.topic("/imu").tiers_hz is not None
+
+
+def test_a_pose_that_does_not_move_needs_the_heartbeat_only(tmp_path: Path) -> None:
+    robot = VirtualRobot(sources={"/pose": Source(type_name="geometry_msgs/msg/PoseStamped", hz=10)})
+    found = profile_in(tmp_path, measured(robot, seconds=20)).topic("/pose")
+    tiers = found.accuracies[LevelledProperty.POSITION]
+    assert tiers.needs_hz == pytest.approx((0.5,) * 6, rel=0.15)
 
 
 def test_what_is_not_the_robots_own_is_left_out(tmp_path: Path) -> None:

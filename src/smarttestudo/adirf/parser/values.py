@@ -26,7 +26,8 @@ _RATE_NAMES: dict[str, Tier | RateWord] = {
     **{word.value: word for word in RateWord},
 }
 _EXPECTED_RATE = "a rate (a number of Hz, a tier, 'Full' or 'Off')"
-_EXPECTED_BOUND = "how far off the property may be"
+_EXPECTED_BOUND = "a bound (a number or a tier)"
+_TIERS_HINT = f"the tiers are {', '.join(_TIERS)}"
 _LEADING_NUMBER = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 
 
@@ -98,7 +99,7 @@ def parse_rate(cursor: Cursor) -> RateExpression:
     if value is None:
         right = closest(token.text, _RATE_NAMES)
         fix = Fix(span=token.span, replacement=right, title=f"write {right}") if right else None
-        hint = did_you_mean(right) if right else f"the tiers are {', '.join(tier.value for tier in Tier)}"
+        hint = did_you_mean(right) if right else _TIERS_HINT
         raise cursor.failure("expected-rate", _EXPECTED_RATE, hint=hint, fix=fix)
     cursor.advance()
     return RateExpression(value=value, text="", span=token.span)
@@ -117,7 +118,7 @@ def parse_bound(cursor: Cursor) -> tuple[float | Tier, str]:
     if tier is None:
         right = closest(token.text, _TIERS)
         fix = Fix(span=token.span, replacement=right, title=f"write {right}") if right else None
-        hint = did_you_mean(right) if right else ""
+        hint = did_you_mean(right) if right else _TIERS_HINT
         raise cursor.failure("expected-number", _EXPECTED_BOUND, hint=hint, fix=fix)
     cursor.advance()
     return tier, ""
