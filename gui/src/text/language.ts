@@ -71,7 +71,7 @@ export const adirfColours = syntaxHighlighting(
   ]),
 );
 
-/** Topics after a blank and `/`, properties after a topic of a check, else keywords and levels. */
+/** Topics after a blank and `/`, properties after a topic of a check or bound, else keywords and levels. */
 export function suggest(context: CompletionContext, vocabulary: Vocabulary | null): CompletionResult | null {
   const word = context.matchBefore(/[\w/.]*/);
   if (!word || (word.text === "" && !context.explicit)) return null;
@@ -81,16 +81,14 @@ export function suggest(context: CompletionContext, vocabulary: Vocabulary | nul
 }
 
 function options(before: string, word: string, vocabulary: Vocabulary | null): Completion[] {
-  const checked = /CheckValue\s*(\S+)\s+$/.exec(before)?.[1];
+  const [, keyword, named] = /(CheckValue|KeepWithin)\s*(\S+)\s+$/.exec(before) ?? [];
   const topics = vocabulary?.topics ?? [];
-  if (checked !== undefined) {
-    const own = topics.find(({ topic }) => topic === checked)?.properties ?? [];
-    return [...own, ...(vocabulary?.every_topic ?? [])].map(({ name, unit, meaning }) => ({
-      label: name,
-      detail: unit,
-      info: meaning,
-      type: "property",
-    }));
+  if (named !== undefined) {
+    const { properties = [], bounds = [] } = topics.find(({ topic }) => topic === named) ?? {};
+    const more = vocabulary?.every_topic ?? [];
+    return (keyword === "CheckValue" ? [...properties, ...more] : [...bounds, ...properties]).map(
+      ({ name, unit, meaning }) => ({ label: name, detail: unit, info: meaning, type: "property" }),
+    );
   }
   if (word.startsWith("/") || /(SetFrequency|KeepAtLeast|KeepWithin|CheckValue|Record\s+"[^"]*")\s*$/.test(before)) {
     return topics.map(({ topic, type, source }) => ({

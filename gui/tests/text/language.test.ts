@@ -1,0 +1,32 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import { CompletionContext } from "@codemirror/autocomplete";
+import { EditorState } from "@codemirror/state";
+import { expect, test } from "vitest";
+import type { Vocabulary } from "../../src/api/types";
+import { suggest } from "../../src/text/language";
+
+const property = (name: string) => ({ name, unit: "m", meaning: "" });
+const VOCABULARY: Vocabulary = {
+  topics: [
+    {
+      topic: "/odom",
+      type: "nav_msgs/msg/Odometry",
+      source: "example",
+      properties: [property("pose_x")],
+      bounds: [property("position")],
+    },
+  ],
+  every_topic: [property("age")],
+};
+
+test.each([
+  ["CheckValue /odom ", ["pose_x", "age"]],
+  ["KeepWithin /odom ", ["position", "pose_x"]],
+  ["KeepWithin ", ["/odom"]],
+  ['Record "near miss" ', ["/odom"]],
+])("behind %j is suggested %j", (text, labels) => {
+  const state = EditorState.create({ doc: text });
+  const found = suggest(new CompletionContext(state, text.length, true), VOCABULARY);
+  expect(found?.options.map(({ label }) => label)).toEqual(labels);
+});
