@@ -129,3 +129,23 @@ def test_a_mission_is_not_driven_over_a_link(tmp_path: Path) -> None:
 
     assert ran.code == 2
     assert "--mission" in ran.stderr
+
+
+def test_a_robot_that_never_stops_is_held_no_better_within_a_bound_than_at_a_fixed_rate(
+    demo_out: Path, whole_demo: Ran, tmp_path: Path
+) -> None:
+    """As the documentation says of the patrol, where |x′| hardly changes."""
+    fixed = tmp_path / "fixed.adirf"
+    bounded = tmp_path / "bounded.adirf"
+    fixed.write_text("begin SetFrequency /odom 8.5 end")
+    bounded.write_text("begin SetFrequency /odom Full KeepWithin /odom position 0.02 end")
+
+    ran = run_testudo(
+        "bag", "accuracy", demo_out / "baseline", "--rules", fixed, "--rules", bounded, "--json"
+    )
+
+    at_rate, by_rule, within = (arm["topics"]["/odom"] for arm in json.loads(ran.stdout)["arms"])
+    assert at_rate["messages"] == pytest.approx(within["messages"], rel=0.01)
+    assert abs(by_rule["messages"] - at_rate["messages"]) <= 1
+    assert _position(within)["rmse"] == pytest.approx(_position(at_rate)["rmse"], rel=0.05)
+    assert _position(within)["worst"] <= 0.02 < _position(at_rate)["worst"]
