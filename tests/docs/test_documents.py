@@ -68,10 +68,11 @@ def run_demo(command: Command, folder: Path, factory: pytest.TempPathFactory) ->
     """The same as ``run``; several documents begin with the same demo."""
 
     def make(made: Path) -> None:
+        shutil.copytree(ROOT / "examples", made / "examples")
         (made / "printed.txt").write_text(run(command, made), encoding="utf-8")
 
     made = made_once(factory, re.sub(r"\W+", "-", command.line), make)
-    shutil.copytree(made / "demo-out", folder / "demo-out")
+    shutil.copytree(made / "demo-out", folder / "demo-out", dirs_exist_ok=True)
     return (made / "printed.txt").read_text(encoding="utf-8")
 
 

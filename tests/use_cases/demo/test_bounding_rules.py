@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import json
+import math
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -129,3 +130,47 @@ def test_a_mission_is_not_driven_over_a_link(tmp_path: Path) -> None:
 
     assert ran.code == 2
     assert "--mission" in ran.stderr
+
+
+def test_a_robot_that_never_stops_is_held_no_better_within_a_bound_than_at_a_fixed_rate(
+    demo_out: Path, whole_demo: Ran, tmp_path: Path
+) -> None:
+    """As the documentation says of the patrol, where |x′| hardly changes."""
+    fixed = tmp_path / "fixed.adirf"
+    bounded = tmp_path / "bounded.adirf"
+    fixed.write_text("begin SetFrequency /odom 8.5 end")
+    bounded.write_text("begin SetFrequency /odom Full KeepWithin /odom position 0.02 end")
+
+    ran = run_testudo(
+        "bag", "accuracy", demo_out / "baseline", "--rules", fixed, "--rules", bounded, "--json"
+    )
+
+    at_rate, by_rule, within = (arm["topics"]["/odom"] for arm in json.loads(ran.stdout)["arms"])
+    assert at_rate["messages"] == pytest.approx(within["messages"], rel=0.01)
+    assert abs(by_rule["messages"] - at_rate["messages"]) <= 1
+    assert _position(within)["rmse"] == pytest.approx(_position(at_rate)["rmse"], rel=0.05)
+    assert _position(within)["worst"] <= 0.02 < _position(at_rate)["worst"]
+
+
+def test_the_rules_of_the_thesis_are_as_much_off_as_the_measure_of_losses_says(
+    errands: Path, arms: dict[tuple[str, str], dict[str, Any]]
+) -> None:
+    """``bag loss`` integrates the fields of the two recordings, without a picture."""
+    demo = errands / "demo-out"
+
+    ran = run_testudo("bag", "loss", demo / "baseline", demo / "adaptive", "--topics", "/odom", "--json")
+
+    rmse = {one["field"]: one["received"]["hold"]["rmse"] for one in json.loads(ran.stdout)["fields"]}
+    by_fields = math.hypot(rmse["pose_x"], rmse["pose_y"])
+    assert _position(arms["warehouse", "hold"])["rmse"] == pytest.approx(by_fields, rel=1e-3)
+
+
+def test_a_mission_that_cannot_be_driven_leaves_nothing(tmp_path: Path) -> None:
+    mission = tmp_path / "mission.toml"
+    mission.write_text("speed = 3\n")
+
+    ran = run_testudo("demo", "--mission", mission, "--out", tmp_path / "out")
+
+    assert (ran.code, ran.stdout) == (1, "")
+    assert ran.stderr.startswith(f"{mission}: error: not the waypoints of a mission; ")
+    assert [path.name for path in tmp_path.iterdir()] == ["mission.toml"]

@@ -135,3 +135,47 @@ def test_a_button_that_changes_twice_a_day_is_never_shown_wrong(
     # One in 10 s, and two presses with their ends.
     assert 8640 <= held["messages"] <= 8645
     assert fixed["properties"]["data"]["worst"] == 1.0
+
+
+def test_without_a_bound_the_joints_that_the_rules_relay_are_compared(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    bag = write_bag(tmp_path / "bag", stream("/joint_states", JOINTS, 50, 10, walking_arm))
+    rules = tmp_path / "rates.adirf"
+    rules.write_text("begin SetFrequency /joint_states 10 end")
+
+    assert main(["bag", "accuracy", str(bag), "--rules", str(rules), "--csv"]) == 0
+
+    head, fixed, by_rules = capsys.readouterr().out.splitlines()
+    assert head.startswith("name,shows,all_bytes,topic,messages,bytes,property,unit,rmse,worst,bounds,broken")
+    assert fixed.startswith("fixed rates,hold,")
+    assert by_rules.startswith("rates,hold,")
+    assert ",positions,rad,0.0" in by_rules
+
+
+def test_rules_that_relay_nothing_that_can_be_measured_are_wrong_usage(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    bag = write_bag(tmp_path / "bag", stream("/estop", BOOL, 1, 3, lambda *_: cdr(BOOL, message_of(BOOL))))
+    rules = tmp_path / "rates.adirf"
+    rules.write_text("begin SetFrequency /estop 10 end")
+
+    assert main(["bag", "accuracy", str(bag), "--rules", str(rules)]) == 2
+
+    said = capsys.readouterr()
+    assert (said.out, said.err.count("\n")) == ("", 1)
+    assert said.err.startswith(f"{bag}: error: no rule relays a topic whose picture can be measured; ")
+
+
+def test_rules_with_an_error_are_refused_with_their_place(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    bag = write_bag(tmp_path / "bag", stream("/estop", BOOL, 1, 3, lambda *_: cdr(BOOL, message_of(BOOL))))
+    rules = tmp_path / "wrong.adirf"
+    rules.write_text("begin\n    SetFrequency /estop\nend\n")
+
+    assert main(["bag", "accuracy", str(bag), "--rules", str(rules)]) == 1
+
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert f"{rules}:2:" in said.err

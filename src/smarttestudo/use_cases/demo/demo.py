@@ -16,6 +16,8 @@ from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.robot import Robot
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.pacing.sample import WhenSlow
+from smarttestudo.simulation.route import Route
+from smarttestudo.simulation.tour import Tour
 from smarttestudo.simulation.warehouse import warehouse
 from smarttestudo.use_cases.bags.report import Progress, ReportRequest, bag_report
 from smarttestudo.use_cases.demo import linked
@@ -96,17 +98,18 @@ def run_demo(request: DemoRequest) -> DemoOutcome:
         NetworkError: there can be no link on this machine.
     """
     arrivals: tuple[LinkArrivals, ...] = ()
+    route = route_of(request.mission)
     with demo_folder(request.out, needed_bytes=_needed_bytes(request), made=_MADE) as folder:
         rules = put_rules(folder, request.out)
+        bounding = [put_rules(folder, request.out, name) for name in (WITHIN, PREDICTED)]
         if request.link_bit_per_s is not None:
             arrivals, notices = _over_link(request, folder, request.link_bit_per_s)
             decisions = _recorded_decisions(folder)
         elif request.robot is None:
-            decisions, notices = _in_virtual_time(request, folder, rules)
+            decisions, notices = _in_virtual_time(request, folder, rules, route)
         else:
             notices = _in_real_time(request, folder, request.robot)
             decisions = _recorded_decisions(folder)
-        bounding = [put_rules(folder, request.out, name) for name in (WITHIN, PREDICTED)]
         accuracy = _accuracy(request, folder, rules, bounding)
         report = _write_report(request, folder, rules, decisions, accuracy)
         (folder / MARKER).write_text(json.dumps(_settings(request), indent=2) + "\n", "utf-8")
@@ -135,13 +138,13 @@ def _rule_notices(request: DemoRequest, rules: Sequence[DemoRules]) -> tuple[str
 
 
 def _in_virtual_time(
-    request: DemoRequest, folder: Path, rules: DemoRules
+    request: DemoRequest, folder: Path, rules: DemoRules, route: Route | Tour
 ) -> tuple[Sequence[Decision], tuple[str, ...]]:
     """Record the mission, and replay it under the rules; decisions and what was lost or odd."""
     with request.progress("Driving the patrol") as report:
         record_mission(
             folder / BASELINE,
-            route=route_of(request.mission),
+            route=route,
             seconds=request.seconds,
             seed=request.seed,
             full_images=request.full_images,
