@@ -143,3 +143,26 @@ def test_whatever_depth_a_robot_announces_memory_is_bounded(announced: int, dept
     sink = GraphSink(graph, pytest.fail)
     sink.open("ada", stream("/odom", qos=Qos(reliable=True, transient_local=True, depth=announced)))
     assert [publisher.qos.depth for publisher in graph.advertised] == [depth]
+
+
+def test_what_is_predicted_comes_from_a_publisher_of_its_own() -> None:
+    graph, said = SmallGraph(), list[str]()
+    sink = GraphSink(graph, said.append)
+    notes = stream("/notes")
+    sink.open("ada", notes)
+    for content, is_predicted in (("arrived", False), ("made here", True), ("arrived too", False)):
+        message = ReceivedMessage(
+            robot="ada",
+            stream=notes,
+            payload=text(content),
+            offered_ns=1,
+            age_ns=None,
+            is_predicted=is_predicted,
+        )
+        sink.take(message)
+    assert [list(one.kept) for one in graph.advertised] == [
+        [text("arrived"), text("arrived too")],
+        [text("made here")],
+    ]
+    sink.close()
+    assert (graph.advertised, said) == ([], [])
