@@ -113,4 +113,6 @@ def test_where_every_message_passes_there_is_no_drawing_and_still_a_table() -> N
 def test_the_figure_shows_what_the_report_shows(tmp_path: Path) -> None:
     written = draw_figures(demo_like_report(), {FigureKind.ACCURACY}, tmp_path)
     assert [path.name for path in written] == ["accuracy.png", "accuracy.svg"]
-    assert draw_figures(replace(demo_like_report(), accuracy_curve=None), {FigureKind.ACCURACY}, tmp_path) == []
+    assert (
+        draw_figures(replace(demo_like_report(), accuracy_curve=None), {FigureKind.ACCURACY}, tmp_path) == []
+    )

@@ -106,6 +106,16 @@ export class Api {
     return call("POST /api/profile/check", { ...table, name, base_text: baseText });
   }
 
+  /** What a recording of the project holds. */
+  recording(bag: string): Answer<"POST /api/recording"> {
+    return call("POST /api/recording", { bag });
+  }
+
+  /** Copies a file into the project as a new recording. */
+  addRecording(file: File): Answer<"PUT /api/recording"> {
+    return call("PUT /api/recording", null, { query: `?name=${encodeURIComponent(file.name)}`, file });
+  }
+
   measureProfile(bag: string): Answer<"POST /api/profile/measure"> {
     return call("POST /api/profile/measure", { bag });
   }
@@ -184,10 +194,10 @@ export class Api {
 async function call<R extends keyof Routes>(
   route: R,
   asked: Routes[R]["asked"],
-  { query = "", signal }: { query?: string; signal?: AbortSignal } = {},
+  { query = "", signal, file }: { query?: string; signal?: AbortSignal; file?: File } = {},
 ): Answer<R> {
   const [method, path] = route.split(" ") as [string, string];
-  const response = await send(method, path + query, asked ?? undefined, signal);
+  const response = await send(method, path + query, file ?? asked ?? undefined, signal);
   const answer: unknown = await response.json().catch(() => null);
   if (!response.ok) {
     const problem = (answer as { error?: Problem } | null)?.error;
@@ -199,7 +209,10 @@ async function call<R extends keyof Routes>(
 async function send(method: string, path: string, body: unknown, signal?: AbortSignal): Promise<Response> {
   const init: RequestInit = { method };
   if (signal) init.signal = signal;
-  if (body !== undefined) {
+  if (body instanceof File) {
+    init.body = body;
+    init.headers = { "Content-Type": "application/octet-stream" };
+  } else if (body !== undefined) {
     init.body = JSON.stringify(body);
     init.headers = { "Content-Type": "application/json" };
   }

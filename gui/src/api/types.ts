@@ -797,6 +797,11 @@ export interface RawStatement {
 /** What decided a rate. */
 export type Reason = "default" | "block" | "unknown" | "floor" | "budget" | "link" | "fallback" | "reload";
 
+/** `PUT /api/recording?name=` with the bytes of a file: what the project calls it. */
+export interface ReceivedAnswer {
+  bag: string;
+}
+
 /** `Record "name" topics Before … After …` in a rule; no topics stand for all that the rules name. */
 export interface RecordStatement {
   kind: "record";
@@ -811,6 +816,18 @@ export interface RecordStatement {
   topics: string[];
   before: Duration;
   after: Duration;
+}
+
+/** Its topics by name, how long it is, and a rule file that relays every message of them. */
+export interface RecordingAnswer {
+  topics: string[];
+  duration_s: number;
+  rules_text: string;
+}
+
+/** `POST /api/recording` → `RecordingAnswer`: a bag of the project. */
+export interface RecordingRequest {
+  bag: string;
 }
 
 /** Why a part does not fit; `rule` is the statement's id, null for the defaults. */
@@ -1297,6 +1314,8 @@ export interface Routes {
   "GET /api/file": { asked: null; answered: FileAnswer };
   "PUT /api/file": { asked: SaveRequest; answered: SaveAnswer };
   "PUT /api/project/settings": { asked: SettingsRequest; answered: Project };
+  "POST /api/recording": { asked: RecordingRequest; answered: RecordingAnswer };
+  "PUT /api/recording": { asked: null; answered: ReceivedAnswer };
   "GET /api/versions": { asked: null; answered: VersionsAnswer };
   "POST /api/version": { asked: VersionRequest; answered: VersionText };
   "POST /api/difference": { asked: DifferenceRequest; answered: DifferenceAnswer };

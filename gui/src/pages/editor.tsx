@@ -1,36 +1,47 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { computed, type Signal, useComputed, useSignal } from "@preact/signals";
-import type { ComponentChildren } from "preact";
-import { useEffect, useMemo, useState } from "preact/hooks";
+import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { ApiError } from "../api/client";
 import { BlocksPane } from "../panels/blocks_pane";
+import { EditorBar } from "../panels/editor_bar";
 import { FindingsPanel } from "../panels/findings_panel";
 import { OptimizePanel } from "../panels/optimize_panel";
 import { ProfileChoice } from "../panels/profile_choice";
 import { RobotPanel } from "../panels/robot_panel";
 import { SendDialog } from "../panels/send_dialog";
-import { SidePane } from "../panels/side_pane";
+import { type Side, SidePane } from "../panels/side_pane";
 import { TryPanel } from "../panels/try_panel";
 import { toRoute } from "../route";
-import { ShareButtons } from "../sharing/share_buttons";
 import { BagWork } from "../state/bag_work";
+import { browserStorage } from "../state/drafts";
+import { FullScreen } from "../state/full_screen";
+import { PaneSizes } from "../state/pane_sizes";
 import { RobotRules } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
 import { RulePush } from "../state/rule_push";
 import { type SelfSaving, saveByItself } from "../state/save_by_itself";
 import type { Trial } from "../state/trial";
 import { ConflictDialog } from "../ui/conflict_dialog";
-import { Header } from "../ui/header";
+import { FullScreenButton } from "../ui/full_screen_button";
+import { showOnNarrow } from "../ui/narrow";
 import { Notice } from "../ui/notice";
 import { RestoredNotice } from "../ui/restored_notice";
 import { useRobot } from "../ui/robot_state";
+import { Splitter } from "../ui/splitter";
 import { type Choice, Tabs } from "../ui/tabs";
 import { Toast } from "../ui/toast";
 import { useUndoKeys } from "../ui/undo_keys";
 import type { PageProps } from "./page_props";
 
 export type Tool = "findings" | "optimize" | "try" | "robot";
+
+/** The parts that can have the whole page. */
+export type FullPart = "map" | "results";
+
+const BLOCKS = { least: 20, most: 80 };
+const DOCK = { least: 10, most: 85 };
+const USUAL_BLOCKS = 58;
 
 /** Blocks and text of one rule file side by side, and below them what can be said about it. */
 export function EditorPage({ api, project, name, robot: node, editors, refresh }: PageProps) {
@@ -39,43 +50,77 @@ export function EditorPage({ api, project, name, robot: node, editors, refresh }
   const tries = useMemo(() => new BagWork<Trial>(), []);
   useEffect(() => () => tries.cancel(), []);
   const tool = useSignal<Tool>("findings");
+  const side = useSignal<Side>("text");
+  const full = useMemo(() => new FullScreen<FullPart>(), []);
+  useEffect(() => full.follow(), []);
+  /** Whether the rates are to be downloaded as soon as they are computed. */
+  const wantsRates = useSignal(false);
+  const room = useRoom(tool, side, tries);
   useShownRobot(node, tool);
   const [state, setState] = useState<"opening" | "open" | { problem: string }>("opening");
   useEffect(() => void open(editor, setState), []);
   useUndoKeys(editor);
+  const results = useRef<HTMLElement>(null);
+  const openTool = (next: Tool) => {
+    tool.value = next;
+    if (full.part.peek() === "map") full.leave();
+    showOnNarrow(() => results.current);
+  };
   const savesByItself = project.saves_by_itself && state === "open";
   useEffect(() => (savesByItself ? saveByItself(selfSaving(editor)) : undefined), [savesByItself]);
   if (state === "opening") return <p class="quiet center">Opening {name} …</p>;
   if (state !== "open") return <Notice kind="error" text={state.problem} />;
   return (
-    <div class="editor">
+    <div
+      class="editor"
+      data-full={full.part.value}
+      style={{ "--dock": `${room.dock}%`, "--blocks": `${room.blocks}%` }}
+    >
       <div>
         <EditorBar
-          editor={editor}
-          savesByItself={savesByItself}
-          rulePush={robot.rulePush}
-          onTool={(next) => (tool.value = next)}
-        >
-          <ShareButtons {...{ editor, api, project }} />
-        </EditorBar>
+          {...{ editor, api, project, savesByItself, ...robot }}
+          onTool={openTool}
+          onDownload={() => {
+            openTool("optimize");
+            wantsRates.value = true;
+          }}
+        />
         <RestoredNotice file={editor} />
       </div>
-      <main class="split">
-        <BlocksPane editor={editor} robotRules={robot.robotRules} />
-        <SidePane {...{ editor, api }} />
+      <main class="panes">
+        <div class="split">
+          <BlocksPane editor={editor} robotRules={robot.robotRules} />
+          <Splitter
+            label="Width of the blocks"
+            orientation="vertical"
+            percent={room.blocks}
+            {...BLOCKS}
+            onChange={room.setBlocks}
+          />
+          <SidePane {...{ editor, api, side, full }} />
+        </div>
+        <Splitter
+          label="Height of the results"
+          orientation="horizontal"
+          percent={room.dock}
+          {...DOCK}
+          onChange={room.setDock}
+        />
+        <section class="dock" aria-label="Results" ref={results}>
+          <h2 class="visually-hidden">Results</h2>
+          <div class="dock-bar">
+            <Tabs label="Results" choices={useChoices(editor).value} chosen={tool} />
+            <ProfileChoice {...{ editor, api, project }} />
+            <FullScreenButton full={full} part="results" what="results" />
+          </div>
+          <div class="dock-body" role="tabpanel" aria-label={tool.value}>
+            {tool.value === "findings" && <FindingsPanel editor={editor} />}
+            {tool.value === "optimize" && <OptimizePanel {...{ editor, api, wantsRates }} />}
+            {tool.value === "robot" && <RobotPanel {...{ editor, ...robot }} />}
+            {tool.value === "try" && <TryPanel {...{ editor, api, project }} work={tries} />}
+          </div>
+        </section>
       </main>
-      <section class="dock" aria-label="Results">
-        <div class="dock-bar">
-          <Tabs label="Results" choices={useChoices(editor).value} chosen={tool} />
-          <ProfileChoice {...{ editor, api, project }} />
-        </div>
-        <div class="dock-body" role="tabpanel" aria-label={tool.value}>
-          {tool.value === "findings" && <FindingsPanel editor={editor} />}
-          {tool.value === "optimize" && <OptimizePanel {...{ editor, api }} />}
-          {tool.value === "robot" && <RobotPanel {...{ editor, ...robot }} />}
-          {tool.value === "try" && <TryPanel {...{ editor, api, project }} work={tries} />}
-        </div>
-      </section>
       <Toast message={editor.message} />
       <ConflictDialog
         api={api}
@@ -85,6 +130,27 @@ export function EditorPage({ api, project, name, robot: node, editors, refresh }
       <SendDialog rulePush={robot.rulePush} />
     </div>
   );
+}
+
+interface Room {
+  blocks: number;
+  dock: number;
+  setBlocks: (percent: number) => void;
+  setDock: (percent: number) => void;
+}
+
+/** How much of the page panes have: as somebody left them for what they show, else as much as that needs. */
+function useRoom(tool: Signal<Tool>, side: Signal<Side>, tries: BagWork<Trial>): Room {
+  const sizes = useMemo(() => new PaneSizes(browserStorage()), []);
+  const isTried = tool.value === "try" && tries.state.value.kind === "done";
+  const usualDock = isTried ? 62 : side.value === "map" ? 18 : 34;
+  const dock = isTried ? "a try" : side.value === "map" ? "results below the map" : "results";
+  return {
+    blocks: sizes.of("blocks") ?? USUAL_BLOCKS,
+    dock: sizes.of(dock) ?? usualDock,
+    setBlocks: (percent) => sizes.set("blocks", percent),
+    setDock: (percent) => sizes.set(dock, percent),
+  };
 }
 
 /** Turns to the robot that the address names. */
@@ -107,58 +173,6 @@ function useRobotSide(api: PageProps["api"], editor: RuleEditor): { robotRules: 
   useEffect(() => side.robotRules.follow(), []);
   useEffect(() => side.rulePush.follow(), []);
   return side;
-}
-
-interface BarProps {
-  editor: RuleEditor;
-  savesByItself: boolean;
-  rulePush: RulePush;
-  onTool: (tool: Tool) => void;
-  children: ComponentChildren;
-}
-
-function EditorBar({ editor, savesByItself, rulePush, onTool, children }: BarProps) {
-  const { history } = editor;
-  return (
-    <Header title={editor.name} note={savedNote(editor, savesByItself)}>
-      <button type="button" disabled={!history.canUndo.value} onClick={() => editor.undo()}>
-        Undo
-      </button>
-      <button type="button" disabled={!history.canRedo.value} onClick={() => editor.redo()}>
-        Redo
-      </button>
-      <button type="button" onClick={() => void editor.format()}>
-        Format
-      </button>
-      <button type="button" disabled={editor.isSaved.value} onClick={() => void editor.save()}>
-        Save
-      </button>
-      {children}
-      <span class="divider" />
-      <button type="button" onClick={() => onTool("try")}>
-        Try on a bag
-      </button>
-      <button
-        type="button"
-        onClick={() => {
-          onTool("robot");
-          void rulePush.ask();
-        }}
-      >
-        Send to robot
-      </button>
-      <button type="button" class="primary" onClick={() => onTool("optimize")}>
-        Optimize and Download
-      </button>
-    </Header>
-  );
-}
-
-/** Whether the file holds what is open, and why it may not. */
-function savedNote(editor: RuleEditor, savesByItself: boolean): string {
-  if (editor.isSaved.value) return savesByItself ? "saved by itself" : "saved";
-  const waits = savesByItself && editor.errors.value.length > 0;
-  return waits ? "not saved while there are errors" : "not saved";
 }
 
 function useChoices(editor: RuleEditor) {

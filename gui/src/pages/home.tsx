@@ -4,6 +4,7 @@ import { useId, useState } from "preact/hooks";
 import { type Api, ApiError } from "../api/client";
 import type { Project } from "../api/types";
 import { FileLists } from "../panels/file_lists";
+import { RecordingList, RecordingStart } from "../panels/recording_start";
 import { RECIPES } from "../recipes/recipes";
 import { toRoute } from "../route";
 import { FormDialog } from "../ui/dialog";
@@ -19,8 +20,17 @@ export function HomePage({ api, project, refresh, editors }: PageProps) {
   /** The recipe that a new project starts from, "" for none. */
   const [creating, setCreating] = useState<string | null>(null);
   const [refused, setRefused] = useState("");
+  /** The recording that rules are to start from. */
+  const [bag, setBag] = useState<string | null>(null);
+  const [doing, setDoing] = useState("");
   const take = async (file: File) => {
     try {
+      if (/\.(mcap|db3)$/.test(file.name)) {
+        setDoing(`Copying ${file.name} into ${project.root_name} …`);
+        const added = await api.addRecording(file);
+        await refresh();
+        return setBag(added.bag);
+      }
       const { name, text } = await fileText(file);
       if (project.files.some((each) => each.name === name)) {
         throw new FileProblem(`${project.root_name} has a ${name} already: choose another name`);
@@ -31,6 +41,8 @@ export function HomePage({ api, project, refresh, editors }: PageProps) {
     } catch (error) {
       if (!(error instanceof ApiError || error instanceof FileProblem)) throw error;
       setRefused(error.message);
+    } finally {
+      setDoing("");
     }
   };
   useDroppedFile((file) => void take(file));
@@ -45,6 +57,7 @@ export function HomePage({ api, project, refresh, editors }: PageProps) {
         <h1 tabIndex={-1}>ADIRF Ruler</h1>
         <p>Say how often each topic of your robot is worth sending, and when. No programming needed.</p>
       </div>
+      {doing && <p role="status">{doing}</p>}
       {refused && <Notice kind="error" text={refused} action={{ label: "Close", act: () => setRefused("") }} />}
       {hasFiles && <FileLists {...{ project, editors }} />}
       {hasFiles && <SavesByItself {...{ api, project }} onSet={refresh} onRefused={setRefused} />}
@@ -80,10 +93,12 @@ export function HomePage({ api, project, refresh, editors }: PageProps) {
           ))}
         </div>
       </section>
+      <RecordingList project={project} onStart={setBag} />
       {!hasFiles && <FileLists {...{ project, editors }} />}
       <footer class="quiet">
         {project.root_name} · SmartTestudo {project.version} · {project.ros ? "ROS 2 found" : "works without ROS 2"}
       </footer>
+      {bag !== null && <RecordingStart {...{ api, project, refresh, bag }} onClose={() => setBag(null)} />}
       {creating !== null && (
         <NewProject {...{ api, project, refresh }} recipe={creating} onClose={() => setCreating(null)} />
       )}

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+import type { Signal } from "@preact/signals";
 import { useEffect, useState } from "preact/hooks";
-import { type Api, ApiError } from "../api/client";
+import { type Api, ApiError, type Rules } from "../api/client";
 import type { OptimizeAnswer, Refusal, Repair } from "../api/types";
 import { href } from "../route";
 import { setBudget } from "../state/budget";
@@ -11,12 +12,20 @@ import { readable } from "../ui/numbers";
 import { SituationBars } from "./situation_bars";
 
 const AFTER_MS = 300;
-/** Repairs are edits of the `text` that was asked about. */
-type Optimized = OptimizeAnswer & { text: string };
-type Result = Optimized | { refused: string } | null;
+/** What was asked about: repairs are edits of its text. */
+type Asked = Pick<Rules, "text" | "profile_text">;
+type Optimized = OptimizeAnswer & Asked;
+type Result = Optimized | (Asked & { refused: string }) | null;
+
+interface Props {
+  editor: RuleEditor;
+  api: Api;
+  /** Whether the rates are to be downloaded as soon as they are computed. */
+  wantsRates: Signal<boolean>;
+}
 
 /** Quality levels as rates within the budget, computed anew while the rules change. */
-export function OptimizePanel({ editor, api }: { editor: RuleEditor; api: Api }) {
+export function OptimizePanel({ editor, api, wantsRates }: Props) {
   const [result, setResult] = useState<Result>(null);
   const [text, profile] = [editor.text.value, editor.profile.value];
   useEffect(() => {
@@ -24,6 +33,14 @@ export function OptimizePanel({ editor, api }: { editor: RuleEditor; api: Api })
     const timer = setTimeout(() => void optimize(editor, api, setResult), AFTER_MS);
     return () => clearTimeout(timer);
   }, [text, profile]);
+  const isAnswered = profile === null || (result?.text === text && result.profile_text === profile.text);
+  useEffect(() => {
+    if (!wantsRates.value || !isAnswered) return;
+    wantsRates.value = false;
+    const rates = result !== null && "download_text" in result ? result.download_text : null;
+    if (profile !== null && rates !== null) download(ratesName(editor), rates);
+    else editor.message.value = "Nothing was downloaded: the panel below says what is missing";
+  }, [wantsRates.value, isAnswered]);
   if (profile === null) {
     return <p class="quiet">Choose topic parameters (message sizes and levels) on the right, or create them.</p>;
   }
@@ -56,7 +73,6 @@ export function OptimizePanel({ editor, api }: { editor: RuleEditor; api: Api })
 
 function Verdict({ editor, result }: { editor: RuleEditor; result: OptimizeAnswer }) {
   const numeric = result.download_text;
-  const file = (editor.name.split("/").at(-1) ?? "rules.adirf").replace(/\.adirf$/, "-rates.adirf");
   return (
     <div class="row">
       <p role="status">
@@ -67,12 +83,17 @@ function Verdict({ editor, result }: { editor: RuleEditor; result: OptimizeAnswe
         type="button"
         class="primary"
         disabled={numeric === null}
-        onClick={() => numeric !== null && download(file, numeric)}
+        onClick={() => numeric !== null && download(ratesName(editor), numeric)}
       >
         Download rates
       </button>
     </div>
   );
+}
+
+/** What a rule file with numbers instead of levels is called. */
+function ratesName(editor: RuleEditor): string {
+  return (editor.name.split("/").at(-1) ?? "rules.adirf").replace(/\.adirf$/, "-rates.adirf");
 }
 
 function RefusalCard({ api, editor, refusal, text }: { api: Api; editor: RuleEditor; refusal: Refusal; text: string }) {
@@ -103,11 +124,12 @@ async function apply(api: Api, editor: RuleEditor, repair: Repair, text: string)
 
 async function optimize(editor: RuleEditor, api: Api, done: (result: Result) => void): Promise<void> {
   const { rules } = editor;
+  const { text, profile_text } = rules;
   try {
     const answer = await api.optimize(rules);
-    if (rules.text === editor.text.value) done({ ...answer, text: rules.text });
+    if (text === editor.text.value) done({ ...answer, text, profile_text });
   } catch (error) {
     if (!(error instanceof ApiError)) throw error;
-    done({ refused: error.message });
+    done({ refused: error.message, text, profile_text });
   }
 }

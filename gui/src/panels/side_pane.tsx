@@ -1,18 +1,20 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { useSignal, useSignalEffect } from "@preact/signals";
+import { type Signal, useSignalEffect } from "@preact/signals";
 import { useEffect, useMemo } from "preact/hooks";
 import type { Api } from "../api/client";
+import type { FullScreen } from "../state/full_screen";
 import { MapFloor } from "../state/map_floor";
 import type { RuleEditor } from "../state/rule_editor";
 import { ZoneEditor } from "../state/zone_editor";
+import { FullScreenButton } from "../ui/full_screen_button";
 import { type Choice, Tabs } from "../ui/tabs";
 import { FloorChoice } from "./floor_bar";
 import { MapPanel } from "./map_panel";
 import { TextPane } from "./text_pane";
 import { VersionsPane } from "./versions_pane";
 
-type Side = "text" | "map" | "versions";
+export type Side = "text" | "map" | "versions";
 
 const CHOICES: Choice<Side>[] = [
   { value: "text", label: "Text" },
@@ -26,12 +28,20 @@ function SavedNote({ editor }: { editor: RuleEditor }) {
 }
 
 /** The right half: the rules as text, their zones on a map, or what was saved of them. */
-export function SidePane({ editor, api }: { editor: RuleEditor; api: Api }) {
-  const side = useSignal<Side>("text");
+export function SidePane(props: {
+  editor: RuleEditor;
+  api: Api;
+  side: Signal<Side>;
+  full: FullScreen<"map" | "results">;
+}) {
+  const { editor, api, side, full } = props;
   const floor = useMemo(() => new MapFloor(api, editor), []);
   const zones = useMemo(() => new ZoneEditor(api, editor), []);
   const isMap = side.value === "map";
   useEffect(() => (isMap ? floor.follow() : undefined), [isMap]);
+  useSignalEffect(() => {
+    if (side.value !== "map" && full.part.peek() === "map") full.leave();
+  });
   useSignalEffect(() => {
     const spot = editor.spot.value;
     if (spot?.from !== "findings" || side.peek() === "text") return;
@@ -43,6 +53,7 @@ export function SidePane({ editor, api }: { editor: RuleEditor; api: Api }) {
     <div class="pane side">
       <div class="pane-bar">
         <Tabs label="Text, map or versions" choices={CHOICES} chosen={side} />
+        {isMap && <FullScreenButton full={full} part="map" what="map" />}
         {isMap ? <FloorChoice {...{ floor, editor }} /> : <SavedNote editor={editor} />}
       </div>
       <TextPane editor={editor} hidden={side.value !== "text"} />

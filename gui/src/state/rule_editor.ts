@@ -75,6 +75,7 @@ export class RuleEditor implements Contested {
   recipes: readonly Statement[] = [];
   /** Whether its file was read. */
   isOpen = false;
+  private wantedProfile: string | null = null;
   private layoutHash: string | null = null;
   /** The text that `document` was read from. */
   private read: string | null = null;
@@ -107,8 +108,7 @@ export class RuleEditor implements Contested {
     const [file, { files }, recipes] = await Promise.all(reading);
     this.recipes = recipes;
     const hasLayout = files.some((each) => each.name === layoutName(this.name));
-    const none = { layout: {}, map: PLAIN_GRID, hash: null };
-    const side = hasLayout ? await readLayout(this.api, this.name) : none;
+    const side = hasLayout ? await readLayout(this.api, this.name) : { layout: {}, map: PLAIN_GRID, hash: null };
     this.layoutHash = side.hash;
     batch(() => {
       this.layout.value = side.layout;
@@ -167,7 +167,10 @@ export class RuleEditor implements Contested {
   }
 
   async useProfile(name: string | null): Promise<void> {
-    this.profile.value = name === null ? null : await this.api.read(name);
+    this.wantedProfile = name;
+    const profile = name === null ? null : await this.api.read(name);
+    if (this.wantedProfile !== name) return;
+    this.profile.value = profile;
     await this.check();
   }
 

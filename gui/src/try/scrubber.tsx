@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+import { useEffect, useMemo } from "preact/hooks";
+import { Playback, SPEEDS } from "../state/playback";
 import type { Trial } from "../state/trial";
 import { readable } from "../ui/numbers";
 
@@ -14,6 +16,7 @@ export function Scrubber({ trial }: { trial: Trial }) {
   const words = `${time.toFixed(1)} s of ${readable(durationS)} s, ${leader ? `${leader.rule} decides` : "defaults decide"}`;
   return (
     <div class="scrubber" role="group" aria-label="Time">
+      <Player trial={trial} />
       <DecisionStep trial={trial} step={-1} label="Decision before" sign="◀" />
       <div class="scrubber-track">
         <svg viewBox={`0 0 ${WIDTH} 10`} preserveAspectRatio="none" aria-hidden="true">
@@ -35,6 +38,31 @@ export function Scrubber({ trial }: { trial: Trial }) {
       <DecisionStep trial={trial} step={1} label="Next decision" sign="▶" />
       <output class="number">{time.toFixed(1)} s</output>
     </div>
+  );
+}
+
+/** Play and pause, and how fast. */
+function Player({ trial }: { trial: Trial }) {
+  const playback = useMemo(() => new Playback(trial), [trial]);
+  useEffect(() => () => playback.pause(), [playback]);
+  const isPlaying = playback.isPlaying.value;
+  return (
+    <>
+      <button type="button" class="small player" onClick={() => (isPlaying ? playback.pause() : playback.play())}>
+        {isPlaying ? "Pause" : "Play"}
+      </button>
+      <select
+        aria-label="Speed"
+        value={playback.speed.value}
+        onChange={(event) => (playback.speed.value = Number(event.currentTarget.value))}
+      >
+        {SPEEDS.map((speed) => (
+          <option key={speed} value={speed}>
+            {speed}×
+          </option>
+        ))}
+      </select>
+    </>
   );
 }
 

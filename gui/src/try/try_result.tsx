@@ -1,10 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { effect } from "@preact/signals";
-import { useEffect } from "preact/hooks";
+import { useEffect, useRef } from "preact/hooks";
 import type { Api } from "../api/client";
 import type { RuleEditor } from "../state/rule_editor";
 import type { Trial } from "../state/trial";
+import { showOnNarrow } from "../ui/narrow";
 import { readable } from "../ui/numbers";
 import { DecisionTable } from "./decision_table";
 import { LossTables } from "./loss_tables";
@@ -18,9 +19,11 @@ import { TryMap } from "./try_map";
 export function TryResult({ editor, api, trial }: { editor: RuleEditor; api: Api; trial: Trial }) {
   const { answer } = trial;
   const isOld = editor.text.value !== trial.text;
+  const result = useRef<HTMLDivElement>(null);
   useEffect(() => followInEditor(editor, trial), [trial]);
+  useEffect(() => showOnNarrow(() => result.current), [trial]);
   return (
-    <div class="try-result">
+    <div class="try-result" ref={result}>
       <p class="headline" role="status">
         <strong>{answer.percent.toFixed(1)} % less</strong> sent: {readable(answer.after_kb)} of{" "}
         {readable(answer.before_kb)} KB in {readable(answer.duration_s)} s. The rules decided {answer.decision_count}{" "}
@@ -31,11 +34,13 @@ export function TryResult({ editor, api, trial }: { editor: RuleEditor; api: Api
           The rules changed since. Run them again to see what they do now.
         </p>
       )}
-      {answer.notices.map((notice) => (
-        <p key={notice} class="quiet">
-          {notice}
-        </p>
-      ))}
+      {answer.notices.length > 0 && (
+        <div class="quiet">
+          {answer.notices.map((notice) => (
+            <p key={notice}>{notice}</p>
+          ))}
+        </div>
+      )}
       <Scrubber trial={trial} />
       <RuleStates trial={trial} show={isOld ? null : (line) => showInEditor(editor, line)} />
       <div class="try-columns">

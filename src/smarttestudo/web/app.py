@@ -31,6 +31,7 @@ from smarttestudo.use_cases.ruler.curve import Curve, CurveRequest
 from smarttestudo.use_cases.ruler.edits import TextAnswer
 from smarttestudo.use_cases.ruler.project import ProjectFiles, SaveRequest, SettingsRequest
 from smarttestudo.use_cases.ruler.pushing import ConfirmRequest, PushRequest
+from smarttestudo.use_cases.ruler.recordings import ReceivedAnswer, RecordingRequest, Recordings
 from smarttestudo.use_cases.ruler.robot_link import OpenRobots, RobotLink
 from smarttestudo.use_cases.ruler.robots import WatchedRobots
 from smarttestudo.use_cases.ruler.trial import TryAnswer, TryRequest
@@ -43,6 +44,7 @@ from smarttestudo.web.live_feed import LiveFeed
 from smarttestudo.web.page import page_files
 from smarttestudo.web.routes import ApiRoute, Handler, answering, long_work, telling
 from smarttestudo.web.socket import Listeners
+from smarttestudo.web.uploads import receiving
 
 _PNG = "image/png"
 
@@ -79,6 +81,7 @@ def api_routes(
     """All that the page can ask in JSON."""
     robots = WatchedRobots(link)
     yield from _project_routes(ProjectFiles(folder, opened))
+    yield from _recording_routes(Recordings(folder))
     yield from _version_routes(versions.Versions(folder))
     yield from _rule_routes(edits.EditedTexts(), robots)
     yield from _profile_routes(profiles.Profiles(folder))
@@ -98,6 +101,11 @@ def _project_routes(files: ProjectFiles) -> Iterator[ApiRoute]:
     yield telling("/api/file", files.read, query="name")
     yield answering("/api/file", SaveRequest, files.save, method="PUT")
     yield answering("/api/project/settings", SettingsRequest, files.set, method="PUT")
+
+
+def _recording_routes(known: Recordings) -> Iterator[ApiRoute]:
+    yield answering("/api/recording", RecordingRequest, known.recording)
+    yield ApiRoute("PUT", "/api/recording", receiving(known), asked=None, answered=ReceivedAnswer)
 
 
 def _version_routes(kept: versions.Versions) -> Iterator[ApiRoute]:

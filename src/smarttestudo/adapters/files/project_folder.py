@@ -128,6 +128,16 @@ class ProjectFolder:
             raise MissingFileError("there is no such bag in the project", place=name)
         return path
 
+    def new_bag(self, name: str) -> Path:
+        """The path of a bag that is to be written as the file ``name``; ``ForbiddenPathError`` for no bag."""
+        path, last = self.path(name), PurePosixPath(name)
+        if last.suffix not in _BAG_SUFFIXES or last.name.startswith("."):
+            remedy = "drop its .mcap or .db3 file, or copy a folder into the project"
+            raise ForbiddenPathError("this is not the file of a recording", place=name, remedy=remedy)
+        if not path.parent.is_dir():
+            raise MissingFileError(f"there is no folder {last.parent} in the project", place=name)
+        return path
+
     def background(self, name: str, kind: FileKind) -> Path:
         """The path of the map or image ``name``."""
         path, suffix = self.path(name), PurePosixPath(name).suffix

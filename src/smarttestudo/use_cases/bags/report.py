@@ -74,7 +74,9 @@ def bag_report(request: ReportRequest) -> RunReport:
     accuracy_curve, accuracy_notices = _accuracy(request, runs)
     link, link_notices = _link(request, runs.a.summary.span.start_ns)
     said = (*report.notices, *notices, *accuracy_notices, *link_notices)
-    return replace(report, loss=loss, accuracy_curve=accuracy_curve, link=link, notices=tuple(dict.fromkeys(said)))
+    return replace(
+        report, loss=loss, accuracy_curve=accuracy_curve, link=link, notices=tuple(dict.fromkeys(said))
+    )
 
 
 def series_over_time(request: ReportRequest) -> RunReport:

@@ -1,0 +1,113 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import { useEffect, useState } from "preact/hooks";
+import { type Api, ApiError } from "../api/client";
+import type { Project, RecordingAnswer } from "../api/types";
+import { toRoute } from "../route";
+import { layoutName, PLAIN_GRID, writeLayout } from "../state/layout";
+import { FormDialog } from "../ui/dialog";
+import { readable } from "../ui/numbers";
+import { ownProfile } from "./profile_choice";
+
+interface Props {
+  api: Api;
+  project: Project;
+  refresh: () => Promise<void>;
+}
+
+/** The recordings of the project, each a way to begin. */
+export function RecordingList({ project, onStart }: { project: Project; onStart: (bag: string) => void }) {
+  const bags = project.files.filter(({ kind }) => kind === "bag");
+  if (bags.length === 0) return null;
+  return (
+    <section class="recipes" aria-label="Recordings">
+      <h2>Start from a recording</h2>
+      <div class="row">
+        {bags.map(({ name }) => (
+          <button key={name} type="button" onClick={() => onStart(name)}>
+            {name}
+          </button>
+        ))}
+      </div>
+    </section>
+  );
+}
+
+/** Makes rules, topic parameters and a map of what a recording holds. */
+export function RecordingStart({ api, project, refresh, bag, onClose }: Props & { bag: string; onClose: () => void }) {
+  const [found, setFound] = useState<RecordingAnswer | null>(null);
+  const [problem, setProblem] = useState("");
+  const guarded = async (work: () => Promise<unknown>) => {
+    try {
+      await work();
+    } catch (error) {
+      if (!(error instanceof ApiError)) throw error;
+      setProblem(error.message);
+    }
+  };
+  useEffect(() => void guarded(async () => setFound(await api.recording(bag))), []);
+  const create = (form: FormData) =>
+    guarded(async () => {
+      if (found === null) return;
+      const typed = String(form.get("name")).trim();
+      const name = typed.replace(/(\.adirf)?$/, ".adirf");
+      const wanted = (what: string) => form.get(what) !== null;
+      const taken = [name, ...(wanted("sizes") ? [ownProfile(name)] : [])].find((one) => isThere(project, one));
+      if (taken !== undefined) return setProblem(`${taken} exists already: choose another name`);
+      // Measured first: a recording that cannot be read leaves nothing behind.
+      const sizes = wanted("sizes") ? await api.measureProfile(bag) : null;
+      await api.save(name, wanted("defaults") ? found.rules_text : "begin\nend\n", null);
+      if (sizes !== null) await api.save(ownProfile(name), sizes.text, null);
+      if (wanted("path")) await writeLayout(api, layoutName(name), { layout: {}, map: { ...PLAIN_GRID, bag } }, null);
+      await refresh();
+      toRoute({ page: "rules", name });
+    });
+  return (
+    <FormDialog
+      title={`Start from ${bag}`}
+      submit="Create"
+      canSubmit={found !== null}
+      onSubmit={create}
+      onClose={onClose}
+    >
+      <p role="status">{found ? sentence(found) : "Reading the recording …"}</p>
+      <label>
+        Name
+        <input name="name" required autocomplete="off" defaultValue={nameOf(bag)} />
+      </label>
+      <div class="checklist">
+        <Choice name="defaults" label="Make defaults" note="every message of each topic, to lower from there" />
+        <Choice name="sizes" label="Measure sizes" note="topic parameters of the same name" />
+        <Choice name="path" label="Show the path" note="below the zones on the map" />
+      </div>
+      {problem && (
+        <p class="problem" role="alert">
+          {problem}
+        </p>
+      )}
+    </FormDialog>
+  );
+}
+
+function Choice({ name, label, note }: { name: string; label: string; note: string }) {
+  return (
+    <label>
+      <input type="checkbox" name={name} defaultChecked />
+      {label}
+      <span class="quiet">{note}</span>
+    </label>
+  );
+}
+
+function isThere(project: Project, name: string): boolean {
+  return project.files.some((file) => file.name === name);
+}
+
+/** `runs/monday.mcap` → `monday`. */
+function nameOf(bag: string): string {
+  return (bag.split("/").at(-1) ?? bag).replace(/\.(mcap|db3)$/, "");
+}
+
+function sentence({ topics, duration_s }: RecordingAnswer): string {
+  return `${topics.length === 1 ? "1 topic" : `${topics.length} topics`}, ${readable(duration_s)} s.`;
+}
