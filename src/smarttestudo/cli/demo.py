@@ -207,5 +207,6 @@ def _print_accuracy(accuracy: AccuracyComparison | None) -> None:
         return
     for table in accuracy_tables(accuracy):
         print_table(table)
-    for sentence in ("", *accuracy_sentences(accuracy), ""):
-        print(sentence)  # noqa: T201
+    sentences = tuple(accuracy_sentences(accuracy))
+    for line in ("", *sentences, "") if sentences else ("",):
+        print(line)  # noqa: T201
