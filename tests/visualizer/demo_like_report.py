@@ -14,12 +14,12 @@ from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.units import NS_PER_S, ns_from_s
 from smarttestudo.visualizer.comparison import compare
 from smarttestudo.visualizer.floor import PathPoint
-from smarttestudo.visualizer.loss.accuracy import (
+from smarttestudo.visualizer.loss.accuracy_curve import (
     AccuracyCurve,
     AccuracyPoint,
     BoundPrice,
     Motion,
-    PictureError,
+    PacedPicture,
 )
 from smarttestudo.visualizer.loss.report import (
     Age,
@@ -320,7 +320,7 @@ def demo_like_accuracy() -> AccuracyCurve:
 
 def _price(bound: float, messages: int, worse: float) -> BoundPrice:
     within, fixed = (
-        PictureError(messages=messages, rmse=worst / 2, worst=worst, unknown=0)
+        PacedPicture(messages=messages, rmse=worst / 2, worst=worst, unknown=0)
         for worst in (0.99 * bound, worse * bound)
     )
     return BoundPrice(within=within, fixed=fixed, fixed_hz=messages / 60)

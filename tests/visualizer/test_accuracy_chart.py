@@ -15,20 +15,20 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from smarttestudo.adapters.figures import FigureKind, draw_figures
-from smarttestudo.visualizer.loss.accuracy import (
+from smarttestudo.visualizer.loss.accuracy_curve import (
     AccuracyCurve,
     AccuracyPoint,
     BoundPrice,
     Motion,
-    PictureError,
+    PacedPicture,
 )
 from smarttestudo.visualizer.report import render_report
 from smarttestudo.visualizer.report.accuracy_chart import accuracy_chart
-from smarttestudo.visualizer.report.accuracy_section import draw_accuracy
+from smarttestudo.visualizer.report.accuracy_curve_section import draw_accuracy
 from visualizer.demo_like_report import demo_like_accuracy, demo_like_report
 
 ERRORS = st.builds(
-    PictureError,
+    PacedPicture,
     messages=st.integers(1, 10**7),
     rmse=st.just(0.0),
     worst=st.one_of(st.just(0.0), st.floats(1e-9, 1e9)),
@@ -101,7 +101,7 @@ def test_whatever_the_numbers_every_place_is_within_the_chart(curve: AccuracyCur
 
 
 def test_where_every_message_passes_there_is_no_drawing_and_still_a_table() -> None:
-    nothing = PictureError(messages=300, rmse=0.0, worst=0.0, unknown=0)
+    nothing = PacedPicture(messages=300, rmse=0.0, worst=0.0, unknown=0)
     price = BoundPrice(within=nothing, fixed=nothing, fixed_hz=math.inf)
     curve = replace(demo_like_accuracy(), points=(AccuracyPoint(bound=0.01, hold=price, reckoned=None),))
     assert accuracy_chart(curve) is None

@@ -18,8 +18,8 @@ from smarttestudo.cli.progress import progress
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.profile import Profile
 from smarttestudo.use_cases.rules.rule_sets import load_rules
-from smarttestudo.visualizer.accuracy import View
-from smarttestudo.visualizer.accuracy_table import accuracy_sentences, accuracy_tables
+from smarttestudo.visualizer.accuracy_comparison import View
+from smarttestudo.visualizer.accuracy_comparison_table import accuracy_sentences, accuracy_tables
 
 if TYPE_CHECKING:
     from smarttestudo.use_cases.rules.rule_sets import LoadedRules
@@ -67,7 +67,7 @@ def add_action(actions: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
 
 def run(arguments: argparse.Namespace) -> int:
     """Compare and print; 1 if rules have an error."""
-    from smarttestudo.use_cases.replay.accuracy import (  # noqa: PLC0415  needs packages a robot lacks
+    from smarttestudo.use_cases.replay.accuracy_comparison import (  # noqa: PLC0415  needs packages a robot lacks
         AccuracyRequest,
         NamedRules,
         compare_accuracy,

@@ -30,7 +30,7 @@ from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.profile import Profile
 from smarttestudo.use_cases.rules.rule_sets import LoadedRules, load_rules
-from smarttestudo.visualizer.loss.accuracy_table import accuracy_table
+from smarttestudo.visualizer.loss.accuracy_curve_table import accuracy_table
 from smarttestudo.visualizer.loss.bounds import bounded_topics, needs_decisions
 from smarttestudo.visualizer.loss.tables import arms_text, curve_table, loss_tables
 

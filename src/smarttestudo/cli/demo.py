@@ -30,7 +30,7 @@ from smarttestudo.visualizer.link_comparison import arrival_ages_table, arrival_
 
 if TYPE_CHECKING:
     from smarttestudo.use_cases.demo.demo import DemoOutcome
-    from smarttestudo.visualizer.accuracy import AccuracyComparison
+    from smarttestudo.visualizer.accuracy_comparison import AccuracyComparison
     from smarttestudo.visualizer.loss.report import LossReport
 
 _DEFAULT_OUT = Path("demo-out")
@@ -201,7 +201,7 @@ def _print_loss(loss: LossReport | None) -> None:
 
 
 def _print_accuracy(accuracy: AccuracyComparison | None) -> None:
-    from smarttestudo.visualizer.accuracy_table import accuracy_sentences, accuracy_tables  # noqa: PLC0415  see run
+    from smarttestudo.visualizer.accuracy_comparison_table import accuracy_sentences, accuracy_tables  # noqa: PLC0415  see run
 
     if accuracy is None:
         return

@@ -11,9 +11,9 @@ from pathlib import Path
 from smarttestudo.adapters.rosbag import open_recording
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.profile import Profile
-from smarttestudo.use_cases.bags.accuracy import Accuracies, accuracy_wanted, measure_accuracy
+from smarttestudo.use_cases.bags.accuracy_curves import Accuracies, accuracy_wanted, measure_accuracy
 from smarttestudo.use_cases.bags.samples import TopicReading, read_samples, require_numbers
-from smarttestudo.visualizer.loss.accuracy import AccuracyCurve
+from smarttestudo.visualizer.loss.accuracy_curve import AccuracyCurve
 from smarttestudo.visualizer.loss.curve import LossCurve, loss_curve
 from smarttestudo.visualizer.loss.samples import BULK_TYPES, Field, fields_of
 from smarttestudo.visualizer.topic_selection import select_topics

@@ -15,7 +15,7 @@ from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.floor_plan import FloorPlan
 from smarttestudo.domain.profile import Profile
-from smarttestudo.use_cases.bags.accuracy import measure_accuracy, position_wanted
+from smarttestudo.use_cases.bags.accuracy_curves import measure_accuracy, position_wanted
 from smarttestudo.use_cases.bags.link_statuses import has_statuses, link_history
 from smarttestudo.use_cases.bags.loss import LossQuestion, measure_loss
 from smarttestudo.use_cases.bags.measure import measure_run
@@ -24,7 +24,7 @@ from smarttestudo.visualizer.bag_tables import bandwidth_table, rates_table
 from smarttestudo.visualizer.comparison_tables import RunNames
 from smarttestudo.visualizer.floor import rule_zones
 from smarttestudo.visualizer.link_history import LinkHistory
-from smarttestudo.visualizer.loss.accuracy import AccuracyCurve
+from smarttestudo.visualizer.loss.accuracy_curve import AccuracyCurve
 from smarttestudo.visualizer.loss.report import LossReport
 from smarttestudo.visualizer.report import Fact, RuleText, RunReport
 from smarttestudo.visualizer.table import Table

@@ -25,10 +25,10 @@ from smarttestudo.use_cases.demo.folder import MARKER, demo_folder
 from smarttestudo.use_cases.demo.live import LOGS, LiveDemoRequest, record_live
 from smarttestudo.use_cases.demo.mission import bytes_per_second, record_mission, route_of
 from smarttestudo.use_cases.demo.rules import PREDICTED, RULES, WITHIN, DemoRules, put_rules
-from smarttestudo.use_cases.replay.accuracy import AccuracyRequest, NamedRules, compare_accuracy
+from smarttestudo.use_cases.replay.accuracy_comparison import AccuracyRequest, NamedRules, compare_accuracy
 from smarttestudo.use_cases.replay.outcome import ReplayOutcome
 from smarttestudo.use_cases.replay.replay import ReplayRequest, replay
-from smarttestudo.visualizer.accuracy import AccuracyComparison, View
+from smarttestudo.visualizer.accuracy_comparison import AccuracyComparison, View
 from smarttestudo.visualizer.comparison import Comparison
 from smarttestudo.visualizer.link_comparison import LinkArrivals
 from smarttestudo.visualizer.loss.report import LossReport

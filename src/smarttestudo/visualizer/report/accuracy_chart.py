@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from enum import Enum
 
-from smarttestudo.visualizer.loss.accuracy import AccuracyCurve, AccuracyPoint, BoundPrice, PictureError
+from smarttestudo.visualizer.loss.accuracy_curve import AccuracyCurve, AccuracyPoint, BoundPrice, PacedPicture
 
 _MARGIN = 1.15
 _STEPS = ((1, 2, 3, 5), (1, 2, 5), (1,))
@@ -97,7 +97,7 @@ def accuracy_chart(curve: AccuracyCurve) -> AccuracyChart | None:
 def _points(
     points: Iterable[AccuracyPoint],
     price: Callable[[AccuracyPoint], BoundPrice | None],
-    error: Callable[[BoundPrice], PictureError],
+    error: Callable[[BoundPrice], PacedPicture],
 ) -> tuple[tuple[int, float], ...]:
     prices = (price(point) for point in points)
     errors = (error(one) for one in prices if one is not None)
@@ -128,9 +128,9 @@ def _reckoned(point: AccuracyPoint) -> BoundPrice | None:
     return point.reckoned
 
 
-def _fixed(price: BoundPrice) -> PictureError:
+def _fixed(price: BoundPrice) -> PacedPicture:
     return price.fixed
 
 
-def _within(price: BoundPrice) -> PictureError:
+def _within(price: BoundPrice) -> PacedPicture:
     return price.within

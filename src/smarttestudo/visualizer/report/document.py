@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from smarttestudo.visualizer.report.accuracy_section import accuracy_curve_section
+from smarttestudo.visualizer.report.accuracy_curve_section import accuracy_curve_section
 from smarttestudo.visualizer.report.decision_chart import Lane, lanes
 from smarttestudo.visualizer.report.decision_section import decision_section
 from smarttestudo.visualizer.report.floor_map import FloorMap, floor_map

@@ -8,12 +8,12 @@ from dataclasses import dataclass, field
 
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.floor_plan import FloorPlan
-from smarttestudo.visualizer.accuracy import AccuracyComparison
+from smarttestudo.visualizer.accuracy_comparison import AccuracyComparison
 from smarttestudo.visualizer.comparison import Comparison
 from smarttestudo.visualizer.comparison_tables import RunNames, bandwidth_table, frequency_table
 from smarttestudo.visualizer.floor import PathPoint
 from smarttestudo.visualizer.link_history import LinkHistory
-from smarttestudo.visualizer.loss.accuracy import AccuracyCurve
+from smarttestudo.visualizer.loss.accuracy_curve import AccuracyCurve
 from smarttestudo.visualizer.loss.report import LossReport
 from smarttestudo.visualizer.rule_timeline import by_topic
 from smarttestudo.visualizer.series import Series

@@ -6,8 +6,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from smarttestudo.visualizer.accuracy import AccuracyComparison
-from smarttestudo.visualizer.accuracy_table import accuracy_sentences, accuracy_tables
+from smarttestudo.visualizer.accuracy_comparison import AccuracyComparison
+from smarttestudo.visualizer.accuracy_comparison_table import accuracy_sentences, accuracy_tables
 from smarttestudo.visualizer.comparison import TopicComparison
 from smarttestudo.visualizer.comparison_tables import RunNames
 from smarttestudo.visualizer.loss.report import LossReport

@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from smarttestudo.domain.units import BYTES_PER_KB
-from smarttestudo.visualizer.accuracy import AccuracyComparison, Arm, PropertyAccuracy, View
+from smarttestudo.visualizer.accuracy_comparison import AccuracyComparison, Arm, PropertyAccuracy, View
 from smarttestudo.visualizer.table import MISSING, Align, Cell, Column, Number, Row, Table, Text
 
 _SHOWN_UNITS = {"m": (100.0, "cm"), "rad": (1.0, "rad"), "°": (1.0, "°")}

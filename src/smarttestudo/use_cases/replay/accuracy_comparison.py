@@ -26,7 +26,7 @@ from smarttestudo.pacing.bound import BoundRecord
 from smarttestudo.reckoning.picture import Picture
 from smarttestudo.use_cases.bags.samples import SampleTaker, TopicReading
 from smarttestudo.use_cases.replay.replay import ReplayRequest, replay
-from smarttestudo.visualizer.accuracy import (
+from smarttestudo.visualizer.accuracy_comparison import (
     AccuracyComparison,
     Arm,
     Decode,

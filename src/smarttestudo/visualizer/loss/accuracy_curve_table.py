@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from smarttestudo.visualizer.loss.accuracy import AccuracyCurve, AccuracyPoint, BoundPrice
+from smarttestudo.visualizer.loss.accuracy_curve import AccuracyCurve, AccuracyPoint, BoundPrice
 from smarttestudo.visualizer.loss.tables import measured
 from smarttestudo.visualizer.table import (
     Align,

@@ -21,7 +21,7 @@ from smarttestudo.adirf.properties import gauges_for
 from smarttestudo.cli.main import main
 from smarttestudo.pacing.sample import StreamKind
 from smarttestudo.reckoning.motion import Twist, Vector3
-from smarttestudo.visualizer.loss.accuracy import AccuracyMeter, Paced
+from smarttestudo.visualizer.loss.accuracy_curve import AccuracyMeter, Paced
 from use_cases.replay.replay_runs import replay_content
 from use_cases.replay.test_replay_bounds import recorded
 

@@ -6,8 +6,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from smarttestudo.visualizer.loss.accuracy import AccuracyCurve
-from smarttestudo.visualizer.loss.accuracy_table import accuracy_table
+from smarttestudo.visualizer.loss.accuracy_curve import AccuracyCurve
+from smarttestudo.visualizer.loss.accuracy_curve_table import accuracy_table
 from smarttestudo.visualizer.report.accuracy_chart import AccuracyChart, AccuracyLine, accuracy_chart
 from smarttestudo.visualizer.report.legends import chart_legend
 from smarttestudo.visualizer.report.markup import Markup, html_table, name_parts, tag

@@ -14,7 +14,7 @@ from reckoning.ros_messages import ODOMETRY, odometry, planar
 from smarttestudo.adirf.properties import gauges_for
 from smarttestudo.reckoning.motion import Twist, Vector3
 from smarttestudo.reckoning.picture import Picture
-from smarttestudo.visualizer.accuracy import Message, PictureError, picture_errors
+from smarttestudo.visualizer.accuracy_comparison import Message, PictureError, picture_errors
 
 SECOND_NS = 1_000_000_000
 

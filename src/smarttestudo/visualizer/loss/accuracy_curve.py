@@ -15,6 +15,7 @@ from smarttestudo.pacing.sample import Pass, Sample, StreamKind
 from smarttestudo.pacing.topic_pacer import Accuracy, TopicPacer
 from smarttestudo.reckoning.gauges import Distance, Gauge, MovingPart, Reading
 from smarttestudo.reckoning.picture import MAX_PARTS, Picture
+from smarttestudo.visualizer.loss.error_over_time import ErrorOverTime
 
 _SMALL_BOUNDS = (0.01, 0.02, 0.05, 0.1, 0.2)
 _BOUNDS_BY_UNIT: Mapping[str, tuple[float, ...]] = MappingProxyType(
@@ -42,11 +43,11 @@ class Paced:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PictureError:
+class PacedPicture:
     """What passed, and how far the receiver's picture was off after each message of the source.
 
-    ``rmse`` is the root of the mean square over time, an error counting until the source's next message;
-    ``worst`` is the largest error. Both are without the ``unknown`` messages after which nothing was shown.
+    ``rmse`` is over time, ``worst`` is the largest error, both without the ``unknown`` messages after which
+    nothing was shown.
     """
 
     messages: int
@@ -71,8 +72,8 @@ class BoundPrice:
     ``fixed_hz`` is infinite where every message passes.
     """
 
-    within: PictureError
-    fixed: PictureError
+    within: PacedPicture
+    fixed: PacedPicture
     fixed_hz: float
 
     def to_json(self) -> dict[str, object]:
@@ -157,7 +158,7 @@ class AccuracyMeter:
         for arm in self._arms:
             arm.take(sample, now_ns)
 
-    def finish(self, end_ns: int) -> list[PictureError]:
+    def finish(self, end_ns: int) -> list[PacedPicture]:
         """The recording ends: what was found, in the order of the ways."""
         return [arm.finish(end_ns) for arm in self._arms]
 
@@ -173,11 +174,11 @@ class _Arm:
         self._picture = Picture(gauges, reckons=way.reckons)
         self._kept: dict[str, BoundRecord] = {}
         self._messages = 0
-        self._error: _ErrorOverTime | None = None
+        self._error: ErrorOverTime | None = None
 
     def take(self, sample: Sample, now_ns: int) -> None:
         if self._error is None:
-            self._error = _ErrorOverTime(now_ns)
+            self._error = ErrorOverTime(now_ns)
             self._start(now_ns)
         self._wake_until(now_ns)
         passes = self._pacer.offer(sample, now_ns)
@@ -192,12 +193,12 @@ class _Arm:
             return 0.0
         return self._picture.errors(sample.readings, sample.publisher)[self._name]
 
-    def finish(self, end_ns: int) -> PictureError:
+    def finish(self, end_ns: int) -> PacedPicture:
         self._pacer.finish()
         self._wake_until(end_ns)
-        error = self._error or _ErrorOverTime(end_ns)
+        error = self._error or ErrorOverTime(end_ns)
         error.pass_time(end_ns)
-        return PictureError(
+        return PacedPicture(
             messages=self._messages, rmse=error.rmse, worst=error.worst, unknown=error.unknown
         )
 
@@ -222,36 +223,6 @@ class _Arm:
         if self._way.bound is None:
             for sample, _ in passes:
                 self._picture.show(sample.readings, sample.publisher)
-
-
-class _ErrorOverTime:
-    """Adds up an error that counts until the next one; an infinite one counts as unknown."""
-
-    __slots__ = ("_error", "_now_ns", "_squares", "_total_ns", "unknown", "worst")
-
-    def __init__(self, now_ns: int) -> None:
-        self._now_ns, self._error = now_ns, math.inf
-        self._squares, self._total_ns = 0.0, 0
-        self.worst, self.unknown = 0.0, 0
-
-    @property
-    def rmse(self) -> float:
-        return math.sqrt(self._squares / self._total_ns) if self._total_ns else self.worst
-
-    def add(self, error: float, now_ns: int) -> None:
-        self.pass_time(now_ns)
-        self._error = error
-        if error < math.inf:
-            self.worst = max(self.worst, error)
-        else:
-            self.unknown += 1
-
-    def pass_time(self, now_ns: int) -> None:
-        lasted_ns = max(0, now_ns - self._now_ns)
-        if self._error < math.inf:
-            self._squares += lasted_ns * self._error * self._error
-            self._total_ns += lasted_ns
-        self._now_ns = now_ns
 
 
 class MotionMeter:

@@ -18,14 +18,14 @@ from smarttestudo.domain.recording import Channel, RecordingReader
 from smarttestudo.domain.units import NS_PER_S, counted
 from smarttestudo.pacing.sample import StreamKind
 from smarttestudo.reckoning.gauges import Gauge, Reading
-from smarttestudo.visualizer.loss.accuracy import (
+from smarttestudo.visualizer.loss.accuracy_curve import (
     AccuracyCurve,
     AccuracyMeter,
     AccuracyPoint,
     BoundPrice,
     MotionMeter,
     Paced,
-    PictureError,
+    PacedPicture,
     usual_bounds,
 )
 from smarttestudo.visualizer.loss.samples import TopicSamples
@@ -192,7 +192,7 @@ class _Property:
     kind: StreamKind
     meter: AccuracyMeter = field(init=False)
     motion: MotionMeter = field(init=False)
-    _within: list[PictureError] = field(init=False, default_factory=list)
+    _within: list[PacedPicture] = field(init=False, default_factory=list)
     _rates_hz: list[float] = field(init=False, default_factory=list)
 
     def __post_init__(self) -> None:

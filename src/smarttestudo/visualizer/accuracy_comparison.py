@@ -1,10 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""How accurate an operator's picture was, by several ways of choosing what passes.
-
-The error is taken at each message of the source, after what passed until then, and counts until the source's
-next message: RMSE = √(Σ d·e² / Σ d). Before anything is shown there is no error.
-"""
+"""How accurate an operator's picture was, by several ways of choosing what passes."""
 
 from __future__ import annotations
 
@@ -14,6 +10,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 from smarttestudo.reckoning.picture import Picture
+from smarttestudo.visualizer.loss.error_over_time import ErrorOverTime
 
 Decode = Callable[[bytes], object | None]
 """The decoded message, where the picture needs one and it can be read; else ``None``."""
@@ -44,41 +41,22 @@ def picture_errors(
 
     Both sequences are in the order of time.
     """
-    sums = _Sums()
+    found: dict[str, ErrorOverTime] = {}
     arrived = 0
-    for index, (stamp_ns, payload) in enumerate(sent):
+    for stamp_ns, payload in sent:
         while arrived < len(received) and received[arrived][0] <= stamp_ns:
             got_ns, got = received[arrived]
             picture.show(picture.read(got, decode(got), got_ns), None)
             arrived += 1
-        next_ns = sent[index + 1][0] if index + 1 < len(sent) else end_ns
-        errors = picture.errors(picture.read(payload, decode(payload), stamp_ns), None)
-        sums.add(errors, next_ns - stamp_ns)
-    return sums.errors()
-
-
-class _Sums:
-    def __init__(self) -> None:
-        self._squares: dict[str, float] = {}
-        self._known_ns: dict[str, int] = {}
-        self._worst: dict[str, float] = {}
-
-    def add(self, errors: Mapping[str, float], lasts_ns: int) -> None:
-        for name, error in errors.items():
-            if error < math.inf:
-                self._squares[name] = self._squares.get(name, 0.0) + lasts_ns * error * error
-                self._known_ns[name] = self._known_ns.get(name, 0) + lasts_ns
-                self._worst[name] = max(self._worst.get(name, 0.0), error)
-
-    def errors(self) -> dict[str, PictureError]:
-        return {
-            name: PictureError(
-                # An error that lasts no time, at the end of the recording, is as large as it is.
-                rmse=math.sqrt(self._squares[name] / known_ns) if known_ns else self._worst[name],
-                worst=self._worst[name],
-            )
-            for name, known_ns in self._known_ns.items()
-        }
+        for name, error in picture.errors(picture.read(payload, decode(payload), stamp_ns), None).items():
+            found.setdefault(name, ErrorOverTime(stamp_ns)).add(error, stamp_ns)
+    for one in found.values():
+        one.pass_time(end_ns)
+    return {
+        name: PictureError(rmse=one.rmse, worst=one.worst)
+        for name, one in found.items()
+        if one.unknown < len(sent)
+    }
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
