@@ -60,7 +60,7 @@ export function defineBlocks(suggest: Suggestions, buttons: BlockButtons): void 
         .appendField(operatorField(), "OP")
         .appendField(numberField("0", "value"), "VALUE")
         .appendField(new Blockly.FieldLabel(""), "UNIT")
-        .appendField(button(CLOCK, "Add time", chooseTime))
+        .appendField(button(CLOCK, "Add time", chooseTime), "CLOCK")
         .appendField(removeButton("Remove this check"));
       chain(this, CONDITION, "check");
       this.setTooltip("Compares a property of the newest message of the topic with a number.");
@@ -80,7 +80,7 @@ export function defineBlocks(suggest: Suggestions, buttons: BlockButtons): void 
           .appendField("", "JOIN")
           .appendField(label)
           .appendField(button(PLUS, "Add check", (block) => buttons.addCheck(block)))
-          .appendField(button(CLOCK, "Add time", chooseTime))
+          .appendField(button(CLOCK, "Add time", chooseTime), "CLOCK")
           .appendField(removeButton(`Remove this ${label}`));
         this.appendStatementInput("TERMS").setCheck(CONDITION);
         chain(this, CONDITION, "check");

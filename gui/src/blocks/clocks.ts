@@ -91,7 +91,7 @@ function showTimes(block: Blockly.BlockSvg, count: number): void {
 
 function removeTime(block: Blockly.BlockSvg, at: number): void {
   const left = timesOn(block).filter((_, index) => index !== at);
-  Blockly.getFocusManager().focusNode(block);
+  focus(block, "CLOCK");
   change(block, () => setTimes(block, left));
 }
 
@@ -112,7 +112,7 @@ function showUntil(block: Blockly.BlockSvg, shown: boolean): void {
 }
 
 function removeUntil(block: Blockly.BlockSvg): void {
-  Blockly.getFocusManager().focusNode(block);
+  focus(block, "CLOCK");
   change(block, () => showUntil(block, false));
 }
 

@@ -151,6 +151,27 @@ def test_times_come_from_the_list_of_blocks_and_stand_inside_or_outside_of_a_not
     ruler.expect_lines("AND (Not CheckValue /odom pose_x > 0 For 10 s) For 20 s)")
 
 
+def test_a_time_is_given_and_taken_away_with_the_keyboard_alone(ruler: RulerPage) -> None:
+    _new_project(ruler)
+    ruler.button("New rule").click()
+    ruler.expect_lines("CheckValue /odom pose_x > 0")
+    keyboard = ruler.page.keyboard
+    ruler.walk("ArrowDown", "/odom, pose_x")
+    ruler.walk("ArrowRight", "Add time")
+    keyboard.press("Enter")
+    ruler.page.get_by_role("menuitem", name="for so long…").wait_for()
+    keyboard.press("ArrowDown")
+    keyboard.press("Enter")
+    expect(ruler.blocks.get_by_role("button", name="Edit duration: 10")).to_be_focused()
+    keyboard.press("Enter")
+    ruler.type_value("3")
+    ruler.expect_lines("CheckValue /odom pose_x > 0 For 3 s")
+    ruler.walk("ArrowRight", "Remove this time")
+    keyboard.press("Enter")
+    expect(ruler.text).not_to_contain_text("For")
+    expect(ruler.blocks.get_by_role("button", name="Add time")).to_be_focused()
+
+
 def test_a_copied_rule_keeps_what_it_records_and_bounds(ruler: RulerPage, project: Path) -> None:
     (project / "slow.adirf").write_text(ALL_TIMES)
     ruler.home()
