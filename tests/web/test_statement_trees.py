@@ -214,11 +214,11 @@ def said(actions: tuple[Action, ...]) -> list[Action]:
     return [replace(one, comments=(), offset=0, end_offset=0, line=0, text="") for one in actions]
 
 
-def test_a_level_is_refused_where_the_language_has_none() -> None:
+def test_a_bound_may_be_a_level() -> None:
     bound = statements(TEXT)[0]
     assert isinstance(bound, WithinStatement)
-    with pytest.raises(EditError, match="Acceptable"):
-        edited(replace(bound, bound=Tier.ACCEPTABLE))
+    level = replace(bound, bound=Tier.ACCEPTABLE)
+    assert "KeepWithin /odom position Acceptable" in edited(level)
 
 
 @pytest.mark.parametrize(

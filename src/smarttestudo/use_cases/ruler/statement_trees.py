@@ -226,8 +226,6 @@ def _set(model: page.SetStatement) -> SetFrequency:
 
 
 def _within(model: page.WithinStatement) -> KeepWithin:
-    if isinstance(model.bound, Tier):
-        raise EditError(f"a bound is a number, not {model.bound.value}", remedy="write how far off it may be")
     return KeepWithin(
         topic=_topic(model.topic),
         property=model.property,
