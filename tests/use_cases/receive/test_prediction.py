@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from link.simulated_link import MS, Link, S
@@ -105,6 +105,10 @@ def happen(run: PredictedLink, what: float | str) -> None:
 
 @settings(max_examples=40)
 @given(st.sampled_from(["/odom", "/tf"]), links(), events)
+# Who joins hears of a new bound before the robot's end hears of who joined.
+@example(
+    "/tf", Link([(0.0, 200_000.0), (1.0, 0.0), (1.125, 200_000.0)], 0.125), [(1.0, 0.3), (1.25, "joins")]
+)
 def test_after_every_message_of_the_source_what_an_operator_shows_is_within_the_bound(
     topic: str, link: Link, happened: list[tuple[float, float | str]]
 ) -> None:
