@@ -10,7 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from adirf.comment_owners import comments_by_owner
-from adirf.rule_strategies import NOWHERE, WrittenFile, bare, blocks, checks, rule_files, written_files
+from adirf.rule_strategies import NOWHERE, bare, blocks, checks, rule_files
+from adirf.written_rules import WrittenFile, written_files
 from smarttestudo.adirf.formatter import format_file, format_rules
 from smarttestudo.adirf.formatter.conditions import MAX_WIDTH
 from smarttestudo.adirf.normal_form import normal_form

@@ -11,17 +11,8 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from adirf.comment_owners import comments_by_owner
-from adirf.rule_strategies import (
-    PROPERTIES,
-    Word,
-    WrittenFile,
-    bare,
-    lay_out,
-    rule_files,
-    seeds,
-    words_of,
-    written_files,
-)
+from adirf.rule_strategies import PROPERTIES, bare, rule_files
+from adirf.written_rules import Word, WrittenFile, lay_out, seeds, words_of, written_files
 from smarttestudo.adirf.parser import parse
 from smarttestudo.adirf.parser.rule_file import ParseResult
 from smarttestudo.adirf.syntax import RuleFile

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from adirf.rule_strategies import WrittenFile, written_files
+from adirf.written_rules import WrittenFile, written_files
 from web.ruler_server import EXAMPLES, Page, served
 
 RULE_FILES = sorted(path.relative_to(EXAMPLES).as_posix() for path in EXAMPLES.rglob("*.adirf"))

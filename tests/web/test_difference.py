@@ -11,7 +11,8 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from adirf.rule_strategies import WrittenFile, rule_files, written_files
+from adirf.rule_strategies import rule_files
+from adirf.written_rules import WrittenFile, written_files
 from smarttestudo.adirf.formatter import format_file, format_rules
 from smarttestudo.adirf.parser import ParseResult, parse
 from smarttestudo.adirf.syntax import Block, RuleFile, SetFrequency, Statement

@@ -30,7 +30,7 @@ from smarttestudo.cli.top_table import open_screen
 from smarttestudo.domain.command import command_topics
 from smarttestudo.domain.errors import UsageError, said
 from smarttestudo.domain.link import Sink
-from smarttestudo.domain.names import STATUS_TOPIC, is_topic_name
+from smarttestudo.domain.names import STATUS_TOPIC, full_topic_names
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.domain.visible_topics import testudo_nodes
 from smarttestudo.link.reports import MAX_PREDICTED
@@ -197,12 +197,7 @@ def _predicted(arguments: argparse.Namespace) -> frozenset[str]:
             place="--predict",
             remedy="leave out --no-ros, or add --foxglove PORT",
         )
-    for topic in arguments.predict:
-        if not is_topic_name(topic):
-            raise UsageError(f"{topic!r} is no topic", place="--predict", remedy="write it as in /odom")
-    if len(set(arguments.predict)) > MAX_PREDICTED:
-        raise UsageError(f"at most {MAX_PREDICTED} topics can be predicted", place="--predict")
-    return frozenset(arguments.predict)
+    return frozenset(full_topic_names(arguments.predict, "--predict", most=MAX_PREDICTED, like="/odom"))
 
 
 def _sinks(arguments: argparse.Namespace, opened: ExitStack) -> Iterator[Sink]:

@@ -8,9 +8,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.link_state import AcceptedTopic
-from smarttestudo.domain.names import is_topic_name
+from smarttestudo.domain.names import full_topic_names
 from smarttestudo.domain.robot import Publisher
 from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
 
@@ -80,16 +79,4 @@ class TooOld:
 
 def command_topics(names: Sequence[str], option: str) -> tuple[str, ...]:
     """The topics that ``option`` names, each once. Raises ``UsageError``."""
-    for name in names:
-        if not name.startswith("/") or not is_topic_name(name):
-            raise UsageError(
-                f"{name[:80]!r} is not the full name of a topic", place=option, remedy="write it as in /joy"
-            )
-    topics = tuple(dict.fromkeys(names))
-    if len(topics) > MAX_COMMAND_TOPICS:
-        raise UsageError(
-            f"{len(topics)} topics are too many",
-            place=option,
-            remedy=f"name at most {MAX_COMMAND_TOPICS}",
-        )
-    return topics
+    return full_topic_names(names, option, most=MAX_COMMAND_TOPICS, like="/joy")

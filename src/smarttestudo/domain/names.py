@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 
 from smarttestudo.domain.errors import UsageError
 
@@ -57,3 +58,18 @@ def output_name(topic: str, pattern: str, robot: str | None = None) -> str:
             remedy = "write it as in /{robot}{topic}, and give the robot a name of letters, digits and _"
         raise UsageError(cause, place="--output-topic", remedy=remedy)
     return name
+
+
+def full_topic_names(names: Sequence[str], option: str, *, most: int, like: str) -> tuple[str, ...]:
+    """The topics that ``option`` names, each once, as ``like``. Raises ``UsageError``."""
+    for name in names:
+        if not name.startswith("/") or not is_topic_name(name):
+            raise UsageError(
+                f"{name[:80]!r} is not the full name of a topic",
+                place=option,
+                remedy=f"write it as in {like}",
+            )
+    topics = tuple(dict.fromkeys(names))
+    if len(topics) > most:
+        raise UsageError(f"{len(topics)} topics are too many", place=option, remedy=f"name at most {most}")
+    return topics

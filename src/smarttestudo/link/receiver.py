@@ -128,6 +128,8 @@ class LinkReceiver:
             self._round_trip_ns = int(said.round_trip_ms * NS_PER_MS)
             return None
         known = self.streams.get(said.stream)
+        if said.info is not None and self._receiver not in said.predicted_for:
+            said = replace(said, info=replace(said.info, prediction=None))
         if known == said.info:
             return None
         if said.info is None:

@@ -39,6 +39,11 @@ class Receivers:
         known.predicts = report.predicts or known.predicts
         return has_joined
 
+    @property
+    def numbers(self) -> frozenset[int]:
+        """Those that are there."""
+        return frozenset(self._known)
+
     def predicted(self, now_ns: int) -> frozenset[str]:
         """The topics that all of them reckon: nobody is sent what only another one can make use of."""
         self._forget_lost(now_ns)

@@ -82,10 +82,14 @@ class Report:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Announcement:
-    """A stream of the robot's end; without ``info``, it is closed."""
+    """A stream of the robot's end; without ``info``, it is closed.
+
+    Its prediction is for the receivers in ``predicted_for``: others may lack what it is made of.
+    """
 
     stream: int
     info: StreamInfo | None
+    predicted_for: frozenset[int] = frozenset()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -114,6 +118,7 @@ def control_message(said: Announcement | RoundTrip) -> bytes:
         if info.prediction is not None:
             record["predicted_within"] = dict(info.prediction.within)
             record["heartbeat_hz"] = info.prediction.heartbeat_hz
+            record["predicted_for"] = sorted(said.predicted_for)
     return json_text(record).encode()
 
 
@@ -126,7 +131,11 @@ def read_control_message(data: bytes) -> Announcement | RoundTrip:
         stream = int(record["stream"])
         if not 0 < stream < MAX_STREAMS:
             raise LinkError(f"there is no stream {stream}")
-        return Announcement(stream=stream, info=_info(record) if "topic" in record else None)
+        return Announcement(
+            stream=stream,
+            info=_info(record) if "topic" in record else None,
+            predicted_for=frozenset(map(int, record.get("predicted_for", ()))),
+        )
     except _UNREADABLE as error:
         raise LinkError("a message of the control stream is not readable") from error
 

@@ -53,6 +53,7 @@ class LinkSender:
         self._session = 0
         self._sessions = 0
         self._predictions: Mapping[str, Prediction] = {}
+        self._anew: set[str] = set()
         self._receivers = Receivers(LOST_AFTER_NS)
         self._receiver: int | None = None
         self._heard_ns = 0
@@ -92,11 +93,13 @@ class LinkSender:
     def predict(self, predictions: Mapping[str, Prediction], anew: Collection[str], now_ns: int) -> None:
         """Have the operator's end reckon these topics; of some, ``anew`` from the next message on.
 
-        It ends with the session, because a receiver that comes may lack what was sent before.
+        It ends with the session and when a receiver comes, which may lack what was sent before. From then on
+        a topic is reckoned when it has begun anew.
         """
-        self._predictions = predictions
+        self._anew |= set(anew)
+        self._predictions = {topic: one for topic, one in predictions.items() if topic in self._anew}
         for number, info in self._infos.items():
-            said = replace(info, prediction=predictions.get(info.topic))
+            said = replace(info, prediction=self._predictions.get(info.topic))
             if said != info:
                 self._infos[number] = said
                 self._announce(number, now_ns)
@@ -224,13 +227,15 @@ class LinkSender:
     def _introduce(self, now_ns: int) -> None:
         """Say all that a receiver must know that may lack what was sent before, which nobody predicts now."""
         self._sessions += 1
-        self._predictions = {}
+        self._predictions, self._anew = {}, set()
         self._infos = {number: replace(info, prediction=None) for number, info in self._infos.items()}
         for number in self._infos:
             self._announce(number, now_ns)
 
     def _announce(self, stream: int, now_ns: int) -> None:
-        said = Announcement(stream=stream, info=self._infos.get(stream))
+        said = Announcement(
+            stream=stream, info=self._infos.get(stream), predicted_for=self._receivers.numbers
+        )
         self._outbox.offer(CONTROL_STREAM, control_message(said), now_ns)
 
     def _encoded(self, stream: int, payload: bytes) -> Encoded:

@@ -13,7 +13,13 @@ from hypothesis import strategies as st
 from smarttestudo.adapters.files.input_log import INPUTS_FILE, input_log, read_inputs
 from smarttestudo.adapters.files.whole_file import OutputFileError
 from smarttestudo.domain.errors import RecordingError
-from smarttestudo.domain.observation import LinkBudget, ListenersChanged, SourceChanged, Undecodable
+from smarttestudo.domain.observation import (
+    LinkBudget,
+    ListenersChanged,
+    ReceiversReckon,
+    SourceChanged,
+    Undecodable,
+)
 from smarttestudo.pacing.sample import WhenSlow
 from smarttestudo.runtime.inputs import (
     ChangeInput,
@@ -41,6 +47,7 @@ inputs = st.one_of(
                 type_name=texts,
             ),
             st.builds(ListenersChanged, topic=texts, are_there=st.booleans()),
+            st.builds(ReceiversReckon, topics=st.frozensets(texts, max_size=3)),
             st.builds(LinkBudget, link_kb_per_s=budgets),
         ),
     ),

@@ -10,7 +10,8 @@ from dataclasses import replace
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from adirf.rule_strategies import WrittenFile, blocks, keep_at_leasts, set_frequencies, written_files
+from adirf.rule_strategies import blocks, keep_at_leasts, set_frequencies
+from adirf.written_rules import WrittenFile, written_files
 from smarttestudo.adirf.comments import Comment
 from smarttestudo.adirf.document import (
     Document,

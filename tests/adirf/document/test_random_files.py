@@ -14,7 +14,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from adirf.rule_strategies import WrittenFile, written_files
+from adirf.written_rules import WrittenFile, written_files
 from smarttestudo.adirf.document.meaning import meaning
 from smarttestudo.adirf.parser import parse
 from web.ruler_server import Page, served

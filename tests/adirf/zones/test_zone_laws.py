@@ -12,7 +12,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from adirf.rule_strategies import WrittenFile, written_files
+from adirf.written_rules import WrittenFile, written_files
 from smarttestudo.adirf.document import Document, meaning, read_document
 from smarttestudo.adirf.normal_form import holds, normal_form
 from smarttestudo.adirf.parser.tokens import TokenKind

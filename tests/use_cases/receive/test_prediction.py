@@ -6,16 +6,27 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
 
+import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from link.simulated_link import MS, Link, S
-from reckoning.ros_messages import ODOMETRY, TRANSFORMS, odometry, planar, transforms
+from reckoning.ros_messages import ODOMETRY, STORE, TRANSFORMS, odometry, planar, transforms
+from smarttestudo.adapters.zenoh.arrivals import RobotPresence, StreamSaid
 from smarttestudo.cdr import FrameReader, PoseReader
+from smarttestudo.cli.receive_table import reception_lines
+from smarttestudo.domain.link import Prediction, ReceivedMessage, StreamInfo
+from smarttestudo.domain.robot import Qos
+from smarttestudo.link.reports import Report
 from smarttestudo.reckoning.motion import Twist, Vector3
+from smarttestudo.use_cases.receive.prediction import Predictor
+from smarttestudo.use_cases.receive.reception import Reception
 from use_cases.receive.predicted_link import PredictedLink
+from use_cases.receive.test_reception import Notes
 
 PERIOD_NS = 80 * MS
 TYPES = {"/odom": ODOMETRY, "/tf": TRANSFORMS}
@@ -94,6 +105,10 @@ def happen(run: PredictedLink, what: float | str) -> None:
 
 @settings(max_examples=40)
 @given(st.sampled_from(["/odom", "/tf"]), links(), events)
+# Who joins hears of a new bound before the robot's end hears of who joined.
+@example(
+    "/tf", Link([(0.0, 200_000.0), (1.0, 0.0), (1.125, 200_000.0)], 0.125), [(1.0, 0.3), (1.25, "joins")]
+)
 def test_after_every_message_of_the_source_what_an_operator_shows_is_within_the_bound(
     topic: str, link: Link, happened: list[tuple[float, float | str]]
 ) -> None:
@@ -147,3 +162,96 @@ def test_an_operator_who_only_looks_on_has_all_shown_as_it_is_until_it_leaves() 
     predicting.hears = False
     run.run(20 * S)
     assert run.loop.relays.pictures == {}
+
+
+TOLD = StreamInfo(
+    topic="/odom",
+    type_name=ODOMETRY,
+    qos=Qos(reliable=True, transient_local=False),
+    prediction=Prediction(within={"position": 0.05}, heartbeat_hz=0.5),
+)
+PLAIN = replace(TOLD, prediction=None)
+ONWARD = Twist(Vector3(0.5, 0, 0), Vector3(0, 0, 0))
+
+
+def arrived(stamp_ns: int, x: float = 1.0, age_ns: int = 100 * MS) -> ReceivedMessage:
+    payload = odometry(stamp_ns, planar(x, 0, 0), ONWARD)
+    return ReceivedMessage(robot="ada", stream=TOLD, payload=payload, offered_ns=0, age_ns=age_ns)
+
+
+def predicting(stream: StreamInfo = TOLD, source_hz: float | None = 20.0) -> Predictor:
+    predictor = Predictor(frozenset({"/odom"}), lambda _robot, _topic: source_hz)
+    predictor.open("ada", stream)
+    return predictor
+
+
+def test_a_predicted_message_is_where_the_robot_is_now_with_the_bound_as_covariance() -> None:
+    predictor = predicting()
+    predictor.take(arrived(7 * S), 90 * S)
+    assert list(predictor.predicted(90 * S)) == []
+    (message,) = predictor.predicted(91 * S)
+    # A second since it arrived, and 100 ms that it was under way.
+    expected: Any = STORE.deserialize_cdr(odometry(8 * S + 100 * MS, planar(1.55, 0, 0), ONWARD), ODOMETRY)
+    found: Any = STORE.deserialize_cdr(message.payload, ODOMETRY)
+    assert (found.header, found.child_frame_id, message.is_predicted) == (
+        expected.header,
+        expected.child_frame_id,
+        True,
+    )
+    assert found.pose.pose == expected.pose.pose
+    variances = [0.05**2] * 3 + [math.pi**2] * 3
+    assert list(found.pose.covariance) == pytest.approx(list(np.diag(variances).flat))
+
+
+def test_predicted_messages_come_at_the_rate_of_the_source_after_each_that_arrived() -> None:
+    predictor = predicting()
+    predictor.take(arrived(7 * S), 0)
+    due_ns = [number * MS for number in range(1000) if list(predictor.predicted(number * MS))]
+    assert due_ns == [number * 50 * MS for number in range(1, 20)]
+
+
+def test_nothing_is_predicted_where_the_robot_does_not_reckon_has_left_or_is_silent() -> None:
+    for predictor in (predicting(PLAIN), predicting(replace(TOLD, topic="/other"))):
+        predictor.take(arrived(7 * S), 0)
+        assert list(predictor.predicted(S)) == []
+    predictor = predicting()
+    predictor.take(arrived(7 * S), 0)
+    predictor.leave("ada")
+    assert list(predictor.predicted(S)) == []
+    predictor.take(arrived(7 * S), S)
+    # A heartbeat comes each two seconds.
+    assert list(predictor.predicted(4 * S))
+    assert list(predictor.predicted(6 * S)) == []
+
+
+def test_a_message_without_a_stamp_does_not_say_when_the_robot_is_there() -> None:
+    predictor = predicting()
+    predictor.take(arrived(0), 0)
+    assert list(predictor.predicted(S)) == []
+
+
+def test_what_is_predicted_is_given_to_sinks_shown_and_counted_apart() -> None:
+    sink = Notes()
+    reception = Reception([sink], predicting(PLAIN))
+    reception.take(RobotPresence(robot="ada", boot="0", is_present=True), 0)
+    reception.take(StreamSaid(robot="ada", boot="0", number=1, info=TOLD), 0)
+    reception.take(arrived(7 * S), 0)
+    for number in range(1, 11):
+        assert reception.predict(number * 50 * MS) == (number + 1) * 50 * MS
+    topic = reception.robots["ada"].topics["/odom"]
+    assert (topic.flow.messages, topic.predicted) == (1, 10)
+    assert [one.is_predicted for one in sink.taken] == [False, *[True] * 10]
+    lines = [line.text.split() for line in reception_lines(reception)]
+    assert lines[2][-2:] == ["Predicted", "Type"]
+    assert lines[-1][-3:] == ["1", "10", ODOMETRY]
+
+
+@given(st.frozensets(st.from_regex(r"/[a-z]{1,8}", fullmatch=True), max_size=5), st.booleans())
+def test_a_report_says_what_is_predicted_and_an_older_one_says_nothing(
+    topics: frozenset[str], has_ages: bool
+) -> None:
+    report = Report(
+        receiver=1, session=2, received_bytes=3, ages_ms={4: 5.0} if has_ages else {}, predicts=topics
+    )
+    assert Report.from_bytes(report.to_bytes()) == report
+    assert Report.from_bytes(replace(report, predicts=frozenset()).to_bytes()).predicts == frozenset()

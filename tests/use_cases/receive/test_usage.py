@@ -51,6 +51,15 @@ def test_options_that_lack_another_are_a_wrong_usage(
             ["receive", "--no-ros", "--foxglove", "0", "--send", "/joy"],
             "--send: error: what is sent comes from the ROS graph here; leave out --no-ros",
         ),
+        (
+            ["receive", "--no-ros", "--record", "new", "--predict", "/odom"],
+            "--predict: error: what is predicted is for who looks on, and is not recorded; "
+            "leave out --no-ros, or add --foxglove PORT",
+        ),
+        (
+            ["receive", "--predict", "odom"],
+            "--predict: error: 'odom' is not the full name of a topic; write it as in /odom",
+        ),
         ([*RUN, "--accept", "/joy"], "--accept: error: it is about a link; add --link or --link-listen"),
         (
             [*RUN, "--link", "tcp/127.0.0.1:7447", "--accept", "joy"],
