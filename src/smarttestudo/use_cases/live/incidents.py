@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator, Mapping
+from collections.abc import Hashable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -59,7 +59,8 @@ class LiveIncidents:
         self._recorder: IncidentRecorder | None = None
         self._background: BackgroundSink | None = None
         self._max_bytes = None if options.max_gb is None else round(options.max_gb * BYTES_PER_GB)
-        self._dropped: dict[str, tuple[Subscription, int, int]] = {}
+        # Of each topic: what it came over, how much that had lost, and the stamp of its last message.
+        self._taken: dict[str, tuple[Subscription, int, int]] = {}
         self._refused = 0
         self._has_said = False
         # The thread that writes changes these.
@@ -124,24 +125,24 @@ class LiveIncidents:
                 qos_text=qos_text,
             )
 
-    def look(self, subscriptions: Mapping[str, Subscription], now_ns: int) -> None:
-        """See what was lost since the last look before it could be taken."""
-        if self._recorder is None:
-            return
-        before, self._dropped = self._dropped, {}
-        for topic in self.topics & subscriptions.keys():
-            subscription = subscriptions[topic]
-            dropped = subscription.dropped
-            known, count, since_ns = before.get(topic, (subscription, 0, now_ns))
-            if known is subscription and dropped > count:
-                self._recorder.lose(topic, dropped - count, min(since_ns, now_ns), now_ns)
-            self._dropped[topic] = (subscription, dropped, now_ns)
-
-    def take(self, topic: str, payload: Payload, publisher: Hashable, now_ns: int) -> None:
-        """A message came, before the loop is given it."""
+    def take(
+        self,
+        topic: str,
+        payload: Payload,
+        publisher: Hashable,
+        now_ns: int,
+        subscription: Subscription | None,
+    ) -> None:
+        """A message came over ``subscription``, before the loop is given it."""
         recorder = self._recorder
-        if recorder is not None and recorder.keeps(topic):
-            recorder.take(topic, now_ns, payload[:], publisher)
+        if recorder is None or not recorder.keeps(topic):
+            return
+        if subscription is not None:
+            dropped, known = subscription.dropped, self._taken.get(topic)
+            if known is not None and known[0] is subscription and known[1] < dropped:
+                recorder.lose(topic, dropped - known[1], min(known[2], now_ns), now_ns)
+            self._taken[topic] = subscription, dropped, now_ns
+        recorder.take(topic, now_ns, payload[:], publisher)
 
     @property
     def wake_ns(self) -> int | None:
