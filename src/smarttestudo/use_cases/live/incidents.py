@@ -12,6 +12,7 @@ from pathlib import Path
 from smarttestudo.adapters.files.incident_space import make_room
 from smarttestudo.adapters.incidents.background import BackgroundSink
 from smarttestudo.adapters.incidents.bag_metadata import offered_qos
+from smarttestudo.adapters.incidents.folder_lock import FolderLock
 from smarttestudo.adapters.incidents.folders import IncidentFolders
 from smarttestudo.adapters.incidents.mcap_records import StoredChannel
 from smarttestudo.adapters.incidents.recovery import complete_incidents
@@ -47,7 +48,7 @@ class LiveIncidents:
 
     ``static_topic`` is the robot's ``/tf_static``.
 
-    Raises ``OutputFileError`` where the folder cannot be made.
+    Raises ``OutputFileError`` where the folder cannot be made, or another run records into it.
     """
 
     def __init__(self, robot: Robot, options: IncidentOptions, static_topic: str) -> None:
@@ -58,6 +59,7 @@ class LiveIncidents:
         self._channels: dict[str, StoredChannel] = {}
         self._recorder: IncidentRecorder | None = None
         self._background: BackgroundSink | None = None
+        self._lock: FolderLock | None = None
         self._max_bytes = None if options.max_gb is None else round(options.max_gb * BYTES_PER_GB)
         # Of each topic: what it came over, how much that had lost, and the stamp of its last message.
         self._taken: dict[str, tuple[Subscription, int, int]] = {}
@@ -67,11 +69,14 @@ class LiveIncidents:
         self._recorded = self._lost = 0
         self._problem: str | None = None
         if self._folder is not None:
+            self._lock = FolderLock(self._folder)
             for found in complete_incidents(self._folder):
                 robot.log.warning(f"incident {found}")
             self._make_room()
             folders = IncidentFolders(self._folder, self._channels, failed=self._failed, ended=self._ended)
-            self._background = BackgroundSink(folders, round(WAITING_SHARE * self._memory_bytes))
+            self._background = BackgroundSink(
+                folders, round(WAITING_SHARE * self._memory_bytes), failed=self._failed
+            )
         self.topics: frozenset[str] = frozenset()
         """The topics that are to be heard because of recordings."""
 
@@ -81,12 +86,16 @@ class LiveIncidents:
         if self._background is None:
             yield
             return
-        with self._background.running():
-            try:
-                yield
-            finally:
-                if self._recorder is not None:
-                    self._recorder.finish(self._robot.now_ns())
+        try:
+            with self._background.running():
+                try:
+                    yield
+                finally:
+                    if self._recorder is not None:
+                        self._recorder.finish(self._robot.now_ns())
+        finally:
+            if self._lock is not None:
+                self._lock.release()
 
     def follow(self, rules: LiveRules, now_ns: int) -> None:
         """Keep what these rules record from now on."""
