@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The processes of ``live_cost.py`` beside the relay: sources, an operator, and a plain rclpy relay.
+"""The processes of benchmarks beside the runtime: sources, an operator, a plain rclpy relay and recorder.
 
-usage: roles.py source|operator|plain_relay JSON, where JSON is a list of topics: {"name": "/imu", "type":
-"sensor_msgs/msg/Imu", "hz": 195, "target_hz": 50, "size_bytes": 324}. Every message is bytes that are sent as
-they are, with the monotonic time of sending in its header's stamp. A line on stdin asks for a result in JSON,
-the end of stdin ends the process.
+usage: roles.py source|operator|plain_relay|plain_recorder|alarm JSON, where JSON is a list of topics:
+{"name": "/imu", "type": "sensor_msgs/msg/Imu", "hz": 195, "target_hz": 50, "size_bytes": 324}. Every message
+is bytes that are sent as they are, with the monotonic time of sending in its header's stamp. A line on stdin
+asks for a result in JSON, the end of stdin ends the process.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ import json
 import math
 import struct
 import sys
+import tempfile
 import threading
 import time
 from collections import Counter
@@ -24,6 +25,8 @@ from typing import Any
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import QoSProfile
+from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.typesys import Stores, get_typestore
 
 STAMP = struct.Struct("<iI")
 STAMP_AT = 4
@@ -148,9 +151,49 @@ def plain_relay(node: Any, topics: list[Topic]) -> None:
         executor.spin_once(timeout_sec=0.2)
 
 
+def plain_recorder(node: Any, topics: list[Topic]) -> None:
+    """What one writes in an hour to record: raw subscriptions, and the writer of rosbags."""
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        Writer(f"{folder}/bag", version=9, storage_plugin=StoragePlugin.MCAP) as writer,
+    ):
+
+        def record(connection: Any, payload: bytes) -> None:
+            writer.write(connection, time.time_ns(), payload)
+
+        kept = []
+        store = get_typestore(Stores.ROS2_JAZZY)
+        for topic in topics:
+            connection = writer.add_connection(topic["name"], topic["type"], typestore=store)
+            received = partial(record, connection)
+            kept.append(node.create_subscription(message_class(topic), topic["name"], received, 10, raw=True))
+        ended = answers(lambda _: None)
+        while not ended.is_set():
+            rclpy.spin_once(node, timeout_sec=0.2)
+
+
+def alarm(node: Any, topics: list[Topic]) -> None:
+    """Publish on the first topic, a std_msgs/Float64, the number that a line holds; answers with the time."""
+    publisher = node.create_publisher(message_class(topics[0]), topics[0]["name"], 10)
+
+    def publish(line: str) -> float:
+        publisher.publish(b"\x00\x01\x00\x00" + struct.pack("<d", float(line)))
+        return time.monotonic()
+
+    ended = answers(publish)
+    while not ended.is_set():
+        rclpy.spin_once(node, timeout_sec=0.2)
+
+
 def main() -> None:
     """Run the role."""
-    roles = {"source": source, "operator": operator, "plain_relay": plain_relay}
+    roles = {
+        "source": source,
+        "operator": operator,
+        "plain_relay": plain_relay,
+        "plain_recorder": plain_recorder,
+        "alarm": alarm,
+    }
     rclpy.init()
     node = rclpy.create_node(sys.argv[1])
     roles[sys.argv[1]](node, json.loads(sys.argv[2]))

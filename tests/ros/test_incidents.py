@@ -5,12 +5,17 @@
 from __future__ import annotations
 
 import json
+import signal
+import sys
+import time
 from pathlib import Path
 from typing import Any
 
+import pytest
+
 from adapters.rosbag.bag_factory import BagMessage
 from adapters.rosbag.bag_reading import read_bag, read_with_mcap, read_with_rosbags
-from ros.ros_processes import Process, SmallRobot
+from ros.ros_processes import TESTUDO, Process, SmallRobot
 
 ODOM = {"type": "nav_msgs/msg/Odometry", "hz": 20, "reliable": True}
 COUNT = {"type": "std_msgs/msg/String", "hz": 100, "reliable": True}
@@ -32,31 +37,103 @@ def record_of(folder: Path) -> dict[str, Any]:
 
 def numbers(messages: list[BagMessage]) -> list[int]:
     """What the texts of /count say, which are numbers without a gap."""
-    return [int(one.payload[8:-1]) for one in messages if one.topic == "/count"]
+    return [int(one.payload[8:].rstrip(b"\0")) for one in messages if one.topic == "/count"]
 
 
-def start(robot: SmallRobot, folder: Path, rules: str = RULES, *options: str) -> tuple[Process, Process]:
-    source = robot.source(odom=ODOM, count=COUNT, tf_static=FRAMES)
-    runtime = robot.runtime(rules, "--incidents", str(folder), *options)
+def start(robot: SmallRobot, folder: Path, *options: str) -> Process:
+    runtime = robot.runtime(RULES, "--incidents", str(folder), *options)
     runtime.line_with("/count: std_msgs/msg/String")
-    return source, runtime
+    return runtime
 
 
-def test_an_incident_of_a_running_robot_is_whole(robot: SmallRobot) -> None:
+def trigger(source: Process) -> None:
+    source.say("home odom")
+    source.say("move odom")
+
+
+def recorded(runtime: Process) -> str:
+    """The name of the next incident that is whole."""
+    while True:
+        name = runtime.line_with("incident ").split("incident ")[1].strip()
+        if ":" not in name:
+            return name
+
+
+@pytest.mark.parametrize("data_path", ["auto", "rclpy"])
+def test_an_incident_of_a_running_robot_is_whole(robot: SmallRobot, data_path: str) -> None:
     folder = robot.folder / "incidents"
-    source, runtime = start(robot, folder)
+    source = robot.source(odom=ODOM, count=COUNT, tf_static=FRAMES)
+    runtime = start(robot, folder, "--data-path", data_path)
     heard = robot.operator(span_s=2.5, count={"type": "std_msgs/msg/String", "topic": "/count"})
     heard.line_with("heard 1")
-    source.say("move odom")
-    name = runtime.line_with("incident ").split("incident ")[1].strip()
-    path = folder / name
+    trigger(source)
+    path = folder / recorded(runtime)
     messages = read_bag(path).messages
     found = numbers(messages)
-    assert found == list(range(found[0], found[-1] + 1))
     record = record_of(path)
-    assert record["missing"] == []
+    lost = sum(one["messages"] for one in record["missing"] if one["topic"] == "/count")
+    assert found == sorted(set(found))
+    assert found[-1] - found[0] + 1 - len(found) <= lost
+    assert {one["reason"] for one in record["missing"]} <= {"lost"}
     assert [one["topic"] for one in record["latched"]] == ["/tf_static"]
     assert read_with_rosbags(path) == messages
     assert sum(len(read_with_mcap(one)) for one in path.glob("*.mcap")) == len(messages)
     assert record["from_ns"] <= min(one.stamp_ns for one in messages)
     assert max(one.stamp_ns for one in messages) <= record["to_ns"]
+
+
+def test_a_killed_run_is_completed_by_the_next_which_goes_on(robot: SmallRobot) -> None:
+    folder = robot.folder / "incidents"
+    source = robot.source(odom=ODOM, count=COUNT)
+    first = start(robot, folder)
+    heard = robot.operator(span_s=1.0, count={"type": "std_msgs/msg/String", "topic": "/count"})
+    heard.line_with("heard 1")
+    # The window of an incident that has begun is open for half a second at least.
+    source.say("move odom")
+    while not (left := list(folder.glob(".*.partial/*.mcap"))):
+        time.sleep(0.01)
+    first.signal(signal.SIGKILL)
+    assert first.exit_code() == -signal.SIGKILL
+    messages = read_bag(left[0].parent).messages
+    second = robot.runtime(RULES, "--incidents", str(folder))
+    name = second.line_with("was not ended; completed with").partition("incident ")[2].partition(":")[0]
+    assert read_with_rosbags(folder / name) == messages
+    found = numbers(messages)
+    assert found == sorted(set(found))
+    assert "killed" in {one["reason"] for one in record_of(folder / name)["missing"]}
+    second.line_with("/count: std_msgs/msg/String")
+    trigger(source)
+    assert (folder / recorded(second)).is_dir()
+
+
+def test_a_full_disk_ends_incidents_which_are_named_and_relays_go_on(robot: SmallRobot) -> None:
+    folder = robot.folder / "incidents"
+    folder.mkdir()
+    source = robot.source(odom=ODOM, count=COUNT)
+    rules = robot.folder / "rules.adirf"
+    rules.write_text(RULES, encoding="utf-8")
+    run = [sys.executable, "-c", TESTUDO, "run", "--rules", str(rules), "--incidents", str(folder)]
+    on_small_disk = f'mount -t tmpfs -o size=60k none "{folder}" && exec "$@"'
+    namespace = ["unshare", "--user", "--map-root-user", "--mount"]
+    runtime = robot.command(*namespace, "sh", "-c", on_small_disk, "sh", *run)
+    runtime.line_with("/count: std_msgs/msg/String")
+    operator = robot.operator(span_s=1.0, odom={"type": "nav_msgs/msg/Odometry"})
+    operator.line_with("heard 1")
+    trigger(source)
+    assert "No space left on device" in runtime.line_with("ends early")
+    operator.line_with("heard 2")
+    runtime.signal(signal.SIGINT)
+    assert runtime.exit_code() == 0
+
+
+def test_incidents_beyond_their_share_of_the_disk_are_deleted_and_named(robot: SmallRobot) -> None:
+    folder = robot.folder / "incidents"
+    names = [f"2026010{day}T000000000Z-old" for day in (1, 2, 3)]
+    for name in names:
+        (folder / name).mkdir(parents=True)
+        (folder / name / "incident.json").write_text("{}")
+        (folder / name / "old.mcap").write_bytes(bytes(900_000))
+    (folder / names[1] / "read").touch()
+    runtime = robot.runtime(RULES, "--incidents", str(folder), "--incidents-max-gb", "0.002")
+    runtime.line_with(f"incident {names[1]}: deleted to make room, read")
+    assert sorted(path.name for path in folder.glob("[!.]*")) == [names[0], names[2]]

@@ -22,9 +22,11 @@ from smarttestudo.runtime.incidents.recorder import IncidentRecorder
 MS = 1_000_000
 START_MS = 1_000_000
 LATCHED = "/tf_static"
+# As long as those of sensor messages are with their comments.
+DEFINITION = f"string data\n{4000 * chr(35)}\n"
 
 
-def channel(topic: str, *, definition: str = "string data\n") -> StoredChannel:
+def channel(topic: str, *, definition: str = DEFINITION) -> StoredChannel:
     return StoredChannel(
         topic=topic,
         type_name="std_msgs/msg/String",

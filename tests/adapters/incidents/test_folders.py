@@ -24,7 +24,9 @@ from adapters.incidents.folder_runs import (
 )
 from adapters.rosbag.bag_reading import read_bag, read_with_mcap, read_with_rosbags
 from runtime.incidents.incident_runs import recording_rules
+from smarttestudo.adapters.files.whole_file import OutputFileError
 from smarttestudo.adapters.incidents.background import BackgroundSink
+from smarttestudo.adapters.incidents.folder_lock import FolderLock
 from smarttestudo.adapters.incidents.recovery import complete_incidents
 from smarttestudo.runtime.incidents.recorder import IncidentRecorder
 
@@ -201,7 +203,8 @@ def test_what_cannot_be_written_ends_its_incidents_which_are_named_and_no_others
 
 def test_a_disk_that_is_too_slow_costs_messages_that_are_counted(tmp_path: Path) -> None:
     run = FolderRun(recording_rules('Record "one" /odom Before 1 s After 1 s'), tmp_path / "incidents")
-    sink = BackgroundSink(run.folders, max_waiting_bytes=2000)
+    failed: list[str] = []
+    sink = BackgroundSink(run.folders, 2000, failed=lambda name, _: failed.append(name))
     run.recorder = IncidentRecorder(run.rule_set, sink, 100_000, START_MS * MS)
     run.recorder.hear("/odom", START_MS * MS, transient_local=False)
     run.trigger()
@@ -211,6 +214,7 @@ def test_a_disk_that_is_too_slow_costs_messages_that_are_counted(tmp_path: Path)
         run.message("/odom", 600)
     with sink.running():
         run.recorder.finish(run.clock_ms * MS + 2_000_000_000)
+    assert failed == []
     (path,) = (tmp_path / "incidents").iterdir()
     held = payloads(path)
     lost = next(one for one in record_of(path)["missing"] if one["reason"] == "disk")
@@ -219,6 +223,14 @@ def test_a_disk_that_is_too_slow_costs_messages_that_are_counted(tmp_path: Path)
         (START_MS + 10 * (len(held) + 1)) * MS,
         (START_MS + 100) * MS,
     )
+
+
+def test_one_run_at_a_time_records_into_a_folder(tmp_path: Path) -> None:
+    first = FolderLock(tmp_path / "incidents")
+    with pytest.raises(OutputFileError, match="another run records here"):
+        FolderLock(tmp_path / "incidents")
+    first.release()
+    FolderLock(tmp_path / "incidents").release()
 
 
 @pytest.mark.parametrize("name", ["../../up", "/etc/passwd", "a/b", "x" * 10_000, "Größe ✗", "…"])

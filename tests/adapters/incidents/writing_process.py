@@ -18,15 +18,20 @@ from adapters.incidents.folder_runs import channel
 from runtime.incidents.incident_runs import recording_rules, trigger
 from smarttestudo.adapters.incidents.background import BackgroundSink
 from smarttestudo.adapters.incidents.folders import IncidentFolders
+from smarttestudo.domain.errors import TestudoError
 from smarttestudo.runtime.incidents.recorder import IncidentRecorder
 
 PERIOD_S = 0.002
 
 
+def fail(name: str, error: TestudoError) -> None:
+    raise AssertionError(f"{name}: {error}")
+
+
 def main() -> None:
     folder, log = Path(sys.argv[1]), os.open(sys.argv[2], os.O_WRONLY | os.O_CREAT | os.O_APPEND)
     rules = recording_rules('Record "one" /odom Before 500 ms After 700 ms')
-    sink = BackgroundSink(IncidentFolders(folder, {"/odom": channel("/odom")}), 100_000_000)
+    sink = BackgroundSink(IncidentFolders(folder, {"/odom": channel("/odom")}), 100_000_000, failed=fail)
     with sink.running():
         recorder = IncidentRecorder(rules, sink, 100_000_000, time.time_ns())
         recorder.hear("/odom", time.time_ns(), transient_local=False)

@@ -10,6 +10,8 @@ from contextlib import contextmanager
 from functools import partial
 from queue import SimpleQueue
 
+from smarttestudo.adapters.incidents.folders import Failed
+from smarttestudo.domain.errors import testudo_error
 from smarttestudo.domain.incident import Missing, MissingReason
 from smarttestudo.runtime.incidents.recorder import Incident, IncidentSink
 from smarttestudo.runtime.incidents.topic_ring import SourceMessage
@@ -19,11 +21,12 @@ class BackgroundSink:
     """An ``IncidentSink`` that hands what it is told to ``sink``, in order, on a thread of its own.
 
     Messages that come faster than they are written wait, at most ``max_waiting_bytes`` of them; further ones
-    are missing in their incidents, which say so. ``sink`` must not raise.
+    are missing in their incidents, which say so. ``failed`` is told what ``sink`` raises; writing goes on.
     """
 
-    def __init__(self, sink: IncidentSink, max_waiting_bytes: int) -> None:
+    def __init__(self, sink: IncidentSink, max_waiting_bytes: int, *, failed: Failed) -> None:
         self._sink = sink
+        self._failed = failed
         self._max_waiting_bytes = max_waiting_bytes
         self._tasks: SimpleQueue[Callable[[], None] | None] = SimpleQueue()
         # One thread writes each of these, so that neither needs a lock.
@@ -64,8 +67,8 @@ class BackgroundSink:
             thread.join()
 
     def _take(self, message: SourceMessage, incidents: Sequence[Incident]) -> None:
-        self._sink.take(message, incidents)
         self._done_bytes += message.held_bytes
+        self._sink.take(message, incidents)
 
     def _leave_out(self, incident: Incident, message: SourceMessage) -> None:
         topics = self._left_out[incident]
@@ -80,4 +83,10 @@ class BackgroundSink:
 
     def _run(self) -> None:
         while (task := self._tasks.get()) is not None:
+            self._do(task)
+
+    def _do(self, task: Callable[[], None]) -> None:
+        try:
             task()
+        except Exception as error:  # noqa: BLE001 - whatever writing fails of, the thread goes on
+            self._failed("that is being written", testudo_error(error))

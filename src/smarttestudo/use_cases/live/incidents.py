@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator, Mapping
+from collections.abc import Hashable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +12,7 @@ from pathlib import Path
 from smarttestudo.adapters.files.incident_space import make_room
 from smarttestudo.adapters.incidents.background import BackgroundSink
 from smarttestudo.adapters.incidents.bag_metadata import offered_qos
+from smarttestudo.adapters.incidents.folder_lock import FolderLock
 from smarttestudo.adapters.incidents.folders import IncidentFolders
 from smarttestudo.adapters.incidents.mcap_records import StoredChannel
 from smarttestudo.adapters.incidents.recovery import complete_incidents
@@ -47,7 +48,7 @@ class LiveIncidents:
 
     ``static_topic`` is the robot's ``/tf_static``.
 
-    Raises ``OutputFileError`` where the folder cannot be made.
+    Raises ``OutputFileError`` where the folder cannot be made, or another run records into it.
     """
 
     def __init__(self, robot: Robot, options: IncidentOptions, static_topic: str) -> None:
@@ -58,19 +59,24 @@ class LiveIncidents:
         self._channels: dict[str, StoredChannel] = {}
         self._recorder: IncidentRecorder | None = None
         self._background: BackgroundSink | None = None
+        self._lock: FolderLock | None = None
         self._max_bytes = None if options.max_gb is None else round(options.max_gb * BYTES_PER_GB)
-        self._dropped: dict[str, tuple[Subscription, int, int]] = {}
+        # Of each topic: what it came over, how much that had lost, and the stamp of its last message.
+        self._taken: dict[str, tuple[Subscription, int, int]] = {}
         self._refused = 0
         self._has_said = False
         # The thread that writes changes these.
         self._recorded = self._lost = 0
         self._problem: str | None = None
         if self._folder is not None:
+            self._lock = FolderLock(self._folder)
             for found in complete_incidents(self._folder):
                 robot.log.warning(f"incident {found}")
             self._make_room()
             folders = IncidentFolders(self._folder, self._channels, failed=self._failed, ended=self._ended)
-            self._background = BackgroundSink(folders, round(WAITING_SHARE * self._memory_bytes))
+            self._background = BackgroundSink(
+                folders, round(WAITING_SHARE * self._memory_bytes), failed=self._failed
+            )
         self.topics: frozenset[str] = frozenset()
         """The topics that are to be heard because of recordings."""
 
@@ -80,12 +86,16 @@ class LiveIncidents:
         if self._background is None:
             yield
             return
-        with self._background.running():
-            try:
-                yield
-            finally:
-                if self._recorder is not None:
-                    self._recorder.finish(self._robot.now_ns())
+        try:
+            with self._background.running():
+                try:
+                    yield
+                finally:
+                    if self._recorder is not None:
+                        self._recorder.finish(self._robot.now_ns())
+        finally:
+            if self._lock is not None:
+                self._lock.release()
 
     def follow(self, rules: LiveRules, now_ns: int) -> None:
         """Keep what these rules record from now on."""
@@ -124,24 +134,24 @@ class LiveIncidents:
                 qos_text=qos_text,
             )
 
-    def look(self, subscriptions: Mapping[str, Subscription], now_ns: int) -> None:
-        """See what was lost since the last look before it could be taken."""
-        if self._recorder is None:
-            return
-        before, self._dropped = self._dropped, {}
-        for topic in self.topics & subscriptions.keys():
-            subscription = subscriptions[topic]
-            dropped = subscription.dropped
-            known, count, since_ns = before.get(topic, (subscription, 0, now_ns))
-            if known is subscription and dropped > count:
-                self._recorder.lose(topic, dropped - count, min(since_ns, now_ns), now_ns)
-            self._dropped[topic] = (subscription, dropped, now_ns)
-
-    def take(self, topic: str, payload: Payload, publisher: Hashable, now_ns: int) -> None:
-        """A message came, before the loop is given it."""
+    def take(
+        self,
+        topic: str,
+        payload: Payload,
+        publisher: Hashable,
+        now_ns: int,
+        subscription: Subscription | None,
+    ) -> None:
+        """A message came over ``subscription``, before the loop is given it."""
         recorder = self._recorder
-        if recorder is not None and recorder.keeps(topic):
-            recorder.take(topic, now_ns, payload[:], publisher)
+        if recorder is None or not recorder.keeps(topic):
+            return
+        if subscription is not None:
+            dropped, known = subscription.dropped, self._taken.get(topic)
+            if known is not None and known[0] is subscription and known[1] < dropped:
+                recorder.lose(topic, dropped - known[1], min(known[2], now_ns), now_ns)
+            self._taken[topic] = subscription, dropped, now_ns
+        recorder.take(topic, now_ns, payload[:], publisher)
 
     @property
     def wake_ns(self) -> int | None:

@@ -141,7 +141,7 @@ class LiveRun:
 
     def _receive(self, topic: str, payload: Payload, publisher: Hashable) -> None:
         now_ns = self._robot.now_ns()
-        self._incidents.take(topic, payload, publisher, now_ns)
+        self._incidents.take(topic, payload, publisher, now_ns, self._topics.subscription(topic))
         if topic not in self._given:
             return
         message = self._topics.decoded(topic, payload) if self._loop.needs_decoded(topic) else None
@@ -160,9 +160,7 @@ class LiveRun:
         for heard in self._topics.listeners():
             self._take(ChangeInput(stamp_ns=now_ns, change=heard))
         self._sampling.look(self._topics.pausable(), now_ns)
-        subscriptions = self._topics.subscriptions()
-        self._losses.look(subscriptions, now_ns)
-        self._incidents.look(subscriptions, now_ns)
+        self._losses.look(self._topics.subscriptions(), now_ns)
         if self._acceptance is not None:
             is_connected = self._link is not None and self._link.is_connected
             self._acceptance.look(set(self._rules.output_topics.values()), is_connected=is_connected)

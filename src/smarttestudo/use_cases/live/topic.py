@@ -15,6 +15,8 @@ from smarttestudo.domain.robot import DataPath, Endpoint, Publisher, Qos, Receiv
 DEPTH = 10
 # The last messages of all publishers come at once, and one may keep more of them than ten others.
 LATCHED_SUBSCRIPTION_DEPTH = 100
+# What is recorded is recorded whole, bursts too.
+RECORDED_SUBSCRIPTION_DEPTH = 100
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -177,8 +179,8 @@ class OpenTopic:
     """What is open for one topic, following its source.
 
     ``output`` is its output topic, ``None`` if it is only watched. ``unheard`` are publishers whose
-    messages are dropped. ``problem`` says why nothing is open: what opens something may raise ``RosError``;
-    it is not tried again until the source changes.
+    messages are dropped. Of one that ``is_recorded``, more may wait. ``problem`` says why nothing is open:
+    what opens something may raise ``RosError``; it is not tried again until the source changes.
     """
 
     def __init__(
@@ -193,6 +195,7 @@ class OpenTopic:
         self._receive = receive
         self._priority = priority
         self.is_wanted = False
+        self.is_recorded = False
         self._opened_for: LiveSource | None = None
         self.subscription: Subscription | None = None
         self._publishers: PublisherPool | None = None
@@ -262,8 +265,11 @@ class OpenTopic:
         )
 
     def _subscribe(self, source: LiveSource) -> None:
+        qos = source.subscription_qos
+        if self.is_recorded:
+            qos = replace(qos, depth=max(RECORDED_SUBSCRIPTION_DEPTH, qos.depth))
         self.subscription = self._path.subscribe(
-            self.topic, source.type_name, source.subscription_qos, self._received, priority=self._priority
+            self.topic, source.type_name, qos, self._received, priority=self._priority
         )
 
     def _unsubscribe(self) -> None:

@@ -120,6 +120,7 @@ class LiveTopics:
             live, output = before.get(topic), output_topics.get(topic)
             if live is None or live.output != output:
                 live = self._new(topic, output)
+            live.is_recorded = topic in self._recorded
             self._topics[topic] = live
         for topic, live in before.items():
             if self._topics.get(topic) is not live:
@@ -157,6 +158,11 @@ class LiveTopics:
             for topic, live in self._topics.items()
             if live.output is not None and any(one.gid for one in self._subscribers.of(live.output))
         )
+
+    def subscription(self, topic: str) -> Subscription | None:
+        """The subscription to a topic, if there is one."""
+        live = self._topics.get(topic)
+        return None if live is None else live.subscription
 
     def subscriptions(self) -> dict[str, Subscription]:
         """All subscriptions that are open."""

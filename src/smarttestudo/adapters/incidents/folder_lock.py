@@ -1,0 +1,41 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""One run at a time records into a folder."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+from pathlib import Path
+
+from smarttestudo.adapters.files.whole_file import OutputFileError, not_written
+
+LOCK_NAME = ".lock"
+
+
+class FolderLock:
+    """``folder``, which is made where there is none, until ``release`` or the end of the process.
+
+    Raises ``OutputFileError`` where it cannot be made, or another run has it: completing what a killed run
+    left would cut the files of one that lives.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            self._file = os.open(folder / LOCK_NAME, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
+        except OSError as error:
+            raise not_written(folder, "the incidents", error) from error
+        try:
+            fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError as error:
+            os.close(self._file)
+            remedy = "name another folder with --incidents"
+            raise OutputFileError("another run records here", place=str(folder), remedy=remedy) from error
+        except OSError:
+            # A disk that knows no locks.
+            return
+
+    def release(self) -> None:
+        """Let another run have it."""
+        os.close(self._file)
