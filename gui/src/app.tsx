@@ -43,7 +43,7 @@ export function App({ api }: { api: Api }) {
   if (problem) return <Notice kind="error" text={problem} action={{ label: "Try again", act: refresh }} />;
   if (project === null || editors === null) return <p class="quiet center">Opening the project …</p>;
   if (route.page === "home") return <HomePage {...{ api, project, refresh, editors }} name="" />;
-  const props = { api, project, refresh, editors, name: route.name, robot: route.robot };
+  const props = { api, project, refresh, editors, name: route.name, robot: route.robot, rules: route.rules };
   return <LazyPage key={`${route.page} ${route.name}`} load={LAZY[route.page]} props={props} />;
 }
 

@@ -7,22 +7,31 @@ export interface Route {
   name: string;
   /** The node of the robot that is to be shown beside the rules. */
   robot?: string;
+  /** The rule file that the topic parameters are opened for. */
+  rules?: string;
 }
 
+/** What an address may say besides the page and its file. */
+const BESIDES = ["robot", "rules"] as const;
 const PAGES = new Set(["rules", "topics", "help", "robots"]);
 
 export function readRoute(): Route {
   const [path = "", query = ""] = location.hash.split("?");
   const [, page = "", ...rest] = path.split("/");
   if (!PAGES.has(page)) return { page: "home", name: "" };
-  const robot = new URLSearchParams(query).get("robot");
-  return { page: page as Route["page"], name: rest.map(decoded).join("/"), ...(robot === null ? {} : { robot }) };
+  const asked = new URLSearchParams(query);
+  const besides = BESIDES.flatMap((key) => (asked.has(key) ? [[key, asked.get(key)]] : []));
+  return { page: page as Route["page"], name: rest.map(decoded).join("/"), ...Object.fromEntries(besides) };
 }
 
 export function href(route: Route): string {
   if (route.page === "home") return "#/";
-  const robot = route.robot === undefined ? "" : `?robot=${encodeURIComponent(route.robot)}`;
-  return `#/${[route.page, ...route.name.split("/").map(encodeURIComponent)].join("/")}${robot}`;
+  const besides = BESIDES.flatMap((key) => {
+    const value = route[key];
+    return value === undefined ? [] : [`${key}=${encodeURIComponent(value)}`];
+  });
+  const query = besides.length === 0 ? "" : `?${besides.join("&")}`;
+  return `#/${[route.page, ...route.name.split("/").map(encodeURIComponent)].join("/")}${query}`;
 }
 
 export function toRoute(route: Route): void {

@@ -18,6 +18,7 @@ test.each([
   { page: "help", name: "blocks-clash" },
   { page: "robots", name: "" },
   { page: "robots", name: "/tb3_0/smarttestudo" },
+  { page: "topics", name: "a.toml", rules: "night shift/a&b.adirf" },
   { page: "rules", name: "what?/a&b.adirf", robot: "/tb3 0/smart?testudo" },
 ] as const)("the link to $page $name leads there", (route) => {
   address(href(route));

@@ -10,6 +10,8 @@ export interface PageProps {
   project: Project;
   /** The file of the page, if it is about one. */
   name: string;
+  /** The rule file that topic parameters are opened for, if the address names one. */
+  rules?: string | undefined;
   /** The node of the robot to show beside it, if the address names one. */
   robot?: string | undefined;
   /** Files with what was changed in them. */

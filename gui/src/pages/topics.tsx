@@ -5,6 +5,7 @@ import { useEffect, useMemo, useState } from "preact/hooks";
 import { ApiError } from "../api/client";
 import { LevelPanel } from "../levels/level_panel";
 import { MeasureRobot } from "../panels/measure_robot";
+import { RulesTopics } from "../panels/rules_topics";
 import { TopicTable } from "../panels/topic_table";
 import { toRoute } from "../route";
 import { saveByItself } from "../state/save_by_itself";
@@ -17,7 +18,7 @@ import { useUndoKeys } from "../ui/undo_keys";
 import type { PageProps } from "./page_props";
 
 /** The topic parameters: what the optimizer knows of each topic and of the link. */
-export function TopicsPage({ api, project, name, refresh, editors }: PageProps) {
+export function TopicsPage({ api, project, name, rules, refresh, editors }: PageProps) {
   const editor = useMemo(() => editors.profileOf(api, name), []);
   const [problem, setProblem] = useState("");
   const [isOpen, setOpen] = useState(false);
@@ -49,7 +50,7 @@ export function TopicsPage({ api, project, name, refresh, editors }: PageProps) 
   const isSaved = editor.isSaved.value;
   return (
     <>
-      <Header title="Topic parameters" note={`${name}, ${isSaved ? "saved" : "not saved"}`}>
+      <Header title="Topic parameters" note={`${name}, ${noteOf(isSaved, editor.isNew.value)}`}>
         <button type="button" disabled={!editor.history.canUndo.value} onClick={() => editor.undo()}>
           Undo
         </button>
@@ -70,6 +71,7 @@ export function TopicsPage({ api, project, name, refresh, editors }: PageProps) 
       <main class="topics">
         <RestoredNotice file={editor} />
         {problem && <Notice kind="error" text={problem} />}
+        {isOpen && rules !== undefined && <RulesTopics {...{ api, editor, rules }} />}
         {isOpen && <TopicTable editor={editor} />}
         {isOpen && <LevelPanel {...{ editor, api, bags }} />}
         <Toast message={editor.message} />
@@ -81,6 +83,11 @@ export function TopicsPage({ api, project, name, refresh, editors }: PageProps) 
       </main>
     </>
   );
+}
+
+function noteOf(isSaved: boolean, isNew: boolean): string {
+  if (isNew) return "new, not saved";
+  return isSaved ? "saved" : "not saved";
 }
 
 function MeasureChoice({ bags, measure }: { bags: string[]; measure: (bag: string) => Promise<void> }) {

@@ -8,7 +8,7 @@ import { href } from "../route";
 import { setBudget } from "../state/budget";
 import type { RuleEditor } from "../state/rule_editor";
 import { download } from "../ui/download";
-import { readable } from "../ui/numbers";
+import { kilobytes } from "../ui/numbers";
 import { SituationBars } from "./situation_bars";
 
 const AFTER_MS = 300;
@@ -77,7 +77,7 @@ function Verdict({ editor, result }: { editor: RuleEditor; result: OptimizeAnswe
     <div class="row">
       <p role="status">
         {result.feasible ? "Everything fits into" : "Not everything fits into"}{" "}
-        <strong>{readable(result.budget_kb_per_s)} KB/s</strong>.
+        <strong>{kilobytes(result.budget_kb_per_s)} KB/s</strong>.
       </p>
       <button
         type="button"

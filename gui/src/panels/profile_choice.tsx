@@ -50,7 +50,9 @@ export function ProfileChoice({ editor, api, project }: { editor: RuleEditor; ap
           ))}
         </select>
       </label>
-      <a href={href({ page: "topics", name: chosen || own })}>{chosen || names.includes(own) ? "Edit" : "Create"}</a>
+      <a href={href({ page: "topics", name: chosen || own, rules: editor.name })}>
+        {chosen || names.includes(own) ? "Edit" : "Create"}
+      </a>
     </div>
   );
 }

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import type { SituationLoad } from "../api/types";
-import { hz, readable } from "../ui/numbers";
+import { hz, kilobytes, readable } from "../ui/numbers";
 
 /** What each topic takes of the link in one situation, as shares of the budget. */
 export function SituationBars({ situation, budgetKbPerS }: { situation: SituationLoad; budgetKbPerS: number }) {
@@ -13,7 +13,7 @@ export function SituationBars({ situation, budgetKbPerS }: { situation: Situatio
       <figcaption>
         <strong>{situation.title}</strong>
         <span class="quiet">
-          {readable(situation.kb_per_s)} KB/s, {readable(share * 100)} % of the budget
+          {kilobytes(situation.kb_per_s)} KB/s, {readable(share * 100)} % of the budget
         </span>
       </figcaption>
       <meter min={0} max={1} value={Math.min(share, 1)} aria-label={`${situation.title}: share of the budget`} />
@@ -34,7 +34,7 @@ export function SituationBars({ situation, budgetKbPerS }: { situation: Situatio
                 <span class="load" style={{ width: `${(100 * load.kb_per_s) / scale}%` }} />
               </td>
               <td class="number">{hz(load.rate_hz)}</td>
-              <td class="number">{readable(load.kb_per_s)} KB/s</td>
+              <td class="number">{kilobytes(load.kb_per_s)} KB/s</td>
             </tr>
           ))}
         </tbody>

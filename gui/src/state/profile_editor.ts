@@ -42,6 +42,8 @@ export class ProfileEditor implements Contested {
   readonly conflict = signal<Conflict | null>(null);
   readonly restored = signal<Restored | null>(null);
   readonly isSaved = signal(true);
+  /** Whether no file of this name was there yet. */
+  readonly isNew = signal(false);
   readonly history = new History();
   /** Why the server would not save the table. */
   private readonly refusal = signal("");
@@ -70,6 +72,7 @@ export class ProfileEditor implements Contested {
       this.hash = file.hash;
       this.load(await this.api.parseProfile(this.name, file.text), file.text);
     } else {
+      this.isNew.value = true;
       this.rows.value = [this.draft({ topic: "" })];
     }
     this.isOpen = true;
@@ -157,6 +160,7 @@ export class ProfileEditor implements Contested {
     if ("mine" in done) return;
     const isWhole = asked === this.snapshot();
     this.hash = done.hash;
+    this.isNew.value = false;
     this.baseText = text;
     // What was typed meanwhile is not in the file.
     this.isSaved.value = isWhole;
@@ -175,6 +179,14 @@ export class ProfileEditor implements Contested {
   addRow(): void {
     this.remember();
     this.rows.value = [...this.rows.value, this.draft({ topic: "" })];
+    this.changed();
+  }
+
+  /** Adds rows for topics, in the place of rows without one. */
+  addTopics(topics: readonly string[]): void {
+    this.remember();
+    const named = this.rows.value.filter((row) => row.topic.trim() !== "");
+    this.rows.value = [...named, ...topics.map((topic) => this.draft({ topic }))];
     this.changed();
   }
 

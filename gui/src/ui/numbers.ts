@@ -12,6 +12,11 @@ export function readable(value: number): string {
   return value.toLocaleString("en", digits).replaceAll(",", " ");
 }
 
+/** KB, or KB/s, of the optimizer: at most two decimals, thousands apart, as the terminal shows it. */
+export function kilobytes(value: number): string {
+  return value.toLocaleString("en", { maximumFractionDigits: 2 }).replaceAll(",", " ");
+}
+
 /** A rate for reading; null is every message. */
 export function hz(value: number | null): string {
   return value === null ? "Full" : `${readable(value)} Hz`;

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { expect, test } from "vitest";
 import type { LinkView, Project, RobotSummary } from "../../src/api/types";
-import { byTrouble, inOrderOf, linkWords, rulesFor, troubleOf } from "../../src/state/robot_trouble";
+import { byTrouble, followersOf, inOrderOf, linkWords, rulesFor, troubleOf } from "../../src/state/robot_trouble";
 
 const LINK: LinkView = { connected: true, capacity_kb_per_s: 231.5, round_trip_ms: 24.4, outages: 1 };
 const WELL: RobotSummary = {
@@ -92,4 +92,9 @@ test.each<[Partial<LinkView>, string]>([
   [{ connected: false }, "no operator connected"],
 ])("a link with %j is said in words", (changes, words) => {
   expect(linkWords({ ...LINK, ...changes })).toBe(words);
+});
+
+test("a rule file has those followers that run from a file of its name, and not from pushed rules", () => {
+  const robots = [named("ada"), named("bob", { rules: "pushed" }), named("eve", { rules_files: ["/x/dock.adirf"] })];
+  expect(followersOf("night/patrol.adirf", robots).map(({ label }) => label)).toEqual(["ada"]);
 });

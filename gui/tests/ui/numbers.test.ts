@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { expect, test } from "vitest";
-import { hz, readable, typedNumber } from "../../src/ui/numbers";
+import { hz, kilobytes, readable, typedNumber } from "../../src/ui/numbers";
 
 test.each([
   ["3.5", 3.5],
@@ -28,6 +28,15 @@ test.each([
   [1234567, "1 234 567"],
 ])("%d is read as %s", (value, text) => {
   expect(readable(value)).toBe(text);
+});
+
+test.each([
+  [157665.721, "157 665.72"],
+  [6358, "6 358"],
+  [2.5, "2.5"],
+  [0, "0"],
+])("%d KB are read as %s, as in the terminal", (value, text) => {
+  expect(kilobytes(value)).toBe(text);
 });
 
 test("a rate says its unit, and every message is Full", () => {

@@ -1,0 +1,57 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import { useEffect, useState } from "preact/hooks";
+import { type Api, ApiError } from "../api/client";
+import { href } from "../route";
+import type { ProfileEditor } from "../state/profile_editor";
+import { topicsIn } from "../state/topics_in";
+
+interface Props {
+  api: Api;
+  editor: ProfileEditor;
+  /** The rule file that the table is for. */
+  rules: string;
+}
+
+/** The way back to the rules, and a row for each topic of them that the table lacks; a new table begins with those. */
+export function RulesTopics({ api, editor, rules }: Props) {
+  const [topics, setTopics] = useState<readonly string[]>([]);
+  const [problem, setProblem] = useState("");
+  useEffect(() => {
+    topicsOf(api, rules).then(
+      (found) => {
+        setTopics(found);
+        const isEmpty = editor.rows.peek().every((row) => row.topic.trim() === "");
+        if (editor.isNew.peek() && editor.isSaved.peek() && isEmpty && found.length > 0) editor.addTopics(found);
+      },
+      (error: unknown) => {
+        if (!(error instanceof ApiError)) throw error;
+        setProblem(error.message);
+      },
+    );
+  }, []);
+  const known = new Set(editor.rows.value.map((row) => row.topic.trim()));
+  const missing = topics.filter((topic) => !known.has(topic));
+  return (
+    <div class="row">
+      <a href={href({ page: "rules", name: rules })}>Back to {rules}</a>
+      {problem && <p class="problem">{problem}</p>}
+      {missing.length > 0 && (
+        <>
+          <p role="status">
+            {missing.length === 1 ? "1 topic of the rules is" : `${missing.length} topics of the rules are`} not in the
+            table.
+          </p>
+          <button type="button" class="small" onClick={() => editor.addTopics(missing)}>
+            Add {missing.length === 1 ? missing[0] : "them"}
+          </button>
+        </>
+      )}
+    </div>
+  );
+}
+
+async function topicsOf(api: Api, rules: string): Promise<string[]> {
+  const { text } = await api.read(rules);
+  return [...topicsIn(await api.document({ text, name: rules, profile_text: null }))].sort();
+}
