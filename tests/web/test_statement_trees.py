@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from msgspec.structs import replace
 
-from adirf.rule_strategies import WrittenFile, written_files
+from adirf.written_rules import WrittenFile, written_files
 from smarttestudo.adirf.document import EditError
 from smarttestudo.adirf.document.meaning import condition_meaning
 from smarttestudo.adirf.parser import parse
