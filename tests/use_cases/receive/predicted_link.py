@@ -94,6 +94,8 @@ class Operator:
     predicts: bool
     read: Callable[[bytes], Poses]
     hears: bool = True
+    is_greeted: bool = False
+    """Whether the robot's end knows that it came; before that it has no picture to judge."""
     newest: bytes | None = None
     late: int = 0
     waiting: dict[bytes, list[Sent]] = field(default_factory=lambda: defaultdict(list))
@@ -190,7 +192,9 @@ class PredictedLink:
         reckons = self.topic in self.loop.relays.pictures
         sent = Sent(self.now_ns, self.read(payload), bound, reckons)
         for operator in self.operators:
-            if self.relayed is not None and operator.newest == self.relayed:
+            if not operator.is_greeted:
+                operator.late += 1
+            elif self.relayed is not None and operator.newest == self.relayed:
                 self._judge(operator, sent)
             elif self.relayed is not None:
                 operator.late += 1
@@ -220,6 +224,8 @@ class PredictedLink:
         plan = self.loop.knowledge.plan
         for change in self.watch.changed_receivers(self.rules, plan, ()):
             self._take(ChangeInput(stamp_ns=self.now_ns, change=change))
+        for operator in self.operators:
+            operator.is_greeted |= operator.number in self.sender._receivers.numbers
         self.watch.tell_pictures(self.rules, self.loop.relays.pictures)
         self.watch.follow(self.rules, plan)
         self.at(self.now_ns + int(LINK_PERIOD_S * S), self._look)

@@ -115,16 +115,16 @@ def test_after_every_message_of_the_source_what_an_operator_shows_is_within_the_
     run = linked(topic, link, 0.05)
     run.join()
     pauses_ns = [int(at_s * S) for at_s, what in happened if what == "pause"]
-    for number in range(8 * S // PERIOD_NS):
+    for number in range(9 * S // PERIOD_NS):
         at_ns = number * PERIOD_NS
         if not any(begin_ns <= at_ns < begin_ns + S for begin_ns in pauses_ns):
             run.at(at_ns, run.publish)
     for at_s, what in happened:
         run.at(int(at_s * S), lambda what=what: happen(run, what))  # type: ignore[misc]
-    run.run(12 * S)
+    run.run(13 * S)
     # Nobody is left behind: what was relayed last came to all, and was judged.
     assert all(operator.newest == run.relayed for operator in run.operators)
-    assert {operator.number for operator, sent, _ in run.judged if sent.at_ns > 7 * S} >= {
+    assert {operator.number for operator, sent, _ in run.judged if sent.at_ns > 8 * S} >= {
         operator.number for operator in run.operators
     }
     for _, sent, error in run.judged:
