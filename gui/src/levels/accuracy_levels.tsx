@@ -36,7 +36,7 @@ export function AccuracyLevels(props: {
   const measure = () =>
     work.start(async (run, signal) => ({ topic, bag, found: await api.accuracy(bag, topic, run, signal) }));
   const place = (bounds: Six, goesOn: boolean, why: string) => {
-    const needs = sixOf(bounds.map((bound) => (points ? (needOf(points, bound)?.hz ?? null) : null)));
+    const needs = needsOf(points, bounds);
     const lost = row.accuracies[needsKey] !== null && needs === null;
     editor.setAccuracies(row.key, { [tiersKey]: bounds, [needsKey]: needs }, goesOn);
     setNote(`${why} ${needs ? "" : unknownNeeds(points !== null, lost)}`.trim());
@@ -47,6 +47,8 @@ export function AccuracyLevels(props: {
     const six = sixOf(next.levels);
     if (six) place(six, goesOn, stopped(kind, index, next));
   };
+  const needed = levels && needsOf(points, levels);
+  const isNew = needed && String(needed) !== String(row.accuracies[needsKey]);
   const usual = sixOf((points ?? []).map((point) => point.bound));
   return (
     <>
@@ -66,7 +68,7 @@ export function AccuracyLevels(props: {
             Place six levels
           </button>
         )}
-        {levels && points && (
+        {levels && isNew && (
           <button type="button" onClick={() => place(levels, false, "")}>
             Write what the levels need
           </button>
@@ -87,6 +89,11 @@ export function AccuracyLevels(props: {
       <AccuracyTables {...{ unit, levels, points }} needs_hz={row.accuracies[needsKey]} />
     </>
   );
+}
+
+/** What the bounds need, as far as that was measured; null unless it is known of all. */
+function needsOf(points: readonly BoundNeed[] | null, bounds: Six): Six | null {
+  return points && sixOf(bounds.map((bound) => needOf(points, bound)?.hz ?? null));
 }
 
 function unknownNeeds(isMeasured: boolean, wereKnown: boolean): string {

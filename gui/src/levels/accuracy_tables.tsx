@@ -21,7 +21,7 @@ export function AccuracyTables(props: {
               <th scope="col">Level</th>
               <th scope="col">Accuracy ({unit})</th>
               <th scope="col">Messages per s</th>
-              <th scope="col">is</th>
+              <th scope="col">Known from</th>
             </tr>
           </thead>
           <tbody>
@@ -67,8 +67,8 @@ export function AccuracyTables(props: {
 
 /** Where a need comes from: this recording, measured or between two bounds, or the profile as it was. */
 function origin(points: readonly BoundNeed[] | null, bound: number, need_hz: number | null): string {
-  if (need_hz === null) return "not known";
+  if (need_hz === null) return "–";
   const need = points && needOf(points, bound);
-  if (need?.hz !== need_hz) return "as the profile says";
-  return need.isMeasured ? "measured" : "interpolated";
+  if (need?.hz !== need_hz) return "the profile";
+  return need.isMeasured ? "measured at this bound" : "interpolated between two bounds";
 }
