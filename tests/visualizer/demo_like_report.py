@@ -310,6 +310,7 @@ def demo_like_accuracy() -> AccuracyCurve:
         property_name="position",
         unit="m",
         messages=1530,
+        source_hz=25.5,
         motion=Motion(mean_per_s=0.248, max_per_s=0.25),
         points=tuple(
             AccuracyPoint(bound=bound, hold=_price(bound, held, 1.2), reckoned=_price(bound, reckoned, 4.0))

@@ -256,3 +256,23 @@ def command_line(*arguments: object) -> Any:
     """What the command line says with ``--json``."""
     command = [sys.executable, "-m", "smarttestudo", *map(str, arguments), "--json"]
     return json.loads(subprocess.run(command, capture_output=True, check=True).stdout)
+
+
+def test_the_needs_of_accuracies_are_those_of_testudo_profile(page: Page) -> None:
+    answer = page.post("/api/profile/accuracy", {"bag": "monday", "topic": "/odom"}).json
+    text = page.post("/api/profile/measure", {"bag": "monday"}).json["text"]
+    rows = page.post("/api/profile/parse", {"text": text}).json["rows"]
+    odom = next(row for row in rows if row["topic"] == "/odom")
+    (position,) = answer["properties"]
+    assert (position["property"], position["unit"]) == ("position", "m")
+    assert [one["bound"] for one in position["points"]] == odom["tiers_m"]
+    assert [one["hold_hz"] for one in position["points"]] == pytest.approx(odom["tiers_m_need_hz"], rel=0.005)
+    assert all(one["reckoned_hz"] <= one["hold_hz"] for one in position["points"])
+
+
+def test_a_topic_without_a_position_needs_nothing_and_one_that_is_not_there_is_refused(page: Page) -> None:
+    answer = page.post("/api/profile/accuracy", {"bag": "monday", "topic": "/scan"})
+    assert (answer.status, answer.json["properties"]) == (200, [])
+    answer = page.post("/api/profile/accuracy", {"bag": "monday", "topic": "/odm"})
+    assert answer.status == 422
+    assert "/odm" in answer.error

@@ -185,6 +185,10 @@ export class Api {
     return call("POST /api/profile/curve", { bag, topic, run }, { signal });
   }
 
+  accuracy(bag: string, topic: string, run: string, signal: AbortSignal): Answer<"POST /api/profile/accuracy"> {
+    return call("POST /api/profile/accuracy", { bag, topic, run }, { signal });
+  }
+
   /** Six levels for a source of which only the rate is known. */
   levels(sourceHz: number): Answer<"POST /api/profile/levels"> {
     return call("POST /api/profile/levels", { source_hz: sourceHz });

@@ -5,6 +5,24 @@
 /** The protocol of the web socket. */
 export const PROTOCOL_VERSION = 1;
 
+/** The properties of a topic that changed, beside the rate of its source. */
+export interface AccuracyNeeds {
+  source_hz: number | null;
+  properties: PropertyNeeds[];
+  notices: string[];
+}
+
+/**
+ * `POST /api/profile/accuracy` → `AccuracyNeeds`: what the accuracies of `topic` need, from a bag.
+ *
+ * `run` names the work in `Progress` messages of `/ws`.
+ */
+export interface AccuracyRequest {
+  bag: string;
+  topic: string;
+  run?: string;
+}
+
 export type Action = SetStatement | WithinStatement | RecordStatement;
 
 /**
@@ -71,6 +89,18 @@ export interface BlockTurns {
 }
 
 export type Bound = number | Tier;
+
+/**
+ * How many messages per s keep within `bound`, with hold and with dead reckoning.
+ *
+ * `reckoned_hz` is null where nothing can be reckoned. A wider bound may need a message more by chance: it
+ * counts as the tighter one does.
+ */
+export interface BoundNeed {
+  bound: number;
+  hold_hz: number;
+  reckoned_hz: number | null;
+}
 
 /** `CheckValue topic property op value [Until op value]`; `op` is one of `> < >= <= = !=`. */
 export interface CheckCondition {
@@ -358,6 +388,9 @@ export interface KnownTopic {
   bounds: Property[];
   source: TopicSource;
 }
+
+/** A property whose accuracy can have quality levels; the value is its name in a rule file. */
+export type LevelledProperty = "position" | "orientation" | "positions";
 
 /** A first guess from the rate alone. */
 export interface LevelsAnswer {
@@ -670,7 +703,7 @@ export interface ProfileParseRequest {
 /**
  * One topic by the name that the text has for it; null stands for a key that is not written.
  *
- * Sizes are in KB of 1000 B, rates in Hz.
+ * Sizes are in KB of 1000 B, rates in Hz; accuracies are in m, degrees and rad, beside the rates they need.
  */
 export interface ProfileRow {
   topic: string;
@@ -681,6 +714,12 @@ export interface ProfileRow {
   priority?: number | null;
   min_hz?: number | null;
   max_hz?: number | null;
+  tiers_m?: [number, number, number, number, number, number] | null;
+  tiers_m_need_hz?: [number, number, number, number, number, number] | null;
+  tiers_deg?: [number, number, number, number, number, number] | null;
+  tiers_deg_need_hz?: [number, number, number, number, number, number] | null;
+  tiers_rad?: [number, number, number, number, number, number] | null;
+  tiers_rad_need_hz?: [number, number, number, number, number, number] | null;
 }
 
 /** The topics of a profile in the order of the text, and its budget in KB/s. */
@@ -732,6 +771,13 @@ export interface Property {
   name: string;
   unit: string;
   meaning: string;
+}
+
+/** A property at the six bounds that are usual for it, the widest first, in `unit`: m, deg or rad. */
+export interface PropertyNeeds {
+  property: LevelledProperty;
+  unit: string;
+  points: BoundNeed[];
 }
 
 export type Push = Hello | Progress | Robots | Live;
@@ -1344,4 +1390,5 @@ export interface Routes {
   "POST /api/profile/measure-live": { asked: MeasureLiveRequest; answered: TextAnswer };
   "POST /api/try": { asked: TryRequest; answered: TryAnswer };
   "POST /api/profile/curve": { asked: CurveRequest; answered: Curve };
+  "POST /api/profile/accuracy": { asked: AccuracyRequest; answered: AccuracyNeeds };
 }

@@ -3,7 +3,7 @@
 import { useRef } from "preact/hooks";
 import { TIERS } from "../api/types";
 import { readable } from "../ui/numbers";
-import { limitsOf, type RateAxis, rateAt, roundRate, shareOf, stepOf } from "./rate_axis";
+import { type LevelAxis, type LevelKind, limitsOf, rounded, shareOf, stepOf, valueAt } from "./level_axis";
 
 const BIG_STEP = 10;
 /** Beyond this share of the axis a name stands on the left of its line. */
@@ -11,19 +11,22 @@ const FLIP_AT = 0.75;
 
 /** The six levels as lines over a plot, each a slider. `move` says whether it goes on with the step before. */
 export function LevelLines(props: {
-  topic: string;
-  levels_hz: readonly number[];
-  axis: RateAxis;
-  move: (index: number, rate_hz: number, goesOn: boolean) => void;
+  /** The topic, with the property where the levels are accuracies. */
+  of: string;
+  kind: LevelKind;
+  levels: readonly number[];
+  axis: LevelAxis;
+  move: (index: number, value: number, goesOn: boolean) => void;
   /** Somebody drags, or has stopped to. */
   dragging: (isDragging: boolean) => void;
 }) {
+  const { unit } = props.kind;
   const area = useRef<HTMLDivElement>(null);
   const drag = useRef<{ index: number; hasMoved: boolean; besidePx: number } | null>(null);
   const press = (event: PointerEvent, index: number) => {
     (event.currentTarget as HTMLElement).setPointerCapture(event.pointerId);
     const box = area.current?.getBoundingClientRect();
-    const line = box ? box.left + box.width * shareOf(props.axis, props.levels_hz[index] ?? 0) : event.clientX;
+    const line = box ? box.left + box.width * shareOf(props.axis, props.levels[index] ?? 0) : event.clientX;
     drag.current = { index, hasMoved: false, besidePx: event.clientX - line };
     props.dragging(true);
   };
@@ -32,7 +35,7 @@ export function LevelLines(props: {
     if (!drag.current || !box) return;
     const { index, hasMoved, besidePx } = drag.current;
     const share = (event.clientX - besidePx - box.left) / box.width;
-    props.move(index, roundRate(rateAt(props.axis, share)), hasMoved);
+    props.move(index, rounded(valueAt(props.axis, share)), hasMoved);
     drag.current.hasMoved = true;
   };
   const release = () => {
@@ -42,9 +45,9 @@ export function LevelLines(props: {
   return (
     <div class="level-lines" ref={area}>
       {TIERS.map((tier, index) => {
-        const rate_hz = props.levels_hz[index] ?? 0;
-        const [least, most] = limitsOf(props.levels_hz, index);
-        const share = shareOf(props.axis, rate_hz);
+        const value = props.levels[index] ?? 0;
+        const [least, most] = limitsOf(props.kind, props.levels, index);
+        const share = shareOf(props.axis, value);
         return (
           <div
             key={tier}
@@ -52,24 +55,24 @@ export function LevelLines(props: {
             style={`left: ${100 * share}%; --row: ${index}`}
             role="slider"
             tabIndex={0}
-            aria-label={`${tier} level of ${props.topic} (Hz)`}
+            aria-label={`${tier} level of ${props.of} (${unit})`}
             aria-valuemin={least}
             aria-valuemax={most}
-            aria-valuenow={rate_hz}
-            aria-valuetext={`${readable(rate_hz)} Hz`}
+            aria-valuenow={value}
+            aria-valuetext={`${readable(value)} ${unit}`}
             onPointerDown={(event) => press(event, index)}
             onPointerMove={follow}
             onPointerUp={release}
             onPointerCancel={release}
             onKeyDown={(event) => {
-              const next = rateForKey(event.key, rate_hz, least, most);
+              const next = valueForKey(event.key, value, least, most);
               if (next === null) return;
               event.preventDefault();
               props.move(index, next, false);
             }}
           >
             <span>
-              {tier} {readable(rate_hz)} Hz
+              {tier} {readable(value)} {unit}
             </span>
           </div>
         );
@@ -78,9 +81,9 @@ export function LevelLines(props: {
   );
 }
 
-function rateForKey(key: string, rate_hz: number, least: number, most: number): number | null {
+function valueForKey(key: string, value: number, least: number, most: number): number | null {
   const steps = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1, PageUp: BIG_STEP, PageDown: -BIG_STEP }[key];
-  const step = stepOf(rate_hz);
-  if (steps !== undefined) return Math.max(Number((Math.round(rate_hz / step + steps) * step).toPrecision(6)), 0);
+  const step = stepOf(value);
+  if (steps !== undefined) return Math.max(Number((Math.round(value / step + steps) * step).toPrecision(6)), 0);
   return { Home: least, End: most }[key] ?? null;
 }

@@ -1,33 +1,34 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useRef, useState } from "preact/hooks";
-import type { Curve } from "../api/types";
 import { watchSize, watchTheme } from "../ui/watch";
-import { drawCurve } from "./curve_plot";
+import { type Chart, drawCurve } from "./curve_plot";
+import { axisOf, type LevelKind } from "./level_axis";
 import { LevelLines } from "./level_lines";
-import { axisOf } from "./rate_axis";
 
-/** The six levels of a topic as lines that can be dragged, over what each rate loses where that is known. */
+/** The six levels of a topic as lines that can be dragged, over a chart where there is one. */
 export function LevelPlot(props: {
-  topic: string;
-  levels_hz: readonly number[] | null;
-  curve: Curve | null;
-  move: (index: number, rate_hz: number, goesOn: boolean) => void;
+  /** The topic, with the property where the levels are accuracies. */
+  of: string;
+  kind: LevelKind;
+  levels: readonly number[] | null;
+  chart: Chart | null;
+  axisLabel: string;
+  move: (index: number, value: number, goesOn: boolean) => void;
 }) {
-  const { topic, levels_hz, curve, move } = props;
+  const { kind, levels, chart, axisLabel, move } = props;
   const host = useRef<HTMLDivElement>(null);
   const [area, setArea] = useState({ left: 0, width: 0 });
   const [isDragging, setDragging] = useState(false);
-  const points = curve?.points ?? [];
-  const wanted = axisOf([...points.map((point) => point.rate_hz), ...(levels_hz ?? [])]);
+  const wanted = axisOf([...(chart?.at ?? []), ...(levels ?? [])]);
   // While a line is dragged the axis under it must stand still.
   const axis = useRef(wanted);
   if (!isDragging) axis.current = wanted;
-  const { low_hz, high_hz } = axis.current;
+  const { low, high } = axis.current;
   useEffect(() => {
     const element = host.current;
     if (!element) return;
-    const draw = () => drawCurve(element, points, { low_hz, high_hz }, setArea);
+    const draw = () => drawCurve(element, chart, { low, high }, axisLabel, setArea);
     let plot = draw();
     const again = () => {
       plot.destroy();
@@ -38,13 +39,13 @@ export function LevelPlot(props: {
       for (const stop of stops) stop();
       plot.destroy();
     };
-  }, [curve, low_hz, high_hz]);
+  }, [chart, axisLabel, low, high]);
   return (
     <div class="level-plot">
       <div ref={host} class="level-host" aria-hidden="true" />
-      {levels_hz && (
+      {levels && (
         <div class="level-area" style={{ left: `${area.left}px`, width: `${area.width}px` }}>
-          <LevelLines {...{ topic, levels_hz, move }} axis={axis.current} dragging={setDragging} />
+          <LevelLines of={props.of} {...{ kind, levels, move }} axis={axis.current} dragging={setDragging} />
         </div>
       )}
     </div>

@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 import { computed, effect, signal } from "@preact/signals";
 import { type Api, ApiError } from "../api/client";
-import type { FoundFile, LevelsAnswer, ProfileRow, ProfileTable } from "../api/types";
+import type { FoundFile, ProfileRow, ProfileTable } from "../api/types";
 import { typedNumber } from "../ui/numbers";
+import { type Accuracies, accuraciesOf, areAccuracies, sixOf } from "./accuracies";
 import { type Conflict, type Contested, conflictWith, readIfThere, saveOver } from "./conflict";
 import { type Draft, type Drafts, NO_ROOM, type Restored } from "./drafts";
 import { History } from "./history";
@@ -22,6 +23,7 @@ export interface DraftRow {
   min_hz: string;
   max_hz: string;
   type: string | null;
+  accuracies: Accuracies;
 }
 export type NumberField = "message_kb" | "priority" | "source_hz" | "min_hz" | "max_hz";
 
@@ -208,6 +210,13 @@ export class ProfileEditor implements Contested {
     this.replace(key, { tiers_hz: tiersHz.map(shown) });
   }
 
+  /** The same for accuracies of a row, with what they need. */
+  setAccuracies(key: number, changes: Partial<Accuracies>, goesOn: boolean): void {
+    if (!goesOn) this.remember();
+    const before = this.rows.value.find((row) => row.key === key);
+    if (before) this.replace(key, { accuracies: { ...before.accuracies, ...changes } });
+  }
+
   setBudget(text: string): void {
     this.remember(performance.now());
     this.budget.value = text;
@@ -299,7 +308,13 @@ export class ProfileEditor implements Contested {
       source_hz: shown(row.source_hz),
       min_hz: shown(row.min_hz),
       max_hz: shown(row.max_hz),
+      accuracies: accuraciesOf(row),
     };
+  }
+
+  /** The table as the text of a profile. */
+  async text(): Promise<string> {
+    return (await this.api.writeProfile(this.name, this.table(), this.baseText)).text;
   }
 
   private table(): ProfileTable {
@@ -313,8 +328,9 @@ function tableOf(content: string): { rows: DraftRow[]; budget: string; baseText:
   try {
     const { rows, budget, baseText } = JSON.parse(content) as { rows: DraftRow[]; budget: string; baseText: string };
     const isTable = rows.every(
-      ({ topic, tiers_hz, ...cells }) =>
+      ({ topic, tiers_hz, accuracies, ...cells }) =>
         typeof topic === "string" &&
+        areAccuracies(accuracies) &&
         tiers_hz.length === TIER_COUNT &&
         [...tiers_hz, cells.message_kb, cells.priority, cells.source_hz, cells.min_hz, cells.max_hz].every(
           (cell) => typeof cell === "string",
@@ -332,16 +348,12 @@ function finished(row: DraftRow): ProfileRow {
     type: row.type,
     message_kb: toNumber(row.message_kb),
     source_hz: toNumber(row.source_hz),
-    tiers_hz: sixRates(row.tiers_hz.map(toNumber)),
+    tiers_hz: sixOf(row.tiers_hz.map(toNumber)),
     priority: toNumber(row.priority),
     min_hz: toNumber(row.min_hz),
     max_hz: toNumber(row.max_hz),
+    ...row.accuracies,
   };
-}
-
-function sixRates([a, b, c, d, e, f]: (number | null)[]): LevelsAnswer["tiers_hz"] | null {
-  const isWhole = a != null && b != null && c != null && d != null && e != null && f != null;
-  return isWhole ? [a, b, c, d, e, f] : null;
 }
 
 function problemsOf(rows: readonly DraftRow[], budget: string): string[] {

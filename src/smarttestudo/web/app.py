@@ -25,8 +25,10 @@ from smarttestudo.use_cases.ruler import (
     versions,
     zone_edits,
 )
+from smarttestudo.use_cases.ruler.accuracy_curve import AccuracyNeeds, AccuracyRequest
 from smarttestudo.use_cases.ruler.backgrounds import BackgroundRequest, Backgrounds, PathRequest
 from smarttestudo.use_cases.ruler.checked_text import Draft
+from smarttestudo.use_cases.ruler.child_process import ChildWork
 from smarttestudo.use_cases.ruler.curve import Curve, CurveRequest
 from smarttestudo.use_cases.ruler.edits import TextAnswer
 from smarttestudo.use_cases.ruler.project import ProjectFiles, SaveRequest, SettingsRequest
@@ -93,7 +95,10 @@ def api_routes(
         "/api/profile/measure-live", profiles.MeasureLiveRequest, MeasureApi(listeners).answer, TextAnswer
     )
     yield long_work("/api/try", TryRequest, TryApi(folder, listeners).answer, TryAnswer)
-    yield long_work("/api/profile/curve", CurveRequest, CurveApi(folder, listeners).answer, Curve)
+    losses = CurveApi(folder, listeners, ChildWork.CURVE)
+    yield long_work("/api/profile/curve", CurveRequest, losses.answer, Curve)
+    needs = CurveApi(folder, listeners, ChildWork.ACCURACY)
+    yield long_work("/api/profile/accuracy", AccuracyRequest, needs.answer, AccuracyNeeds)
 
 
 def _project_routes(files: ProjectFiles) -> Iterator[ApiRoute]:

@@ -19,6 +19,7 @@ from starlette.responses import Response
 from smarttestudo.adapters.files.project_folder import ProjectFolder
 from smarttestudo.domain.errors import TestudoError, UsageError
 from smarttestudo.domain.names import is_topic_name, resolve_topic
+from smarttestudo.use_cases.ruler.accuracy_curve import AccuracyRequest
 from smarttestudo.use_cases.ruler.checked_text import require_usable
 from smarttestudo.use_cases.ruler.child_messages import Done, Failure, Share
 from smarttestudo.use_cases.ruler.child_process import ChildWork, MeasureOrder
@@ -130,22 +131,23 @@ class TryApi:
 
 
 class CurveApi:
-    """Measures what topics of the bags of ``folder`` lose at each rate, one at a time."""
+    """Measures what topics of the bags of ``folder`` lose at each rate or need, one at a time."""
 
-    def __init__(self, folder: ProjectFolder, listeners: Listeners) -> None:
+    def __init__(self, folder: ProjectFolder, listeners: Listeners, work: ChildWork) -> None:
         self._folder = folder
+        self._kind = work
         self._work = ChildProcesses(listeners)
 
-    async def answer(self, request: Request, asked: CurveRequest) -> Response:
+    async def answer(self, request: Request, asked: CurveRequest | AccuracyRequest) -> Response:
         """Measure a topic of a bag; who leaves ends it."""
         if not is_topic_name(asked.topic):
             raise RequestError(f"{asked.topic!r} is not a valid ROS 2 topic name", _BAD_REQUEST)
         bag = await run_in_threadpool(self._folder.bag, asked.bag)
         order = replace(asked, bag=str(bag), topic=resolve_topic(asked.topic))
-        return await self._work.answer(request, _order(ChildWork.CURVE, order, asked.bag))
+        return await self._work.answer(request, _order(self._kind, order, asked.bag))
 
 
-def _order(work: ChildWork, asked: TryRequest | CurveRequest, name: str) -> Order:
+def _order(work: ChildWork, asked: TryRequest | CurveRequest | AccuracyRequest, name: str) -> Order:
     return Order(
         work=work,
         asked=asked,

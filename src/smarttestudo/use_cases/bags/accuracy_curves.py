@@ -223,6 +223,7 @@ class _Property:
             property_name=self.wanted.name,
             unit=self.wanted.unit,
             messages=len(samples.stamps_ns),
+            source_hz=samples.mean_hz,
             motion=self.motion.motion,
             points=tuple(
                 AccuracyPoint(bound=bound, hold=hold, reckoned=reckon)

@@ -17,10 +17,11 @@ from smarttestudo.use_cases.ruler.child_messages import answer_order
 
 
 class ChildWork(Enum):
-    """What is done: a ``TryRequest`` or ``CurveRequest`` whose ``bag`` is a path, or a ``MeasureOrder``."""
+    """What is done: a request about a ``bag``, which is a path, or a ``MeasureOrder``."""
 
     TRIAL = "trial"
     CURVE = "curve"
+    ACCURACY = "accuracy"
     MEASURE = "measure"
 
 
@@ -43,6 +44,15 @@ def _main(work: ChildWork) -> int:
 
             return answer_order(
                 CurveRequest, lambda order, report: measured_curve(Path(order.bag), order.topic, report)
+            )
+        case ChildWork.ACCURACY:
+            from smarttestudo.use_cases.ruler.accuracy_curve import (  # noqa: PLC0415
+                AccuracyRequest,
+                measured_needs,
+            )
+
+            return answer_order(
+                AccuracyRequest, lambda order, report: measured_needs(Path(order.bag), order.topic, report)
             )
         case ChildWork.MEASURE:
             from smarttestudo.use_cases.ruler.profiles import measured_on_robots  # noqa: PLC0415

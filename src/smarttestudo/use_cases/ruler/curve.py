@@ -10,7 +10,7 @@ from pathlib import Path
 from msgspec import Struct
 
 from smarttestudo.use_cases.bags.curves import measure_curves
-from smarttestudo.use_cases.ruler.profile_table import SixRates, six_rates
+from smarttestudo.use_cases.ruler.profile_table import SixLevels, six_levels
 from smarttestudo.visualizer.loss import curve as loss
 
 
@@ -46,7 +46,7 @@ class Curve(Struct, frozen=True, kw_only=True):
 
     source_hz: float | None = None
     points: tuple[LossPoint, ...] = ()
-    tiers_hz: SixRates | None = None
+    tiers_hz: SixLevels | None = None
     notices: tuple[str, ...] = ()
 
 
@@ -61,7 +61,7 @@ def measured_curve(bag: Path, topic: str, report: Callable[[float], None]) -> Cu
     return Curve(
         source_hz=curve.source_hz,
         points=tuple(_point(point, curve) for point in curve.points),
-        tiers_hz=six_rates(proposal.tiers_hz) if proposal else None,
+        tiers_hz=six_levels(proposal.tiers_hz) if proposal else None,
         notices=notices,
     )
 

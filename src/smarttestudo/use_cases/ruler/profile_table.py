@@ -6,32 +6,40 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from msgspec import Struct, structs
 
 from smarttestudo.adapters.files.profile import parse_profile
 from smarttestudo.adapters.files.profile_edit import edited_profile
 from smarttestudo.adapters.files.toml_text import parse_toml
+from smarttestudo.domain.accuracy import LevelledProperty
 from smarttestudo.domain.errors import ProfileError
 from smarttestudo.domain.names import is_topic_name
 
-SixRates = tuple[float, float, float, float, float, float]
+SixLevels = tuple[float, float, float, float, float, float]
 
 
 class ProfileRow(Struct, frozen=True, kw_only=True):
     """One topic by the name that the text has for it; null stands for a key that is not written.
 
-    Sizes are in KB of 1000 B, rates in Hz.
+    Sizes are in KB of 1000 B, rates in Hz; accuracies are in m, degrees and rad, beside the rates they need.
     """
 
     topic: str
     type: str | None = None
     message_kb: float | None = None
     source_hz: float | None = None
-    tiers_hz: SixRates | None = None
+    tiers_hz: SixLevels | None = None
     priority: float | None = None
     min_hz: float | None = None
     max_hz: float | None = None
+    tiers_m: SixLevels | None = None
+    tiers_m_need_hz: SixLevels | None = None
+    tiers_deg: SixLevels | None = None
+    tiers_deg_need_hz: SixLevels | None = None
+    tiers_rad: SixLevels | None = None
+    tiers_rad_need_hz: SixLevels | None = None
 
     def keys(self) -> dict[str, str | float | Sequence[float] | None]:
         """The keys of the topic's table."""
@@ -103,27 +111,28 @@ def write_table(table: ProfileTable, base_text: str, path: Path) -> str:
     return text
 
 
-def six_rates(rates_hz: Sequence[float]) -> SixRates:
-    """The rates of the six levels, as which a profile that was read has them."""
-    one, two, three, four, five, six = rates_hz
+def six_levels(thresholds: Sequence[float]) -> SixLevels:
+    """The thresholds of the six levels, as which a profile that was read has them."""
+    one, two, three, four, five, six = thresholds
     return one, two, three, four, five, six
 
 
 def _row(topic: str, table: Mapping[str, object]) -> ProfileRow:
-    tiers = table.get("tiers_hz")
-    return ProfileRow(
-        topic=topic,
-        type=_text(table.get("type")),
-        tiers_hz=six_rates([float(one) for one in tiers]) if isinstance(tiers, list) else None,
-        **{key: _number(table.get(key)) for key in _NUMBERS},
-    )
+    values: dict[str, Any] = {key: _number(table.get(key)) for key in _NUMBERS}
+    values.update((key, _six(table.get(key))) for key in _SIXES)
+    return ProfileRow(topic=topic, type=_text(table.get("type")), **values)
 
 
 _NUMBERS = ("message_kb", "source_hz", "priority", "min_hz", "max_hz")
+_SIXES = ("tiers_hz", *(key for one in LevelledProperty for key in (one.tiers_key, one.needs_key)))
 
 
 def _number(value: object) -> float | None:
     return float(value) if isinstance(value, int | float) else None
+
+
+def _six(value: object) -> SixLevels | None:
+    return six_levels([float(one) for one in value]) if isinstance(value, list) else None
 
 
 def _text(value: object) -> str | None:

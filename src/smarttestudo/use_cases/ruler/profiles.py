@@ -29,9 +29,9 @@ from smarttestudo.use_cases.ruler.profile_table import (
     ProfileParseRequest,
     ProfileTable,
     ProfileWriteRequest,
-    SixRates,
+    SixLevels,
     read_table,
-    six_rates,
+    six_levels,
     write_table,
 )
 from smarttestudo.use_cases.ruler.vocabulary import topics_in
@@ -77,7 +77,7 @@ class LevelsRequest(Struct, frozen=True, kw_only=True):
 class LevelsAnswer(Struct, frozen=True, kw_only=True):
     """A first guess from the rate alone."""
 
-    tiers_hz: SixRates
+    tiers_hz: SixLevels
 
 
 class Profiles:
@@ -167,4 +167,4 @@ def levels_of_rate(request: LevelsRequest) -> LevelsAnswer:
             f"a source of {request.source_hz:g} Hz has no levels",
             remedy=f"give a rate above 0, up to {MAX_RATE_HZ:g} Hz",
         )
-    return LevelsAnswer(tiers_hz=six_rates(proposed_tiers_hz(request.source_hz)))
+    return LevelsAnswer(tiers_hz=six_levels(proposed_tiers_hz(request.source_hz)))

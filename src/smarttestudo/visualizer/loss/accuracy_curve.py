@@ -124,12 +124,16 @@ class Motion:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AccuracyCurve:
-    """A property of a topic at rising bounds, beside the ``messages`` of its source."""
+    """A property of a topic at some bounds, beside the ``messages`` of its source and their mean rate.
+
+    ``source_hz`` is ``None`` where all of them have one stamp.
+    """
 
     topic: str
     property_name: str
     unit: str
     messages: int
+    source_hz: float | None
     motion: Motion
     points: tuple[AccuracyPoint, ...]
 
