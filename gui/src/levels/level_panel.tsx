@@ -59,14 +59,14 @@ function useKnown(editor: ProfileEditor, api: Api, rows: readonly DraftRow[]): R
   const [known, setKnown] = useState<ReadonlyMap<string, Set<string>>>(new Map());
   const ask = async () => {
     try {
-      const { topics } = await api.vocabulary("", await editor.text());
+      const { topics } = await api.vocabulary("", editor.typesText);
       setKnown(new Map(topics.map((each) => [each.topic, new Set(each.bounds.map(({ name }) => name))])));
     } catch (error) {
-      // A table that is half typed: what was known stays.
+      // Nothing is known then, and the levels of rates are all there is.
       if (!(error instanceof ApiError)) throw error;
     }
   };
-  const topics = rows.map((row) => `${row.topic} ${row.type}`).join("\n");
-  useEffect(() => void ask(), [topics]);
+  const types = rows.map((row) => row.type).join(" ");
+  useEffect(() => void ask(), [types, editor.isSaved.value]);
   return known;
 }

@@ -312,9 +312,9 @@ export class ProfileEditor implements Contested {
     };
   }
 
-  /** The table as the text of a profile. */
-  async text(): Promise<string> {
-    return (await this.api.writeProfile(this.name, this.table(), this.baseText)).text;
+  /** The profile as it was read or saved last: it has the types of topics, which nobody types. */
+  get typesText(): string {
+    return this.baseText;
   }
 
   private table(): ProfileTable {
