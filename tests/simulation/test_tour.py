@@ -22,7 +22,7 @@ from smarttestudo.simulation.robot import DifferentialDrive, DriveModel
 from smarttestudo.simulation.tour import Tour, Waypoint, WaypointFollower
 from smarttestudo.simulation.warehouse import warehouse
 
-ERRANDS = Path(__file__).parents[2] / "examples" / "errands.toml"
+ERRANDS = Path(__file__).parents[2] / "examples" / "errands.mission.toml"
 ROUND_S = 460
 STILL_M_PER_S = 0.005
 STILL_RAD_PER_S = 0.01

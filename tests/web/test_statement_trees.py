@@ -23,7 +23,7 @@ from smarttestudo.use_cases.ruler.statements import (
     AndCondition,
     CheckCondition,
     Condition,
-    Duration,
+    DurationValue,
     Hz,
     NotCondition,
     RawStatement,
@@ -32,7 +32,7 @@ from smarttestudo.use_cases.ruler.statements import (
     SetStatement,
     Statement,
     TimedCondition,
-    Until,
+    UntilValue,
     WithinStatement,
 )
 from smarttestudo.use_cases.ruler.vocabulary import VocabularyRequest, topics_in, vocabulary
@@ -93,12 +93,12 @@ def test_the_page_sees_times_bounds_and_recordings() -> None:
     record, rate, within = rule.then
     assert isinstance(record, RecordStatement)
     assert (record.name, record.topics) == ("near miss", ("/scan",))
-    assert record.before == Duration(value=30.0, unit=SECONDS)
-    assert record.after == Duration(value=500.0, unit=DurationUnit.MILLISECONDS)
+    assert record.before == DurationValue(value=30.0, unit=SECONDS)
+    assert record.after == DurationValue(value=500.0, unit=DurationUnit.MILLISECONDS)
     assert isinstance(rate, SetStatement)
     assert isinstance(within, WithinStatement)
     _, _, timed, check = parts()
-    assert (timed.word, timed.duration) == (TimeWord.FOR, Duration(value=2.0, unit=SECONDS))
+    assert (timed.word, timed.duration) == (TimeWord.FOR, DurationValue(value=2.0, unit=SECONDS))
     assert (check.property, check.until) == ("speed", None)
 
 
@@ -128,7 +128,7 @@ def test_a_time_comes_and_goes_without_touching_anything_else(
     first, negated, timed, check = parts()
 
     def of(term: Condition) -> TimedCondition:
-        return TimedCondition(term=term, word=word, duration=Duration(value=value, unit=unit))
+        return TimedCondition(term=term, word=word, duration=DurationValue(value=value, unit=unit))
 
     on_check = with_condition(AndCondition(terms=(of(first), negated)))
     assert on_check == TEXT.replace("0.50 ", f"0.50 {written} ")
@@ -148,10 +148,10 @@ def test_a_time_comes_and_goes_without_touching_anything_else(
 
 def test_an_end_comes_changes_and_goes_without_touching_anything_else() -> None:
     first, negated, _, _ = parts()
-    ended = replace(first, until=Until(op=Operator.GREATER, value=0.75))
+    ended = replace(first, until=UntilValue(op=Operator.GREATER, value=0.75))
     text = with_condition(AndCondition(terms=(ended, negated)))
     assert text == TEXT.replace("0.50 ", "0.50 Until > 0.75 ")
-    later = replace(first, until=Until(op=Operator.GREATER_EQUAL, value=1))
+    later = replace(first, until=UntilValue(op=Operator.GREATER_EQUAL, value=1))
     rule = replace(rule_in(TEXT), condition=AndCondition(terms=(later, negated)))
     assert edited(rule, text) == TEXT.replace("0.50 ", "0.50 Until >= 1 ")
     assert edited(rule_in(TEXT), text) == TEXT
@@ -176,7 +176,7 @@ def test_bounds_and_recordings_change_word_by_word() -> None:
     record, rate, within = rule.then
     assert isinstance(record, RecordStatement)
     named = replace(
-        record, name='a "close" one', topics=("/scan", "/odom"), after=Duration(value=2, unit=SECONDS)
+        record, name='a "close" one', topics=("/scan", "/odom"), after=DurationValue(value=2, unit=SECONDS)
     )
     changed = edited(replace(rule, then=(named, rate, within)))
     assert changed == TEXT.replace('"near miss" /scan', r'"a \"close\" one" /scan /odom').replace(
@@ -224,12 +224,12 @@ def test_a_bound_may_be_a_level() -> None:
 @pytest.mark.parametrize(
     ("duration", "problem"),
     [
-        (Duration(value=25 * 60, unit=DurationUnit.MINUTES), "between 0 and 1440 min"),
-        (Duration(value=-1, unit=SECONDS), "between 0 and 1440 min"),
-        (Duration(value=1e300, unit=SECONDS), "between 0 and 1440 min"),
+        (DurationValue(value=25 * 60, unit=DurationUnit.MINUTES), "between 0 and 1440 min"),
+        (DurationValue(value=-1, unit=SECONDS), "between 0 and 1440 min"),
+        (DurationValue(value=1e300, unit=SECONDS), "between 0 and 1440 min"),
     ],
 )
-def test_a_time_that_the_language_cannot_say_is_refused(duration: Duration, problem: str) -> None:
+def test_a_time_that_the_language_cannot_say_is_refused(duration: DurationValue, problem: str) -> None:
     first, _, timed, _ = parts()
     with pytest.raises(EditError, match=problem):
         with_condition(AndCondition(terms=(first, replace(timed, duration=duration))))

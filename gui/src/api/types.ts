@@ -5,22 +5,22 @@
 /** The protocol of the web socket. */
 export const PROTOCOL_VERSION = 1;
 
-/** The properties of a topic that changed, beside the rate of its source. */
-export interface AccuracyNeeds {
-  source_hz: number | null;
-  properties: PropertyNeeds[];
-  notices: string[];
-}
-
 /**
  * `POST /api/profile/accuracy` → `AccuracyNeeds`: what the accuracies of `topic` need, from a bag.
  *
  * `run` names the work in `Progress` messages of `/ws`.
  */
-export interface AccuracyRequest {
+export interface AccuracyCurveRequest {
   bag: string;
   topic: string;
   run?: string;
+}
+
+/** The properties of a topic that changed, beside the rate of its source. */
+export interface AccuracyNeeds {
+  source_hz: number | null;
+  properties: PropertyNeeds[];
+  notices: string[];
 }
 
 export type Action = SetStatement | WithinStatement | RecordStatement;
@@ -109,7 +109,7 @@ export interface CheckCondition {
   property: string;
   op: Operator;
   value: number;
-  until?: Until | null;
+  until?: UntilValue | null;
   offset?: number;
   end_offset?: number;
 }
@@ -207,14 +207,14 @@ export interface DrivenPath {
   notices: string[];
 }
 
+/** A unit of time; the value is its spelling. */
+export type DurationUnit = "ms" | "s" | "min";
+
 /** A time in `unit`. */
-export interface Duration {
+export interface DurationValue {
   value: number;
   unit: DurationUnit;
 }
-
-/** A unit of time; the value is its spelling. */
-export type DurationUnit = "ms" | "s" | "min";
 
 export type Edit = Replace | Insert | Delete | Move | Substitute | NewZone | MoveZone | ResizeZone;
 
@@ -860,8 +860,8 @@ export interface RecordStatement {
   text?: string;
   name: string;
   topics: string[];
-  before: Duration;
-  after: Duration;
+  before: DurationValue;
+  after: DurationValue;
 }
 
 /** Its topics by name, how long it is, and a rule file that relays every message of them. */
@@ -1132,7 +1132,7 @@ export interface TimedCondition {
   kind: "timed";
   term: Condition;
   word: TimeWord;
-  duration: Duration;
+  duration: DurationValue;
 }
 
 /** What one arm carried of a topic: messages, bytes (as declared, where they are) and age. */
@@ -1273,7 +1273,7 @@ export interface TryTopicLoss {
 }
 
 /** `Until op value` behind a check: what ends it. */
-export interface Until {
+export interface UntilValue {
   op: Operator;
   value: number;
 }
@@ -1390,5 +1390,5 @@ export interface Routes {
   "POST /api/profile/measure-live": { asked: MeasureLiveRequest; answered: TextAnswer };
   "POST /api/try": { asked: TryRequest; answered: TryAnswer };
   "POST /api/profile/curve": { asked: CurveRequest; answered: Curve };
-  "POST /api/profile/accuracy": { asked: AccuracyRequest; answered: AccuracyNeeds };
+  "POST /api/profile/accuracy": { asked: AccuracyCurveRequest; answered: AccuracyNeeds };
 }

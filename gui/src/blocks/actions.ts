@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import type * as Blockly from "blockly/core";
-import type { Action, Duration, DurationUnit, SetStatement } from "../api/types";
+import type { Action, DurationUnit, DurationValue, SetStatement } from "../api/types";
 import { parseBound } from "./bound_text";
 import { parseRate, rateText } from "./rate_text";
 import { parseTopics, topicsText } from "./topic_list";
@@ -70,7 +70,7 @@ function setStatement(block: Blockly.Block): SetStatement {
 }
 
 /** The time that two fields of a block say. */
-export function durationOf(block: Blockly.Block, value: string, unit: string): Duration {
+export function durationOf(block: Blockly.Block, value: string, unit: string): DurationValue {
   return { value: Number(block.getFieldValue(value)), unit: block.getFieldValue(unit) as DurationUnit };
 }
 
@@ -86,6 +86,6 @@ export function actionPrint(action: Action): unknown[] {
   }
 }
 
-export function durationPrint({ value, unit }: Duration): string {
+export function durationPrint({ value, unit }: DurationValue): string {
   return `${value} ${unit}`;
 }

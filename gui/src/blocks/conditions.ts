@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import type * as Blockly from "blockly/core";
-import type { CheckCondition, Condition, Duration, Operator, TimedCondition, TimeWord } from "../api/types";
+import type { CheckCondition, Condition, DurationValue, Operator, TimedCondition, TimeWord } from "../api/types";
 import { durationOf, durationPrint } from "./actions";
 
 type State = Blockly.serialization.blocks.State;
@@ -14,7 +14,7 @@ export interface ClockState {
 /** One `For` or `Within` behind a condition. */
 export interface TimePart {
   word: TimeWord;
-  duration: Duration;
+  duration: DurationValue;
 }
 
 /** Conditions below each other, which all hold, as blocks to load. */

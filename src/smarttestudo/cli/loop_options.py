@@ -88,7 +88,7 @@ def add_mission(parser: argparse.ArgumentParser) -> None:
         "--mission",
         metavar="FILE",
         type=file_path,
-        help="drive this tour (TOML, as examples/errands.toml), instead of the patrol of the thesis",
+        help="drive this tour (TOML, as examples/errands.mission.toml), instead of the patrol of the thesis",
     )
 
 

@@ -25,7 +25,7 @@ from smarttestudo.use_cases.ruler import (
     versions,
     zone_edits,
 )
-from smarttestudo.use_cases.ruler.accuracy_curve import AccuracyNeeds, AccuracyRequest
+from smarttestudo.use_cases.ruler.accuracy_curve import AccuracyCurveRequest, AccuracyNeeds
 from smarttestudo.use_cases.ruler.backgrounds import BackgroundRequest, Backgrounds, PathRequest
 from smarttestudo.use_cases.ruler.checked_text import Draft
 from smarttestudo.use_cases.ruler.child_process import ChildWork
@@ -98,7 +98,7 @@ def api_routes(
     losses = CurveApi(folder, listeners, ChildWork.CURVE)
     yield long_work("/api/profile/curve", CurveRequest, losses.answer, Curve)
     needs = CurveApi(folder, listeners, ChildWork.ACCURACY)
-    yield long_work("/api/profile/accuracy", AccuracyRequest, needs.answer, AccuracyNeeds)
+    yield long_work("/api/profile/accuracy", AccuracyCurveRequest, needs.answer, AccuracyNeeds)
 
 
 def _project_routes(files: ProjectFiles) -> Iterator[ApiRoute]:

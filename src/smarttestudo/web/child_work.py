@@ -19,7 +19,7 @@ from starlette.responses import Response
 from smarttestudo.adapters.files.project_folder import ProjectFolder
 from smarttestudo.domain.errors import TestudoError, UsageError
 from smarttestudo.domain.names import is_topic_name, resolve_topic
-from smarttestudo.use_cases.ruler.accuracy_curve import AccuracyRequest
+from smarttestudo.use_cases.ruler.accuracy_curve import AccuracyCurveRequest
 from smarttestudo.use_cases.ruler.checked_text import require_usable
 from smarttestudo.use_cases.ruler.child_messages import Done, Failure, Share
 from smarttestudo.use_cases.ruler.child_process import ChildWork, MeasureOrder
@@ -138,7 +138,7 @@ class CurveApi:
         self._kind = work
         self._work = ChildProcesses(listeners)
 
-    async def answer(self, request: Request, asked: CurveRequest | AccuracyRequest) -> Response:
+    async def answer(self, request: Request, asked: CurveRequest | AccuracyCurveRequest) -> Response:
         """Measure a topic of a bag; who leaves ends it."""
         if not is_topic_name(asked.topic):
             raise RequestError(f"{asked.topic!r} is not a valid ROS 2 topic name", _BAD_REQUEST)
@@ -147,7 +147,7 @@ class CurveApi:
         return await self._work.answer(request, _order(self._kind, order, asked.bag))
 
 
-def _order(work: ChildWork, asked: TryRequest | CurveRequest | AccuracyRequest, name: str) -> Order:
+def _order(work: ChildWork, asked: TryRequest | CurveRequest | AccuracyCurveRequest, name: str) -> Order:
     return Order(
         work=work,
         asked=asked,

@@ -25,7 +25,9 @@ def errands(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder of a demo of the mission that waits."""
 
     def make(folder: Path) -> None:
-        ran = run_testudo("demo", "--mission", EXAMPLES / "errands.toml", "--out", folder / "demo-out")
+        ran = run_testudo(
+            "demo", "--mission", EXAMPLES / "errands.mission.toml", "--out", folder / "demo-out"
+        )
         assert (ran.code, ran.stderr) == (0, "")
         (folder / "printed.txt").write_text(ran.stdout, "utf-8")
 
@@ -125,7 +127,7 @@ def test_the_screen_and_the_report_show_the_ways_beside_each_other(errands: Path
 
 def test_a_mission_is_not_driven_over_a_link(tmp_path: Path) -> None:
     ran: Ran = run_testudo(
-        "demo", "--mission", EXAMPLES / "errands.toml", "--link", "2mbit", "--out", tmp_path / "out"
+        "demo", "--mission", EXAMPLES / "errands.mission.toml", "--link", "2mbit", "--out", tmp_path / "out"
     )
 
     assert ran.code == 2

@@ -44,6 +44,7 @@ class FileKind(Enum):
     IMAGE = "image"
 
 
+_MISSION_SUFFIX = ".mission.toml"
 _KINDS = {".adirf": FileKind.RULES, ".toml": FileKind.PROFILE, ".yaml": FileKind.MAP, ".yml": FileKind.MAP}
 _WRITABLE = frozenset({FileKind.RULES, FileKind.PROFILE, FileKind.LAYOUT})
 
@@ -142,7 +143,7 @@ class ProjectFolder:
         """The path of the map or image ``name``."""
         path, suffix = self.path(name), PurePosixPath(name).suffix
         is_image = suffix.lower() in _IMAGE_SUFFIXES
-        if not (is_image if kind is FileKind.IMAGE else _KINDS.get(suffix) is kind):
+        if not (is_image if kind is FileKind.IMAGE else _kind_of(name) is kind):
             remedy = "maps end in .yaml, images in .png or .jpg"
             raise ForbiddenPathError("this is not a map or an image", place=name, remedy=remedy)
         if not stat.S_ISREG(_mode(path) or 0):
@@ -222,7 +223,7 @@ class ProjectFolder:
         last = PurePosixPath(name).name
         if _LAYOUT.fullmatch(last):
             return FileKind.LAYOUT
-        kind = _KINDS.get(PurePosixPath(last).suffix)
+        kind = _kind_of(last)
         if kind is None or last.startswith("."):
             remedy = "rule files end in .adirf, profiles in .toml"
             raise ForbiddenPathError("the Ruler does not edit this kind of file", place=name, remedy=remedy)
@@ -255,7 +256,7 @@ class ProjectFolder:
 
     def _file(self, entry: os.DirEntry[str]) -> Iterator[FoundFile]:
         path = Path(entry.path)
-        kind = FileKind.LAYOUT if _LAYOUT.fullmatch(entry.name) else _KINDS.get(path.suffix)
+        kind = FileKind.LAYOUT if _LAYOUT.fullmatch(entry.name) else _kind_of(path.name)
         if path.suffix in _BAG_SUFFIXES:
             kind = FileKind.BAG
         if path.suffix.lower() in _IMAGE_SUFFIXES:
@@ -326,3 +327,8 @@ def _folder_bytes(folder: Path) -> int:
 
 def _sha256(data: bytes) -> str:
     return hashlib.sha256(data).hexdigest()
+
+
+def _kind_of(name: str) -> FileKind | None:
+    """By the name's ending; a mission of the demonstration is no profile."""
+    return None if name.endswith(_MISSION_SUFFIX) else _KINDS.get(PurePosixPath(name).suffix)

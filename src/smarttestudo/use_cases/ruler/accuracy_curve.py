@@ -19,7 +19,7 @@ from smarttestudo.use_cases.bags.accuracy_curves import WantedProperty, measure_
 from smarttestudo.visualizer.loss import accuracy_curve as loss
 
 
-class AccuracyRequest(Struct, frozen=True, kw_only=True):
+class AccuracyCurveRequest(Struct, frozen=True, kw_only=True):
     """``POST /api/profile/accuracy`` → ``AccuracyNeeds``: what the accuracies of ``topic`` need, from a bag.
 
     ``run`` names the work in ``Progress`` messages of ``/ws``.

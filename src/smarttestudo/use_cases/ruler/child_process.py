@@ -47,12 +47,13 @@ def _main(work: ChildWork) -> int:
             )
         case ChildWork.ACCURACY:
             from smarttestudo.use_cases.ruler.accuracy_curve import (  # noqa: PLC0415
-                AccuracyRequest,
+                AccuracyCurveRequest,
                 measured_needs,
             )
 
             return answer_order(
-                AccuracyRequest, lambda order, report: measured_needs(Path(order.bag), order.topic, report)
+                AccuracyCurveRequest,
+                lambda order, report: measured_needs(Path(order.bag), order.topic, report),
             )
         case ChildWork.MEASURE:
             from smarttestudo.use_cases.ruler.profiles import measured_on_robots  # noqa: PLC0415

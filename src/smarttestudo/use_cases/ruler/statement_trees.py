@@ -164,12 +164,12 @@ def _keep_within(one: KeepWithin, place: _Place) -> page.WithinStatement:
     return page.WithinStatement(topic=one.topic.text, property=one.property, bound=one.bound, **place)
 
 
-def _duration(duration: Duration) -> page.Duration:
-    return page.Duration(value=float(duration.text), unit=duration.unit)
+def _duration(duration: Duration) -> page.DurationValue:
+    return page.DurationValue(value=float(duration.text), unit=duration.unit)
 
 
-def _until(until: Until | None) -> page.Until | None:
-    return None if until is None else page.Until(op=until.operator, value=until.value)
+def _until(until: Until | None) -> page.UntilValue | None:
+    return None if until is None else page.UntilValue(op=until.operator, value=until.value)
 
 
 def new_statement(model: page.Statement) -> NewStatement:
@@ -236,12 +236,12 @@ def _within(model: page.WithinStatement) -> KeepWithin:
     )
 
 
-def _read_duration(model: page.Duration) -> Duration:
+def _read_duration(model: page.DurationValue) -> Duration:
     text = number_text(model.value)
     return Duration(text=text, unit=model.unit, ns=duration_ns(text, model.unit), span=_NOWHERE)
 
 
-def _read_until(model: page.Until | None) -> Until | None:
+def _read_until(model: page.UntilValue | None) -> Until | None:
     return None if model is None else Until(operator=model.op, value=model.value, text="", span=_NOWHERE)
 
 

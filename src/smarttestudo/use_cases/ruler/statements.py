@@ -44,7 +44,7 @@ class OffRate(Struct, frozen=True, kw_only=True, tag_field="kind", tag="off"):
 Rate = Hz | TierRate | FullRate | OffRate
 
 
-class Until(Struct, frozen=True, kw_only=True):
+class UntilValue(Struct, frozen=True, kw_only=True):
     """``Until op value`` behind a check: what ends it."""
 
     op: Operator
@@ -58,7 +58,7 @@ class CheckCondition(Struct, frozen=True, kw_only=True, tag_field="kind", tag="c
     property: str
     op: Operator
     value: float
-    until: Until | None = None
+    until: UntilValue | None = None
     offset: int = 0
     end_offset: int = 0
 
@@ -81,7 +81,7 @@ class NotCondition(Struct, frozen=True, kw_only=True, tag_field="kind", tag="not
     term: Condition
 
 
-class Duration(Struct, frozen=True, kw_only=True):
+class DurationValue(Struct, frozen=True, kw_only=True):
     """A time in ``unit``."""
 
     value: float
@@ -93,7 +93,7 @@ class TimedCondition(Struct, frozen=True, kw_only=True, tag_field="kind", tag="t
 
     term: Condition
     word: TimeWord
-    duration: Duration
+    duration: DurationValue
 
 
 Condition = CheckCondition | AndCondition | OrCondition | NotCondition | TimedCondition
@@ -135,8 +135,8 @@ class RecordStatement(_PlacedStatement, frozen=True, kw_only=True, tag_field="ki
 
     name: str
     topics: tuple[str, ...]
-    before: Duration
-    after: Duration
+    before: DurationValue
+    after: DurationValue
 
 
 Action = SetStatement | WithinStatement | RecordStatement
