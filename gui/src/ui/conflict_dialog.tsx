@@ -50,12 +50,16 @@ function WaysOut({ api, file, conflict, onSavedAs }: Props & { conflict: Conflic
         <TextComparison a="Theirs" textA={conflict.theirs} b="Yours" textB={conflict.mine} />
       )}
       {conflict.theirs !== null && ending === ".adirf" && (
-        <DifferenceWords
-          api={api}
-          title="With yours, a robot does this otherwise than with theirs:"
-          oldText={conflict.theirs}
-          newText={conflict.mine}
-        />
+        // Of one height before and after the answer, so that no button moves away under the mouse.
+        // biome-ignore lint/a11y/noNoninteractiveTabindex: the keyboard scrolls only what it can reach
+        <div class="conflict-words" role="region" aria-label="What a robot does otherwise" tabIndex={0}>
+          <DifferenceWords
+            api={api}
+            title="With yours, a robot does this otherwise than with theirs:"
+            oldText={conflict.theirs}
+            newText={conflict.mine}
+          />
+        </div>
       )}
       <div class="ways">
         {!isGone && (
