@@ -6,7 +6,6 @@ import type { LevelledProperty } from "../api/types";
 import { ACCURACY_UNITS, keysOf } from "../state/accuracies";
 import type { DraftRow, ProfileEditor } from "../state/profile_editor";
 import { AccuracyLevels } from "./accuracy_levels";
-import { Choice } from "./choice";
 import { RateLevels } from "./rate_levels";
 
 const RATES_OF = "Rates";
@@ -69,4 +68,25 @@ function useKnown(editor: ProfileEditor, api: Api, rows: readonly DraftRow[]): R
   const types = rows.map((row) => row.type).join(" ");
   useEffect(() => void ask(), [types, editor.isSaved.value]);
   return known;
+}
+
+/** One of some words; `none` is for the empty one. */
+function Choice(props: {
+  label: string;
+  value: string;
+  choices: string[];
+  none?: string;
+  choose: (value: string) => void;
+}) {
+  return (
+    <label>
+      {props.label}
+      <select value={props.value} onChange={(event) => props.choose(event.currentTarget.value)}>
+        {props.none !== undefined && <option value="">{props.none}</option>}
+        {props.choices.map((each) => (
+          <option key={each}>{each}</option>
+        ))}
+      </select>
+    </label>
+  );
 }

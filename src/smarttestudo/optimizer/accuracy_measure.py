@@ -95,10 +95,8 @@ class _Gauged:
         sample = Sample(payload, len(payload), frames=frames)
         sample.readings = self._picture.read(payload, None, now_ns)
         for number, pacer in enumerate(self._pacers):
-            while (wake_ns := pacer.wake_ns) is not None and wake_ns <= now_ns:
-                self.passed[number] += len(pacer.wake(wake_ns))
-                if pacer.wake_ns == wake_ns:
-                    break
+            for _, passes in pacer.wake_until(now_ns):
+                self.passed[number] += len(passes)
             self.passed[number] += len(pacer.offer(sample, now_ns))
 
 

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -102,6 +102,11 @@ class TopicPacer(Pacer):
         if passes and self._notifier.followers:
             self._notifier.woken(passes, self._streams, now_ns)
         return passes
+
+    def wake_until(self, end_ns: int, /) -> Iterator[tuple[int, Sequence[Pass]]]:
+        """Wake whenever something may pass until ``end_ns``: when, and what passes then."""
+        while (wake_ns := self.wake_ns) is not None and wake_ns <= end_ns:
+            yield wake_ns, self.wake(wake_ns)
 
     def set_rate(self, rate_hz: float, now_ns: int, /) -> None:
         """Aim at another rate from now on: infinite is Full, 0 is Off; ValueError if negative or NaN."""

@@ -219,8 +219,8 @@ class _Arm:
             self._pacer.set_accuracy(accuracy, now_ns)
 
     def _wake_until(self, now_ns: int) -> None:
-        while (wake_ns := self._pacer.wake_ns) is not None and wake_ns <= now_ns:
-            self._pass(self._pacer.wake(wake_ns))
+        for _, passes in self._pacer.wake_until(now_ns):
+            self._pass(passes)
 
     def _pass(self, passes: Sequence[Pass]) -> None:
         self._messages += len(passes)

@@ -66,8 +66,8 @@ def _pace(
 
 
 def _wake_until(pacer: TopicPacer, stamp_ns: int, passed: Thinned) -> None:
-    while (wake_ns := pacer.wake_ns) is not None and wake_ns <= stamp_ns:
-        _record(pacer.wake(wake_ns), wake_ns, passed)
+    for wake_ns, passes in pacer.wake_until(stamp_ns):
+        _record(passes, wake_ns, passed)
 
 
 def _record(passes: Iterable[Pass], now_ns: int, passed: Thinned) -> None:
