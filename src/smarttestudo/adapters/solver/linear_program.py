@@ -37,13 +37,23 @@ class Optimum:
     objective: float
 
 
+class _SilentHighs(highspy.Highs):
+    """HiGHS that prints nothing: since 1.16 its constructor prints, before one could set an option."""
+
+    def __init__(self) -> None:
+        super().__init__()  # type: ignore[no-untyped-call]
+
+    def enableCallbacks(self) -> None:  # noqa: N802 - the first of HiGHS's own methods that its constructor calls
+        self.silent()
+        super().enableCallbacks()  # type: ignore[no-untyped-call]
+
+
 def maximise(program: LinearProgram) -> Optimum | None:
     """The optimum, or ``None`` where the rows contradict each other."""
     if not program.costs:
         possible = all(low <= 0.0 <= high for _, low, high in program.rows)
         return Optimum(values=[], duals=[0.0] * len(program.rows), objective=0.0) if possible else None
-    highs = highspy.Highs()  # type: ignore[no-untyped-call]
-    highs.setOptionValue("output_flag", False)  # noqa: FBT003
+    highs = _SilentHighs()
     highs.setOptionValue("primal_feasibility_tolerance", _FEASIBILITY_TOLERANCE)
     highs.setOptionValue("mip_feasibility_tolerance", _FEASIBILITY_TOLERANCE)
     highs.setOptionValue("mip_rel_gap", 0.0)
