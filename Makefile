@@ -49,7 +49,7 @@ test: test-length lint test-gui $(PAGE)
 
 test-length:
 	@echo "Style, types and layers, then the tests in two halves: all but the live ones, and the live ones"
-	@echo "on a ROS graph. About 20 minutes on two cores."
+	@echo "on a ROS graph. About half an hour on two cores."
 
 test-gui: $(VENV)/dev.stamp
 	$(GUI_NPM) test

@@ -19,9 +19,10 @@ import msgspec
 from smarttestudo.adapters.files.project_folder import ProjectFolder
 from smarttestudo.adapters.ros import open_graph_robots
 from smarttestudo.domain.rate import Tier
+from smarttestudo.use_cases.ruler.robot_incidents import RobotIncidents
 from smarttestudo.use_cases.ruler.robot_link import RobotLink
 from smarttestudo.web import socket
-from smarttestudo.web.app import api_routes
+from smarttestudo.web.app import api_routes, robot_incident_routes
 from smarttestudo.web.errors import ErrorAnswer
 from smarttestudo.web.routes import ApiRoute
 
@@ -45,9 +46,11 @@ _WORDS = {
 
 def types_text() -> str:
     """The whole file."""
-    routes = list(
-        api_routes(ProjectFolder(Path()), RobotLink(partial(open_graph_robots, "")), socket.Listeners())
-    )
+    project = ProjectFolder(Path())
+    routes = [
+        *api_routes(project, RobotLink(partial(open_graph_robots, "")), socket.Listeners()),
+        *robot_incident_routes(RobotIncidents(project, None)),
+    ]
     asked = [socket.Watch, *(route.asked for route in routes if route.asked is not None)]
     writer = _Writer(_reached(asked))
     for root in (*asked, *(route.answered for route in routes), ErrorAnswer, socket.Push):

@@ -2,11 +2,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """Redraws docs/images/ruler*.png: the Ruler's page on the examples, in Debian's Chromium, with no network.
 
-The recording is the demo's, the robot the simulated one (for its picture ROS 2 must be installed).
+The recording is the demo's, the robot the simulated one (for its pictures ROS 2 must be installed). With
+``--tree`` the page and the examples are those of another checkout, whose page was built there: so
+docs/images/before was drawn. ``--only`` draws the pictures whose names are given.
 """
 
 from __future__ import annotations
 
+import argparse
+import io
 import os
 import re
 import shutil
@@ -15,12 +19,13 @@ import sys
 import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 
+from PIL import Image
 from playwright.sync_api import Browser, Locator, Page, sync_playwright
 
 ROOT = Path(__file__).parents[1]
-IMAGES = ROOT / "docs" / "images"
 TESTUDO = [sys.executable, "-m", "smarttestudo"]
 ROS = {
     **os.environ,
@@ -52,13 +57,29 @@ HEARD = {
 }
 
 
-def open_page(browser: Browser, url: str, *, height: int, width: int = 1280, dark: bool = False) -> Page:
-    """A new tab on the home screen."""
-    page = browser.new_page(
-        viewport={"width": width, "height": height}, color_scheme="dark" if dark else "light"
-    )
-    page.goto(url)
-    return page
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Studio:
+    """Where pictures are drawn: a browser, the address of a Ruler, and the folder that they go to."""
+
+    browser: Browser
+    url: str
+    out: Path
+
+    def open_page(self, *, height: int = 800, width: int = 1280, dark: bool = False) -> Page:
+        """A new tab on the home screen of who knows the page."""
+        page = self.browser.new_page(
+            viewport={"width": width, "height": height}, color_scheme="dark" if dark else "light"
+        )
+        page.add_init_script("localStorage.setItem('tour', 'seen')")
+        page.goto(self.url)
+        return page
+
+    def draw(self, shown: Page | Locator, name: str) -> None:
+        """Write ``ruler-NAME.png``, or ``ruler.png``, in 256 colours: a third of the bytes."""
+        picture = Image.open(io.BytesIO(shown.screenshot(animations="disabled")))
+        path = self.out / ("-".join(["ruler", name]) if name else "ruler")
+        few = picture.convert("RGB").quantize(256, dither=Image.Dither.NONE)
+        few.save(path.with_suffix(".png"), optimize=True)
 
 
 def open_rules(page: Page, name: str) -> Locator:
@@ -73,47 +94,60 @@ def button(page: Page, name: str) -> Locator:
     return page.get_by_role("button", name=name, exact=True)
 
 
-def overview(browser: Browser, url: str) -> None:
+def overview(studio: Studio) -> None:
     """Blocks, text, and the load of each situation against the budget."""
-    page = open_page(browser, url, height=900)
+    page = studio.open_page(height=900)
     open_rules(page, "quality/inspection.adirf")
     button(page, "Optimize and Download").click()
     page.get_by_label("Topic parameters").select_option("quality/radio.toml")
     button(page, "Download rates").wait_for()
     page.get_by_text("Inspection", exact=True).last.wait_for()
-    page.screenshot(path=IMAGES / "ruler.png")
+    studio.draw(page, "")
 
 
-def trial(browser: Browser, url: str) -> None:
+def home(studio: Studio) -> None:
+    """What somebody sees first."""
+    page = studio.open_page()
+    page.get_by_role("link", name="warehouse.adirf", exact=True).wait_for()
+    studio.draw(page, "home")
+
+
+def topics(studio: Studio) -> None:
+    """The table of topic parameters."""
+    page = studio.open_page()
+    page.get_by_role("link", name="quality/radio.toml", exact=True).click()
+    page.get_by_label("Topic of row 1").wait_for()
+    studio.draw(page, "topics")
+
+
+def trial(studio: Studio) -> None:
     """What the rules do to the demo's recording, among the scaffolding."""
-    page = open_page(browser, url, height=1060, dark=True)
+    page = studio.open_page(height=1060, dark=True)
     open_rules(page, "warehouse.adirf")
-    page.get_by_role("tab", name="Try on a bag", exact=True).click()
+    page.get_by_role("tab", name="Try on a recording", exact=True).click()
     page.get_by_role("combobox", name="Recording").select_option(RECORDING)
     button(page, "Run the rules on it").click()
     slider = page.get_by_role("slider", name="Time in the recording (s)")
     slider.wait_for(timeout=300_000)
     slider.fill("94.8")
     page.get_by_text(re.compile("decides /odom")).wait_for()
-    page.screenshot(path=IMAGES / "ruler-try.png")
+    studio.draw(page, "try")
 
 
-def levels(browser: Browser, url: str) -> None:
+def levels(studio: Studio) -> None:
     """The six levels of /odom on the error at each rate."""
-    page = open_page(browser, url, height=1100)
+    page = studio.open_page(height=1100)
     page.get_by_role("link", name="quality/radio.toml", exact=True).click()
     page.get_by_role("combobox", name="Topic", exact=True).select_option("/odom")
     page.get_by_role("combobox", name="Recording").select_option(RECORDING)
     button(page, "Show what each rate loses").click()
     button(page, "Use the proposed levels").click(timeout=300_000)
-    page.get_by_role("region", name="Quality levels on the curve").screenshot(
-        path=IMAGES / "ruler-levels.png"
-    )
+    studio.draw(page.get_by_role("region", name="Quality levels on the curve"), "levels")
 
 
-def zones(browser: Browser, url: str) -> None:
+def zones(studio: Studio) -> None:
     """A zone on the demo's map that clashes with another rule."""
-    page = open_page(browser, url, width=1440, height=900)
+    page = studio.open_page(width=1440, height=900)
     blocks = open_rules(page, "warehouse.adirf")
     page.get_by_role("tab", name="Map", exact=True).click()
     page.get_by_label("Background").select_option("Map: warehouse_map.yaml")
@@ -127,12 +161,30 @@ def zones(browser: Browser, url: str) -> None:
     page.keyboard.type("Crossing")
     page.keyboard.press("Enter")
     button(page, "Crossing").click()
-    page.screenshot(path=IMAGES / "ruler-map.png")
+    studio.draw(page, "map")
 
 
-def robot(browser: Browser, url: str) -> None:
+def incident(studio: Studio) -> None:
+    """What a rule recorded of the demo's robot, on the map that its file is drawn on."""
+    page = studio.open_page(height=950)
+    open_rules(page, "near_miss.adirf")
+    page.get_by_role("tab", name="Map", exact=True).click()
+    page.get_by_label("Background").select_option("Map: warehouse_map.yaml")
+    button(page, "Save").click()
+    page.get_by_role("tab", name="Try on a recording", exact=True).click()
+    page.get_by_role("combobox", name="Recording").select_option(RECORDING)
+    button(page, "Run the rules on it").click()
+    page.get_by_role("button", name="Keep it: near miss").first.click(timeout=300_000)
+    with page.expect_response(re.compile("api/background$")):
+        page.get_by_role("link", name="incidents/").click()
+    page.get_by_role("figure", name="Rate of /scan").wait_for()
+    page.wait_for_timeout(1000)  # the map is drawn over some pictures
+    studio.draw(page, "incident")
+
+
+def robot(studio: Studio) -> None:
     """What holds on the simulated robot in the corridor, and its rates."""
-    page = open_page(browser, url, height=1000)
+    page = studio.open_page(height=1000)
     blocks = open_rules(page, "warehouse.adirf")
     page.get_by_role("tab", name="Robot", exact=True).click()
     blocks.get_by_text("✓ holds").first.wait_for(timeout=120_000)
@@ -141,20 +193,34 @@ def robot(browser: Browser, url: str) -> None:
         page.get_by_role("row").filter(has_text=settled).wait_for(timeout=120_000)
     # Looking for the next rule brings both into sight.
     blocks.get_by_role("button", name="Edit value: 25.5").focus()
-    page.screenshot(path=IMAGES / "ruler-robot.png")
+    studio.draw(page, "robot")
 
 
-def robots(browser: Browser, url: str, silent: subprocess.Popen[str]) -> None:
+def send(studio: Studio) -> None:
+    """What would change on the robot."""
+    page = studio.open_page()
+    blocks = open_rules(page, "warehouse.adirf")
+    blocks.get_by_role("button", name="Edit rate: 10", exact=True).first.click()
+    for key in ("Control+a", "2", "0", "Enter"):
+        page.keyboard.press(key)
+    blocks.get_by_role("button", name="Edit rate: 20", exact=True).wait_for()
+    button(page, "Send to robot").click()
+    page.get_by_role("dialog").get_by_role("list", name="Differences").wait_for(timeout=120_000)
+    studio.draw(page, "send")
+
+
+def robots(studio: Studio, silent: subprocess.Popen[str]) -> None:
     """Three robots, of which one falls silent and one has no operator."""
-    page = open_page(browser, f"{url}#/robots/", height=390)
+    page = studio.open_page(height=390)
+    button(page, "Watch Robots").click()
     rows = page.get_by_role("table", name="Robots").locator("tbody").get_by_role("row")
     rows.nth(2).wait_for(timeout=120_000)
-    rows.filter(has_text=re.compile(r"/ada/.*(not the limit|[^.]\d\d KB/s), round trip.*\d+ ms /")).wait_for(
+    rows.filter(has_text=re.compile(r"ada.*(not the limit|[^.]\d\d KB/s), round trip.*\d+ ms /")).wait_for(
         timeout=120_000
     )
     silent.terminate()
     rows.filter(has_text=re.compile(r"silent for 1\d s")).wait_for(timeout=120_000)
-    page.screenshot(path=IMAGES / "ruler-robots.png")
+    studio.draw(page, "robots")
 
 
 @contextmanager
@@ -168,15 +234,29 @@ def running(command: list[str], settings: Mapping[str, str]) -> Iterator[subproc
 
 
 @contextmanager
-def served(project: Path) -> Iterator[str]:
+def served(project: Path, settings: Mapping[str, str]) -> Iterator[str]:
     """``testudo ruler`` on a folder; yields its address."""
     command = [*TESTUDO, "ruler", str(project), "--port", "0", "--no-browser"]
-    with running(command, ROS) as server:
+    with running(command, settings) as server:
         assert server.stdout is not None
         yield server.stdout.readline().split(": ", 1)[1].split()[0]
 
 
-def draw_robots(browser: Browser, url: str, rules: str) -> None:
+def draw_robot(studio: Studio, rules: str, settings: Mapping[str, str]) -> None:
+    """Start the simulated robot, a run that follows ``rules``, and an operator."""
+    names = [word for pair in HEARD.items() for word in pair]
+    with ExitStack() as stack:
+        for command in (
+            [*TESTUDO, "run", "--rules", rules, "--budget", "400"],
+            [*TESTUDO, "simulate"],
+            [sys.executable, "-c", LISTEN, *names],
+        ):
+            stack.enter_context(running(command, settings))
+        for draw in (robot, send):
+            draw(studio)
+
+
+def draw_robots(studio: Studio, rules: str, settings: Mapping[str, str]) -> None:
     """Start three runs beside one simulated robot, of which two have a link."""
     run = [*TESTUDO, "run", "--rules", rules]
     names = [["--ros-args", "-r", f"__ns:=/{name}"] for name in ("ada", "bob", "cleo")]
@@ -187,33 +267,53 @@ def draw_robots(browser: Browser, url: str, rules: str) -> None:
             [*run, "--budget", "400", "--robot", "ada", "--link", LINKED, *names[0]],
             [*run, "--robot", "bob", "--link", ALONE, *names[1]],
         ):
-            stack.enter_context(running(command, ROS))
-        silent = stack.enter_context(running([*run, "--output-topic", "/cleo{topic}", *names[2]], ROS))
-        robots(browser, url, silent)
+            stack.enter_context(running(command, settings))
+        silent = stack.enter_context(running([*run, "--output-topic", "/cleo{topic}", *names[2]], settings))
+        robots(studio, silent)
+
+
+ALONE_PICTURES = {
+    "home": home,
+    "overview": overview,
+    "topics": topics,
+    "trial": trial,
+    "levels": levels,
+    "zones": zones,
+    "incident": incident,
+}
+ROBOT_PICTURES = {"robot": draw_robot, "robots": draw_robots}
+
+
+def asked() -> argparse.Namespace:
+    """What the command line asks for."""
+    names = [*ALONE_PICTURES, *ROBOT_PICTURES]
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--tree", type=Path, default=ROOT, help="the checkout whose page is drawn")
+    parser.add_argument("--out", type=Path, default=ROOT / "docs" / "images", help="where the pictures go")
+    parser.add_argument("--only", nargs="+", choices=names, default=names, help="draw no others")
+    return parser.parse_args()
 
 
 def main() -> None:
     """Serve a copy of the examples, so that the page writes nothing into the checkout."""
+    wanted = asked()
+    paths = [str(wanted.tree / "src"), *filter(None, [os.environ.get("PYTHONPATH")])]
+    settings = {**ROS, "PYTHONPATH": os.pathsep.join(paths)}
+    wanted.out.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
-        project = shutil.copytree(ROOT / "examples", Path(folder, "examples"))
-        subprocess.run(
-            [*TESTUDO, "demo", "--out", str(project / "demo-out")], check=True, stdout=subprocess.DEVNULL
-        )
+        project = shutil.copytree(wanted.tree / "examples", Path(folder, "examples"))
+        demo = [*TESTUDO, "demo", "--out", str(project / "demo-out")]
+        subprocess.run(demo, check=True, stdout=subprocess.DEVNULL, env=settings)
         browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox"])
-        with served(project) as url:
-            for draw in (overview, trial, levels, zones):
-                draw(browser, url)
-            with ExitStack() as stack:
-                rules = str(project / "warehouse.adirf")
-                names = [word for pair in HEARD.items() for word in pair]
-                for command in (
-                    [*TESTUDO, "run", "--rules", rules, "--budget", "400"],
-                    [*TESTUDO, "simulate"],
-                    [sys.executable, "-c", LISTEN, *names],
-                ):
-                    stack.enter_context(running(command, ROS))
-                robot(browser, url)
-            draw_robots(browser, url, str(project / "warehouse.adirf"))
+        with served(project, settings) as url:
+            studio = Studio(browser=browser, url=url, out=wanted.out)
+            for name in wanted.only:
+                if name in ALONE_PICTURES:
+                    ALONE_PICTURES[name](studio)
+                else:
+                    ROBOT_PICTURES[name](studio, str(project / "warehouse.adirf"), settings)
         browser.close()
 
 

@@ -10,6 +10,7 @@ import { type Route, readRoute, toRoute } from "./route";
 import { browserStorage, Drafts } from "./state/drafts";
 import { OpenEditors } from "./state/open_editors";
 import { OpenTabs } from "./state/open_tabs";
+import { TourOffer } from "./tour/tour_offer";
 import { Notice } from "./ui/notice";
 
 // The heavy parts (Blockly, CodeMirror, plots) load with the page that needs them.
@@ -17,7 +18,9 @@ const LAZY: Record<Exclude<Route["page"], "home">, () => Promise<ComponentType<P
   rules: async () => (await import("./pages/editor")).EditorPage,
   topics: async () => (await import("./pages/topics")).TopicsPage,
   help: async () => (await import("./pages/help")).HelpPage,
+  tour: async () => (await import("./tour/tour_page")).TourPage,
   robots: async () => (await import("./pages/robots")).RobotsPage,
+  incidents: async () => (await import("./pages/incidents")).IncidentsPage,
 };
 
 export function App({ api }: { api: Api }) {
@@ -42,9 +45,17 @@ export function App({ api }: { api: Api }) {
   }, [project]);
   if (problem) return <Notice kind="error" text={problem} action={{ label: "Try again", act: refresh }} />;
   if (project === null || editors === null) return <p class="quiet center">Opening the project …</p>;
-  if (route.page === "home") return <HomePage {...{ api, project, refresh, editors }} name="" />;
-  const props = { api, project, refresh, editors, name: route.name, robot: route.robot, rules: route.rules };
-  return <LazyPage key={`${route.page} ${route.name}`} load={LAZY[route.page]} props={props} />;
+  const props = { ...route, api, project, refresh, editors };
+  return (
+    <>
+      {route.page === "home" ? (
+        <HomePage {...props} />
+      ) : (
+        <LazyPage key={`${route.page} ${route.name}`} load={LAZY[route.page]} props={props} />
+      )}
+      <TourOffer route={route} />
+    </>
+  );
 }
 
 function LazyPage({ load, props }: { load: () => Promise<ComponentType<PageProps>>; props: PageProps }) {

@@ -11,7 +11,10 @@ import "./style/pages.css";
 import "./style/map.css";
 import "./style/robot.css";
 import "./style/try.css";
+import "./style/incidents.css";
 import "./style/levels.css";
+import "./style/tour.css";
+import "./style/picker.css";
 
 const host = document.getElementById("app");
 const link = new RobotLink();

@@ -3,17 +3,19 @@
 
 /** Which page the address names. */
 export interface Route {
-  page: "home" | "rules" | "topics" | "help" | "robots";
+  page: "home" | "rules" | "topics" | "help" | "robots" | "incidents" | "tour";
   name: string;
   /** The node of the robot that is to be shown beside the rules. */
   robot?: string;
-  /** The rule file that the topic parameters are opened for. */
+  /** The rule file that the topic parameters are opened for, or that the tour leads back to. */
   rules?: string;
+  /** The line of the rule file that is to be shown. */
+  line?: string;
 }
 
 /** What an address may say besides the page and its file. */
-const BESIDES = ["robot", "rules"] as const;
-const PAGES = new Set(["rules", "topics", "help", "robots"]);
+const BESIDES = ["robot", "rules", "line"] as const;
+const PAGES = new Set(["rules", "topics", "help", "robots", "incidents", "tour"]);
 
 export function readRoute(): Route {
   const [path = "", query = ""] = location.hash.split("?");

@@ -240,6 +240,7 @@ def blocks(draw: st.DrawFn, topics: Sequence[str] = TOPICS, properties: Sequence
         otherwise=draw(st.just(()) | some),
         has_end_if=draw(st.booleans()),
         span=NOWHERE,
+        is_disabled=draw(st.sampled_from([False, False, True])),
     )
 
 

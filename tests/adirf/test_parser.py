@@ -182,3 +182,23 @@ def test_a_full_file_of_1_mb_reads() -> None:
     )
     count = 999_000 // len(rule)
     assert len(valid(f"begin\n{rule * count}end")) == count
+
+
+def test_a_block_is_switched_off_by_a_word_before_it() -> None:
+    check = "CheckValue /odom Disabled > 1"
+    named, unnamed, on = (
+        one
+        for one in parse(
+            f"""begin
+              Disabled Rule "A" If {check} Then SetFrequency /odom 2
+              // Why.
+              DisabledIf {check} Then SetFrequency /odom 2
+              If {check} Then SetFrequency /odom 2
+              end""",
+            "rules.adirf",
+        ).file.statements
+        if isinstance(one, Block)
+    )
+    assert [one.is_disabled for one in (named, unnamed, on)] == [True, True, False]
+    assert (named.label, unnamed.label, on.label) == ("A", "Why.", "block at line 5")
+    assert (named.span.line, named.span.column) == (2, 15)

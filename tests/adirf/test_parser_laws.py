@@ -20,7 +20,19 @@ from smarttestudo.domain.names import is_topic_name
 
 MAX_STEPS_BY_TOKEN = 24
 VOCABULARY = (
-    *("begin", "end", "SetFrequency", "KeepAtLeast", "Rule", "Priority", "If", "Then", "Else", "EndIf"),
+    *(
+        "begin",
+        "end",
+        "SetFrequency",
+        "KeepAtLeast",
+        "Disabled",
+        "Rule",
+        "Priority",
+        "If",
+        "Then",
+        "Else",
+        "EndIf",
+    ),
     *("Not", "AND", "OR", "CheckValue", "Hz", "Full", "Off", "Marginal", "(", ")", ">", "<=", "!=", "=="),
     *("&&", "#", "//", "/*", "/odom", "pose_x", "10", "-2.5", "1,5", '"name"', '"', "“name”", "é"),
     *("if", "then", "Endif", "SetFrequncy"),

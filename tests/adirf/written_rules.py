@@ -101,6 +101,8 @@ class _Speller:
             yield from _owned([keyword, statement.topic.text, rate, *unit], owner)
 
     def _block(self, block: Block, owner: int) -> Iterator[Word]:
+        if block.is_disabled:
+            yield Word(text="Disabled", owner=owner)
         if block.name is not None:
             yield from _owned(["Rule", _quoted(block.name)], owner)
         if block.priority is not None:

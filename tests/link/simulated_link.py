@@ -10,6 +10,7 @@ from collections import defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
+from typing import Any
 
 from smarttestudo.domain.link import ReceivedMessage, StreamInfo
 from smarttestudo.domain.robot import Qos
@@ -69,7 +70,7 @@ class Ends:
 
     link: Link
     sources: Sequence[Source]
-    sender: LinkSender = field(default_factory=LinkSender)
+    sender: LinkSender[Any] = field(default_factory=LinkSender)
     arrived: dict[str, list[tuple[int, ReceivedMessage]]] = field(default_factory=lambda: defaultdict(list))
     budgets: list[tuple[int, float | None]] = field(default_factory=list)
 
@@ -94,10 +95,14 @@ class Ends:
             self.at(int(source.from_s * S), partial(self._publish, source))
         self.at(0, self._report)
         end_ns = int(seconds * S)
-        while self._events and self._events[0][0] <= end_ns:
+        while self._events and self._events[0][0] <= end_ns and not self.is_over():
             at_ns, _, act = heapq.heappop(self._events)
             act(at_ns)
             self._pump(at_ns)
+
+    def is_over(self) -> bool:
+        """Whether nothing that happens later matters."""
+        return False
 
     def _publish(self, source: Source, now_ns: int) -> None:
         count = len(self.payloads[source.topic])

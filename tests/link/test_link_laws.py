@@ -128,7 +128,7 @@ def test_a_chunk_is_what_travelled(session: int, stream: int, stamp_ns: int, bod
 
 
 def test_a_sender_that_nobody_hears_keeps_the_newest_only() -> None:
-    sender = LinkSender()
+    sender: LinkSender[None] = LinkSender()
     ends = Ends(Link(((0.0, 0.0),)), (Source(topic="/a", size_bytes=5_000, rate_hz=50),), sender)
     ends.run(20)
     assert sender.counts()["/a"].queued_bytes == 5_000

@@ -52,6 +52,20 @@ end"""
     )
 
 
+def test_a_disabled_block_keeps_its_levels_and_takes_no_bandwidth(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    rules, profile = write_inspection(tmp_path), write_profile(tmp_path, golden.AMPLE_KB_PER_S)
+    text = rules.read_text()
+    rules.write_text(text.replace('Rule "Inspection"', 'Disabled Rule "Inspection"'))
+    assert main(["optimize", str(rules), "--profile", str(profile), "--json"]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert (answer["defaults"], answer["blocks"]) == (golden.DEFAULTS_HZ, [])
+    assert main(["optimize", str(rules), "--profile", str(profile)]) == 0
+    block = text[text.index("If (") :]
+    assert capsys.readouterr().out.endswith(f'Disabled Rule "Inspection"\n    {block}')
+
+
 def test_json_has_the_golden_numbers(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     rules, profile = write_inspection(tmp_path), write_profile(tmp_path, golden.AMPLE_KB_PER_S)
     assert main(["optimize", str(rules), "--profile", str(profile), "--json"]) == 0

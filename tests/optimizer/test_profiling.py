@@ -77,7 +77,7 @@ def test_every_number_says_where_it_comes_from(bag: Path, capsys: pytest.Capture
         "# (n - 1) / (last - first); intervals of 200.0 ms, jitter (standard deviation) 0.0 ms\n" in printed
     )
     assert "# 5, 10, 25, 50, 80, 100 % of source_hz\n" in printed
-    assert "# one message or one stamp only: no rate, no tiers\n" in printed
+    assert "# one message or one stamp only: no rate, no levels\n" in printed
 
 
 def test_a_profile_that_exists_is_not_overwritten(

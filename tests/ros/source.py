@@ -4,15 +4,16 @@
 
 usage: source.py '{"imu": {"type": "sensor_msgs/msg/Imu", "hz": 195, "reliable": true}, …}'
 The stamp of a message, or the ``linear.y`` of a Twist, is the monotonic time at which it was due. An Odometry
-is at ``x``, or drives from there with ``twist``, forward in m/s and around in rad/s. A String is numbered. A
-Clock begins at ``from_s`` and goes on by ``step_ms`` with each message.
+is at ``x``, or drives from there with ``twist``, forward in m/s and around in rad/s. A String is numbered,
+and padded to ``size_bytes``. A Clock begins at ``from_s`` and goes on by ``step_ms`` with each message.
 A topic without ``hz`` is latched: ``texts`` are published once, each by a publisher of its own. ``topic`` is
 the topic's name where it is not the key.
 
 Lines on stdin, about all topics or those named: ``move odom`` puts the robot at x = 5, ``home odom`` at 0;
 ``spoil odom`` sends bytes that are no message until ``heal odom``; ``hush odom`` sends no more, until
 ``speak odom``; ``halt odom`` has a robot that drives stand still, until ``drive odom``; ``press estop`` sends
-true, and then no more; ``rewind clock`` begins again at 0. ``stop`` ends it.
+true, and then no more; ``rewind clock`` begins again at 0, ``skip clock`` leaves out an hour. ``stop`` ends
+it.
 """
 
 from __future__ import annotations
@@ -65,6 +66,7 @@ class Stream:
         self.drive = Drive(*topic["twist"]) if "twist" in topic else None
         self.usual_period_s = self.period_s = 1.0 / topic["hz"]
         self.clock_ns = topic.get("from_s", 0) * NS_PER_S
+        self.text_bytes = topic.get("size_bytes", 0)
         self.step_ns = topic.get("step_ms", 0) * NS_PER_MS
         self.start_s = time.monotonic()
         self.sent = 0
@@ -83,7 +85,7 @@ class Stream:
         if self.drive is not None:
             self.drive.go_on(self.message, self.period_s)
         if isinstance(self.message, String):
-            self.message.data = str(self.sent)
+            self.message.data = str(self.sent).ljust(self.text_bytes)
         if self.step_ns:
             self.clock_ns += self.step_ns
             self.message.clock.sec, self.message.clock.nanosec = divmod(self.clock_ns, NS_PER_S)
@@ -142,6 +144,8 @@ def obey(stream: Stream, command: str) -> None:
         stream.publisher.publish(type(stream.message)(data=True))
     elif command == "rewind":
         stream.clock_ns = 0
+    elif command == "skip":
+        stream.clock_ns += 3600 * NS_PER_S
 
 
 def listen(streams: dict[str, Stream], stopped: threading.Event) -> None:

@@ -4,22 +4,17 @@
 
 from __future__ import annotations
 
-import json
 import signal
 import sys
 import time
 from pathlib import Path
-from typing import Any
 
 import pytest
 
-from adapters.rosbag.bag_factory import BagMessage
 from adapters.rosbag.bag_reading import read_bag, read_with_mcap, read_with_rosbags
+from ros.live_incidents import COUNT, FRAMES, ODOM, numbers, record_of, recorded
 from ros.ros_processes import TESTUDO, Process, SmallRobot
 
-ODOM = {"type": "nav_msgs/msg/Odometry", "hz": 20, "reliable": True}
-COUNT = {"type": "std_msgs/msg/String", "hz": 100, "reliable": True}
-FRAMES = {"type": "std_msgs/msg/String", "texts": ["one"]}
 RULES = """\
 begin
   SetFrequency /odom 5
@@ -28,16 +23,6 @@ begin
   EndIf
 end
 """
-
-
-def record_of(folder: Path) -> dict[str, Any]:
-    found: dict[str, Any] = json.loads((folder / "incident.json").read_text())
-    return found
-
-
-def numbers(messages: list[BagMessage]) -> list[int]:
-    """What the texts of /count say, which are numbers without a gap."""
-    return [int(one.payload[8:].rstrip(b"\0")) for one in messages if one.topic == "/count"]
 
 
 def start(robot: SmallRobot, folder: Path, *options: str) -> Process:
@@ -49,14 +34,6 @@ def start(robot: SmallRobot, folder: Path, *options: str) -> Process:
 def trigger(source: Process) -> None:
     source.say("home odom")
     source.say("move odom")
-
-
-def recorded(runtime: Process) -> str:
-    """The name of the next incident that is whole."""
-    while True:
-        name = runtime.line_with("incident ").split("incident ")[1].strip()
-        if ":" not in name:
-            return name
 
 
 @pytest.mark.parametrize("data_path", ["auto", "rclpy"])

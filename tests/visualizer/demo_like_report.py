@@ -160,7 +160,7 @@ def demo_like_report(
         decisions=decisions,
         rules=(RuleText(path="examples/warehouse.adirf", text=RULES),),
         provenance=(
-            Fact(label="Default recording", value="demo-out/baseline"),
+            Fact(label="Source recording", value="demo-out/baseline"),
             Fact(label="SmartTestudo recording", value="demo-out/adaptive"),
             Fact(label="Seed", value="1"),
             Fact(label="SmartTestudo", value="0.1.0"),

@@ -351,7 +351,7 @@ def test_a_cut_bag_of_which_no_message_is_left_says_why(desk: Desk, tmp_path: Pa
     why = "cut off: no message could be read"
     assert (
         desk.refuses("info", "bag")
-        == f"bag: error: the bag holds no message; {Path('bag', path.name)}: {why}"
+        == f"bag: error: the recording holds no message; {Path('bag', path.name)}: {why}"
     )
 
 
@@ -362,9 +362,9 @@ def test_bags_that_cannot_be_shown_are_refused_in_one_line(desk: Desk, tmp_path:
     write_bag(tmp_path / "bag", MISSION)
     refusals = {
         "nowhere": f"nowhere: error: no such file or folder; {BAG_EXPECTED}",
-        "notes.db3": f"notes.db3: error: not a bag: unknown file header; {BAG_EXPECTED}",
+        "notes.db3": f"notes.db3: error: not a recording: unknown file header; {BAG_EXPECTED}",
         "notes.txt": f"notes.txt: error: unknown storage '.txt'; {BAG_EXPECTED}",
-        "empty": "empty: error: the bag holds no message",
+        "empty": "empty: error: the recording holds no message",
     }
     for bag, refusal in refusals.items():
         for action in ("info", "rates", "bandwidth"):

@@ -23,6 +23,7 @@ from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.visualizer.comparison import Comparison, compare
 from smarttestudo.visualizer.floor import PathPoint
+from smarttestudo.visualizer.incident_mark import IncidentMark
 from smarttestudo.visualizer.report import Fact, RuleText, RunReport, TopicHistory, TopicSeries, render_report
 from smarttestudo.visualizer.report.markup import tag
 from smarttestudo.visualizer.report.rule_styles import DEFAULTS, OTHERS, STYLED_BLOCKS
@@ -88,6 +89,7 @@ def hostile_report() -> RunReport:
         decisions=(decision,),
         rules=(RuleText(path=HOSTILE, text=f"// {HOSTILE}\n{HOSTILE}"),),
         provenance=(Fact(label=HOSTILE, value=HOSTILE),),
+        incident=IncidentMark(name=HOSTILE, at_s=5.0, text=HOSTILE),
         floor_plan=FloorPlan(
             zones=(FloorZone(name=HOSTILE, area=Rectangle(min_x_m=0, max_x_m=1, min_y_m=0, max_y_m=1)),)
         ),
@@ -188,7 +190,7 @@ def test_the_first_lines_say_what_happened() -> None:
     )[0]
     assert "A TurtleBot3 patrols a warehouse" in opening
     assert "−89 % bandwidth, 24 decisions, /odom error 1.3 cm" in opening
-    assert "Default 192.3 MB/s SmartTestudo 20.9 MB/s" in opening
+    assert "Source 192.3 MB/s SmartTestudo 20.9 MB/s" in opening
 
 
 def test_every_topic_has_a_chart_and_every_decision_a_line() -> None:
@@ -298,7 +300,7 @@ def test_a_long_run_makes_no_larger_page() -> None:
         rules=(RuleText(path="long.adirf", text="// word\n" * 100_000),),
     )
     html = render_report(report)
-    assert "… and 12,760 more in the decisions file." in html
+    assert "… and 12 760 more in the decisions file." in html
     assert "The file goes on; this is its beginning." in html
     assert "15 more topics are in the tables." in html
     assert len(html.encode()) < LARGEST_BYTES

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Locator, Page, expect
 
-from axe import violations
+from axe import WIDTHS_PX, violations
 from real_browser import chromium
 from smarttestudo.visualizer.report import RunReport, render_report
 from visualizer.demo_like_report import demo_like_report
@@ -26,6 +26,22 @@ SHARES_OF_WIDTH = """lines => lines.map((line) => {
     const ground = line.parentNode.querySelector(".ground").getBoundingClientRect();
     return (line.getBoundingClientRect().left - ground.left) / ground.width;
 })"""
+
+LETTERS_PX = """texts => texts.map((text) => {
+    const { a, b } = text.getScreenCTM();
+    return parseFloat(getComputedStyle(text).fontSize) * Math.hypot(a, b);
+})"""
+SCROLLS_SIDEWAYS = "({ scrollWidth, clientWidth }) => scrollWidth > clientWidth"
+# Of each lane its name and its bars, as top and bottom, and how far the name is from the left of the window.
+LANES = """lanes => lanes.map((lane) => {
+    const name = lane.querySelector(".lane-name").getBoundingClientRect();
+    const bar = lane.querySelector(".bar").getBoundingClientRect();
+    return [name.left, name.top, name.bottom, bar.left, bar.top, bar.bottom];
+})"""
+CUT_OFF = """names => names.filter((name) => {
+    const { left, right } = name.getBoundingClientRect();
+    return left < 0 || right > document.documentElement.clientWidth;
+}).map((name) => name.textContent)"""
 
 
 @pytest.fixture(scope="module")
@@ -161,8 +177,8 @@ def test_without_scripts_every_drawing_and_number_is_there(browser: Browser, tmp
         "−89 % bandwidth, 24 decisions, /odom error 1.3 cm",
         "0.4 cm",
         "31.2",
-        "180,380.00",
-        "20,861.96",
+        "180 380.00",
+        "20 861.96",
     ):
         assert text in words
     assert opened.requests == [opened.page.url]
@@ -203,6 +219,55 @@ def test_a_chart_fits_a_telephone_with_letters_of_the_usual_size(browser: Browse
     assert all(height >= 11 for _, _, height in boxes)
     assert all(right < left for (_, right, _), (left, _, _) in pairwise(boxes))
     assert boxes[-1][1] <= 390
+
+
+@pytest.mark.parametrize("width", WIDTHS_PX)
+@pytest.mark.parametrize("scripts", [True, False], ids=["scripts", "no-scripts"])
+def test_the_page_has_no_sideways_scroll_and_letters_to_read_at_each_width(
+    browser: Browser, tmp_path: Path, width: int, scripts: bool
+) -> None:
+    opened = Opened(browser, tmp_path, demo_like_report(), scripts=scripts)
+    opened.page.set_viewport_size({"width": width, "height": 800})
+    texts = opened.page.locator("svg text:visible")
+    assert min(texts.evaluate_all(LETTERS_PX)) >= 11
+    assert texts.evaluate_all(CUT_OFF) == []
+    assert not opened.page.locator("html").evaluate(SCROLLS_SIDEWAYS)
+    assert not any(figure.evaluate(SCROLLS_SIDEWAYS) for figure in opened.page.locator("figure.chart").all())
+
+
+def test_on_a_telephone_a_lane_has_its_name_above_its_bars(browser: Browser, tmp_path: Path) -> None:
+    opened = Opened(browser, tmp_path, demo_like_report())
+    lanes = opened.chart("lanes").locator(".lane")
+    beside = lanes.evaluate_all(LANES)
+    assert all(bar_top <= top and bottom <= bar_bottom for _, top, bottom, _, bar_top, bar_bottom in beside)
+    opened.page.set_viewport_size({"width": 390, "height": 800})
+    above = lanes.evaluate_all(LANES)
+    assert len(above) == 10
+    assert all(
+        bottom <= bar_top and left == pytest.approx(bar_left, abs=1.5)
+        for left, _, bottom, bar_left, bar_top, _ in above
+    )
+    assert all(upper[-1] <= lower[1] for upper, lower in pairwise(above))
+    opened.point_at("lanes", 0.5)
+    cursor = opened.chart("lanes").locator(".cursor").bounding_box()
+    assert cursor is not None
+    lowest_bar = lanes.evaluate_all(LANES)[-1][-1]
+    assert lowest_bar < cursor["y"] + cursor["height"] < lowest_bar + 10
+
+
+def test_on_a_telephone_a_wide_table_scrolls_under_what_names_its_rows(
+    browser: Browser, tmp_path: Path
+) -> None:
+    opened = Opened(browser, tmp_path, demo_like_report())
+    opened.page.set_viewport_size({"width": 390, "height": 800})
+    table = opened.page.get_by_role("table", name="Frequency")
+    table.locator("xpath=..").evaluate("(figure) => { figure.scrollLeft = figure.scrollWidth; }")
+    last = table.locator("tbody tr").first.locator("td").last.bounding_box()
+    assert last is not None
+    assert last["x"] + last["width"] <= 390
+    left = table.locator("tbody tr").first.locator("td").first.bounding_box()
+    assert left is not None
+    assert left["x"] >= 0
 
 
 def test_axe_finds_nothing(browser: Browser, tmp_path: Path) -> None:

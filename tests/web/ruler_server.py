@@ -16,6 +16,7 @@ from typing import Any
 
 from smarttestudo.adapters.files.project_folder import ProjectFolder
 from smarttestudo.adapters.ros import open_graph_robots
+from smarttestudo.use_cases.ruler.robot_incidents import OpenIncidents
 from smarttestudo.use_cases.ruler.robot_link import OpenRobots
 from smarttestudo.web.app import ruler_app
 from smarttestudo.web.guard import ServerAddress
@@ -90,6 +91,7 @@ def served(
     opened: str | None = None,
     token: str | None = None,
     open_robots: OpenRobots = on_the_graph,
+    open_incidents: OpenIncidents | None = None,
 ) -> Iterator[Page]:
     """The server of ``folder`` while the block lasts; with ``token`` as if other machines could reach it."""
     with listening("127.0.0.1", 0) as listener:
@@ -97,7 +99,10 @@ def served(
         access = ServerAddress.at("127.0.0.1", port)
         if token is not None:
             access = ServerAddress(host="0.0.0.0", port=port, names=frozenset({"robot.local"}), token=token)
-        server = server_of(ruler_app(ProjectFolder(folder), access, open_robots, opened=opened))
+        app = ruler_app(
+            ProjectFolder(folder), access, open_robots, open_incidents=open_incidents, opened=opened
+        )
+        server = server_of(app)
         thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]})
         thread.start()
         try:

@@ -224,6 +224,23 @@ def test_words_are_suggested_from_the_profile_the_rules_and_a_turtlebot(examples
     assert {one["name"] for one in answer["every_topic"]} == {"rate", "bandwidth", "age"}
 
 
+def test_words_say_who_uses_a_topic_how_often_it_comes_and_what_its_levels_mean(examples_page: Page) -> None:
+    profile = """\
+[topics."/odom"]
+source_hz = 20
+tiers_hz = [1, 2, 5, 10, 15, 20]
+tiers_m = [1, 0.5, 0.2, 0.1, 0.05, 0.02]
+"""
+    answer = examples_page.post("/api/vocabulary", {"text": ZONE, "profile_text": profile}).json
+    odom = next(one for one in answer["topics"] if one["topic"] == "/odom")
+    assert odom["source_hz"] == 20
+    assert odom["levels_hz"] == [[0, 1], [1, 2], [2, 5], [5, 10], [10, 15], [20, 30]]
+    assert odom["used_by"] == ["default", "Bay"]
+    (position,) = (one for one in odom["bounds"] if one["name"] == "position")
+    assert position["levels"] == [[1, 1], [1, 0.5], [0.5, 0.2], [0.2, 0.1], [0.1, 0.05], [0.02, 0.02]]
+    assert not any(one["is_published"] for one in answer["topics"])
+
+
 def test_the_optimizer_says_what_every_situation_takes(examples_page: Page) -> None:
     request = {"text": INSPECTION, "profile_text": RADIO, "profile_name": "radio.toml"}
     answer = examples_page.post("/api/optimize", request).json

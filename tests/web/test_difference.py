@@ -33,6 +33,7 @@ WAREHOUSE = (EXAMPLES / "warehouse.adirf").read_text(encoding="utf-8")
         ("SetFrequency /odom 10\n", "SetFrequency /odom Full\n", ["default: /odom 10 Hz → Full"]),
         ("pose_y < 5.4", "pose_y < 5.5", ["Warehouse Corridor: another condition"]),
         ('"Scaffolding"', '"Scaffolding" Priority 3', ["Scaffolding: Priority 0 → 3"]),
+        ('Rule "Scaffolding"', 'Disabled Rule "Scaffolding"', ["Scaffolding: switched off"]),
         ('"Scaffolding"', '"Tower"', ["Scaffolding: removed", "Tower: added"]),
         (
             "    SetFrequency /tf 10\n",
@@ -46,6 +47,13 @@ WAREHOUSE = (EXAMPLES / "warehouse.adirf").read_text(encoding="utf-8")
 def test_a_change_is_one_sentence_and_a_moved_line_none(before: str, after: str, said: list[str]) -> None:
     new = WAREHOUSE.replace(before, after, 1)
     assert list(differences(parse(WAREHOUSE, "before"), parse(new, "after"))) == said
+
+
+def test_what_is_switched_on_again_or_comes_switched_off_is_told() -> None:
+    on = 'begin Rule "A" If CheckValue /odom speed > 1 Then SetFrequency /odom 2 end'
+    off = parse(on.replace("Rule", "Disabled Rule"), "off")
+    assert differences(off, parse(on, "on")) == ("A: switched on",)
+    assert differences(parse("begin end", "none"), off) == ("A: added, switched off",)
 
 
 @given(written_files())

@@ -84,8 +84,9 @@ def test_a_push_changes_the_rate_that_a_subscriber_measures_and_stays_once_confi
 ) -> None:
     robot.source(imu={"type": IMU, "hz": 60}, odom={"type": "nav_msgs/msg/Odometry", "hz": 20})
     operator = robot.operator(span_s=2.0, imu={"type": IMU})
-    operator.line_with("heard 1")
-    before_hz = rate_hz(operator.result("result")["imu"], 15)
+    # Long enough that a message which a busy machine delays does not tell.
+    operator.line_with("heard 3")
+    before_hz = rate_hz(operator.result("result")["imu"], 50)
     with open_socket(page) as socket:
         seen = until_heard(socket)
         assert (seen["is_heard"], seen["rules"], seen["rules_hash"]) == (True, "files", sha256(RULES))
@@ -187,3 +188,54 @@ def test_nothing_is_asked_of_a_node_that_never_spoke(page: Page) -> None:
     for path in ("/api/push", "/api/push/preview"):
         answer = page.post(path, {"node": "/stranger", "text": RULES})
         assert (answer.status, answer.error) == (404, "no status of /stranger was received")
+
+
+def test_kept_rules_are_written_to_the_file_of_a_robot_that_lets_them(robot: SmallRobot, page: Page) -> None:
+    runtime = robot.runtime(RULES, "--allow-writing-rules")
+    runtime.line_with("Relaying")
+    path = robot.folder / "rules0.adirf"
+    with open_socket(page) as socket:
+        until_heard(socket)
+        lasting = page.post("/api/push/lasting", {"node": NODE}).json
+        assert lasting == {"files": [str(path)], "writable_file": str(path), "why_not": ""}
+        asked = {"node": NODE, "hash": pushed(page, FASTER).json["hash"]}
+        early = page.post("/api/push/write", asked)
+        assert (early.status, "confirmed rules" in early.error) == (422, True)
+        assert page.post("/api/push/confirm", asked).status == 200
+        written = page.post("/api/push/write", asked)
+        assert written.json == {"file": str(path), "previous_file": f"{path}.previous"}
+        socket.next("robots", lambda message: message["robots"][0]["rules"] == "files")
+    runtime.line_with("pushed rules written to")
+    assert path.read_text() == FASTER
+    assert Path(f"{path}.previous").read_text() == RULES
+    runtime.end()
+    again = robot.testudo("run", "--rules", str(path))
+    again.line_with("/imu: 25 Hz (default)")
+
+
+def test_a_robot_that_does_not_let_its_file_be_written_says_so(page: Page, runtime: Process) -> None:
+    with open_socket(page) as socket:
+        until_heard(socket)
+        lasting = page.post("/api/push/lasting", {"node": NODE}).json
+        assert (lasting["writable_file"], "--allow-writing-rules" in lasting["why_not"]) == ("", True)
+        asked = {"node": NODE, "hash": pushed(page, FASTER).json["hash"]}
+        assert page.post("/api/push/confirm", asked).status == 200
+        refused = page.post("/api/push/write", asked)
+        assert (refused.status, "--allow-writing-rules" in refused.error) == (422, True)
+
+
+def test_a_file_that_changed_under_the_robot_is_not_overwritten(robot: SmallRobot, page: Page) -> None:
+    runtime = robot.runtime(RULES, "--allow-writing-rules")
+    runtime.line_with("Relaying")
+    path = robot.folder / "rules0.adirf"
+    with open_socket(page) as socket:
+        until_heard(socket)
+        asked = {"node": NODE, "hash": pushed(page, FASTER).json["hash"]}
+        assert page.post("/api/push/confirm", asked).status == 200
+        # Somebody on the robot writes at it and is not done: pushed rules stay in force.
+        path.write_text("begin SetFrequency /im", encoding="utf-8")
+        runtime.line_with("the last valid rules stay in force")
+        refused = page.post("/api/push/write", asked)
+        assert (refused.status, "changed since it was loaded" in refused.error) == (422, True)
+    assert path.read_text() == "begin SetFrequency /im"
+    assert not Path(f"{path}.previous").exists()

@@ -137,3 +137,18 @@ def test_a_robot_that_nobody_reaches_is_said_to_be_out_of_reach(page: Page) -> N
         assert said["problem"].endswith("it cannot be reached: Connection refused")
         answer = pushed(page, FASTER)
         assert (answer.status, answer.error) == (404, f"no status of {ROBOT} was received")
+
+
+def test_kept_rules_are_written_to_the_robot_s_file(robot: SmallRobot, page: Page, endpoint: str) -> None:
+    runtime = robot.runtime(RULES, "--allow-writing-rules", "--link-listen", endpoint, "--robot", "tb3")
+    runtime.line_with("Relaying")
+    path = robot.folder / "rules0.adirf"
+    with open_socket(page) as socket:
+        until_heard(socket)
+        asked = {"node": ROBOT, "hash": pushed(page, FASTER).json["hash"]}
+        assert page.post("/api/push/confirm", asked).status == 200
+        assert page.post("/api/push/lasting", {"node": ROBOT}).json["writable_file"] == str(path)
+        assert page.post("/api/push/write", asked).status == 200
+        socket.next("robots", rules_are("files", FASTER))
+    assert path.read_text() == FASTER
+    assert Path(f"{path}.previous").read_text() == RULES

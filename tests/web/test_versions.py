@@ -11,6 +11,7 @@ from urllib.parse import quote
 import pytest
 
 from smarttestudo.adapters.files.project_folder import ForbiddenPathError, ProjectFolder
+from smarttestudo.adapters.files.project_settings import SettingsFile
 from smarttestudo.adapters.files.version_store import MAX_VERSIONS, VersionStore
 from smarttestudo.use_cases.ruler.project import ProjectFiles, SaveRequest
 from web.ruler_server import Answer, Page, served
@@ -112,7 +113,8 @@ def test_a_clock_that_was_set_back_keeps_the_order(folder: Path) -> None:
 
 def test_a_save_without_room_for_versions_is_still_a_save(folder: Path) -> None:
     (folder / ".testudo").write_text("in the way")
-    files = ProjectFiles(ProjectFolder(folder), None, lambda: 0.0)
+    project = ProjectFolder(folder)
+    files = ProjectFiles(project, SettingsFile(project), None, lambda: 0.0)
     request = SaveRequest(name="zones/a.adirf", text="// new\n", base_hash=files.read("zones/a.adirf").hash)
     assert "the version cannot be written" in files.save(request).note
     assert (folder / "zones" / "a.adirf").read_text() == "// new\n"

@@ -90,6 +90,12 @@ def test_a_text_with_an_error_still_shows_the_zones_that_can_be_read(examples_pa
     assert [rule["label"] for rule in zones(examples_page, text)["rules"]] == ["Warehouse Corridor"]
 
 
+def test_the_zone_of_a_rule_that_is_switched_off_says_so(examples_page: Page) -> None:
+    text = WAREHOUSE.replace('Rule "Scaffolding"', 'Disabled Rule "Scaffolding"')
+    labels = [rule["label"] for rule in zones(examples_page, text)["rules"]]
+    assert labels == ["Warehouse Corridor", "Scaffolding (switched off)"]
+
+
 def test_a_condition_of_too_many_places_is_called_so(examples_page: Page) -> None:
     either = "(CheckValue /odom pose_x > 1 OR CheckValue /odom pose_y > 1)"
     text = f"begin If ({' AND '.join([either] * 7)}) Then SetFrequency /odom 1 EndIf end"

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import type { Draft, Edit, Problem, ProfileTable, Routes } from "./types";
+import type { Draft, Edit, Problem, ProfileEntry, ProfileTable, Routes } from "./types";
 
 /** What the server refused, or that it did not answer (status 0). */
 export class ApiError extends Error {
@@ -22,6 +22,12 @@ const UNREACHABLE: Problem = {
 
 /** A rule file as every call names it. */
 export type Rules = Required<Pick<Draft, "text" | "name" | "profile_text">>;
+
+/** The rules of a try, and the recording. */
+export interface Tried {
+  rules: Rules;
+  bag: string;
+}
 
 /** A text and what its file is called. */
 export interface TextFile {
@@ -92,13 +98,25 @@ export class Api {
     return call("POST /api/profile/parse", { name, text });
   }
 
-  /** The profile of the project that the rules are most likely meant for. */
+  /** The profile that somebody chose for the rules, else the one that they are most likely meant for. */
   profileFor({ name, text }: Rules): Answer<"POST /api/profile/for"> {
     return call("POST /api/profile/for", { name, text });
   }
 
+  /** Remembers the profile of a rule file, null for none, for everybody who opens the project. */
+  chooseProfile(name: string, profile: string | null): Answer<"PUT /api/profile/for"> {
+    // Who chooses and leaves at once has chosen, too.
+    return call("PUT /api/profile/for", { name, profile }, { keepalive: true });
+  }
+
   writeProfile(name: string, table: ProfileTable, baseText: string): Answer<"POST /api/profile/write"> {
     return call("POST /api/profile/write", { ...table, name, base_text: baseText });
+  }
+
+  /** A profile with one entry changed: its comments, and all else in it, stay. */
+  profileEntry(profile: TextFile, entry: ProfileEntry): Answer<"POST /api/profile/entry"> {
+    const { topic, key, value } = entry;
+    return call("POST /api/profile/entry", { ...profile, topic, key, value });
   }
 
   /** Why a table could not be written; empty if it could. */
@@ -173,6 +191,16 @@ export class Api {
     return call("POST /api/push/confirm", { node, hash });
   }
 
+  /** How long the rules last that a robot keeps, and whether they can be written to its file. */
+  keptRules(node: string): Answer<"POST /api/push/lasting"> {
+    return call("POST /api/push/lasting", { node });
+  }
+
+  /** Writes the rules that a robot keeps to its file. */
+  writeKept(node: string, hash: string): Answer<"POST /api/push/write"> {
+    return call("POST /api/push/write", { node, hash });
+  }
+
   optimize(rules: Rules): Answer<"POST /api/optimize"> {
     return call("POST /api/optimize", rules);
   }
@@ -181,12 +209,54 @@ export class Api {
     return call("POST /api/try", { ...rules, bag, run }, { signal });
   }
 
+  /** Writes an incident that a try showed into the project. */
+  keepIncident(tried: Tried, number: number, run: string, signal: AbortSignal): Answer<"POST /api/try/keep"> {
+    return call("POST /api/try/keep", { ...tried.rules, bag: tried.bag, number, run }, { signal });
+  }
+
   curve(bag: string, topic: string, run: string, signal: AbortSignal): Answer<"POST /api/profile/curve"> {
     return call("POST /api/profile/curve", { bag, topic, run }, { signal });
   }
 
   accuracy(bag: string, topic: string, run: string, signal: AbortSignal): Answer<"POST /api/profile/accuracy"> {
     return call("POST /api/profile/accuracy", { bag, topic, run }, { signal });
+  }
+
+  /** What rules recorded, the newest first. */
+  incidents(): Answer<"GET /api/incidents"> {
+    return call("GET /api/incidents", null);
+  }
+
+  /** What an incident holds; from now on somebody has read it. */
+  incident(name: string): Answer<"POST /api/incident"> {
+    return call("POST /api/incident", { name });
+  }
+
+  incidentCourse(name: string, run: string, signal: AbortSignal): Answer<"POST /api/incident/course"> {
+    return call("POST /api/incident/course", { name, run }, { signal });
+  }
+
+  /** Deletes an incident; what is left. */
+  deleteIncident(name: string): Answer<"POST /api/incident/delete"> {
+    return call("POST /api/incident/delete", { name });
+  }
+
+  /** What the robots on the link recorded. */
+  robotIncidents(): Answer<"GET /api/robot-incidents"> {
+    return call("GET /api/robot-incidents", null);
+  }
+
+  /** What is being fetched from robots, and how far it is. */
+  fetches(): Answer<"GET /api/robot-incidents/fetches"> {
+    return call("GET /api/robot-incidents/fetches", null);
+  }
+
+  fetchIncident(robot: string, name: string): Answer<"POST /api/robot-incidents/fetch"> {
+    return call("POST /api/robot-incidents/fetch", { robot, name });
+  }
+
+  cancelFetch(robot: string, name: string): Answer<"POST /api/robot-incidents/cancel"> {
+    return call("POST /api/robot-incidents/cancel", { robot, name });
   }
 
   /** Six levels for a source of which only the rate is known. */
@@ -198,10 +268,10 @@ export class Api {
 async function call<R extends keyof Routes>(
   route: R,
   asked: Routes[R]["asked"],
-  { query = "", signal, file }: { query?: string; signal?: AbortSignal; file?: File } = {},
+  { query = "", file, ...how }: { query?: string; file?: File; signal?: AbortSignal; keepalive?: true } = {},
 ): Answer<R> {
   const [method, path] = route.split(" ") as [string, string];
-  const response = await send(method, path + query, file ?? asked ?? undefined, signal);
+  const response = await send(method, path + query, file ?? asked ?? undefined, how);
   const answer: unknown = await response.json().catch(() => null);
   if (!response.ok) {
     const problem = (answer as { error?: Problem } | null)?.error;
@@ -210,9 +280,8 @@ async function call<R extends keyof Routes>(
   return answer as Routes[R]["answered"];
 }
 
-async function send(method: string, path: string, body: unknown, signal?: AbortSignal): Promise<Response> {
-  const init: RequestInit = { method };
-  if (signal) init.signal = signal;
+async function send(method: string, path: string, body: unknown, how: RequestInit): Promise<Response> {
+  const init: RequestInit = { ...how, method };
   if (body instanceof File) {
     init.body = body;
     init.headers = { "Content-Type": "application/octet-stream" };
@@ -223,7 +292,7 @@ async function send(method: string, path: string, body: unknown, signal?: AbortS
   try {
     return await fetch(path, init);
   } catch (error) {
-    if (signal?.aborted) throw error;
+    if (how.signal?.aborted) throw error;
     throw new ApiError(0, UNREACHABLE);
   }
 }

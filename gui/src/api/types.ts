@@ -207,6 +207,12 @@ export interface DrivenPath {
   notices: string[];
 }
 
+/** Put a copy of statement `id`, as it is written, behind it; a rule's copy has a name of its own. */
+export interface Duplicate {
+  kind: "duplicate";
+  id: string;
+}
+
 /** A unit of time; the value is its spelling. */
 export type DurationUnit = "ms" | "s" | "min";
 
@@ -216,7 +222,7 @@ export interface DurationValue {
   unit: DurationUnit;
 }
 
-export type Edit = Replace | Insert | Delete | Move | Substitute | NewZone | MoveZone | ResizeZone;
+export type Edit = Replace | Insert | Delete | Duplicate | Move | Substitute | NewZone | MoveZone | ResizeZone;
 
 /** The new text and its document. */
 export interface EditAnswer {
@@ -264,6 +270,29 @@ export interface ExportRequest {
   text: string;
   ids: string[];
   name?: string;
+}
+
+/**
+ * How far a fetch is, of which all but what is missing stays when it ends early.
+ *
+ * `level_hz` is the rate at which small messages of all topics are there, null before the first and once
+ * all are. `problem` is why it waits or failed, else empty; `kept` what the project calls it once done.
+ */
+export interface FetchState {
+  robot: string;
+  name: string;
+  state: "running" | "done" | "cancelled" | "failed";
+  got_kb: number;
+  total_kb: number;
+  rate_kb_per_s: number;
+  level_hz: number | null;
+  problem: string;
+  kept: string | null;
+}
+
+/** `GET /api/robot-incidents/fetches`, and what starting and cancelling one answers. */
+export interface FetchesAnswer {
+  fetches: FetchState[];
 }
 
 /** `GET /api/file?name=`: the text with its SHA-256, which a later PUT names. */
@@ -354,12 +383,102 @@ export interface ImportRequest {
   replace_ids?: string[];
 }
 
+/**
+ * `POST /api/incident`: all that its record says.
+ *
+ * `rule_path` and `line` are where the robot had the rule. `rule_file` is the project's file of that
+ * name, null where it has none, and `is_same_text` whether that holds the same text as then.
+ */
+export interface IncidentAnswer {
+  name: string;
+  size_kb: number;
+  summary: IncidentSummary;
+  rule_path: string;
+  line: number;
+  rule_file: string | null;
+  is_same_text: boolean;
+  values: IncidentValue[];
+  topics: RecordedTopic[];
+  missing: MissingMessages[];
+}
+
+/**
+ * What an incident holds over time, in seconds since the window's start; the trigger is at `trigger_s`.
+ *
+ * Bins are `bin_s` long, the first begins at `first_bin_s`, 0 or less, and one begins at the trigger.
+ * `path` is `[seconds, x, y]` in metres where a topic says where the robot was. `notices` say what
+ * could not be read.
+ */
+export interface IncidentCourse {
+  duration_s: number;
+  trigger_s: number;
+  bin_s: number;
+  first_bin_s: number;
+  topics: TopicRates[];
+  path: [number, number, number][];
+  notices: string[];
+}
+
+/** `POST /api/incident/course` → `IncidentCourse`; `run` names it in `Progress` of `/ws`. */
+export interface IncidentCourseRequest {
+  name: string;
+  run?: string;
+}
+
+/**
+ * An incident in a list: `title` is what its `Record` calls it, `rule` the rule that recorded it.
+ *
+ * `triggered_ms` counts since 1970; the window is from `before_s` before that to `after_s` after it.
+ * `missing` are the reasons why it is not whole, each once; `is_read` is whether somebody opened it.
+ */
+export interface IncidentSummary {
+  title: string;
+  rule: string;
+  triggered_ms: number;
+  before_s: number;
+  after_s: number;
+  messages: number;
+  missing: MissingReason[];
+  is_read: boolean;
+}
+
+/** What the condition read of a topic; null where that was unknown. `unit` may be empty. */
+export interface IncidentValue {
+  signal: string;
+  value: number | null;
+  unit: string;
+}
+
+/** `GET /api/incidents`: the newest first; `has_more` is whether older ones are left out. */
+export interface IncidentsAnswer {
+  incidents: ListedIncident[];
+  has_more: boolean;
+}
+
+/** The newest incidents first; `problem` is why they are not known, else empty. */
+export interface IncidentsOfRobot {
+  robot: string;
+  problem: string;
+  incidents: RobotIncident[];
+}
+
 /** Put `statement` before number `index` of `collection`; its length puts it at the end. */
 export interface Insert {
   kind: "insert";
   collection: string;
   index: number;
   statement: Statement;
+}
+
+/** `POST /api/try/keep` → `KeptIncident`: the `number`-th incident of that try. */
+export interface KeepRequest {
+  text: string;
+  name?: string;
+  profile_text?: string | null;
+  profile_name?: string;
+  bag: string;
+  run?: string;
+  number: number;
 }
 
 /** `KeepAtLeast topic hz`. */
@@ -376,10 +495,18 @@ export interface KeepStatement {
   hz: number;
 }
 
+/** What the project calls it. */
+export interface KeptIncident {
+  name: string;
+}
+
 /**
  * A topic, its type where anybody knows it, else the one that its name stands for, and who names it.
  *
  * `properties` are those that checks read, `bounds` those that only a `KeepWithin` can name.
+ * `source_hz` is the profile's, `levels_hz` the lowest and highest rate of each of its six levels.
+ * `used_by` are the labels of the rules that name the topic, and `default` for statements outside rules.
+ * `is_published`: a robot that is heard now has it.
  */
 export interface KnownTopic {
   topic: string;
@@ -387,6 +514,27 @@ export interface KnownTopic {
   properties: Property[];
   bounds: Property[];
   source: TopicSource;
+  source_hz: number | null;
+  levels_hz: [number, number][] | null;
+  used_by: string[];
+  is_published: boolean;
+}
+
+/**
+ * Kept rules last until the robot's runtime ends or its `files` change, of which it may have none.
+ *
+ * `writable_file` is the one that it lets kept rules be written to; where that is empty, `why_not` says
+ * why.
+ */
+export interface LastingAnswer {
+  files: string[];
+  writable_file: string;
+  why_not: string;
+}
+
+/** `POST /api/push/lasting` → `LastingAnswer`: how long rules last that a robot keeps. */
+export interface LastingRequest {
+  node: string;
 }
 
 /** A property whose accuracy can have quality levels; the value is its name in a rule file. */
@@ -408,6 +556,18 @@ export interface LinkView {
   capacity_kb_per_s: number | null;
   round_trip_ms: number | null;
   outages: number;
+}
+
+/**
+ * A folder with an incident, by its `name` in the project.
+ *
+ * `problem` is why it cannot be read, and `summary` null then.
+ */
+export interface ListedIncident {
+  name: string;
+  size_kb: number;
+  problem: string;
+  summary: IncidentSummary | null;
 }
 
 /**
@@ -527,6 +687,22 @@ export interface MeasureLiveRequest {
 }
 
 /**
+ * What is not in an incident: `messages` of `topic`, null where nobody counted them.
+ *
+ * `from_s` and `to_s` are seconds from the trigger, negative before it.
+ */
+export interface MissingMessages {
+  topic: string;
+  reason: MissingReason;
+  messages: number | null;
+  from_s: number;
+  to_s: number;
+}
+
+/** Why messages of a window are not in the incident. */
+export type MissingReason = "memory" | "late" | "unpublished" | "ended" | "lost" | "disk" | "killed";
+
+/**
  * What OBI maximises; the value is its name on the command line.
  *
  * The first three are those of the thesis (Riccardi 2025): the sum of all rates within the intervals of the
@@ -577,6 +753,11 @@ export interface OffRate {
 export interface OldestTopic {
   topic: string;
   age_ms: number;
+}
+
+/** An incident by its name in the project. */
+export interface OneIncidentRequest {
+  name: string;
 }
 
 /** A comparison; the value is its spelling. */
@@ -644,6 +825,7 @@ export interface PlacedFinding {
   offset: number;
   end_offset: number;
   fix: PlacedFix | null;
+  profile_fix: ProfileEntry | null;
   statement: string | null;
   related: string[];
 }
@@ -678,9 +860,41 @@ export interface ProfileCheckAnswer {
   problem: string;
 }
 
-/** The name of a profile of the project; null where none has to do with the rules. */
+/** `PUT /api/profile/for` → `ProfileForAnswer`: what the rule file `name` goes with, or none. */
+export interface ProfileChosenRequest {
+  name: string;
+  profile: string | null;
+}
+
+/** What mends a finding in the profile: `value` for `key` of `topic`; null takes it out. */
+export interface ProfileEntry {
+  title: string;
+  topic: string;
+  key: string;
+  value: string | null;
+}
+
+/**
+ * `POST /api/profile/entry` → `TextAnswer`: `text` with `value` for `key` of `topic`.
+ *
+ * Null takes the key out. Everything else stays as it is written; a topic that the text lacks gets a table.
+ */
+export interface ProfileEntryRequest {
+  text: string;
+  topic: string;
+  key: string;
+  value: string | null;
+  name?: string;
+}
+
+/**
+ * The name of a profile of the project; null where none is wanted, or none has to do with the rules.
+ *
+ * `gone` is the one that was chosen for the rules, where it is no longer there.
+ */
 export interface ProfileForAnswer {
   name: string | null;
+  gone: string | null;
 }
 
 /** `POST /api/profile/for` → `ProfileForAnswer`: the profile for the rule file `name`. */
@@ -766,11 +980,16 @@ export interface Project {
   saves_by_itself: boolean;
 }
 
-/** A property that a check can read or a bound can be about. */
+/**
+ * A property that a check can read or a bound can be about.
+ *
+ * `levels` are the loosest and the tightest bound of each of the six levels, where the profile has them.
+ */
 export interface Property {
   name: string;
   unit: string;
   meaning: string;
+  levels: [number, number][] | null;
 }
 
 /** A property at the six bounds that are usual for it, the widest first, in `unit`: m, deg or rad. */
@@ -864,6 +1083,19 @@ export interface RecordStatement {
   after: DurationValue;
 }
 
+/**
+ * What an incident holds of a topic; `type` is empty where nobody published it.
+ *
+ * `latched_s` are the times of what came before the window and counted in it, seconds from the trigger.
+ */
+export interface RecordedTopic {
+  topic: string;
+  type: string;
+  messages: number;
+  size_kb: number;
+  latched_s: number[];
+}
+
 /** Its topics by name, how long it is, and a rule file that relays every message of them. */
 export interface RecordingAnswer {
   topics: string[];
@@ -915,6 +1147,31 @@ export interface ResizeZone {
   rectangle: ZoneBounds;
 }
 
+/** An incident on a robot; `kept` is what the project calls it where it was fetched, else null. */
+export interface RobotIncident {
+  name: string;
+  size_kb: number;
+  summary: IncidentSummary;
+  kept: string | null;
+}
+
+/** An incident by the name of its robot and its own. */
+export interface RobotIncidentRequest {
+  robot: string;
+  name: string;
+}
+
+/**
+ * `GET /api/robot-incidents`: those of each robot that is heard over the link.
+ *
+ * `is_linked` is whether there is a link at all, `problem` why it carries nothing, else empty.
+ */
+export interface RobotIncidentsAnswer {
+  is_linked: boolean;
+  problem: string;
+  robots: IncidentsOfRobot[];
+}
+
 /**
  * One robot. `rules` is the origin of its rules; `waiting`: pushed, and not confirmed yet.
  *
@@ -963,7 +1220,7 @@ export interface RuleDocument {
 }
 
 /**
- * `[Rule "name" [Priority n]] If … Then … [Else …]`; in JSON `otherwise` is called `else`.
+ * `[Disabled] [Rule "name" [Priority n]] If … Then … [Else …]`; in JSON `otherwise` is `else`.
  *
  * `label` (answers only) is what findings and decisions call the rule.
  */
@@ -981,6 +1238,7 @@ export interface RuleStatement {
   else: Action[];
   name?: string | null;
   priority?: number;
+  is_disabled?: boolean;
   label?: string;
 }
 
@@ -1161,6 +1419,12 @@ export interface TopicLoad {
   kb_per_s: number;
 }
 
+/** Messages a second of a topic, bin by bin; null where less than half of one is known. */
+export interface TopicRates {
+  topic: string;
+  hz_bins: (number | null)[];
+}
+
 /** Who names a topic; the value is its name in JSON, the order that of trust. */
 export type TopicSource = "profile" | "robot" | "rules" | "example";
 
@@ -1171,7 +1435,8 @@ export type TruthName = "true" | "false" | "unknown";
  *
  * Times are seconds since the bag's start. `…_bins` have one value for each `bin_s` seconds; the first
  * begins at `first_bin_s`, 0 or less. `decisions` are the first 2000 of `decision_count`; `path` is
- * `[seconds, x, y]` in metres where the bag has odometry.
+ * `[seconds, x, y]` in metres where the bag has odometry. `incidents` are the first 200 that the rules
+ * would have recorded, null where no rule records anything.
  */
 export interface TryAnswer {
   duration_s: number;
@@ -1186,6 +1451,7 @@ export interface TryAnswer {
   path: [number, number, number][];
   blocks: BlockTurns[];
   loss: TryLoss;
+  incidents: TryIncident[] | null;
   notices: string[];
 }
 
@@ -1216,12 +1482,14 @@ export interface TryDecision {
 /**
  * How far a field's last value received was from the robot's; the bins have the largest error.
  *
- * `range` is greatest minus least value sent; `hold` is null where nothing of it was received.
+ * `sent` are the least and the greatest value sent, null where none was; `range` is what lies between
+ * them, of an angle that goes round that of its course; `hold` is null where nothing of it was received.
  */
 export interface TryFieldLoss {
   topic: string;
   field: string;
   unit: string;
+  sent: [number, number] | null;
   range: number;
   hold: ErrorSize | null;
   error_bins: (number | null)[];
@@ -1232,6 +1500,33 @@ export interface TryImages {
   topic: string;
   sent: Frames;
   received: Frames;
+}
+
+/**
+ * What a `Record` would have kept, `t` seconds after the start: the `number`-th, 0 first.
+ *
+ * `title` is its name, `line` its own, `rule` that of its block. The window is from `before_s`
+ * before to `after_s` after that; sizes are those of the messages.
+ */
+export interface TryIncident {
+  number: number;
+  t: number;
+  title: string;
+  rule: string;
+  line: number;
+  before_s: number;
+  after_s: number;
+  messages: number;
+  size_kb: number;
+  topics: TryIncidentTopic[];
+  missing: MissingMessages[];
+}
+
+/** What would have been recorded of a topic. */
+export interface TryIncidentTopic {
+  topic: string;
+  messages: number;
+  size_kb: number;
 }
 
 /** What the operator would lose: the numbers of `testudo bag loss`, without its third arm. */
@@ -1330,6 +1625,22 @@ export interface WithinStatement {
   bound: Bound;
 }
 
+/** The robot's `file` holds the rules; what it held is beside it, in `previous_file`. */
+export interface WriteAnswer {
+  file: string;
+  previous_file: string;
+}
+
+/**
+ * `POST /api/push/write` → `WriteAnswer`: write the rules that the robot keeps to its rule file.
+ *
+ * A refusal by the robot is a 422 with the robot's own words.
+ */
+export interface WriteRequest {
+  node: string;
+  hash: string;
+}
+
 /** An upright rectangle; null is a side that nothing bounds. */
 export interface ZoneBounds {
   min_x: number | null;
@@ -1376,19 +1687,32 @@ export interface Routes {
   "POST /api/optimize": { asked: OptimizeRequest; answered: OptimizeAnswer };
   "POST /api/vocabulary": { asked: VocabularyRequest; answered: Vocabulary };
   "POST /api/profile/for": { asked: ProfileForRequest; answered: ProfileForAnswer };
+  "PUT /api/profile/for": { asked: ProfileChosenRequest; answered: ProfileForAnswer };
   "POST /api/profile/parse": { asked: ProfileParseRequest; answered: ProfileTable };
   "POST /api/profile/write": { asked: ProfileWriteRequest; answered: TextAnswer };
+  "POST /api/profile/entry": { asked: ProfileEntryRequest; answered: TextAnswer };
   "POST /api/profile/check": { asked: ProfileWriteRequest; answered: ProfileCheckAnswer };
   "POST /api/profile/measure": { asked: ProfileMeasureRequest; answered: TextAnswer };
   "POST /api/profile/levels": { asked: LevelsRequest; answered: LevelsAnswer };
   "GET /api/backgrounds": { asked: null; answered: BackgroundsAnswer };
   "POST /api/background": { asked: BackgroundRequest; answered: Background };
   "POST /api/background/path": { asked: PathRequest; answered: DrivenPath };
+  "GET /api/incidents": { asked: null; answered: IncidentsAnswer };
+  "POST /api/incident": { asked: OneIncidentRequest; answered: IncidentAnswer };
+  "POST /api/incident/delete": { asked: OneIncidentRequest; answered: IncidentsAnswer };
+  "POST /api/incident/course": { asked: IncidentCourseRequest; answered: IncidentCourse };
   "POST /api/push/preview": { asked: PushRequest; answered: PushPreview };
   "POST /api/push": { asked: PushRequest; answered: PushAnswer };
   "POST /api/push/confirm": { asked: ConfirmRequest; answered: ConfirmAnswer };
+  "POST /api/push/lasting": { asked: LastingRequest; answered: LastingAnswer };
+  "POST /api/push/write": { asked: WriteRequest; answered: WriteAnswer };
   "POST /api/profile/measure-live": { asked: MeasureLiveRequest; answered: TextAnswer };
   "POST /api/try": { asked: TryRequest; answered: TryAnswer };
+  "POST /api/try/keep": { asked: KeepRequest; answered: KeptIncident };
   "POST /api/profile/curve": { asked: CurveRequest; answered: Curve };
   "POST /api/profile/accuracy": { asked: AccuracyCurveRequest; answered: AccuracyNeeds };
+  "GET /api/robot-incidents": { asked: null; answered: RobotIncidentsAnswer };
+  "GET /api/robot-incidents/fetches": { asked: null; answered: FetchesAnswer };
+  "POST /api/robot-incidents/fetch": { asked: RobotIncidentRequest; answered: FetchesAnswer };
+  "POST /api/robot-incidents/cancel": { asked: RobotIncidentRequest; answered: FetchesAnswer };
 }

@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import * as Blockly from "blockly/core";
-import { TIERS } from "../api/types";
-import { parseBound } from "./bound_text";
+import { boundProblem, parseBound } from "./bound_text";
 import {
   button,
   chain,
@@ -14,9 +13,9 @@ import {
   timeUnitField,
   topicField,
 } from "./fields";
-import { parseRate, RATE_WORDS, rateText } from "./rate_text";
+import { parseRate, rateProblem, rateText } from "./rate_text";
 import { SuggestionField } from "./suggestion_field";
-import { parseTopics, topicsText } from "./topic_list";
+import { ALL_TOPICS, parseTopics, topicsText } from "./topic_list";
 
 const ACTION = "Action";
 
@@ -36,7 +35,7 @@ export function defineActionBlocks(suggest: Suggestions, remove: Remove): void {
       .appendField("set frequency of")
       .appendField(topicField(suggest, "topic to send"), "TOPIC")
       .appendField("to")
-      .appendField(rateField(unit), "RATE")
+      .appendField(rateField(suggest, unit), "RATE")
       .appendField(unit, "UNIT")
       .appendField(removeButton("Remove this rate"));
     chain(this, ACTION, "rate");
@@ -60,11 +59,11 @@ export function defineActionBlocks(suggest: Suggestions, remove: Remove): void {
       .appendField("keep")
       .appendField(topicField(suggest, "topic to bound"), "TOPIC")
       .appendField(
-        propertyField("position", () => suggest.bounds(String(this.getFieldValue("TOPIC")))),
+        propertyField("position", (topic) => suggest.bounds(topic)),
         "PROPERTY",
       )
       .appendField("within")
-      .appendField(boundField(), "BOUND")
+      .appendField(boundField(suggest), "BOUND")
       .appendField(new Blockly.FieldLabel("m"), "UNIT")
       .appendField(removeButton("Remove this bound"));
     chain(this, ACTION, "floor");
@@ -74,7 +73,7 @@ export function defineActionBlocks(suggest: Suggestions, remove: Remove): void {
   define("adirf_record", function () {
     this.appendDummyInput()
       .appendField("record")
-      .appendField(textField("incident", "name of the recording", filled), "NAME")
+      .appendField(textField("incident", "name of the recording", "name this recording", filled), "NAME")
       .appendField("with")
       .appendField(topicsField(suggest), "TOPICS");
     const window = this.appendDummyInput();
@@ -94,27 +93,41 @@ export function defineActionBlocks(suggest: Suggestions, remove: Remove): void {
   });
 }
 
-function rateField(unit: Blockly.FieldLabel): SuggestionField {
-  return new SuggestionField(
-    "10",
-    () => RATE_WORDS,
-    "rate",
-    (text) => {
-      const parsed = parseRate(text);
-      unit.setValue(parsed?.kind === "hz" ? "Hz" : "");
-      return parsed === null ? null : rateText(parsed);
-    },
-  );
+function rateField(suggest: Suggestions, unit: Blockly.FieldLabel): SuggestionField {
+  const offer = {
+    hint: "Or type a number of Hz",
+    choices: (block: Blockly.Block) => suggest.rates(String(block.getFieldValue("TOPIC"))),
+    isWhole: (text: string) => parseRate(text) !== null,
+    refusal: rateProblem,
+  };
+  return new SuggestionField("10", offer, "rate", (text) => {
+    const parsed = parseRate(text);
+    unit.setValue(parsed?.kind === "hz" ? "Hz" : "");
+    return parsed === null ? null : rateText(parsed);
+  });
 }
 
-function boundField(): SuggestionField {
-  const read = (text: string) => parseBound(text)?.toString() ?? null;
-  return new SuggestionField("0.05", () => TIERS, "bound", read);
+function boundField(suggest: Suggestions): SuggestionField {
+  const text = (block: Blockly.Block, field: string) => String(block.getFieldValue(field));
+  const offer = {
+    hint: "Or type a number",
+    choices: (block: Blockly.Block) => suggest.boundLevels(text(block, "TOPIC"), text(block, "PROPERTY")),
+    isWhole: (typed: string) => parseBound(typed) !== null,
+    refusal: boundProblem,
+  };
+  return new SuggestionField("0.05", offer, "bound", (typed) => parseBound(typed)?.toString() ?? null);
 }
 
 function topicsField(suggest: Suggestions): SuggestionField {
   const read = (text: string) => topicsText(parseTopics(text));
-  return new SuggestionField(topicsText([]), () => suggest.markedTopics(), "topics to record", read);
+  const offer = {
+    hint: "Several topics have a blank between them",
+    choices: () => [{ word: ALL_TOPICS, note: "whatever they are by then" }, ...suggest.topicChoices()],
+    isWhole: (text: string) => text === "" || text.startsWith("/") || text === ALL_TOPICS,
+    refusal: () => "",
+    head: (text: string) => /^.*[\s,]/.exec(text)?.[0] ?? "",
+  };
+  return new SuggestionField(topicsText([]), offer, "topics to record", read);
 }
 
 function filled(text: string): string | null {

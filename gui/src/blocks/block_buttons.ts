@@ -1,30 +1,38 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import * as Blockly from "blockly/core";
+import type { PickerChoice } from "../ui/picker_matches";
 import type { RuleBlock } from "./block_types";
 import { stacked } from "./conditions";
 import type { Suggestions } from "./fields";
+import { openField } from "./open_field";
 
-/** Adds a check below the last one: the other bound of it, as most zones have two. */
-export function addCheck(block: Blockly.BlockSvg): void {
+/**
+ * Adds a check below the last one: the other bound of it, as most zones have two; where it has both already, one of
+ * the topic's next property.
+ */
+export function addCheck(block: Blockly.BlockSvg, suggest: Suggestions): void {
   const input = block.getInput("IF") ? "IF" : "TERMS";
   const last = lastIn(block, input);
   const model = last?.type === "adirf_check" ? last : null;
+  const topic = String(model?.getFieldValue("TOPIC") ?? "/odom");
+  const property = String(model?.getFieldValue("PROPERTY") ?? "pose_x");
   const bounded = model?.getPreviousBlock();
-  const sameProperty =
-    bounded?.type === "adirf_check" && bounded.getFieldValue("PROPERTY") === model?.getFieldValue("PROPERTY");
-  append(
-    block,
-    input,
-    "adirf_check",
-    {
-      TOPIC: model?.getFieldValue("TOPIC") ?? "/odom",
-      PROPERTY: model?.getFieldValue("PROPERTY") ?? "pose_x",
-      OP: model && !sameProperty && model.getFieldValue("OP") === ">" ? "<" : ">",
-      VALUE: 0,
-    },
-    "VALUE",
-  );
+  const hasBoth = bounded?.type === "adirf_check" && bounded.getFieldValue("PROPERTY") === property;
+  const isBelow = model !== null && !hasBoth && model.getFieldValue("OP") === ">";
+  const fields = {
+    TOPIC: topic,
+    PROPERTY: hasBoth ? after(property, suggest.properties(topic)) : property,
+    OP: isBelow ? "<" : ">",
+    VALUE: 0,
+  };
+  append(block, input, "adirf_check", fields, "VALUE");
+}
+
+/** The word behind another one; that itself where there is none. */
+function after(word: string, all: readonly PickerChoice[]): string {
+  const at = all.findIndex((each) => each.word === word);
+  return (at < 0 ? undefined : all[at + 1]?.word) ?? word;
 }
 
 /** Adds a rate for a topic that the part does not set yet. */
@@ -40,11 +48,11 @@ export function addBound(block: Blockly.BlockSvg, input: string, suggest: Sugges
   const bounds = stacked(block, input).filter(({ type }) => type === "adirf_within");
   const isTaken = (topic: string, property: string) =>
     bounds.some((each) => each.getFieldValue("TOPIC") === topic && each.getFieldValue("PROPERTY") === property);
-  const all = suggest.topics().flatMap((topic) => suggest.bounds(topic).map((property) => ({ topic, property })));
+  const all = suggest.topics().flatMap((topic) => suggest.bounds(topic).map(({ word }) => ({ topic, property: word })));
   const free = all.filter(({ topic, property }) => !isTaken(topic, property));
   const { topic, property } = free.find((each) => each.property === "position") ??
     free[0] ?? { topic: "/odom", property: "position" };
-  append(block, input, "adirf_within", { TOPIC: topic, PROPERTY: property }, "BOUND");
+  append(block, input, "adirf_within", { TOPIC: topic, PROPERTY: property }, "TOPIC");
 }
 
 export function addRecord(block: Blockly.BlockSvg, input: string): void {
@@ -66,7 +74,7 @@ function lastIn(block: Blockly.Block, input: string): Blockly.Block | null {
   return block.getInputTargetBlock(input)?.lastConnectionInStack(true)?.getSourceBlock() ?? null;
 }
 
-/** Puts a new block below the last one of a part, and the focus on its field `first`. */
+/** Puts a new block below the last one of a part, and opens its field `first`. */
 function append(
   block: Blockly.BlockSvg,
   input: string,
@@ -77,6 +85,5 @@ function append(
   const added = Blockly.serialization.blocks.append({ type, fields }, block.workspace) as Blockly.BlockSvg;
   const connection = lastIn(block, input)?.nextConnection ?? block.getInput(input)?.connection;
   if (connection && added.previousConnection) connection.connect(added.previousConnection);
-  const field = added.getField(first);
-  if (field) Blockly.getFocusManager().focusNode(field);
+  openField(added.getField(first));
 }

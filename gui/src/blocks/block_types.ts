@@ -6,15 +6,19 @@ import { CLOCK_METHODS, chooseTime } from "./clocks";
 import {
   button,
   CLOCK,
+  COPY,
   chain,
+  DOWN,
   MINUS,
   numberField,
   operatorField,
   PLUS,
   propertyField,
   type Suggestions,
+  SWITCH,
   textField,
   topicField,
+  UP,
 } from "./fields";
 
 /** What the small buttons on blocks do. */
@@ -25,13 +29,29 @@ export interface BlockButtons {
   addRecord(block: Blockly.BlockSvg, input: string): void;
   toggleElse(block: Blockly.BlockSvg): void;
   remove(block: Blockly.BlockSvg): void;
+  /** Does something with a whole rule, in the text. */
+  act(block: Blockly.BlockSvg, act: RuleAct): void;
 }
 
-/** A rule block grows an ELSE part when asked. */
+/** A rule block grows an ELSE part when asked, and says whether its rule is switched off. */
 export interface RuleBlock extends Blockly.BlockSvg {
   setElse(shown: boolean): void;
+  isSwitchedOff(): boolean;
+  switchOff(isOff: boolean): void;
 }
 
+/** What is done with a whole rule. */
+export type RuleAct = "switch" | "duplicate" | "up" | "down";
+
+/** What a rule block keeps beside its fields. */
+interface RuleBlockState {
+  hasElse?: boolean;
+  isOff?: boolean;
+}
+
+const SWITCH_OFF = "Switch this rule off";
+const SWITCH_ON = "Switch this rule on";
+const OFF_WORDS = "⊘ switched off";
 const CONDITION = "Condition";
 const ACTION = "Action";
 const LONGEST_RAW_LINES = 8;
@@ -54,7 +74,7 @@ export function defineBlocks(suggest: Suggestions, buttons: BlockButtons): void 
         .appendField("", "JOIN")
         .appendField(topicField(suggest, "topic to check"), "TOPIC")
         .appendField(
-          propertyField("pose_x", () => suggest.properties(String(this.getFieldValue("TOPIC")))),
+          propertyField("pose_x", (topic) => suggest.properties(topic)),
           "PROPERTY",
         )
         .appendField(operatorField(), "OP")
@@ -95,9 +115,16 @@ export function defineBlocks(suggest: Suggestions, buttons: BlockButtons): void 
     function () {
       this.appendDummyInput()
         .appendField("rule")
-        .appendField(textField("", "name of the rule"), "NAME")
+        .appendField(textField("", "name of the rule", "name this rule"), "NAME")
         .appendField("priority")
         .appendField(numberField("0", "priority of the rule"), "PRIORITY")
+        .appendField(
+          button(SWITCH, SWITCH_OFF, (block) => buttons.act(block, "switch")),
+          "SWITCH",
+        )
+        .appendField(button(COPY, "Duplicate this rule", (block) => buttons.act(block, "duplicate")))
+        .appendField(button(UP, "Move this rule up", (block) => buttons.act(block, "up")))
+        .appendField(button(DOWN, "Move this rule down", (block) => buttons.act(block, "down")))
         .appendField(removeButton("Remove this rule"));
       this.appendDummyInput()
         .appendField("IF")
@@ -133,11 +160,49 @@ export function defineBlocks(suggest: Suggestions, buttons: BlockButtons): void 
             );
         }
       },
-      saveExtraState(this: Blockly.BlockSvg) {
-        return this.getInput("ELSE") ? { hasElse: true } : null;
+      isSwitchedOff(this: Blockly.BlockSvg) {
+        return this.getInput("OFF") !== null;
       },
-      loadExtraState(this: RuleBlock, state: { hasElse?: boolean }) {
+      switchOff(this: RuleBlock, isOff: boolean) {
+        if (isOff === this.isSwitchedOff()) return;
+        if (isOff) {
+          this.appendDummyInput("OFF").appendField(OFF_WORDS);
+          this.moveNumberedInputBefore(this.inputList.length - 1, 0);
+        } else this.removeInput("OFF");
+        this.getField("SWITCH")?.setValue(SWITCH);
+        (this.getField("SWITCH") as Blockly.FieldImage).setAlt(isOff ? SWITCH_ON : SWITCH_OFF);
+        this.setStyle(isOff ? "raw" : "rule");
+        // What is in it keeps its own colours, and looks grey, too.
+        if (this.rendered !== undefined && this.getSvgRoot) {
+          this.getSvgRoot().classList.toggle("switched-off", isOff);
+        }
+      },
+      saveExtraState(this: RuleBlock): RuleBlockState | null {
+        const state = {
+          ...(this.getInput("ELSE") ? { hasElse: true } : {}),
+          ...(this.isSwitchedOff() ? { isOff: true } : {}),
+        };
+        return Object.keys(state).length > 0 ? state : null;
+      },
+      loadExtraState(this: RuleBlock, state: RuleBlockState) {
         this.setElse(state.hasElse === true);
+        this.switchOff(state.isOff === true);
+      },
+      customContextMenu(this: RuleBlock, options: { text?: unknown }[]) {
+        if (this.isInFlyout) return;
+        const own = options.findIndex(({ text }) => text === Blockly.Msg.DUPLICATE_BLOCK);
+        if (own >= 0) options.splice(own, 1);
+        const choice = (text: string, act: RuleAct) => ({
+          text,
+          enabled: true,
+          callback: () => buttons.act(this, act),
+        });
+        options.unshift(
+          choice(this.isSwitchedOff() ? SWITCH_ON : SWITCH_OFF, "switch"),
+          choice("Duplicate this rule", "duplicate"),
+          choice("Move this rule up", "up"),
+          choice("Move this rule down", "down"),
+        );
       },
     },
   );

@@ -2,18 +2,24 @@
 // SPDX-License-Identifier: Apache-2.0
 import * as Blockly from "blockly/core";
 import type { DurationUnit, Operator } from "../api/types";
+import type { PickerChoice } from "../ui/picker_matches";
 import { NumberField } from "./number_field";
-import { oneWord, type Suggestion, SuggestionField } from "./suggestion_field";
+import { oneWord, SuggestionField } from "./suggestion_field";
+import { TextField } from "./text_field";
 
 /** What the blocks suggest. */
 export interface Suggestions {
   topics(): readonly string[];
-  /** Topics with a word on where they come from, such as a live robot. */
-  markedTopics(): readonly Suggestion[];
+  /** Topics with their types, rates and users. */
+  topicChoices(): readonly PickerChoice[];
   /** What checks can read of a topic. */
-  properties(topic: string): readonly string[];
+  properties(topic: string): readonly PickerChoice[];
   /** What a bound can be about, what only bounds can name first. */
-  bounds(topic: string): readonly string[];
+  bounds(topic: string): readonly PickerChoice[];
+  /** Every message, none, or a level with the rates that it means. */
+  rates(topic: string): readonly PickerChoice[];
+  /** Levels of a bound with the numbers that they mean. */
+  boundLevels(topic: string, property: string): readonly PickerChoice[];
   unit(topic: string, property: string): string;
 }
 
@@ -37,6 +43,10 @@ const icon = (path: string) =>
   )}`;
 export const PLUS = icon("M12 7v10M7 12h10");
 export const MINUS = icon("M7 12h10");
+export const SWITCH = icon("M12 6v6M8.2 8.6a5.6 5.6 0 1 0 7.6 0");
+export const COPY = icon("M7 7h7v7h-7zM10.5 17.5h7v-7");
+export const UP = icon("M12 17V7M8 11l4-4 4 4");
+export const DOWN = icon("M12 7v10M8 13l4 4 4-4");
 export const CLOCK = icon("M12 5a7 7 0 1 0 .01 0M12 8v4l3 2");
 
 type Act = (block: Blockly.BlockSvg, field: Blockly.FieldImage) => void;
@@ -47,23 +57,38 @@ export function button(src: string, label: string, act: Act): Blockly.FieldImage
 }
 
 export function topicField(suggest: Suggestions, label: string): SuggestionField {
-  return new SuggestionField("/odom", () => suggest.markedTopics(), label, oneWord as Blockly.FieldTextInputValidator);
+  const offer = {
+    hint: "Any other name is kept as typed",
+    choices: () => suggest.topicChoices(),
+    // Who types the slash writes a name; without it, looks for one.
+    isWhole: (text: string) => text.startsWith("/"),
+    refusal: (text: string) => (oneWord(text) === null ? "A topic's name is one word, such as /odom" : ""),
+  };
+  return new SuggestionField("/odom", offer, label, oneWord as Blockly.FieldTextInputValidator);
 }
 
-export function propertyField(value: string, properties: () => readonly string[]): SuggestionField {
-  return new SuggestionField(value, properties, "property", oneWord as Blockly.FieldTextInputValidator);
+export function propertyField(value: string, choices: (topic: string) => readonly PickerChoice[]): SuggestionField {
+  const offer = {
+    hint: "Any field of the message can be typed, such as pose.pose.position.z",
+    choices: (block: Blockly.Block) => choices(String(block.getFieldValue("TOPIC"))),
+    // A path of fields, such as pose.covariance[0].
+    isWhole: (text: string) => /[.[]/.test(text),
+    refusal: (text: string) => (oneWord(text) === null ? "A property is one word, such as pose_x" : ""),
+  };
+  return new SuggestionField(value, offer, "property", oneWord as Blockly.FieldTextInputValidator);
 }
 
 export function numberField(value: string, label: string, minimum?: number): Blockly.FieldNumber {
-  const field = new NumberField(value, minimum);
-  field.setAriaTypeName(label);
-  return field;
+  return new NumberField(value, label, minimum);
 }
 
-export function textField(value: string, label: string, validator?: (text: string) => string | null) {
-  const field = new Blockly.FieldTextInput(value, (validator ?? null) as never, { spellcheck: false });
-  field.setAriaTypeName(label);
-  return field;
+export function textField(
+  value: string,
+  label: string,
+  placeholder: string,
+  validator?: (text: string) => string | null,
+): Blockly.FieldTextInput {
+  return new TextField(value, label, placeholder, validator);
 }
 
 export function operatorField(label?: string): Blockly.FieldDropdown {

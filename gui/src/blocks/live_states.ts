@@ -23,7 +23,8 @@ const UNKNOWN: CheckState = { state: "unknown", value: null };
  * checks by their words: equal checks hold at the same time.
  */
 export function ruleStates(document: RuleDocument, live: Live): ReadonlyMap<string, RuleState> {
-  const rules = document.collections.flatMap(({ statements }) => statements).filter((each) => each.kind === "rule");
+  const all = document.collections.flatMap(({ statements }) => statements);
+  const rules = all.filter((each) => each.kind === "rule").filter((each) => !each.is_disabled);
   const labels = numbered(live.blocks.map(({ label }) => label));
   const blocks = new Map(live.blocks.map((block, index) => [labels[index], block]));
   const checks = new Map(live.checks.map((check) => [words({ ...check, value: check.limit }), check]));

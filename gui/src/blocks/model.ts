@@ -3,6 +3,7 @@
 import type * as Blockly from "blockly/core";
 import type { Action, Statement } from "../api/types";
 import { actionBlock, actionPrint, toAction } from "./actions";
+import type { RuleBlock } from "./block_types";
 import { conditionIn, conditionPrint, conditionStack, stack, stacked } from "./conditions";
 
 type State = Blockly.serialization.blocks.State;
@@ -28,11 +29,15 @@ function statementBlock(statement: Statement): State {
         THEN: { block: stack(statement.then.map(actionBlock)) },
       };
       if (statement.else.length > 0) inputs.ELSE = { block: stack(statement.else.map(actionBlock)) };
+      const extraState = {
+        ...(statement.else.length > 0 ? { hasElse: true } : {}),
+        ...(statement.is_disabled ? { isOff: true } : {}),
+      };
       return {
         type: "adirf_rule",
         fields: { NAME: statement.name ?? "", PRIORITY: statement.priority },
         inputs,
-        ...(statement.else.length > 0 ? { extraState: { hasElse: true } } : {}),
+        ...(Object.keys(extraState).length > 0 ? { extraState } : {}),
       };
     }
   }
@@ -58,7 +63,8 @@ export function toStatement(block: Blockly.Block): Statement | { missing: string
       }
       const name = text("NAME").trim() || null;
       const priority = name === null ? 0 : Number(text("PRIORITY"));
-      return { kind: "rule", name, priority, condition, then, else: actions(block, "ELSE"), comments };
+      const is_disabled = (block as RuleBlock).isSwitchedOff();
+      return { kind: "rule", name, priority, is_disabled, condition, then, else: actions(block, "ELSE"), comments };
     }
     default:
       return { missing: "This belongs in a rule" };
@@ -87,6 +93,7 @@ export function fingerprint(statement: Statement): string {
         "rule",
         statement.name,
         statement.priority,
+        statement.is_disabled ?? false,
         conditionPrint(statement.condition),
         statement.then.map(actionPrint),
         statement.else.map(actionPrint),

@@ -1,12 +1,53 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import * as Blockly from "blockly/core";
-import { typedNumber } from "../ui/numbers";
+import { numberProblem, typedNumber } from "../ui/numbers";
+import { PickerPopup } from "../ui/picker_popup";
+import { takeKey } from "./open_field";
 
-/** A field for a number; what is none leaves it as it was. Blockly's own drops commas, so that 3,5 would be 35. */
+/** A field for a number; what is none is said, and is not kept. Blockly's own drops commas, so that 3,5 would be 35. */
 export class NumberField extends Blockly.FieldNumber {
+  private popup: PickerPopup | null = null;
+
+  constructor(
+    value: string,
+    private readonly label: string,
+    minimum?: number,
+  ) {
+    super(value, minimum);
+    this.setAriaTypeName(label);
+  }
+
   protected override doClassValidation_(value?: unknown): number | null {
     const number = typedNumber(String(value ?? ""));
     return Number.isFinite(number) ? super.doClassValidation_(number) : null;
+  }
+
+  protected override widgetCreate_(): HTMLInputElement {
+    const input = super.widgetCreate_();
+    input.inputMode = "decimal";
+    input.setAttribute("aria-label", this.label);
+    input.addEventListener("input", () => this.say(input));
+    return input;
+  }
+
+  protected override onHtmlInputKeyDown_(event: KeyboardEvent): void {
+    const input = this.htmlInput_;
+    if (takeKey(this, event, input !== null && numberProblem(input.value) !== "")) return;
+    super.onHtmlInputKeyDown_(event);
+  }
+
+  protected override widgetDispose_(): void {
+    this.popup?.dispose();
+    this.popup = null;
+    super.widgetDispose_();
+  }
+
+  /** Says below the field why its text is no number. */
+  private say(input: HTMLInputElement): void {
+    const note = numberProblem(input.value);
+    if (note === "" && this.popup === null) return;
+    this.popup ??= new PickerPopup(input, this.label, () => undefined);
+    this.popup.show([], -1, { note, isProblem: true });
   }
 }

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { type Rate, TIERS, type Tier } from "../api/types";
-import { typedNumber } from "../ui/numbers";
+import { numberProblem, typedNumber } from "../ui/numbers";
 
 export const RATE_WORDS: readonly string[] = [...TIERS, "Full", "Off"];
 
@@ -28,4 +28,13 @@ export function parseRate(text: string): Rate | null {
   if (word !== undefined) return { kind: "tier", value: word as Tier };
   const hz = typedNumber(words);
   return Number.isFinite(hz) && hz >= 0 ? { kind: "hz", value: hz } : null;
+}
+
+/** Why a text is no rate, in words; empty where it is one. */
+export function rateProblem(text: string): string {
+  if (parseRate(text) !== null) return "";
+  const words = text.trim().replace(/\s*hz$/i, "");
+  return /\d/.test(words) && numberProblem(words) !== ""
+    ? numberProblem(words)
+    : "A rate is a number of Hz, Full, Off or a quality level";
 }

@@ -1,27 +1,25 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import * as Blockly from "blockly/core";
-import * as english from "blockly/msg/en";
 import type { Edit, PlacedFinding, RuleDocument, Statement } from "../api/types";
 import type { Layout } from "../state/layout";
 import { DEFAULT_TYPES } from "./actions";
 import { Badges } from "./badges";
-import { addBound, addCheck, addRate, addRecord, toggleElse } from "./block_buttons";
-import { defineBlocks, showRawText } from "./block_types";
+import { type RuleAct, showRawText } from "./block_types";
 import type { Suggestions } from "./fields";
 import { showJoins } from "./joins";
 import type { RuleState } from "./live_states";
 import { fingerprint, toBlock, toStatement } from "./model";
+import { newWorkspace } from "./new_workspace";
+import { closeField, isTyping, openField } from "./open_field";
 import { follow, onPage, type Pages, pageAt } from "./pages";
 import { blocklyTheme } from "./palette";
-import { editsOf, isTop, newSlot, type Placed, type Slot, statementsOf } from "./slots";
-import { toolbox } from "./toolbox";
+import { type ActedOn, actedOn } from "./rule_acts";
+import { editsOf, isTop, newSlot, type Placed, type Slot, saidBy, statementsOf, topsIn } from "./slots";
 import { Warnings } from "./warnings";
 
 const GAP = 18;
 const LEFT = 24;
-const SCALE = 0.72;
-const SCALE_FOR_FINGERS = 1.1;
 type PrintOf = (slot: Slot) => string | null;
 type EditsOf = (document: RuleDocument) => Edit[];
 
@@ -32,6 +30,8 @@ export interface WorkspaceOwner {
   recipes: readonly Statement[];
   /** Blocks say something else than the text: `editsOf` it bring it there. */
   changed(editsOf: EditsOf): Promise<void>;
+  /** Whether blocks say something that is not in the text yet. */
+  ahead(isAhead: boolean): void;
   /** Asks for `show` with what the text says now. */
   showAgain(): void;
   /** Somebody moved top blocks. */
@@ -66,33 +66,7 @@ export class RuleWorkspace {
     private readonly host: HTMLElement,
     private readonly owner: WorkspaceOwner,
   ) {
-    Blockly.setLocale(english as unknown as Record<string, string>);
-    defineBlocks(owner.suggestions, {
-      addCheck: (block) => addCheck(block),
-      addRate: (block, input) => addRate(block, input, owner.suggestions.topics()),
-      addBound: (block, input) => addBound(block, input, owner.suggestions),
-      addRecord,
-      toggleElse: (block) => toggleElse(block, owner.suggestions.topics()),
-      remove: (block) => block.checkAndDelete(),
-    });
-    this.workspace = Blockly.inject(host, {
-      renderer: "zelos",
-      theme: blocklyTheme(host),
-      toolbox: toolbox(owner.recipes),
-      media: "./media/",
-      trashcan: false,
-      sounds: false,
-      zoom: {
-        controls: true,
-        wheel: false,
-        pinch: true,
-        startScale: matchMedia("(pointer: coarse)").matches ? SCALE_FOR_FINGERS : SCALE,
-        minScale: 0.3,
-        maxScale: 2,
-      },
-      move: { scrollbars: true, drag: true, wheel: true },
-    });
-    this.workspace.MAX_UNDO = 0;
+    this.workspace = newWorkspace(host, owner.suggestions, owner.recipes, (block, act) => void this.act(block, act));
     this.workspace.addChangeListener((event) => this.listen(event));
   }
 
@@ -172,7 +146,7 @@ export class RuleWorkspace {
     this.findings = findings;
     const statements = onPage(this.placed, this.pages).map(({ statement }) => statement);
     const missing = new Map<Blockly.BlockSvg, string>();
-    for (const block of this.tops()) {
+    for (const block of topsIn(this.workspace)) {
       const said = block.type === "adirf_raw" ? {} : toStatement(block);
       if ("missing" in said) missing.set(block, `Not in the text yet. ${said.missing}.`);
     }
@@ -192,6 +166,30 @@ export class RuleWorkspace {
     if (block) this.workspace.scrollBoundsIntoView(block.getBoundingRectangleWithoutChildren(), GAP);
   }
 
+  /** Shows the block of the statement with this number, and puts the focus on it. */
+  goToBlock(index: number): void {
+    const isHere = index >= this.pages.first && index < this.pages.first + this.pages.count;
+    if (!isHere) this.goTo(index);
+    const block = this.slots[index - this.pages.first]?.block;
+    if (!block || block.isDisposed()) return;
+    Blockly.getFocusManager().focusNode(block);
+    this.workspace.scrollBoundsIntoView(block.getBoundingRectangleWithoutChildren(), GAP);
+  }
+
+  /** Does something with a whole rule, once the text says what the blocks say. */
+  private async act(block: Blockly.BlockSvg, act: RuleAct): Promise<void> {
+    while (!(await this.handOver(false))) await new Promise(requestAnimationFrame);
+    let done: ActedOn | null = null;
+    await this.owner.changed((document) => {
+      const slot = document === this.document ? this.slots.findIndex((each) => each.block === block) : -1;
+      done = slot < 0 ? null : actedOn(this.placed, this.pages.first + slot, act);
+      if (done === null) return [];
+      if (act === "up" || act === "down") this.moved.delete(block.id);
+      return [done.edit];
+    });
+    if (done !== null) this.goToBlock((done as ActedOn).at);
+  }
+
   setReadOnly(readOnly: boolean): void {
     this.workspace.setIsReadOnly(readOnly);
   }
@@ -209,8 +207,13 @@ export class RuleWorkspace {
     const bottom = this.workspace.getBlocksBoundingBox().bottom;
     const place = { x: LEFT, y: bottom + GAP };
     const block = Blockly.serialization.blocks.append({ ...state, ...place }, this.workspace) as Blockly.BlockSvg;
-    Blockly.getFocusManager().focusNode(block);
     this.workspace.scrollBoundsIntoView(block.getBoundingRectangle(), GAP);
+    openField(
+      block
+        .getDescendants(true)
+        .find((each) => each.getField("TOPIC"))
+        ?.getField("TOPIC") ?? null,
+    );
   }
 
   applyTheme(): void {
@@ -229,12 +232,13 @@ export class RuleWorkspace {
 
   private settleSoon(): void {
     this.waiting = true;
+    this.owner.ahead(true);
     requestAnimationFrame(() => this.settle());
   }
 
   /** Whether somebody drags or types, so that blocks say what is not meant yet. */
   private isInHand(): boolean {
-    return Blockly.Gesture.inProgress() || this.workspace.isDragging() || Blockly.WidgetDiv.isVisible();
+    return Blockly.Gesture.inProgress() || this.workspace.isDragging() || isTyping();
   }
 
   /** Waits until nobody drags or types, then says what changed. */
@@ -243,18 +247,30 @@ export class RuleWorkspace {
       this.settleSoon();
       return;
     }
+    void this.hand();
+  }
+
+  /**
+   * Brings into the text now what blocks say, before Blockly tells of it; whether nothing is left out.
+   *
+   * What somebody drags or types comes later.
+   */
+  async handOver(withOpenField: boolean): Promise<boolean> {
+    if (withOpenField) closeField();
+    if (this.isInHand()) return false;
+    await this.hand();
+    return true;
+  }
+
+  private async hand(): Promise<void> {
     this.waiting = false;
     this.quietly(() => showJoins(this.workspace, this.owner.suggestions));
     this.mark(this.findings);
     this.owner.laidOut(this.layout());
-    void this.hand();
-  }
-
-  private async hand(): Promise<void> {
-    const handed = this.tops();
+    const handed = topsIn(this.workspace);
     this.underWay++;
     await this.owner.changed((document) => {
-      if (!this.isInHand()) return editsOf(document, this.pages.first, this.slots, this.tops());
+      if (!this.isInHand()) return editsOf(document, this.pages.first, this.slots, topsIn(this.workspace));
       // Somebody went on while the edits before these were under way.
       this.settleSoon();
       return [];
@@ -262,6 +278,7 @@ export class RuleWorkspace {
     this.underWay--;
     this.takeBack(handed);
     this.owner.showAgain();
+    this.owner.ahead(this.isAhead());
   }
 
   /** Removes new blocks that did not come into the text: blocks say what the text says. */
@@ -302,17 +319,6 @@ export class RuleWorkspace {
     const others = this.placed.filter((_, index) => index < first || index >= first + count);
     const keys = new Set(others.map(({ statement }) => statement.key));
     return Object.fromEntries(Object.entries(this.known).filter(([key]) => keys.has(key)));
-  }
-
-  /** All blocks that are statements of their own, or could become some. */
-  private tops(): Blockly.BlockSvg[] {
-    return this.workspace.getTopBlocks(true).flatMap((top) => {
-      const chain: Blockly.BlockSvg[] = [];
-      for (let block: Blockly.BlockSvg | null = top; block; block = block.getNextBlock()) {
-        if (!block.isInsertionMarker()) chain.push(block);
-      }
-      return chain;
-    });
   }
 
   /** For each statement the block that shows it already. */
@@ -373,13 +379,6 @@ export class RuleWorkspace {
       Blockly.Events.enable();
     }
   }
-}
-
-/** What the block of a slot says now, null where that is nothing that a text could say. */
-function saidBy({ block }: Slot): string | null {
-  if (block.isDisposed() || !isTop(block) || block.type === "adirf_raw") return null;
-  const said = toStatement(block);
-  return "missing" in said ? null : fingerprint(said);
 }
 
 function bottomOf(block: Blockly.BlockSvg): number {

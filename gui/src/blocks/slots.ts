@@ -173,3 +173,21 @@ function nextMove(places: Placed[], slots: Slot[], tops: Blockly.BlockSvg[]): Ed
 export function isTop(block: Blockly.Block): boolean {
   return block.getSurroundParent() === null;
 }
+
+/** All blocks that are statements of their own, or could become some. */
+export function topsIn(workspace: Blockly.WorkspaceSvg): Blockly.BlockSvg[] {
+  return workspace.getTopBlocks(true).flatMap((top) => {
+    const chain: Blockly.BlockSvg[] = [];
+    for (let block: Blockly.BlockSvg | null = top; block; block = block.getNextBlock()) {
+      if (!block.isInsertionMarker()) chain.push(block);
+    }
+    return chain;
+  });
+}
+
+/** What the block of a slot says now, null where that is nothing that a text could say. */
+export function saidBy({ block }: Slot): string | null {
+  if (block.isDisposed() || !isTop(block) || block.type === "adirf_raw") return null;
+  const said = toStatement(block);
+  return "missing" in said ? null : fingerprint(said);
+}

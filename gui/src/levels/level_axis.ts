@@ -16,7 +16,8 @@ export interface LevelKind {
 }
 
 export const RATES: LevelKind = { unit: "Hz", falls: false, least: 0, most: 1e6 };
-export const boundsIn = (unit: string): LevelKind => ({ unit, falls: true, least: 1e-9, most: 1e9 });
+// Dragged lines stop at a millionth: smaller numbers have an exponent, which a screen reader does not take.
+export const boundsIn = (unit: string): LevelKind => ({ unit, falls: true, least: 1e-6, most: 1e9 });
 
 const MARGIN = 1.5;
 const USUAL: LevelAxis = { low: 0.1, high: 100 };

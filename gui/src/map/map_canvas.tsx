@@ -25,6 +25,8 @@ export function MapCanvas(props: {
   path?: readonly Point[];
   dots?: readonly Point[];
   zones?: readonly MapZone[];
+  /** Whether the path is seen from near at first, and not all of the picture. */
+  isNear?: boolean;
   owner?: MapOwner;
   opened?: (view: MapView | null) => void;
 }) {
@@ -52,7 +54,7 @@ export function MapCanvas(props: {
   useEffect(() => view?.setPath(path), [view, path]);
   useEffect(() => view?.setDots(dots), [view, dots]);
   useEffect(() => view?.setZones(zones), [view, zones]);
-  useEffect(() => view?.fit(), [view, picture, path]);
+  useEffect(() => view?.fit(props.isNear ? path : []), [view, picture, path]);
   return (
     <div class="map">
       {/* biome-ignore lint/a11y/noNoninteractiveTabindex: the keyboard moves the map */}

@@ -21,6 +21,7 @@ import {
   type Extent,
   extentOf,
   finiteCorners,
+  grown,
   type MapPicture,
   type MapZone,
   type Point,
@@ -31,6 +32,8 @@ import { ZoneTools } from "./zone_tools";
 
 const USUAL_EXTENT: Extent = [-10, -10, 10, 10];
 const SCALE_PX = 90;
+/** How much is seen around places that are seen from near. */
+const AROUND_M = 3;
 /** What buttons and the scale cover: above, right, below, left. */
 const FIT_MARGINS_PX = [50, 54, 28, 30];
 
@@ -49,6 +52,7 @@ export class MapView {
   private zones: readonly MapZone[] = [];
   /** What was seen after everything was last fitted in. */
   private fitted = "";
+  private fittedPlaces: readonly Point[] = [];
   private robot: { place: Point; heading_rad: number | null } | null = null;
 
   constructor(
@@ -141,11 +145,13 @@ export class MapView {
     return this.tools.removeLastCorner();
   }
 
-  /** Shows everything there is. */
-  fit(): void {
+  /** Fits everything in, or these places and what is around them. */
+  fit(places: readonly Point[] = []): void {
     this.map.updateSize();
-    const extent = [...(this.content() ?? USUAL_EXTENT)];
-    this.map.getView().fit(extent, { padding: FIT_MARGINS_PX });
+    const near = extentOf(places);
+    const extent = near === null ? (this.content() ?? USUAL_EXTENT) : grown(near, AROUND_M);
+    this.map.getView().fit([...extent], { padding: FIT_MARGINS_PX });
+    this.fittedPlaces = places;
     this.fitted = this.seen();
   }
 
@@ -164,7 +170,7 @@ export class MapView {
 
   /** The host has another size; who has not moved the map still sees everything. */
   resize(): void {
-    if (this.seen() === this.fitted) this.fit();
+    if (this.seen() === this.fitted) this.fit(this.fittedPlaces);
     else this.map.updateSize();
   }
 

@@ -84,6 +84,11 @@ export function widened(extent: Extent, share: number): Extent {
   return [extent[0] - margin, extent[1] - margin, extent[2] + margin, extent[3] + margin];
 }
 
+/** An extent with so many metres more on each side. */
+export function grown([min_x, min_y, max_x, max_y]: Extent, metres: number): Extent {
+  return [min_x - metres, min_y - metres, max_x + metres, max_y + metres];
+}
+
 /** To whole centimetres, which is how zones are written. */
 export function toCentimetres(value: number): number {
   return Math.round(value * 100) / 100 + 0;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { computed, type Signal, useComputed, useSignal } from "@preact/signals";
+import { computed, type Signal, useComputed, useSignal, useSignalEffect } from "@preact/signals";
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { ApiError } from "../api/client";
 import { BlocksPane } from "../panels/blocks_pane";
@@ -17,11 +17,13 @@ import { BagWork } from "../state/bag_work";
 import { browserStorage } from "../state/drafts";
 import { FullScreen } from "../state/full_screen";
 import { PaneSizes } from "../state/pane_sizes";
+import { ProfileRepair } from "../state/profile_repair";
 import { RobotRules } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
 import { RulePush } from "../state/rule_push";
 import { type SelfSaving, saveByItself } from "../state/save_by_itself";
 import type { Trial } from "../state/trial";
+import { showInEditor } from "../try/show_in_editor";
 import { ConflictDialog } from "../ui/conflict_dialog";
 import { FullScreenButton } from "../ui/full_screen_button";
 import { showOnNarrow } from "../ui/narrow";
@@ -44,11 +46,18 @@ const DOCK = { least: 10, most: 85 };
 const USUAL_BLOCKS = 58;
 
 /** Blocks and text of one rule file side by side, and below them what can be said about it. */
-export function EditorPage({ api, project, name, robot: node, editors, refresh }: PageProps) {
+export function EditorPage({ api, project, name, robot: node, line, editors, refresh }: PageProps) {
   const editor = useMemo(() => editors.of(api, name), []);
   const robot = useRobotSide(api, editor);
   const tries = useMemo(() => new BagWork<Trial>(), []);
   useEffect(() => () => tries.cancel(), []);
+  /** The last try, also while the next one runs. */
+  const tried = useSignal<Trial | null>(null);
+  useSignalEffect(() => {
+    const { value } = tries.state;
+    if (value.kind === "done") tried.value = value.answer;
+  });
+  const repair = useMemo(() => new ProfileRepair(api, editor), []);
   const tool = useSignal<Tool>("findings");
   const side = useSignal<Side>("text");
   const full = useMemo(() => new FullScreen<FullPart>(), []);
@@ -66,6 +75,9 @@ export function EditorPage({ api, project, name, robot: node, editors, refresh }
     if (full.part.peek() === "map") full.leave();
     showOnNarrow(() => results.current);
   };
+  useEffect(() => {
+    if (state === "open" && line !== undefined) showInEditor(editor, Number(line));
+  }, [state]);
   const savesByItself = project.saves_by_itself && state === "open";
   useEffect(() => (savesByItself ? saveByItself(selfSaving(editor)) : undefined), [savesByItself]);
   if (state === "opening") return <p class="quiet center">Opening {name} …</p>;
@@ -89,7 +101,7 @@ export function EditorPage({ api, project, name, robot: node, editors, refresh }
       </div>
       <main class="panes">
         <div class="split">
-          <BlocksPane editor={editor} robotRules={robot.robotRules} />
+          <BlocksPane {...{ editor, tried }} robotRules={robot.robotRules} />
           <Splitter
             label="Width of the blocks"
             orientation="vertical"
@@ -114,8 +126,8 @@ export function EditorPage({ api, project, name, robot: node, editors, refresh }
             <FullScreenButton full={full} part="results" what="results" />
           </div>
           <div class="dock-body" role="tabpanel" aria-label={tool.value}>
-            {tool.value === "findings" && <FindingsPanel editor={editor} />}
-            {tool.value === "optimize" && <OptimizePanel {...{ editor, api, wantsRates }} />}
+            {tool.value === "findings" && <FindingsPanel {...{ editor, repair }} />}
+            {tool.value === "optimize" && <OptimizePanel {...{ editor, api, project, repair, wantsRates }} />}
             {tool.value === "robot" && <RobotPanel {...{ editor, ...robot }} />}
             {tool.value === "try" && <TryPanel {...{ editor, api, project }} work={tries} />}
           </div>
@@ -179,15 +191,16 @@ function useChoices(editor: RuleEditor) {
   return useComputed((): Choice<Tool>[] => [
     { value: "findings", label: `Findings (${editor.findings.value.length})` },
     { value: "optimize", label: "Optimize" },
-    { value: "try", label: "Try on a bag" },
+    { value: "try", label: "Try on a recording" },
     { value: "robot", label: "Robot" },
   ]);
 }
 
 function selfSaving(editor: RuleEditor): SelfSaving {
-  const { isSaved, conflict, restored } = editor;
+  const { isInFile, conflict, restored } = editor;
   const content = computed(() => JSON.stringify([editor.text.value, editor.layout.value, editor.map.value]));
-  return { content, isSaved, conflict, restored, isSound: () => editor.isSound(), save: () => editor.save(true) };
+  const [isSound, save] = [() => editor.isSound(), () => editor.save(true)];
+  return { content, isSaved: isInFile, conflict, restored, isSound, save };
 }
 
 type Opened = "open" | { problem: string };

@@ -43,6 +43,10 @@ function Start() {
   return (
     <>
       <h2 id="start">Rules in five minutes</h2>
+      <p>
+        <a href={href({ page: "tour", name: "" })}>Take the tour</a>: five steps on an example. Your files stay as they
+        are.
+      </p>
       <ol>
         <li>
           <strong>New rate</strong> for each topic that the operator watches: how often it is sent when nothing special
@@ -57,8 +61,8 @@ function Start() {
           click.
         </li>
         <li>
-          <strong>Try on a bag</strong> shows what the rules would have done to a recording, and what the operator would
-          have lost. One slider moves the robot on the map, the rules, the rates and the loss through its time.
+          <strong>Try on a recording</strong> shows what the rules would have done to a recording, and what the operator
+          would have lost. One slider moves the robot on the map, the rules, the rates and the loss through its time.
         </li>
         <li>
           <strong>Save</strong> keeps the rules. <strong>Optimize and Download</strong> turns quality levels into rates
@@ -93,8 +97,9 @@ function Start() {
       </p>
       <h2>Quality levels and the budget</h2>
       <p>
-        Topic parameters hold the size of one message in KB (1000 bytes) and six levels in Hz. A topic without a level
-        is Unacceptable: it gets as little as that level allows. Where not everything fits, the page says what would.
+        A profile is a file of topic parameters: for each topic the size of one message in KB (1000 bytes) and six
+        levels in Hz, and the budget, which is the total bandwidth of the link. A topic without a level is Unacceptable:
+        it gets as little as that level allows. Where not everything fits, the page says what would.
       </p>
       <h2 id="keys">Keys</h2>
       <table class="keys">
@@ -105,6 +110,12 @@ function Start() {
           <Key keys="Arrow keys" does="Among blocks: to the next block, field or + button" />
           <Key keys="Enter" does="Change a field; press a + or − button" />
           <Key keys="T" does="Among blocks: to the list of blocks" />
+          <Key keys="Tab in a field" does="On to the next field of the rule; with Shift to the one before" />
+          <Key keys="Shift+Enter" does="One more check, rate, bound or recording below this one" />
+          <Key
+            keys="↑ ↓ in a field"
+            does="Choose from the list; Enter or Tab take it, Escape leaves the field as it was"
+          />
           <Key keys="M" does="Move the block with the arrow keys; Enter puts it down" />
           <Key keys="Delete" does="Delete the block" />
           <Key keys="Ctrl+Space" does="In the text: suggestions" />

@@ -4,9 +4,10 @@ import { useId, useState } from "preact/hooks";
 import { type Api, ApiError } from "../api/client";
 import type { Project } from "../api/types";
 import { FileLists } from "../panels/file_lists";
+import { ownProfile } from "../panels/profile_choice";
 import { RecordingList, RecordingStart } from "../panels/recording_start";
 import { RECIPES } from "../recipes/recipes";
-import { toRoute } from "../route";
+import { type Route, toRoute } from "../route";
 import { FormDialog } from "../ui/dialog";
 import { useDroppedFile } from "../ui/dropped_file";
 import { FileProblem, fileText } from "../ui/file_text";
@@ -48,7 +49,6 @@ export function HomePage({ api, project, refresh, editors }: PageProps) {
   useDroppedFile((file) => void take(file));
   // Who comes back looks for the own files, who is new for a way to begin.
   const hasFiles = project.files.some(({ kind }) => kind === "rules" || kind === "profile");
-  const profile = project.files.find((file) => file.kind === "profile")?.name ?? "profile.toml";
   return (
     <main class="home">
       <RobotState />
@@ -70,12 +70,17 @@ export function HomePage({ api, project, refresh, editors }: PageProps) {
         <Card
           title="Configure Topic Parameters"
           text="Message sizes, the six quality levels and the bandwidth of the link."
-          act={() => toRoute({ page: "topics", name: profile })}
+          act={() => toRoute(tableOf(project))}
         />
         <Card
           title="Watch Robots"
           text="Every robot that is heard: its link, its rules and what arrives late."
           act={() => toRoute({ page: "robots", name: "" })}
+        />
+        <Card
+          title="Look at Incidents"
+          text="What rules recorded around the moment that mattered, and why."
+          act={() => toRoute({ page: "incidents", name: "" })}
         />
         <Card
           title="Documentation"
@@ -104,6 +109,15 @@ export function HomePage({ api, project, refresh, editors }: PageProps) {
       )}
     </main>
   );
+}
+
+/** The table of topic parameters to open: the first, else a new one, for the rules where there is but one file of them. */
+function tableOf({ files }: Project): Route {
+  const known = files.find(({ kind }) => kind === "profile");
+  if (known) return { page: "topics", name: known.name };
+  const [rules, another] = files.filter(({ kind }) => kind === "rules");
+  if (rules === undefined || another) return { page: "topics", name: "profile.toml" };
+  return { page: "topics", name: ownProfile(rules.name), rules: rules.name };
 }
 
 function Card({ title, text, act }: { title: string; text: string; act: () => void }) {

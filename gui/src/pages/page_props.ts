@@ -14,6 +14,8 @@ export interface PageProps {
   rules?: string | undefined;
   /** The node of the robot to show beside it, if the address names one. */
   robot?: string | undefined;
+  /** The line of the rule file to show, if the address names one. */
+  line?: string | undefined;
   /** Files with what was changed in them. */
   editors: OpenEditors;
   /** Reads the list of files again. */

@@ -40,7 +40,9 @@ function AllRobots({ project }: { project: Project }) {
   const shown = onlyTrouble.value ? troubled.value : robots.value;
   return (
     <>
-      <Header title="Robots" />
+      <Header title="Robots">
+        <a href={href({ page: "incidents", name: "" })}>Incidents</a>
+      </Header>
       <main class="robots">
         {robots.value.length === 0 ? (
           <p class="quiet">{link.connection.value.why}</p>

@@ -33,7 +33,14 @@ export function TopicsPage({ api, project, name, rules, refresh, editors }: Page
   };
   useEffect(() => void guarded(() => editor.open(project.files).then(() => setOpen(true))), []);
   const canSave = () => !editor.isSaved.peek() && editor.problems.peek().length === 0;
-  const save = () => guarded(() => editor.save().then(refresh));
+  const save = () =>
+    guarded(async () => {
+      const wasNew = editor.isNew.peek();
+      await editor.save();
+      // A table that was made for rules is theirs from now on, for everybody.
+      if (wasNew && !editor.isNew.peek() && rules !== undefined) await api.chooseProfile(rules, name);
+      await refresh();
+    });
   useUndoKeys({
     undo: () => editor.undo(),
     redo: () => editor.redo(),
@@ -50,7 +57,7 @@ export function TopicsPage({ api, project, name, rules, refresh, editors }: Page
   const isSaved = editor.isSaved.value;
   return (
     <>
-      <Header title="Topic parameters" note={`${name}, ${noteOf(isSaved, editor.isNew.value)}`}>
+      <Header title="Topic parameters" note={`profile ${name}, ${noteOf(isSaved, editor.isNew.value)}`}>
         <button type="button" disabled={!editor.history.canUndo.value} onClick={() => editor.undo()}>
           Undo
         </button>
@@ -71,7 +78,7 @@ export function TopicsPage({ api, project, name, rules, refresh, editors }: Page
       <main class="topics">
         <RestoredNotice file={editor} />
         {problem && <Notice kind="error" text={problem} />}
-        {isOpen && rules !== undefined && <RulesTopics {...{ api, editor, rules }} />}
+        {isOpen && rules !== undefined && <RulesTopics {...{ api, editors, editor, rules }} />}
         {isOpen && <TopicTable editor={editor} />}
         {isOpen && <LevelPanel {...{ editor, api, bags }} />}
         <Toast message={editor.message} />

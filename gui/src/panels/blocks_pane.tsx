@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { effect, type Signal, useSignal } from "@preact/signals";
+import { effect, type ReadonlySignal, type Signal, useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { toBlock } from "../blocks/model";
 import { isSamePage, type Pages } from "../blocks/pages";
@@ -9,17 +9,20 @@ import { suggestionsOf } from "../blocks/suggestions";
 import { NEW_RATE, NEW_RULE } from "../blocks/toolbox";
 import type { RobotRules } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
+import type { Trial } from "../state/trial";
 import { watchSize, watchTheme } from "../ui/watch";
 import { PageChoice } from "./page_choice";
+import { RuleSearch } from "./rule_search";
 
 /** The left half: the rules as blocks. */
-export function BlocksPane({ editor, robotRules }: { editor: RuleEditor; robotRules: RobotRules }) {
+export function BlocksPane(props: { editor: RuleEditor; robotRules: RobotRules; tried: ReadonlySignal<Trial | null> }) {
+  const { editor, robotRules, tried } = props;
   const host = useRef<HTMLDivElement>(null);
   const workspace = useRef<RuleWorkspace | null>(null);
   const pages = useSignal<Pages>({ first: 0, count: 0, total: 0 });
   useEffect(() => {
     if (!host.current) return;
-    const opened = openWorkspace(host.current, editor, robotRules, pages);
+    const opened = openWorkspace(host.current, { editor, robotRules, tried, pages });
     workspace.current = opened.workspace;
     return opened.close;
   }, []);
@@ -47,6 +50,7 @@ export function BlocksPane({ editor, robotRules }: { editor: RuleEditor; robotRu
         >
           New rule
         </button>
+        <RuleSearch editor={editor} robotRules={robotRules} onGo={(index) => workspace.current?.goToBlock(index)} />
         <PageChoice pages={pages.value} onGo={(index) => workspace.current?.goTo(index)} />
         {isBehind && (
           <p class="pane-note" role="status">
@@ -65,11 +69,16 @@ export function BlocksPane({ editor, robotRules }: { editor: RuleEditor; robotRu
   );
 }
 
+interface Shown {
+  editor: RuleEditor;
+  robotRules: RobotRules;
+  tried: ReadonlySignal<Trial | null>;
+  pages: Signal<Pages>;
+}
+
 function openWorkspace(
   host: HTMLElement,
-  editor: RuleEditor,
-  robotRules: RobotRules,
-  pages: Signal<Pages>,
+  { editor, robotRules, tried, pages }: Shown,
 ): { workspace: RuleWorkspace; close: () => void } {
   const show = () => {
     const shown = editor.shown.peek();
@@ -77,13 +86,21 @@ function openWorkspace(
   };
   const workspace = new RuleWorkspace(host, {
     recipes: editor.recipes,
-    suggestions: suggestionsOf(editor.vocabulary),
+    suggestions: suggestionsOf({
+      vocabulary: editor.vocabulary,
+      profile: editor.profile,
+      live: robotRules.live,
+      tried,
+    }),
     changed: (editsOf) =>
       editor.edit((document) => {
         if (document === editor.shown.peek()?.document) workspace.catchUp(document, editor.layout.peek());
         return editsOf(document);
       }),
     leftOut: (count) => (editor.blocksLeftOut = count),
+    ahead: (isAhead) => {
+      editor.blocksAhead.value = isAhead;
+    },
     showAgain: show,
     paged: (shown) => {
       if (!isSamePage(shown, pages.peek())) pages.value = shown;
@@ -94,6 +111,7 @@ function openWorkspace(
       if (offset !== undefined && end_offset !== undefined) editor.spot.value = { offset, end_offset, from: "blocks" };
     },
   });
+  editor.handOver = (withOpenField) => workspace.handOver(withOpenField);
   const stops = [
     effect(() => {
       void editor.shown.value;
@@ -114,6 +132,8 @@ function openWorkspace(
     for (const stop of stops) stop();
     workspace.dispose();
     editor.blocksLeftOut = 0;
+    editor.blocksAhead.value = false;
+    editor.handOver = null;
   };
   return { workspace, close };
 }

@@ -44,7 +44,7 @@ export function EditorBar({ editor, api, project, savesByItself, rulePush, robot
       </div>
       <div class="tool-group" role="group" aria-label="Try">
         <button type="button" onClick={() => onTool("try")}>
-          Try on a bag
+          Try on a recording
         </button>
       </div>
       <div class="tool-group" role="group" aria-label="Ship">

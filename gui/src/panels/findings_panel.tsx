@@ -4,7 +4,9 @@ import { useState } from "preact/hooks";
 import type { PlacedFinding, Severity } from "../api/types";
 import { href } from "../route";
 import { statementTitle } from "../sharing/statement_title";
+import type { ProfileRepair } from "../state/profile_repair";
 import type { RuleEditor } from "../state/rule_editor";
+import { ProfileChangeNotice } from "./profile_change_notice";
 import { ownProfile } from "./profile_choice";
 
 const MARKS: Record<Severity, string> = { error: "Error", warning: "Warning", info: "Note" };
@@ -12,8 +14,16 @@ const MARKS: Record<Severity, string> = { error: "Error", warning: "Warning", in
 /** How many findings are shown at first: a list of hundreds is read from its top. */
 const SHOWN = 50;
 
+/** Findings that topic parameters can end, and no button alone: somebody has to say a number or a name. */
+const OF_TOPIC_PARAMETERS: ReadonlySet<string> = new Set([
+  "tier-without-rate",
+  "unnamed-in-profile",
+  "record-unpublished",
+  "no-margin",
+]);
+
 /** Everything the checker says, each with the way there and the fix. */
-export function FindingsPanel({ editor }: { editor: RuleEditor }) {
+export function FindingsPanel({ editor, repair }: { editor: RuleEditor; repair: ProfileRepair }) {
   const findings = editor.findings.value;
   const [limit, setLimit] = useState(SHOWN);
   const hidden = findings.length - limit;
@@ -22,10 +32,11 @@ export function FindingsPanel({ editor }: { editor: RuleEditor }) {
       <p class="visually-hidden" role="status" aria-live="polite">
         {findings.length === 0 ? "No findings" : `${findings.length} findings`}
       </p>
+      <ProfileChangeNotice repair={repair} />
       {findings.length === 0 && <p class="quiet">No findings: the rules can be used as they are.</p>}
       <ul class="findings" aria-label="Findings">
         {findings.slice(0, limit).map((finding) => (
-          <FindingRow key={`${finding.offset} ${finding.code} ${finding.message}`} {...{ editor, finding }} />
+          <FindingRow key={`${finding.offset} ${finding.code} ${finding.message}`} {...{ editor, repair, finding }} />
         ))}
       </ul>
       {hidden > 0 && (
@@ -37,8 +48,11 @@ export function FindingsPanel({ editor }: { editor: RuleEditor }) {
   );
 }
 
-function FindingRow({ editor, finding }: { editor: RuleEditor; finding: PlacedFinding }) {
-  const { fix } = finding;
+function FindingRow(props: { editor: RuleEditor; repair: ProfileRepair; finding: PlacedFinding }) {
+  const { editor, repair, finding } = props;
+  const { fix, profile_fix } = finding;
+  const profile = editor.profile.value?.name;
+  const hasWay = fix !== null || profile_fix !== null || OF_TOPIC_PARAMETERS.has(finding.code);
   const own = editor.statement(finding.statement);
   const related = finding.related.map((id) => editor.statement(id)).filter((each) => each !== undefined);
   const show = (offset = 0, end_offset = 0) => (editor.spot.value = { offset, end_offset, from: "findings" });
@@ -79,8 +93,25 @@ function FindingRow({ editor, finding }: { editor: RuleEditor; finding: PlacedFi
           {fix.title}
         </button>
       )}
-      {finding.code === "tier-without-rate" && (
-        <a href={href({ page: "topics", name: ownProfile(editor.name) })}>Topic parameters</a>
+      {profile_fix && profile !== undefined && (
+        <button
+          type="button"
+          class="small fix"
+          title={`Changes ${profile_fix.key} in ${profile}`}
+          onClick={() => void repair.mend(profile_fix).catch((error: unknown) => editor.tell(error))}
+        >
+          {profile_fix.title}, in {profile}
+        </button>
+      )}
+      {(OF_TOPIC_PARAMETERS.has(finding.code) || (profile_fix && profile === undefined)) && (
+        <a href={href({ page: "topics", name: profile ?? ownProfile(editor.name), rules: editor.name })}>
+          Topic parameters
+        </a>
+      )}
+      {!hasWay && related.length === 0 && (
+        <button type="button" class="small" onClick={() => show(finding.offset, finding.end_offset)}>
+          Show it
+        </button>
       )}
       <a
         class="why"

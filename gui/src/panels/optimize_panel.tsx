@@ -3,15 +3,20 @@
 import type { Signal } from "@preact/signals";
 import { useEffect, useState } from "preact/hooks";
 import { type Api, ApiError, type Rules } from "../api/client";
-import type { OptimizeAnswer, Refusal, Repair } from "../api/types";
+import type { OptimizeAnswer, Project, Refusal, Repair } from "../api/types";
 import { href } from "../route";
 import { setBudget } from "../state/budget";
+import type { ProfileRepair } from "../state/profile_repair";
 import type { RuleEditor } from "../state/rule_editor";
+import { topicsIn } from "../state/topics_in";
 import { download } from "../ui/download";
 import { kilobytes } from "../ui/numbers";
+import { ProfileChangeNotice } from "./profile_change_notice";
 import { SituationBars } from "./situation_bars";
 
 const AFTER_MS = 300;
+/** Recordings that are offered to measure in. */
+const MOST_BAGS = 3;
 /** What was asked about: repairs are edits of its text. */
 type Asked = Pick<Rules, "text" | "profile_text">;
 type Optimized = OptimizeAnswer & Asked;
@@ -20,12 +25,14 @@ type Result = Optimized | (Asked & { refused: string }) | null;
 interface Props {
   editor: RuleEditor;
   api: Api;
+  project: Project;
+  repair: ProfileRepair;
   /** Whether the rates are to be downloaded as soon as they are computed. */
   wantsRates: Signal<boolean>;
 }
 
 /** Quality levels as rates within the budget, computed anew while the rules change. */
-export function OptimizePanel({ editor, api, wantsRates }: Props) {
+export function OptimizePanel({ editor, api, project, repair, wantsRates }: Props) {
   const [result, setResult] = useState<Result>(null);
   const [text, profile] = [editor.text.value, editor.profile.value];
   useEffect(() => {
@@ -33,7 +40,8 @@ export function OptimizePanel({ editor, api, wantsRates }: Props) {
     const timer = setTimeout(() => void optimize(editor, api, setResult), AFTER_MS);
     return () => clearTimeout(timer);
   }, [text, profile]);
-  const isAnswered = profile === null || (result?.text === text && result.profile_text === profile.text);
+  const isAnswered =
+    profile === null ? editor.knowsProfile.value : result?.text === text && result.profile_text === profile.text;
   useEffect(() => {
     if (!wantsRates.value || !isAnswered) return;
     wantsRates.value = false;
@@ -42,18 +50,23 @@ export function OptimizePanel({ editor, api, wantsRates }: Props) {
     else editor.message.value = "Nothing was downloaded: the panel below says what is missing";
   }, [wantsRates.value, isAnswered]);
   if (profile === null) {
-    return <p class="quiet">Choose topic parameters (message sizes and levels) on the right, or create them.</p>;
+    return (
+      <p class="quiet">Choose a profile (topic parameters: message sizes and levels) on the right, or create one.</p>
+    );
   }
   if (result === null) return <p class="quiet">Computing rates …</p>;
   if ("refused" in result) {
     return (
-      <p class="problem">
-        {result.refused}. <a href={href({ page: "topics", name: profile.name })}>Topic parameters of {profile.name}</a>
-      </p>
+      <>
+        <p class="problem">{result.refused}.</p>
+        <MissingEntries {...{ editor, project, repair }} profile={profile.name} />
+        <ProfileChangeNotice repair={repair} />
+      </>
     );
   }
   return (
     <div class="optimize">
+      <ProfileChangeNotice repair={repair} />
       <Verdict editor={editor} result={result} />
       {result.refusals.map((refusal) => (
         <RefusalCard key={refusal.rule ?? "defaults"} {...{ api, editor, refusal }} text={result.text} />
@@ -67,6 +80,24 @@ export function OptimizePanel({ editor, api, wantsRates }: Props) {
           />
         ))}
       </div>
+    </div>
+  );
+}
+
+/** The ways to what the topic parameters lack: a recording may say it, or somebody types it. */
+function MissingEntries(props: Pick<Props, "editor" | "project" | "repair"> & { profile: string }) {
+  const { editor, project, repair, profile } = props;
+  const bags = project.files.filter((file) => file.kind === "bag").map((file) => file.name);
+  const measure = (bag: string) =>
+    void repair.measureMissing(bag, topicsIn(editor.document.value)).catch((error: unknown) => editor.tell(error));
+  return (
+    <div class="row">
+      {bags.slice(0, MOST_BAGS).map((bag) => (
+        <button key={bag} type="button" class="small fix" onClick={() => measure(bag)}>
+          Measure it in {bag}
+        </button>
+      ))}
+      <a href={href({ page: "topics", name: profile, rules: editor.name })}>Enter it in {profile}</a>
     </div>
   );
 }

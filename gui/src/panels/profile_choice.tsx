@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { useEffect } from "preact/hooks";
+import { useEffect, useRef, useState } from "preact/hooks";
 import type { Api } from "../api/client";
 import type { Project } from "../api/types";
 import { href } from "../route";
@@ -9,39 +9,43 @@ import type { RuleEditor } from "../state/rule_editor";
 /** Where topic parameters that are made for a rule file go. */
 export const ownProfile = (rules: string) => rules.replace(/(\.adirf)?$/, ".toml");
 
-/** Which topic parameters the rules are checked and optimized with: those chosen last, else the likeliest. */
+/** Which topic parameters the rules are checked and optimized with: those chosen last by anybody, else the likeliest. */
 export function ProfileChoice({ editor, api, project }: { editor: RuleEditor; api: Api; project: Project }) {
-  const names = project.files.filter((file) => file.kind === "profile").map((file) => file.name);
-  const storageKey = `profile of ${editor.name}`;
-  const remembered = () => {
-    const name = localStorage.getItem(storageKey);
-    return name === "" || names.includes(name ?? "") ? name : null;
-  };
-  const use = (name: string) => editor.useProfile(name || null).catch((error: unknown) => editor.tell(error));
-  const useLikeliest = async () => {
+  const chosen = editor.profile.value?.name ?? "";
+  const listed = project.files.filter((file) => file.kind === "profile").map((file) => file.name);
+  // One that was saved just now may not be listed yet.
+  const names = chosen === "" || listed.includes(chosen) ? listed : [...listed, chosen];
+  const [gone, setGone] = useState<string | null>(null);
+  const hasChosen = useRef(false);
+  const telling = (work: Promise<void>) => void work.catch((error: unknown) => editor.tell(error));
+  const useRemembered = async () => {
     try {
-      const { name } = await api.profileFor(editor.rules);
+      const answer = await api.profileFor(editor.rules);
       // Somebody may have chosen meanwhile.
-      if (remembered() === null) await use(name ?? "");
-    } catch (error) {
-      editor.tell(error);
+      if (hasChosen.current) return;
+      setGone(answer.gone);
+      await editor.useProfile(answer.name);
+    } finally {
+      editor.knowsProfile.value = true;
     }
   };
-  useEffect(() => {
-    const name = remembered();
-    void (name === null ? useLikeliest() : use(name));
-  }, []);
-  const choose = (name: string) => {
-    localStorage.setItem(storageKey, name);
-    void use(name);
+  useEffect(() => telling(useRemembered()), []);
+  const choose = async (name: string) => {
+    hasChosen.current = true;
+    setGone(null);
+    await Promise.all([api.chooseProfile(editor.name, name || null), editor.useProfile(name || null)]);
   };
-  const chosen = editor.profile.value?.name ?? "";
   const own = ownProfile(editor.name);
   return (
     <div class="row profile-choice">
+      {gone !== null && (
+        <span class="problem" role="status">
+          {gone} is gone
+        </span>
+      )}
       <label>
-        Topic parameters
-        <select value={chosen} onChange={(event) => choose(event.currentTarget.value)}>
+        Profile (topic parameters)
+        <select value={chosen} onChange={(event) => telling(choose(event.currentTarget.value))}>
           <option value="">none</option>
           {names.map((name) => (
             <option key={name} value={name}>

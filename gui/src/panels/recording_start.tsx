@@ -77,7 +77,7 @@ export function RecordingStart({ api, project, refresh, bag, onClose }: Props & 
       </label>
       <div class="checklist">
         <Choice name="defaults" label="Make defaults" note="every message of each topic, to lower from there" />
-        <Choice name="sizes" label="Measure sizes" note="topic parameters of the same name" />
+        <Choice name="sizes" label="Measure sizes" note="topic parameters, in a profile of the same name" />
         <Choice name="path" label="Show the path" note="below the zones on the map" />
       </div>
       {problem && (

@@ -3,6 +3,7 @@
 import type { Project, RobotSummary } from "../api/types";
 import { href } from "../route";
 import { age, duration, isOverBudget, linkWords, OLD_MS, rulesFor, troubleOf } from "../state/robot_trouble";
+import { ColumnHeads } from "../ui/column_heads";
 import { readable } from "../ui/numbers";
 
 const NOW_S = 4;
@@ -31,15 +32,7 @@ export function RobotTable({ robots, project, sinceToldS, hold, release }: Robot
         onFocusIn={() => hold()}
         onFocusOut={release}
       >
-        <thead>
-          <tr>
-            {COLUMNS.map((name) => (
-              <th key={name} scope="col">
-                {name}
-              </th>
-            ))}
-          </tr>
-        </thead>
+        <ColumnHeads names={COLUMNS} />
         <tbody>
           {robots.map((robot) => (
             <RobotRow key={robot.node} {...{ robot, project, sinceToldS }} />

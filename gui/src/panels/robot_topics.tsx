@@ -3,7 +3,7 @@
 import { useMemo } from "preact/hooks";
 import type { Live, LiveTopic } from "../api/types";
 import type { RobotLink } from "../state/robot_link";
-import { readable } from "../ui/numbers";
+import { fixed, readable } from "../ui/numbers";
 import { Sparkline } from "./sparkline";
 
 /** Every relayed topic of a robot as it is now. */
@@ -48,13 +48,13 @@ export function RobotTopics({ link, live }: { link: RobotLink; live: Live }) {
 
 /** What the row of a topic says, in the order of the columns, and how it looks; the sparkline is beside it. */
 function cellsOf(topic: LiveTopic): string {
-  const rate = (hz: number | null) => (hz === null ? "–" : hz.toFixed(1));
+  const rate = (hz: number | null) => (hz === null ? "–" : fixed(hz, 1));
   const target = topic.target_hz === null ? "Full" : readable(topic.target_hz);
   return [
     rate(topic.source_hz),
     target,
     rate(topic.actual_hz),
-    topic.out_kb_per_s.toFixed(1),
+    fixed(topic.out_kb_per_s, 1),
     topic.rule ?? REASONS[topic.reason] ?? topic.reason,
     topic.problem ?? topic.silence ?? relayed(topic),
     (topic.problem ?? topic.silence) ? "silent" : "",
@@ -73,7 +73,7 @@ function linkCellsOf({ link }: LiveTopic): string {
 function relayed({ keeps_rate, error_percent, link }: LiveTopic): string {
   if (link?.overflowed) return `${readable(link.overflowed)} lost on the link`;
   if (keeps_rate || error_percent === null) return "relayed";
-  return `rate off by ${error_percent.toFixed(0).replace("-", "−")} %`;
+  return `rate off by ${fixed(error_percent, 0)} %`;
 }
 
 const REASONS: Record<string, string> = {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { Live } from "../api/types";
 import { linkWords } from "../state/robot_trouble";
-import { readable } from "../ui/numbers";
+import { fixed, readable } from "../ui/numbers";
 
 /** What all topics take of the link together, and what the runtime takes of its machine. */
 export function RobotTotals({ live }: { live: Live }) {
@@ -26,8 +26,8 @@ export function RobotTotals({ live }: { live: Live }) {
       {live.link && <Figure name="Link" value={linkWords(live.link)} />}
       <Figure name="Watching" value={`up to ${readable(live.status_kb_per_s)} KB/s`} />
       <Figure name="Received" value={`${readable(heard)} KB/s`} />
-      <Figure name="CPU" value={live.cpu_percent === null ? "–" : `${live.cpu_percent.toFixed(1)} %`} />
-      <Figure name="Memory" value={live.memory_mb === null ? "–" : `${live.memory_mb.toFixed(0)} MB`} />
+      <Figure name="CPU" value={live.cpu_percent === null ? "–" : `${fixed(live.cpu_percent, 1)} %`} />
+      <Figure name="Memory" value={live.memory_mb === null ? "–" : `${fixed(live.memory_mb, 0)} MB`} />
     </dl>
   );
 }

@@ -6,6 +6,7 @@ import { RULES_WORDS } from "../state/connection";
 import type { RuleEditor } from "../state/rule_editor";
 import type { RulePush, Stage } from "../state/rule_push";
 
+type Kept = Extract<Stage, { kind: "kept" }>;
 type Trying = Extract<Stage, { kind: "trying" }>;
 
 /** How far sent rules are: checked by the robot, tried there, kept; or why they are not. */
@@ -33,7 +34,14 @@ function StageView({ rulePush, editor }: { rulePush: RulePush; editor: RuleEdito
       return <TryingSteps rulePush={rulePush} stage={stage} />;
     case "kept":
       if (!rulePush.isHeard.value) return <NoStatus words={`${stage.node} kept the rules that were sent to it`} />;
-      return <Steps done={3} words={`${stage.node} keeps these rules.`} leftS={null} />;
+      return <KeptSteps rulePush={rulePush} stage={stage} />;
+    case "written":
+      return (
+        <p role="status">
+          {stage.node} keeps these rules, and wrote them to its file {stage.file}. What that held is beside it, in{" "}
+          {stage.previousFile}.
+        </p>
+      );
     case "replaced":
       return (
         <p class="notice warning" role="status">
@@ -79,6 +87,44 @@ function TryingSteps({ rulePush, stage }: { rulePush: RulePush; stage: Trying })
         Do not keep them
       </button>
       <progress aria-label="Time left to keep the rules" max={stage.withinS} value={leftS} />
+    </div>
+  );
+}
+
+/** What *kept* lasts for, and the way to make it last. */
+function KeptSteps({ rulePush, stage }: { rulePush: RulePush; stage: Kept }) {
+  const { node, lasting } = stage;
+  useEffect(() => {
+    if (lasting === null) void rulePush.askLasting();
+  }, [lasting]);
+  const files = lasting?.files.map((each) => `‘${each}’`).join(", ");
+  const until = files
+    ? `until its runtime ends or its file ${files} changes; then that is back`
+    : "until its runtime ends";
+  return (
+    <div class="rule-push">
+      <Steps
+        done={3}
+        words={lasting === null ? `${node} keeps these rules.` : `${node} keeps these rules ${until}.`}
+        leftS={null}
+      />
+      {lasting !== null && (
+        <>
+          <button
+            type="button"
+            disabled={lasting.writable_file === ""}
+            aria-describedby={lasting.why_not ? "why-not-written" : undefined}
+            onClick={() => void rulePush.write()}
+          >
+            Write to its file
+          </button>
+          {lasting.why_not && (
+            <p class="quiet" id="why-not-written">
+              {lasting.why_not}
+            </p>
+          )}
+        </>
+      )}
     </div>
   );
 }

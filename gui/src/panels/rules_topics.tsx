@@ -3,22 +3,24 @@
 import { useEffect, useState } from "preact/hooks";
 import { type Api, ApiError } from "../api/client";
 import { href } from "../route";
+import type { OpenEditors } from "../state/open_editors";
 import type { ProfileEditor } from "../state/profile_editor";
 import { topicsIn } from "../state/topics_in";
 
 interface Props {
   api: Api;
+  editors: OpenEditors;
   editor: ProfileEditor;
   /** The rule file that the table is for. */
   rules: string;
 }
 
 /** The way back to the rules, and a row for each topic of them that the table lacks; a new table begins with those. */
-export function RulesTopics({ api, editor, rules }: Props) {
+export function RulesTopics({ api, editors, editor, rules }: Props) {
   const [topics, setTopics] = useState<readonly string[]>([]);
   const [problem, setProblem] = useState("");
   useEffect(() => {
-    topicsOf(api, rules).then(
+    topicsOf(api, editors, rules).then(
       (found) => {
         setTopics(found);
         const isEmpty = editor.rows.peek().every((row) => row.topic.trim() === "");
@@ -51,7 +53,7 @@ export function RulesTopics({ api, editor, rules }: Props) {
   );
 }
 
-async function topicsOf(api: Api, rules: string): Promise<string[]> {
-  const { text } = await api.read(rules);
+async function topicsOf(api: Api, editors: OpenEditors, rules: string): Promise<string[]> {
+  const text = editors.unsavedText(rules) ?? (await api.read(rules)).text;
   return [...topicsIn(await api.document({ text, name: rules, profile_text: null }))].sort();
 }

@@ -1,16 +1,19 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+import { useEffect } from "preact/hooks";
 import { TIERS } from "../api/types";
+import { tableCells } from "../state/pasted_table";
 import { type DraftRow, isNumber, type NumberField, type ProfileEditor } from "../state/profile_editor";
 
 /** The thesis's table of topic parameters, filled by hand or pasted from a spreadsheet. */
 export function TopicTable({ editor }: { editor: ProfileEditor }) {
   const problems = editor.problems.value;
+  usePastedTable(editor);
   return (
     <>
       <div class="row budget">
         <label>
-          Total bandwidth (KB/s)
+          Budget: total bandwidth (KB/s)
           <input
             inputMode="decimal"
             value={editor.budget.value}
@@ -19,7 +22,7 @@ export function TopicTable({ editor }: { editor: ProfileEditor }) {
             onInput={(event) => editor.setBudget(event.currentTarget.value)}
           />
         </label>
-        <p class="quiet">1 KB is 1000 bytes. Cells copied from a spreadsheet can be pasted into a Topic cell.</p>
+        <p class="quiet">1 KB is 1000 bytes. A table copied from a spreadsheet can be pasted here.</p>
       </div>
       <div class="table-scroll">
         <table class="topic-table">
@@ -88,6 +91,7 @@ function TopicRow({ editor, row, number }: { editor: ProfileEditor; row: DraftRo
           class="topic"
           aria-label={`Topic of row ${number}`}
           value={row.topic}
+          title={row.topic}
           placeholder="/topic"
           spellcheck={false}
           onInput={(event) => editor.change(row.key, { topic: event.currentTarget.value })}
@@ -109,10 +113,22 @@ function TopicRow({ editor, row, number }: { editor: ProfileEditor; row: DraftRo
   );
 }
 
-function pasteTable(event: ClipboardEvent, editor: ProfileEditor, key: number): void {
-  const text = event.clipboardData?.getData("text/plain").trim() ?? "";
-  if (!text.includes("\t")) return;
+/** Takes a pasted table from a row on, or with null each line where its topic is; other text is left to the browser. */
+function pasteTable(event: ClipboardEvent, editor: ProfileEditor, key: number | null): void {
+  const cells = tableCells(event.clipboardData?.getData("text/plain") ?? "");
+  if (cells.length === 0 || event.defaultPrevented) return;
   event.preventDefault();
-  const lines = text.split(/\r?\n/).map((line) => line.split("\t").map((cell) => cell.trim()));
-  editor.paste(key, lines);
+  editor.paste(key, cells);
+}
+
+/** Takes a table that is pasted anywhere on the page, but into no field. */
+function usePastedTable(editor: ProfileEditor): void {
+  useEffect(() => {
+    const pasted = (event: ClipboardEvent) => {
+      const isField = event.target instanceof Element && event.target.closest("input, select, dialog") !== null;
+      if (!isField) pasteTable(event, editor, null);
+    };
+    addEventListener("paste", pasted);
+    return () => removeEventListener("paste", pasted);
+  }, [editor]);
 }

@@ -29,7 +29,7 @@ export function TryPanel(props: { editor: RuleEditor; api: Api; project: Project
   const run = () =>
     work.start(async (name, signal) => {
       const { rules } = editor;
-      return new Trial(await api.tryOnBag(rules, bag, name, signal), rules.text, bag);
+      return new Trial(await api.tryOnBag(rules, bag, name, signal), rules, bag);
     });
   return (
     <div class="try">

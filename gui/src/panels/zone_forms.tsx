@@ -25,7 +25,7 @@ export function ChosenZoneForm({ zones }: { zones: ZoneEditor }) {
   return (
     <div class="zone-form" role="group" aria-label={`Zone of ${rule.label}`}>
       <div class="row zone-head">
-        <h3>{rule.label}</h3>
+        <h2>{rule.label}</h2>
         {isMany && (
           <select
             aria-label="Rectangle"
@@ -65,7 +65,7 @@ export function DraftForm({ zones }: { zones: ZoneEditor }) {
   return (
     <div class="zone-form" role="group" aria-label="New zone">
       <div class="row zone-head">
-        <h3>New zone</h3>
+        <h2>New zone</h2>
         <select
           aria-label="Shape"
           value={isPolygon ? "polygon" : "rectangle"}
@@ -280,11 +280,21 @@ function numberIn(data: FormData, name: string): number | null {
   return text === "" ? null : typedNumber(text);
 }
 
+/** Corners with a semicolon or a comma between; a comma without a blank behind it may stand before decimals. */
 function cornersIn(text: string): Point[] | null {
+  return cornersBetween(text, /;|,\s/) ?? cornersBetween(text, /[,;]/);
+}
+
+function cornersBetween(text: string, separator: RegExp): Point[] | null {
   const corners = text
-    .split(/[,;]/)
+    .split(separator)
     .filter((each) => each.trim() !== "")
-    .map((each) => each.trim().split(/\s+/).map(Number));
+    .map((each) =>
+      each
+        .trim()
+        .split(/\s+/)
+        .map((word) => typedNumber(word)),
+    );
   const isRead = corners.length > 2 && corners.every((each) => each.length === 2 && each.every(Number.isFinite));
   return isRead ? corners.map(([x = 0, y = 0]): Point => [x, y]) : null;
 }

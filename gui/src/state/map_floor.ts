@@ -1,14 +1,19 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { computed, effect, signal, untracked } from "@preact/signals";
+import { computed, effect, type Signal, signal, untracked } from "@preact/signals";
 import type { Api } from "../api/client";
 import type { Background, BackgroundChoice, DrivenPath } from "../api/types";
 import type { MapPicture, Point } from "../map/shapes";
 import { type MapSetting, PLAIN_GRID } from "./layout";
-import type { RuleEditor } from "./rule_editor";
 
 const RADIANS = Math.PI / 180;
 const NO_PATH: readonly Point[] = [];
+
+/** Whose floor it is: what its side file says, and who is told of errors. */
+export interface FloorOwner {
+  readonly map: Signal<MapSetting>;
+  tell(error: unknown): void;
+}
 
 /** What lies below the zones: a map or image, and the path of a recording. The choice is kept in the side file. */
 export class MapFloor {
@@ -26,7 +31,7 @@ export class MapFloor {
 
   constructor(
     private readonly api: Api,
-    private readonly editor: RuleEditor,
+    private readonly editor: FloorOwner,
   ) {}
 
   /** Loads what the side file names, now and when that changes; returns how to stop. */

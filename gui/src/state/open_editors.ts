@@ -18,6 +18,12 @@ export class OpenEditors {
     return unsavedOrNew(this.rules, name, () => new RuleEditor(api, name, this.drafts));
   }
 
+  /** What is not saved of a rule file that is open; null where nothing is. */
+  unsavedText(name: string): string | null {
+    const known = this.rules.get(name);
+    return known && !known.isSaved.peek() ? known.text.peek() : null;
+  }
+
   /** The editor of a profile: the one with unsaved changes, else a new one. */
   profileOf(api: Api, name: string): ProfileEditor {
     return unsavedOrNew(this.profiles, name, () => new ProfileEditor(api, name, this.drafts));

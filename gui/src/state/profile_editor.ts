@@ -3,25 +3,19 @@
 import { computed, effect, signal } from "@preact/signals";
 import { type Api, ApiError } from "../api/client";
 import type { FoundFile, ProfileRow, ProfileTable } from "../api/types";
-import { typedNumber } from "../ui/numbers";
+import { numberProblem, typedNumber } from "../ui/numbers";
 import { type Accuracies, accuraciesOf, areAccuracies, sixOf } from "./accuracies";
 import { type Conflict, type Contested, conflictWith, readIfThere, saveOver } from "./conflict";
 import { type Draft, type Drafts, NO_ROOM, type Restored } from "./drafts";
 import { History } from "./history";
+import { type TypedRow, withPasted } from "./pasted_table";
 
 export const TIER_COUNT = 6;
 const CHECK_AFTER_MS = 400;
 
 /** One row as it is being typed: texts, since half a number is not a number yet. */
-export interface DraftRow {
+export interface DraftRow extends TypedRow {
   key: number;
-  topic: string;
-  message_kb: string;
-  tiers_hz: string[];
-  priority: string;
-  source_hz: string;
-  min_hz: string;
-  max_hz: string;
   type: string | null;
   accuracies: Accuracies;
 }
@@ -223,19 +217,12 @@ export class ProfileEditor implements Contested {
     this.changed();
   }
 
-  /** Cells of a spreadsheet from a row on: topic, KB, six levels, priority, source rate. */
-  paste(key: number, cells: string[][]): void {
+  /** Takes cells of a spreadsheet, from the row of `key` on, or with null each where its topic is. */
+  paste(key: number | null, lines: readonly string[][]): void {
     this.remember();
-    const rows = [...this.rows.value];
-    const start = rows.findIndex((row) => row.key === key);
-    cells.forEach(([topic = "", size = "", ...numbers], index) => {
-      const old = rows[start + index] ?? this.draft({ topic: "" });
-      const tiers = old.tiers_hz.map((tier, at) => numbers[at] ?? tier);
-      const priority = numbers[TIER_COUNT] ?? old.priority;
-      const source = numbers[TIER_COUNT + 1] ?? old.source_hz;
-      rows[start + index] = { ...old, topic, message_kb: size, tiers_hz: tiers, priority, source_hz: source };
-    });
-    this.rows.value = rows;
+    const from = key === null ? null : this.rows.value.findIndex((row) => row.key === key);
+    this.rows.value = withPasted(this.rows.value, from, lines, () => this.draft({ topic: "" }));
+    this.message.value = `Pasted ${lines.length === 1 ? "1 topic" : `${lines.length} topics`}`;
     this.changed();
   }
 
@@ -263,7 +250,8 @@ export class ProfileEditor implements Contested {
       return (await this.api.checkProfile(this.name, table, this.baseText)).problem;
     } catch (error) {
       if (!(error instanceof ApiError)) throw error;
-      return error.message;
+      // A server that is gone refuses nothing: once it is back, the table can be saved.
+      return error.status === 0 ? "" : error.message;
     }
   }
 
@@ -356,12 +344,17 @@ function finished(row: DraftRow): ProfileRow {
   };
 }
 
+function cellProblem(cell: string): string {
+  return numberProblem(cell) || `${cell.trim()} is less than 0`;
+}
+
 function problemsOf(rows: readonly DraftRow[], budget: string): string[] {
-  const problems = isNumber(budget) ? [] : ["The total bandwidth is not a number."];
+  const problems = isNumber(budget) ? [] : [`The budget, the total bandwidth: ${cellProblem(budget)}.`];
   for (const row of rows) {
     const place = row.topic || "A row without a topic";
     const cells = [row.message_kb, row.priority, row.source_hz, row.min_hz, row.max_hz, ...row.tiers_hz];
-    if (cells.some((cell) => !isNumber(cell))) problems.push(`${place}: a cell is not a number of 0 or more.`);
+    const wrong = cells.find((cell) => !isNumber(cell));
+    if (wrong !== undefined) problems.push(`${place}: ${cellProblem(wrong)}.`);
     const given = row.tiers_hz.filter((tier) => tier.trim() !== "").length;
     if (given !== 0 && given !== TIER_COUNT) problems.push(`${place}: give all six levels, or none.`);
   }

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { computed, effect, signal, untracked } from "@preact/signals";
+import { computed, effect, type ReadonlySignal, signal, untracked } from "@preact/signals";
 import { type Api, ApiError } from "../api/client";
-import type { PushPreview } from "../api/types";
+import type { Live, PushPreview } from "../api/types";
 import { type RuleState, ruleStates } from "../blocks/live_states";
 import type { RobotLink } from "./robot_link";
 import type { RuleEditor } from "./rule_editor";
@@ -27,6 +27,8 @@ export class RobotRules {
     if (this.comparison.value.kind !== "same" || live === null || this.editor.isBroken.value) return NONE;
     return ruleStates(this.editor.document.value, live);
   });
+  /** What the chosen robot does now. */
+  readonly live: ReadonlySignal<Live | null>;
   private timer: number | undefined;
   private asked = 0;
 
@@ -34,7 +36,9 @@ export class RobotRules {
     private readonly api: Api,
     private readonly editor: RuleEditor,
     private readonly link: RobotLink,
-  ) {}
+  ) {
+    this.live = link.calm;
+  }
 
   /** Compares whenever either side changes, until the returned function is called. */
   follow(): () => void {

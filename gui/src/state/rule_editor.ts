@@ -38,6 +38,8 @@ export class RuleEditor implements Contested {
   readonly shown = signal<{ document: RuleDocument; text: string } | null>(null);
   readonly vocabulary = signal<Vocabulary | null>(null);
   readonly profile = signal<{ name: string; text: string } | null>(null);
+  /** Whether it was asked which profile goes with the rules. */
+  readonly knowsProfile = signal(false);
   readonly spot = signal<Spot | null>(null);
   readonly message = signal<string>("");
   readonly conflict = signal<Conflict | null>(null);
@@ -52,12 +54,17 @@ export class RuleEditor implements Contested {
     layout: {},
     map: PLAIN_GRID,
   });
-  readonly isSaved = computed(
+  /** Whether blocks say something that is not in the text yet. */
+  readonly blocksAhead = signal(false);
+  /** Whether the file holds the text, the layout and the map. */
+  readonly isInFile = computed(
     () =>
       this.text.value === this.saved.value.text &&
       this.layout.value === this.saved.value.layout &&
       this.map.value === this.saved.value.map,
   );
+  /** Whether the file holds all that the page shows. */
+  readonly isSaved = computed(() => this.isInFile.value && !this.blocksAhead.value);
   /** What the file says. */
   readonly savedText = computed(() => this.saved.value.text);
   readonly isTextSaved = computed(() => this.text.value === this.savedText.value);
@@ -65,6 +72,8 @@ export class RuleEditor implements Contested {
   blocksLeftOut = 0;
   /** Takes back a part of something that is not in the text yet; whether there was any. */
   takeBack: (() => boolean) | null = null;
+  /** Brings into the text what blocks say, an open field too where that is asked for; whether nothing is left out. */
+  handOver: ((withOpenField: boolean) => Promise<boolean>) | null = null;
   readonly findings = computed(() => this.document.value.findings);
   readonly statements = computed(() => this.document.value.collections.flatMap((each) => each.statements));
   private readonly byId = computed(() => new Map(this.statements.value.map((each) => [each.id ?? "", each])));
@@ -145,7 +154,7 @@ export class RuleEditor implements Contested {
 
   private keepDraft(): void {
     const [text, blocks, map, { hash }] = [this.text.value, this.layout.value, this.map.value, this.saved.value];
-    if (this.isSaved.value) {
+    if (this.isInFile.value) {
       this.drafts.drop("rules", this.name);
       this.restored.value = null;
       return;
@@ -231,8 +240,10 @@ export class RuleEditor implements Contested {
   }
 
   async save(byItself = false): Promise<void> {
-    await this.blocksHandedOver();
+    const isWhole = (await this.handOver?.(!byItself)) ?? true;
     await this.inTurn(() => this.saveOver(this.saved.value.hash, byItself));
+    if (!isWhole && !byItself && this.isInFile.value)
+      this.message.value = `Saved ${this.name} without what is being typed`;
   }
 
   /** Goes back to an older text and saves that; what was not saved is saved before, so that it is a version, too. */
@@ -349,7 +360,7 @@ export class RuleEditor implements Contested {
 
   /** Whether the text has no errors, once it was read and says all that the blocks say. */
   async isSound(): Promise<boolean> {
-    await this.blocksHandedOver();
+    await this.handOver?.(false);
     await this.queue;
     return (await this.isRead()) && this.errors.value.length === 0;
   }
@@ -363,16 +374,9 @@ export class RuleEditor implements Contested {
     return this.read === this.text.value;
   }
 
-  /** Blocks hand over what changed with the next picture, and the text follows in turn. */
-  private async blocksHandedOver(): Promise<void> {
-    await nextPicture();
-    await nextPicture();
-  }
-
   private withoutBlocks(): string {
-    const count = this.blocksLeftOut;
-    const blocks = count === 1 ? "1 block that is" : `${count} blocks that are`;
-    return count === 0 ? "" : ` without ${blocks} not in the text`;
+    const blocks = this.blocksLeftOut === 1 ? "1 block that is" : `${this.blocksLeftOut} blocks that are`;
+    return this.blocksLeftOut === 0 ? "" : ` without ${blocks} not in the text`;
   }
 
   private accept(document: RuleDocument, text: string): void {
@@ -392,8 +396,4 @@ export class RuleEditor implements Contested {
     if (!(error instanceof ApiError)) throw error;
     this.message.value = error.message;
   }
-}
-
-function nextPicture(): Promise<unknown> {
-  return new Promise(requestAnimationFrame);
 }

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { computed, effect, signal } from "@preact/signals";
 import { type Api, ApiError } from "../api/client";
-import type { Problem, PushPreview, RobotSummary } from "../api/types";
+import type { LastingAnswer, Problem, PushPreview, RobotSummary } from "../api/types";
 import type { RobotLink } from "./robot_link";
 import type { RuleEditor } from "./rule_editor";
 
@@ -13,7 +13,8 @@ export type Stage =
   | { kind: "asked"; node: string; preview: PushPreview }
   | { kind: "sending"; node: string }
   | { kind: "trying"; node: string; hash: string; withinS: number; isSeen: boolean; isLetGo: boolean }
-  | { kind: "kept"; node: string; hash: string; isSeen: boolean }
+  | { kind: "kept"; node: string; hash: string; isSeen: boolean; lasting: LastingAnswer | null }
+  | { kind: "written"; node: string; file: string; previousFile: string }
   | { kind: "replaced"; node: string; by: RobotSummary["rules"] }
   | { kind: "gone"; node: string }
   | { kind: "refused"; outcome: string; problem: Problem };
@@ -84,7 +85,7 @@ export class RulePush {
       const withinS = staged.confirm_within_s;
       this.stage.value =
         staged.state === "same"
-          ? { kind: "kept", node, hash: staged.hash, isSeen: false }
+          ? { kind: "kept", node, hash: staged.hash, isSeen: false, lasting: null }
           : { kind: "trying", node, hash: staged.hash, withinS, isSeen: false, isLetGo: false };
     });
   }
@@ -97,7 +98,30 @@ export class RulePush {
     await this.guarded(unknown, "The rules were not kept, and the robot reverts them.", async () => {
       await this.api.confirmPush(stage.node, stage.hash);
       const { node, hash, isSeen } = stage;
-      this.stage.value = { kind: "kept", node, hash, isSeen };
+      this.stage.value = { kind: "kept", node, hash, isSeen, lasting: null };
+    });
+  }
+
+  /** Asks how long the kept rules last; where that is not known, nothing is said of it. */
+  async askLasting(): Promise<void> {
+    const { node } = { node: "", ...this.stage.peek() };
+    try {
+      const lasting = await this.api.keptRules(node);
+      const stage = this.stage.peek();
+      if (stage.kind === "kept" && stage.node === node) this.stage.value = { ...stage, lasting };
+    } catch (error) {
+      if (!(error instanceof ApiError)) throw error;
+    }
+  }
+
+  /** Has the robot write the kept rules to its file. */
+  async write(): Promise<void> {
+    const stage = this.stage.peek();
+    if (stage.kind !== "kept") return;
+    const unknown = "It is not known whether the rules were written to the robot's file.";
+    await this.guarded(unknown, "The rules are in force, and were not written to the robot's file.", async () => {
+      const { file, previous_file: previousFile } = await this.api.writeKept(stage.node, stage.hash);
+      this.stage.value = { kind: "written", node: stage.node, file, previousFile };
     });
   }
 
@@ -140,6 +164,6 @@ function seen(stage: Extract<Stage, { kind: "trying" | "kept" }>, robot: RobotSu
     return isThere && !isSeen ? { ...stage, isSeen: true } : stage;
   }
   if (!isThere) return isSeen ? { kind: "gone", node } : stage;
-  if (isSeen && robot.rules !== "waiting") return { kind: "kept", node, hash, isSeen };
+  if (isSeen && robot.rules !== "waiting") return { kind: "kept", node, hash, isSeen, lasting: null };
   return !isSeen && robot.rules === "waiting" ? { ...stage, isSeen: true } : stage;
 }

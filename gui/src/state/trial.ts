@@ -1,7 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { computed, signal } from "@preact/signals";
+import { computed } from "@preact/signals";
+import type { Rules } from "../api/client";
 import type { TruthName, TryAnswer, TryDecision } from "../api/types";
+import { Timeline, upTo } from "./timeline";
 
 /** A rule, or its Else, at one time. */
 export interface RuleNow {
@@ -13,10 +15,7 @@ export interface RuleNow {
 }
 
 /** What a try on a bag said, and the one time that everything shows. */
-export class Trial {
-  readonly time = signal(0);
-  /** Number of the bin that the time lies in. */
-  readonly bin = computed(() => this.binAt(this.time.value));
+export class Trial extends Timeline {
   /** The decision that each topic's rate comes from. */
   readonly plan = computed(() => this.planAt(this.time.value));
   readonly rules = computed(() => this.rulesAt(this.time.value, this.plan.value));
@@ -27,10 +26,11 @@ export class Trial {
 
   constructor(
     readonly answer: TryAnswer,
-    /** The rules that were tried. */
-    readonly text: string,
+    /** What was tried. */
+    readonly tried: Rules,
     readonly bag: string,
   ) {
+    super(answer, answer.topics[0]?.before_hz_bins.length ?? 0, 0, answer.incidents?.map(({ t }) => t) ?? []);
     for (const decision of answer.decisions) {
       const own = this.byTopic.get(decision.topic) ?? [];
       own.push(decision);
@@ -40,15 +40,20 @@ export class Trial {
     this.decisionTimes = [...new Set(changes)].sort((a, b) => a - b);
   }
 
-  get durationS(): number {
-    return this.answer.duration_s;
+  /** The text of the rules that were tried. */
+  get text(): string {
+    return this.tried.text;
   }
 
-  /** The middle of each bin. */
-  get binTimes(): number[] {
-    const { first_bin_s, bin_s, topics } = this.answer;
-    const count = topics[0]?.before_hz_bins.length ?? 0;
-    return Array.from({ length: count }, (_, bin) => first_bin_s + (bin + 0.5) * bin_s);
+  /** The mean rate of a topic in the recording; null where it has none. */
+  sourceHz(topic: string): number | null {
+    const own = this.answer.topics.find((each) => each.topic === topic);
+    return own && this.durationS > 0 ? own.before_messages / this.durationS : null;
+  }
+
+  /** The least and the greatest value of a property in the recording, where it was looked into. */
+  rangeOf(topic: string, property: string): readonly [number, number] | null {
+    return this.answer.loss.fields.find((each) => each.topic === topic && each.field === property)?.sent ?? null;
   }
 
   /** `bins` without those that the recording covers only in part: they would look like drops. */
@@ -59,36 +64,11 @@ export class Trial {
     );
   }
 
-  goTo(time: number): void {
-    this.time.value = Math.min(Math.max(time, 0), this.durationS);
-  }
-
   /** The time of the decision before (-1) or after (1) now; null where there is none. */
   neighbour(step: -1 | 1): number | null {
     const now = this.time.value;
     const found = step > 0 ? this.decisionTimes.find((t) => t > now) : this.decisionTimes.findLast((t) => t < now);
     return found ?? null;
-  }
-
-  /** Where the robot was, between the two points of its path around a time; null without a path. */
-  placeAt(time: number): { place: [number, number]; heading_rad: number | null } | null {
-    const { path } = this.answer;
-    const after = Math.min(
-      upTo(path, ([t]) => t <= time),
-      path.length - 1,
-    );
-    const [next, last] = [path[after], path[Math.max(after - 1, 0)]];
-    if (!next || !last) return null;
-    const share = next[0] > last[0] ? Math.min(Math.max((time - last[0]) / (next[0] - last[0]), 0), 1) : 0;
-    const [dx, dy] = [next[1] - last[1], next[2] - last[2]];
-    const heading_rad = Math.hypot(dx, dy) > 1e-3 ? Math.atan2(dy, dx) : null;
-    return { place: [last[1] + share * dx, last[2] + share * dy], heading_rad };
-  }
-
-  private binAt(time: number): number {
-    const { first_bin_s, bin_s, topics } = this.answer;
-    const last = (topics[0]?.before_hz_bins.length ?? 1) - 1;
-    return Math.min(Math.max(Math.floor((time - first_bin_s) / bin_s), 0), last);
   }
 
   private planAt(time: number): Map<string, TryDecision> {
@@ -116,16 +96,4 @@ export class Trial {
 function leading(rules: readonly RuleNow[]): RuleNow | null {
   const most = Math.max(0, ...rules.map(({ decides }) => decides.length));
   return (most > 0 && rules.find(({ decides }) => decides.length === most)) || null;
-}
-
-/** How many of `sorted`, from the first on, `holds` is true of. */
-function upTo<T>(sorted: readonly T[], holds: (one: T) => boolean): number {
-  let [low, high] = [0, sorted.length];
-  while (low < high) {
-    const middle = (low + high) >> 1;
-    const one = sorted[middle];
-    if (one !== undefined && holds(one)) low = middle + 1;
-    else high = middle;
-  }
-  return low;
 }

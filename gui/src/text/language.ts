@@ -15,6 +15,7 @@ const KEYWORDS = [
   "Record",
   "Before",
   "After",
+  "Disabled",
   "Rule",
   "Priority",
   "If",

@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { useEffect, useRef } from "preact/hooks";
+import { useMemo } from "preact/hooks";
 import type { TryTopic } from "../api/types";
 import type { Trial } from "../state/trial";
 import { hz, readable } from "../ui/numbers";
-import { openStrip } from "./strip_plot";
+import { Strip } from "./strip";
 
 const IN_DOUBT: Record<string, string> = { unknown: ", which might hold" };
 
@@ -22,21 +22,14 @@ export function RateStrips({ trial }: { trial: Trial }) {
 }
 
 function RateStrip({ trial, topic }: { trial: Trial; topic: TryTopic }) {
-  const host = useRef<HTMLDivElement>(null);
-  useEffect(() => {
-    if (!host.current) return;
-    return openStrip(host.current, trial, {
-      before: trial.whole(topic.before_hz_bins),
-      after: trial.whole(topic.after_hz_bins),
-    });
-  }, [trial, topic]);
+  const lines = useMemo(
+    () => ({ before: trial.whole(topic.before_hz_bins), after: trial.whole(topic.after_hz_bins) }),
+    [trial, topic],
+  );
   return (
-    <figure class="strip" aria-label={`Rate of ${topic.topic}`}>
-      <figcaption>
-        <strong>{topic.topic}</strong> <RateNow {...{ trial, topic }} />
-      </figcaption>
-      <div ref={host} class="strip-plot" />
-    </figure>
+    <Strip timeline={trial} lines={lines} label={`Rate of ${topic.topic}`}>
+      <strong>{topic.topic}</strong> <RateNow {...{ trial, topic }} />
+    </Strip>
   );
 }
 

@@ -1,49 +1,64 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+import type { ComponentChildren } from "preact";
 import { useEffect, useMemo } from "preact/hooks";
 import { Playback, SPEEDS } from "../state/playback";
-import type { Trial } from "../state/trial";
-import { readable } from "../ui/numbers";
+import type { Timeline } from "../state/timeline";
 
 const STEPS = 500;
 const WIDTH = 1000;
 
-/** The one time that everything shows: a slider over the recording, with a tick for each decision. */
-export function Scrubber({ trial }: { trial: Trial }) {
-  const { durationS } = trial;
-  const time = trial.time.value;
-  const leader = trial.leader.value;
-  const words = `${time.toFixed(1)} s of ${readable(durationS)} s, ${leader ? `${leader.rule} decides` : "defaults decide"}`;
+interface ScrubberProps {
+  timeline: Timeline;
+  /** What a screen reader calls the slider, and its time. */
+  label: string;
+  words: string;
+  /** The time for reading. */
+  said: string;
+  /** Times with a tick above the slider, besides the marks. */
+  ticksS: readonly number[];
+  /** Buttons on both sides of the slider. */
+  before?: ComponentChildren;
+  after?: ComponentChildren;
+}
+
+/** The one time that everything shows: a slider over the recording. */
+export function Scrubber({ timeline, label, words, said, ticksS, before, after }: ScrubberProps) {
+  const { durationS } = timeline;
+  const at = (t: number) => (durationS > 0 ? (WIDTH * t) / durationS : 0);
   return (
     <div class="scrubber" role="group" aria-label="Time">
-      <Player trial={trial} />
-      <DecisionStep trial={trial} step={-1} label="Decision before" sign="◀" />
+      <Player timeline={timeline} />
+      {before}
       <div class="scrubber-track">
         <svg viewBox={`0 0 ${WIDTH} 10`} preserveAspectRatio="none" aria-hidden="true">
-          {trial.decisionTimes.map((t) => (
-            <line key={t} x1={(WIDTH * t) / durationS} x2={(WIDTH * t) / durationS} y1={0} y2={10} />
+          {ticksS.map((t) => (
+            <line key={t} x1={at(t)} x2={at(t)} y1={0} y2={10} />
+          ))}
+          {timeline.marksS.map((t) => (
+            <line key={t} class="mark" x1={at(t)} x2={at(t)} y1={0} y2={10} />
           ))}
         </svg>
         <input
           type="range"
-          aria-label="Time in the recording (s)"
+          aria-label={label}
           aria-valuetext={words}
           min={0}
           max={durationS}
-          step={durationS / STEPS}
-          value={time}
-          onInput={(event) => trial.goTo(Number(event.currentTarget.value))}
+          step={durationS / STEPS || 1}
+          value={timeline.time.value}
+          onInput={(event) => timeline.goTo(Number(event.currentTarget.value))}
         />
       </div>
-      <DecisionStep trial={trial} step={1} label="Next decision" sign="▶" />
-      <output class="number">{time.toFixed(1)} s</output>
+      {after}
+      <output class="number">{said}</output>
     </div>
   );
 }
 
 /** Play and pause, and how fast. */
-function Player({ trial }: { trial: Trial }) {
-  const playback = useMemo(() => new Playback(trial), [trial]);
+function Player({ timeline }: { timeline: Timeline }) {
+  const playback = useMemo(() => new Playback(timeline), [timeline]);
   useEffect(() => () => playback.pause(), [playback]);
   const isPlaying = playback.isPlaying.value;
   return (
@@ -63,21 +78,5 @@ function Player({ trial }: { trial: Trial }) {
         ))}
       </select>
     </>
-  );
-}
-
-function DecisionStep({ trial, step, label, sign }: { trial: Trial; step: -1 | 1; label: string; sign: string }) {
-  const next = trial.neighbour(step);
-  return (
-    <button
-      type="button"
-      class="small"
-      aria-label={label}
-      title={label}
-      disabled={next === null}
-      onClick={() => next !== null && trial.goTo(next)}
-    >
-      {sign}
-    </button>
   );
 }

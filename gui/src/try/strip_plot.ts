@@ -3,24 +3,30 @@
 import { effect } from "@preact/signals";
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
-import type { Trial } from "../state/trial";
+import type { Timeline } from "../state/timeline";
 import { watchSize, watchTheme } from "../ui/watch";
 
 const HEIGHT_PX = 104;
 type Values = readonly (number | null)[];
 
-/** A chart over the recording's time: `before`, if given, thin and dashed, `after` filled; the scrubber is a line. */
-export function openStrip(host: HTMLElement, trial: Trial, lines: { before?: Values; after: Values }): () => void {
-  let plot = draw(host, trial, lines);
-  let follow = drawTime(plot, trial);
+/** What a chart shows, bin by bin: `before`, if given, thin and dashed, `after` filled. */
+export interface StripLines {
+  before?: Values;
+  after: Values;
+}
+
+/** A chart over the recording's time; the scrubber is a line. */
+export function openStrip(host: HTMLElement, timeline: Timeline, lines: StripLines): () => void {
+  let plot = draw(host, timeline, lines);
+  let follow = drawTime(plot, timeline);
   const close = () => {
     follow();
     plot.destroy();
   };
   const again = () => {
     close();
-    plot = draw(host, trial, lines);
-    follow = drawTime(plot, trial);
+    plot = draw(host, timeline, lines);
+    follow = drawTime(plot, timeline);
   };
   const stops = [
     watchSize(host, () => plot.setSize({ width: host.clientWidth, height: HEIGHT_PX })),
@@ -32,7 +38,7 @@ export function openStrip(host: HTMLElement, trial: Trial, lines: { before?: Val
   };
 }
 
-function draw(host: HTMLElement, trial: Trial, { before, after }: { before?: Values; after: Values }): uPlot {
+function draw(host: HTMLElement, timeline: Timeline, { before, after }: StripLines): uPlot {
   const style = getComputedStyle(host);
   const colour = (name: string) => style.getPropertyValue(name).trim();
   const axis = {
@@ -42,7 +48,8 @@ function draw(host: HTMLElement, trial: Trial, { before, after }: { before?: Val
   };
   const sent = { stroke: colour("--accent"), width: 2, fill: colour("--accent-soft"), points: { show: false } };
   const recorded = { stroke: colour("--text-2"), width: 1, dash: [4, 3], points: { show: false } };
-  const times = trial.binTimes;
+  const { zeroS } = timeline;
+  const times = timeline.binTimes.map((t) => t - zeroS);
   const values = before ? [times, before, after] : [times, after];
   return new uPlot(
     {
@@ -50,7 +57,7 @@ function draw(host: HTMLElement, trial: Trial, { before, after }: { before?: Val
       height: HEIGHT_PX,
       cursor: { sync: { key: "try" }, drag: { x: false, y: false }, y: false, points: { show: false } },
       scales: {
-        x: { time: false, range: [0, trial.durationS] },
+        x: { time: false, range: [-zeroS, timeline.durationS - zeroS] },
         y: { range: (_, __, most) => [0, (most || 1) * 1.08] },
       },
       legend: { show: false },
@@ -65,21 +72,32 @@ function draw(host: HTMLElement, trial: Trial, { before, after }: { before?: Val
   );
 }
 
-/** Keeps a line at the time of the scrubber, which pressing and dragging on the chart moves. */
-function drawTime(plot: uPlot, trial: Trial): () => void {
-  const line = document.createElement("div");
-  line.className = "strip-now";
-  plot.over.append(line);
+/** Keeps a line at the time of the scrubber, which pressing and dragging on the chart moves, and one at each mark. */
+function drawTime(plot: uPlot, timeline: Timeline): () => void {
+  const { zeroS } = timeline;
+  const line = lineOn(plot, "strip-now");
+  const marks = timeline.marksS.map((markS) => ({ markS, line: lineOn(plot, "strip-mark") }));
+  const put = (element: HTMLElement, timeS: number) => {
+    element.style.left = `${plot.valToPos(timeS - zeroS, "x")}px`;
+  };
   const place = () => {
-    line.style.left = `${plot.valToPos(trial.time.value, "x")}px`;
+    put(line, timeline.time.value);
+    for (const { markS, line } of marks) put(line, markS);
   };
   plot.hooks.setSize = [...(plot.hooks.setSize ?? []), place];
   const scrub = (event: PointerEvent) => {
     if (event.buttons !== 1) return;
     plot.over.setPointerCapture(event.pointerId);
-    trial.goTo(plot.posToVal(event.clientX - plot.over.getBoundingClientRect().left, "x"));
+    timeline.goTo(plot.posToVal(event.clientX - plot.over.getBoundingClientRect().left, "x") + zeroS);
   };
   plot.over.addEventListener("pointerdown", scrub);
   plot.over.addEventListener("pointermove", scrub);
   return effect(place);
+}
+
+function lineOn(plot: uPlot, name: string): HTMLElement {
+  const line = document.createElement("div");
+  line.className = name;
+  plot.over.append(line);
+  return line;
 }

@@ -11,8 +11,9 @@ import { DecisionTable } from "./decision_table";
 import { LossTables } from "./loss_tables";
 import { RateStrips } from "./rate_strips";
 import { RuleStates } from "./rule_states";
-import { Scrubber } from "./scrubber";
 import { showInEditor } from "./show_in_editor";
+import { TrialScrubber } from "./trial_scrubber";
+import { TriedIncidents } from "./tried_incidents";
 import { TryMap } from "./try_map";
 
 /** A try: what it saved, and below one scrubber the map, the rules, the rates, the loss and every decision. */
@@ -41,8 +42,9 @@ export function TryResult({ editor, api, trial }: { editor: RuleEditor; api: Api
           ))}
         </div>
       )}
-      <Scrubber trial={trial} />
+      <TrialScrubber trial={trial} />
       <RuleStates trial={trial} show={isOld ? null : (line) => showInEditor(editor, line)} />
+      <TriedIncidents api={api} trial={trial} />
       <div class="try-columns">
         <div class="try-column">
           {answer.path.length > 1 && <TryMap {...{ editor, api, trial }} />}

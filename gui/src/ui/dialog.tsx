@@ -22,7 +22,7 @@ export function FormDialog(props: {
     return () => {
       // Closing gives the focus back to what opened it, which may be gone or disabled with the next picture.
       shown?.close();
-      requestAnimationFrame(() => requestAnimationFrame(focusPage));
+      focusPageSoon();
     };
   }, []);
   return (
@@ -50,7 +50,11 @@ export function FormDialog(props: {
   );
 }
 
-/** Gives the focus to the page where nothing has it. */
+/** Gives the focus to the page where nothing has it, once it shows what comes next. */
+export function focusPageSoon(): void {
+  requestAnimationFrame(() => requestAnimationFrame(focusPage));
+}
+
 function focusPage(): void {
   const holder = document.activeElement;
   if (holder === document.body || holder?.matches(":disabled")) document.querySelector<HTMLElement>("h1")?.focus();

@@ -1,20 +1,64 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 
-/** The number that somebody typed, with a point or a comma before its decimals; NaN where it is none. */
-export function typedNumber(text: string): number {
-  return text.trim() === "" ? Number.NaN : Number(text.replace(",", ".").replace("−", "-"));
+const BLANK_BETWEEN_THOUSANDS = /(?<=\d)[ \u00a0\u2009\u202f](?=\d{3}(?!\d))/g;
+/** A comma before exactly three digits stands before decimals for some people and between thousands for others. */
+const COMMA_OF_TWO_MEANINGS = /^[+-]?[1-9]\d{0,2},\d{3}$/;
+/** The same of a point, where people write decimals with a comma. A number that the page shows never ends so. */
+const POINT_OF_TWO_MEANINGS = /^[+-]?[1-9]\d{0,2}\.\d{2}0$/;
+
+/** Whether the browser's language writes decimals with a comma. */
+const writesComma = new Intl.NumberFormat().format(0.5).includes(",");
+
+/** The number that somebody typed, with a point or a comma before its decimals; NaN where it is none, or could be two. */
+export function typedNumber(text: string, hasComma = writesComma): number {
+  const plain = plainText(text);
+  return plain === "" || hasTwoMeanings(plain, hasComma) ? Number.NaN : Number(plain.replace(",", "."));
+}
+
+/** Why a text is not one number, in words; empty where it is one. */
+export function numberProblem(text: string, hasComma = writesComma): string {
+  if (!Number.isNaN(typedNumber(text, hasComma))) return "";
+  const plain = plainText(text);
+  if (plain === "") return "A number is needed here";
+  const said = `“${text.trim()}”`;
+  if (hasTwoMeanings(plain, hasComma)) {
+    const [decimals, thousands] = [Number(plain.replace(",", ".")), Number(plain.replace(/[.,]/, ""))];
+    return `${said} can mean ${decimals} or ${thousands}: write ${decimals} or ${thousands}`;
+  }
+  const decimal = Math.max(plain.lastIndexOf("."), plain.lastIndexOf(","));
+  const meant = plain.slice(0, Math.max(decimal, 0)).replace(/[.,]/g, "") + plain.slice(decimal).replace(",", ".");
+  const isMeant = decimal >= 0 && Number.isFinite(Number(meant));
+  return isMeant ? `${said} has thousands marked: write ${Number(meant)}` : `${said} is not a number`;
+}
+
+function plainText(text: string): string {
+  return text.trim().replace("−", "-").replace(BLANK_BETWEEN_THOUSANDS, "");
+}
+
+function hasTwoMeanings(plain: string, hasComma: boolean): boolean {
+  return COMMA_OF_TWO_MEANINGS.test(plain) || (hasComma && POINT_OF_TWO_MEANINGS.test(plain));
 }
 
 /** A number for reading: three significant digits below 1000, none after the point above. */
 export function readable(value: number): string {
   const digits = Math.abs(value) >= 1000 ? { maximumFractionDigits: 0 } : { maximumSignificantDigits: 3 };
-  return value.toLocaleString("en", digits).replaceAll(",", " ");
+  return thousandsApart(value, digits);
 }
 
 /** KB, or KB/s, of the optimizer: at most two decimals, thousands apart, as the terminal shows it. */
 export function kilobytes(value: number): string {
-  return value.toLocaleString("en", { maximumFractionDigits: 2 }).replaceAll(",", " ");
+  return thousandsApart(value, { maximumFractionDigits: 2 });
+}
+
+/** A number in a column: so many decimals, thousands apart, a true minus, as the terminal's tables show it. */
+export function fixed(value: number, decimals: number): string {
+  const digits = { minimumFractionDigits: decimals, maximumFractionDigits: decimals };
+  return thousandsApart(value, { ...digits, signDisplay: "negative" }).replace("-", "−");
+}
+
+function thousandsApart(value: number, digits: Intl.NumberFormatOptions): string {
+  return value.toLocaleString("en", digits).replaceAll(",", " ");
 }
 
 /** A rate for reading; null is every message. */

@@ -9,15 +9,16 @@ interface Undoable {
   save(): Promise<void>;
 }
 
-/** Undo, redo and save work everywhere on the page but in a field that somebody types in. */
+/** Save works everywhere on the page but in a dialog; undo and redo not in a field, where they are about its letters. */
 export function useUndoKeys(editor: Undoable): void {
   useEffect(() => {
     const act = (event: KeyboardEvent) => {
       const isTyping = event.target instanceof HTMLInputElement && event.target.type !== "range";
       const isInDialog = event.target instanceof Element && event.target.closest("dialog") !== null;
-      if (!(event.ctrlKey || event.metaKey) || isTyping || isInDialog) return;
+      if (!(event.ctrlKey || event.metaKey) || isInDialog) return;
       const key = event.key.toLowerCase();
       if (key === "s") void editor.save();
+      else if (isTyping) return;
       else if (key === "y" || (key === "z" && event.shiftKey)) editor.redo();
       else if (key === "z") editor.undo();
       else return;

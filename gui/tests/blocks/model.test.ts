@@ -33,7 +33,15 @@ const rule = (condition: Condition, then: Action[] = [RATE], other: Action[] = [
 
 beforeAll(() => {
   const nothing = () => [];
-  const suggest = { topics: nothing, markedTopics: nothing, properties: nothing, bounds: nothing, unit: () => "" };
+  const suggest = {
+    topics: nothing,
+    topicChoices: nothing,
+    properties: nothing,
+    bounds: nothing,
+    rates: nothing,
+    boundLevels: nothing,
+    unit: () => "",
+  };
   const ignore = () => undefined;
   const buttons: BlockButtons = {
     addCheck: ignore,
@@ -42,6 +50,7 @@ beforeAll(() => {
     addRecord: ignore,
     toggleElse: ignore,
     remove: ignore,
+    act: ignore,
   };
   defineBlocks(suggest, buttons);
 });
@@ -71,6 +80,15 @@ const CONDITIONS: [string, Condition][] = [
 test.each(CONDITIONS)("blocks say %s as the text does", (_, condition) => {
   const statement = rule(condition);
   expect(fingerprint(said(statement) as Statement)).toBe(fingerprint(statement));
+});
+
+test("a rule that is switched off says so, and is another rule", () => {
+  const on = rule(CHECK, [RATE], [RATE]);
+  const off: RuleStatement = { ...on, is_disabled: true };
+  expect(said(off)).toMatchObject({ is_disabled: true, name: "Low" });
+  expect(fingerprint(said(off) as Statement)).toBe(fingerprint(off));
+  expect(said(on)).toMatchObject({ is_disabled: false });
+  expect(fingerprint(on)).not.toBe(fingerprint(off));
 });
 
 test("whether not stands before or behind a time is another rule", () => {

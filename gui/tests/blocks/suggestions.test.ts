@@ -2,29 +2,103 @@
 // SPDX-License-Identifier: Apache-2.0
 import { effect, signal } from "@preact/signals";
 import { expect, test } from "vitest";
-import type { Vocabulary } from "../../src/api/types";
+import type { KnownTopic, Live, LiveCheck, LiveTopic, Vocabulary } from "../../src/api/types";
 import { ON_ROBOT, suggestionsOf } from "../../src/blocks/suggestions";
+import type { Trial } from "../../src/state/trial";
+
+const SPEED = { name: "speed", unit: "m/s", meaning: "of the robot", levels: null };
+const POSITION = { name: "position", unit: "m", meaning: "where it is", levels: null };
+const AGE = { name: "age", unit: "s", meaning: "since the last message", levels: null };
+const ODOM: KnownTopic = {
+  topic: "/odom",
+  type: "nav_msgs/msg/Odometry",
+  source: "profile",
+  properties: [SPEED],
+  bounds: [POSITION],
+  source_hz: 20,
+  levels_hz: null,
+  used_by: ["default", "Corridor"],
+  is_published: false,
+};
+
+function known(topic: Partial<KnownTopic> = {}) {
+  const vocabulary = signal<Vocabulary | null>({ topics: [{ ...ODOM, ...topic }], every_topic: [AGE] });
+  const live = signal<Live | null>(null);
+  const tried = signal<Trial | null>(null);
+  return {
+    vocabulary,
+    live,
+    tried,
+    suggestions: suggestionsOf({ vocabulary, profile: signal({ name: "radio.toml" }), live, tried }),
+  };
+}
+
+function robot(topics: Partial<LiveTopic>[], checks: Partial<LiveCheck>[] = []): Live {
+  return { topics, checks } as Live;
+}
 
 test("what is suggested grows when a robot's topics come later", () => {
   const vocabulary = signal<Vocabulary | null>(null);
-  const suggestions = suggestionsOf(vocabulary);
+  const suggestions = suggestionsOf({ vocabulary, profile: signal(null), live: signal(null), tried: signal(null) });
   const shown: unknown[] = [];
+  const words = (choices: readonly { word: string }[]) => choices.map(({ word }) => word);
   const stop = effect(() => {
-    shown.push([suggestions.markedTopics(), suggestions.properties("/odom"), suggestions.bounds("/odom")]);
+    shown.push([
+      suggestions.topicChoices().map(({ word, aside }) => [word, aside]),
+      words(suggestions.properties("/odom")),
+      words(suggestions.bounds("/odom")),
+    ]);
   });
-  const speed = { name: "speed", unit: "m/s", meaning: "of the robot" };
-  const position = { name: "position", unit: "m", meaning: "of the robot" };
-  const age = { name: "age", unit: "s", meaning: "since the last message" };
-  vocabulary.value = {
-    topics: [
-      { topic: "/odom", type: "nav_msgs/msg/Odometry", source: "robot", properties: [speed], bounds: [position] },
-    ],
-    every_topic: [age],
-  };
+  vocabulary.value = { topics: [{ ...ODOM, is_published: true }], every_topic: [AGE] };
   stop();
   expect(shown).toEqual([
     [[], [], []],
-    [[{ word: "/odom", note: ON_ROBOT }], ["speed", "age"], ["position", "speed"]],
+    [[["/odom", ON_ROBOT]], ["speed", "age"], ["position", "speed"]],
   ]);
   expect(suggestions.unit("/odom", "position")).toBe("m");
+});
+
+test("a topic says its type, who uses it, and how often it comes by who knows best", () => {
+  const { live, tried, suggestions } = known();
+  const aside = () => suggestions.topicChoices()[0]?.aside;
+  expect(suggestions.topicChoices()[0]?.note).toBe("nav_msgs/msg/Odometry · used by a default, Corridor");
+  expect(aside()).toBe("20 Hz in radio.toml");
+  tried.value = { bag: "monday", sourceHz: () => 19.96 } as unknown as Trial;
+  expect(aside()).toBe("20 Hz in monday");
+  live.value = robot([]);
+  expect(aside()).toBe("the robot has none");
+  live.value = robot([{ topic: "/odom", source_hz: 9.87 }]);
+  expect(aside()).toBe("9.87 Hz on the robot");
+});
+
+test("a property says its value on the robot, else what it was in the recording, in its unit", () => {
+  const { live, tried, suggestions } = known();
+  const aside = () => suggestions.properties("/odom")[0]?.aside;
+  expect(aside()).toBe("m/s");
+  tried.value = { bag: "monday", rangeOf: () => [-0.1, 1.2345] } as unknown as Trial;
+  expect(aside()).toBe("-0.1 … 1.23 m/s in monday");
+  live.value = robot([], [{ topic: "/odom", property: "speed", value: 0.5 }]);
+  expect(aside()).toBe("now 0.5 m/s");
+});
+
+test("a level says the rates that it means for the topic, or that nobody has said them", () => {
+  const levels_hz = [
+    [0, 1],
+    [1, 2],
+    [2, 5],
+    [5, 10],
+    [10, 15],
+    [20, 30],
+  ] as [number, number][];
+  const asides = (topic: Partial<KnownTopic>) =>
+    known(topic)
+      .suggestions.rates("/odom")
+      .map(({ word, aside }) => `${word}: ${aside}`);
+  expect(asides({ levels_hz }).slice(0, 4)).toEqual([
+    "Full: every message",
+    "Off: no message",
+    "Unacceptable: up to 1 Hz",
+    "Marginal: 1 – 2 Hz",
+  ]);
+  expect(asides({})[2]).toBe("Unacceptable: no levels in the topic parameters");
 });

@@ -6,7 +6,7 @@ import { expect, test } from "vitest";
 import type { Vocabulary } from "../../src/api/types";
 import { suggest } from "../../src/text/language";
 
-const property = (name: string) => ({ name, unit: "m", meaning: "" });
+const property = (name: string) => ({ name, unit: "m", meaning: "", levels: null });
 const VOCABULARY: Vocabulary = {
   topics: [
     {
@@ -15,6 +15,10 @@ const VOCABULARY: Vocabulary = {
       source: "example",
       properties: [property("pose_x")],
       bounds: [property("position")],
+      source_hz: null,
+      levels_hz: null,
+      used_by: [],
+      is_published: false,
     },
   ],
   every_topic: [property("age")],

@@ -233,7 +233,7 @@ class _Compiler:
 
     def add(self, file: RuleFile) -> None:
         self._files += 1
-        for statement in file.statements:
+        for statement in file.enabled_statements:
             topic = "" if isinstance(statement, Block) else self._resolve(statement.topic.text)
             match statement:
                 case SetFrequency():

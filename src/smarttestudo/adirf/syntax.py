@@ -216,11 +216,12 @@ Action = SetFrequency | KeepWithin | RecordIncident
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Block:
-    """``[Rule "name" [Priority n]] If … Then … [Else …] [EndIf]``.
+    """``[Disabled] [Rule "name" [Priority n]] If … Then … [Else …] [EndIf]``.
 
-    ``name`` is ``None`` where none is written; ``label`` is what people call the block: its name, else its
-    nearest own comment, else ``block at line N``. ``trivia`` is that of its first line, be it ``Rule`` or
-    ``If``; ``if_trivia`` that of an ``If`` below a ``Rule``.
+    One that ``is_disabled`` is kept and shown, its names are checked, and nothing else comes of it. ``name``
+    is ``None`` where none is written; ``label`` is what people call the block: its name, else its nearest own
+    comment, else ``block at line N``. ``trivia`` is that of its first line, be it ``Rule`` or ``If``;
+    ``if_trivia`` that of an ``If`` below a ``Rule``.
     """
 
     name: str | None
@@ -231,6 +232,7 @@ class Block:
     otherwise: tuple[Action, ...]
     has_end_if: bool
     span: Span
+    is_disabled: bool = False
     trivia: Trivia = field(default=NO_TRIVIA, compare=False, repr=False)
     if_trivia: Trivia = field(default=NO_TRIVIA, compare=False, repr=False)
     then_trivia: Trivia = field(default=NO_TRIVIA, compare=False, repr=False)
@@ -267,6 +269,11 @@ class RuleFile:
     def statements(self) -> tuple[Statement, ...]:
         """The statements of all collections, in the order of the file."""
         return tuple(statement for part in self.collections for statement in part.statements)
+
+    @property
+    def enabled_statements(self) -> tuple[Statement, ...]:
+        """The statements that count: all but disabled blocks."""
+        return tuple(one for one in self.statements if not (isinstance(one, Block) and one.is_disabled))
 
 
 def sets_in(actions: Iterable[Action]) -> tuple[SetFrequency, ...]:

@@ -14,6 +14,7 @@ from smarttestudo.cli import bag_accuracy, bag_figures, bag_loss, bag_report
 from smarttestudo.cli.bag_options import (
     add_map,
     add_topics_and_form,
+    incident_line,
     print_csv,
     print_json,
     print_notices,
@@ -123,7 +124,9 @@ def _run_compare(arguments: argparse.Namespace) -> int:
     elif arguments.csv:
         print_csv(compared.rows())
     else:
-        print(f"A: {a.name}\nB: {b.name}\n")  # noqa: T201
+        for letter, bag in (("A", a), ("B", b)):
+            print(f"{letter}: {bag.name}{incident_line(bag.incident)}")  # noqa: T201
+        print()  # noqa: T201
         print_tables(_compare_tables(compared))
     print_notices((*a.notices, *b.notices))
     if arguments.figures is not None:

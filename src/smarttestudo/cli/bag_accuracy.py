@@ -11,7 +11,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from smarttestudo.adapters.files.profile import load_profile
-from smarttestudo.cli.bag_options import add_form, print_csv, print_json, print_notices, print_tables
+from smarttestudo.cli.bag_options import (
+    add_form,
+    print_csv,
+    print_incident,
+    print_json,
+    print_notices,
+    print_tables,
+)
 from smarttestudo.cli.finding_text import print_findings
 from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.progress import progress
@@ -99,6 +106,7 @@ def run(arguments: argparse.Namespace) -> int:
     elif arguments.csv:
         print_csv(comparison.rows())
     else:
+        print_incident(arguments.bag)
         print_tables(accuracy_tables(comparison))
         for number, sentence in enumerate(accuracy_sentences(comparison)):
             print(sentence if number else f"\n{sentence}")  # noqa: T201

@@ -17,6 +17,7 @@ from smarttestudo.cli.bag_options import (
     add_predict,
     add_topics_and_form,
     print_csv,
+    print_incident,
     print_json,
     print_notices,
     print_tables,
@@ -50,7 +51,7 @@ def add_action(actions: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
         description="Show how far the operator's picture was from the robot: the error of each field, the "
         "age of each topic, threshold crossings seen late or not at all, and the same for the best fixed "
         "rates with the same bytes. With A alone: the error at rates of 0.1, 0.2, 0.5, 1 … Hz, with "
-        "proposed tiers, and the messages that an accuracy needs, with hold and with dead reckoning.",
+        "proposed levels, and the messages that an accuracy needs, with hold and with dead reckoning.",
     )
     action.add_argument("a", metavar="A", type=file_path, help="the recording of what the robot sent")
     action.add_argument(
@@ -63,7 +64,7 @@ def add_action(actions: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
         action="append",
         default=[],
         help="fields of a topic, by property or path (twist.twist.linear.x): beside the usual ones; with A "
-        "alone only these, also for the tiers",
+        "alone only these, also for the levels",
     )
     action.add_argument(
         "--rules",
@@ -83,7 +84,7 @@ def add_action(actions: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
     )
     add_predict(action)
     action.add_argument(
-        "--profile", metavar="FILE", type=file_path, help="tiers and priorities of the topics (TOML)"
+        "--profile", metavar="FILE", type=file_path, help="levels and priorities of the topics (TOML)"
     )
     add_map(action)
     add_topics_and_form(action)
@@ -129,6 +130,7 @@ def _run_loss(arguments: argparse.Namespace, fields: Mapping[str, Sequence[str]]
         print_csv(loss.rows())
     else:
         print(f"{arms_text(loss)}\n")  # noqa: T201
+        print_incident(arguments.a)
         print_tables(loss_tables(loss))
     print_notices(loss.notices)
     return 0
@@ -173,6 +175,7 @@ def _run_curves(arguments: argparse.Namespace, fields: Mapping[str, Sequence[str
     elif arguments.csv:
         print_csv(curves.rows())
     else:
+        print_incident(arguments.a)
         print_tables(_curve_tables(curves))
     without = ", ".join(topic for topic in curves.without if not curves.accuracies_of(topic))
     unchanged = [f"{without}: no field changes, so there is no curve"] if without else []

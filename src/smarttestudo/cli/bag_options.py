@@ -8,11 +8,15 @@ import argparse
 import csv
 import sys
 from collections.abc import Collection, Iterable, Mapping, Sequence
+from pathlib import Path
 
+from smarttestudo.adapters.files.incident_store import record_beside
 from smarttestudo.cli.tables import print_table
-from smarttestudo.domain.errors import UsageError
+from smarttestudo.domain.errors import RecordingError, UsageError
+from smarttestudo.domain.incident import IncidentRecord
 from smarttestudo.domain.json_text import json_text
 from smarttestudo.use_cases.rules.rule_sets import LoadedRules
+from smarttestudo.visualizer.incident_mark import incident_text
 from smarttestudo.visualizer.loss.bounds import bounded_topics
 from smarttestudo.visualizer.table import Table
 
@@ -98,6 +102,22 @@ def _topic_pair(text: str) -> tuple[str, str]:
     if not (a and separator and b):
         raise argparse.ArgumentTypeError(f"two topics are paired as in /a=/b, not {text!r}")
     return a, b
+
+
+def incident_line(record: IncidentRecord | None) -> str:
+    """What follows the name of a recording that is an incident."""
+    return "" if record is None else f"\nincident {incident_text(record)}"
+
+
+def print_incident(recording: Path) -> None:
+    """What a recording that is an incident says of itself, on a line; nothing of any other."""
+    try:
+        record = record_beside(recording)
+    except RecordingError as error:
+        print_notices([f"what happened is not known: {error}"])
+        return
+    if record is not None:
+        print(f"incident {incident_text(record)}\n")  # noqa: T201
 
 
 def print_tables(tables: Iterable[Table]) -> None:

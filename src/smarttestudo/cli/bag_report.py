@@ -68,7 +68,7 @@ def add_action(actions: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
         "--decisions", metavar="FILE", type=file_path, help="the file that --decisions wrote when B was made"
     )
     action.add_argument(
-        "--profile", metavar="FILE", type=file_path, help="tiers and priorities of the topics (TOML)"
+        "--profile", metavar="FILE", type=file_path, help="levels and priorities of the topics (TOML)"
     )
     add_predict(action)
     add_budget(action)

@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 
+from smarttestudo.domain.units import grouped
 from smarttestudo.use_cases.live.echo import Echo, PlainValue
 from smarttestudo.visualizer.table import MISSING, format_number, printable
 
@@ -28,7 +29,9 @@ def echo_line(echo: Echo, *, with_all: bool) -> str:
 
 def message_block(echo: Echo) -> list[str]:
     """One message, whole."""
-    head = f"{echo.topic}  {echo.type_name}  message {echo.messages:,}  {echo.size_bytes:,} B"
+    head = (
+        f"{echo.topic}  {echo.type_name}  message {grouped(echo.messages)}  {grouped(echo.size_bytes or 0)} B"
+    )
     return [printable("  ".join([head, *([echo.state] if echo.state else [])])), *_value_lines(echo.values)]
 
 
@@ -52,7 +55,7 @@ def _rates(echo: Echo) -> str:
         words += [
             f"{format_number(echo.rate_hz, 2)} Hz",
             f"{format_number(echo.kb_per_s, 1)} KB/s",
-            f"{echo.messages:,} message{'s' * (echo.messages != 1)}",
+            f"{grouped(echo.messages)} message{'s' * (echo.messages != 1)}",
         ]
     if echo.state:
         words.append(echo.state)

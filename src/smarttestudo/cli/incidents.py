@@ -9,12 +9,15 @@ import sys
 
 from smarttestudo.adapters.files.incident_store import IncidentStore, StoredIncident
 from smarttestudo.adapters.json.incidents import incident_to_json
+from smarttestudo.cli.link_options import add_connect, connect_options
 from smarttestudo.cli.paths import file_path
+from smarttestudo.cli.remote_incidents import fetch, incident_table, list_remote
+from smarttestudo.cli.robots import add_robot
 from smarttestudo.cli.tables import print_table
-from smarttestudo.domain.errors import RecordingError
-from smarttestudo.domain.incident import Missing
+from smarttestudo.domain.errors import RecordingError, UsageError
 from smarttestudo.domain.json_text import json_text
-from smarttestudo.domain.units import BYTES_PER_KB, BYTES_PER_MB, NS_PER_S, counted, utc_time
+from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S, counted, utc_time
+from smarttestudo.visualizer.incident_mark import missing_text, signal_texts
 from smarttestudo.visualizer.table import Align, Column, Number, Row, Table, Text
 
 EXIT_ERROR = 1
@@ -24,17 +27,35 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     """Add ``incidents`` to the subcommands."""
     parser = commands.add_parser(
         "incidents",
-        help="list, show, export and delete what rules recorded",
+        help="list, show, fetch, export and delete what rules recorded",
         description="What Record statements kept: a folder for each incident, that 'testudo bag' and "
         "'ros2 bag' read, too.",
     )
     actions = parser.add_subparsers(title="actions", metavar="ACTION", required=True)
-    listing = _action(actions, "list", "all incidents of a folder, oldest first")
+    listing = _action(
+        actions, "list", "all incidents of a folder or a robot, oldest first", needs_folder=False
+    )
     listing.add_argument("--json", action="store_true", help="print a JSON array instead of a table")
+    add_connect(listing)
+    add_robot(listing)
     listing.set_defaults(run=_list)
     showing = _action(actions, "show", "what one holds, why, and what is missing", name=True)
     showing.add_argument("--json", action="store_true", help="print its record")
     showing.set_defaults(run=_show)
+    fetching = actions.add_parser(
+        "fetch",
+        help="fetch one from a robot over its link",
+        description="Fetch an incident in the part of the link that live topics leave unused: first one "
+        "message a second of each topic, then ever more, images last. What was stopped or cut off goes on.",
+    )
+    fetching.add_argument("name", metavar="NAME", help="the incident, as 'list --connect' prints it")
+    fetching.add_argument(
+        "--output", metavar="DIR", type=file_path, required=True, help="the folder it is put into"
+    )
+    fetching.add_argument("--json", action="store_true", help="print what came of it as a JSON object")
+    add_connect(fetching)
+    add_robot(fetching)
+    fetching.set_defaults(run=fetch)
     exporting = _action(actions, "export", "copy one to another place", name=True)
     exporting.add_argument("--output", metavar="PATH", type=file_path, required=True, help="the new folder")
     exporting.set_defaults(run=_export)
@@ -48,9 +69,16 @@ def _action(
     meaning: str,
     *,
     name: bool = False,
+    needs_folder: bool = True,
 ) -> argparse.ArgumentParser:
     parser = actions.add_parser(word, help=meaning, description=f"{meaning[0].upper()}{meaning[1:]}.")
-    parser.add_argument("folder", metavar="DIR", type=file_path, help="what --incidents named")
+    parser.add_argument(
+        "folder",
+        metavar="DIR",
+        type=file_path,
+        nargs=None if needs_folder else "?",
+        help="what --incidents named",
+    )
     if name:
         parser.add_argument("name", metavar="NAME", help="the incident's folder, as 'list' prints it")
     return parser
@@ -58,6 +86,13 @@ def _action(
 
 def _list(arguments: argparse.Namespace) -> int:
     """One line each; those that cannot be read are named, and cost only themselves."""
+    if arguments.connect and arguments.folder is None:
+        return list_remote(arguments)
+    if arguments.connect or arguments.folder is None:
+        raise UsageError(
+            "list the incidents of a folder or of a robot", place="list", remedy="name DIR or --connect"
+        )
+    connect_options(arguments)
     found: list[StoredIncident] = []
     errors: list[RecordingError] = []
     for one in IncidentStore(arguments.folder).incidents():
@@ -68,7 +103,7 @@ def _list(arguments: argparse.Namespace) -> int:
     if arguments.json:
         print(json_text([_json(one) for one in found]))  # noqa: T201
     elif found:
-        print_table(_list_table(found))
+        print_table(incident_table([one.listed() for one in found]))
     else:
         print("no incidents")  # noqa: T201
     for error in errors:
@@ -88,11 +123,11 @@ def _show(arguments: argparse.Namespace) -> int:
     after_s = (record.to_ns - record.triggered_ns) / NS_PER_S
     print(f"{record.name}: {utc_time(record.triggered_ns)}, {before_s:g} s before to {after_s:g} s after")  # noqa: T201
     print(f"rule {record.rule} ({record.path}:{record.line}), rules {record.rules_sha256[:12]}")  # noqa: T201
-    for signal, value in record.values.items():
-        print(f"{signal} = {'unknown' if value is None else format(value, 'g')}")  # noqa: T201
+    for text in signal_texts(record):
+        print(text)  # noqa: T201
     print_table(_topic_table(stored))
     for missing in record.missing:
-        print(f"missing: {_said(missing)}")  # noqa: T201
+        print(f"missing: {missing_text(missing)}")  # noqa: T201
     for latched in record.latched:
         print(f"latched: {latched.topic} of {utc_time(latched.stamp_ns)}")  # noqa: T201
     return 0
@@ -121,33 +156,6 @@ def _json(stored: StoredIncident) -> dict[str, object]:
     }
 
 
-def _list_table(incidents: list[StoredIncident]) -> Table:
-    return Table(
-        title="Incidents",
-        columns=(
-            Column(heading="Incident", align=Align.LEFT),
-            Column(heading="Rule", align=Align.LEFT),
-            Column(heading="Messages"),
-            Column(heading="Size", unit="MB"),
-            Column(heading="Read", align=Align.LEFT),
-            Column(heading="Missing", align=Align.LEFT),
-        ),
-        rows=tuple(
-            Row(
-                cells=(
-                    Text(one.name),
-                    Text(one.record.rule),
-                    Number(sum(topic.messages for topic in one.record.topics.values()), decimals=0),
-                    Number(one.size_bytes / BYTES_PER_MB),
-                    Text("yes" if one.is_read else "no"),
-                    Text(", ".join(dict.fromkeys(each.reason.value for each in one.record.missing))),
-                )
-            )
-            for one in incidents
-        ),
-    )
-
-
 def _topic_table(stored: StoredIncident) -> Table:
     return Table(
         title="Topics",
@@ -169,9 +177,3 @@ def _topic_table(stored: StoredIncident) -> Table:
             for name, topic in stored.record.topics.items()
         ),
     )
-
-
-def _said(missing: Missing) -> str:
-    messages = "what came" if missing.messages is None else counted(missing.messages, "message")
-    between = f"{utc_time(missing.from_ns)} to {utc_time(missing.to_ns)}"
-    return f"{missing.topic}: {messages} from {between} ({missing.reason.value})"

@@ -42,7 +42,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     )
     parser.add_argument("file", metavar="FILE", type=file_path, help="a rule file")
     parser.add_argument(
-        "--profile", metavar="P", type=file_path, required=True, help="sizes, tiers and the budget"
+        "--profile", metavar="P", type=file_path, required=True, help="sizes, levels and the budget"
     )
     parser.add_argument(
         "--model",

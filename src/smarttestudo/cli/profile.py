@@ -32,9 +32,9 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     """Add ``profile`` to the subcommands."""
     parser = commands.add_parser(
         "profile",
-        help="measure sizes and rates, and propose tiers",
+        help="measure sizes and rates, and propose levels",
         description="Measure message sizes, rates and jitter in a recording or of a running robot, and write "
-        "them as a profile with proposed tiers. Without -o it goes to standard output.",
+        "them as a profile with proposed levels. Without -o it goes to standard output.",
     )
     measured = parser.add_mutually_exclusive_group(required=True)
     measured.add_argument(
@@ -55,7 +55,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.add_argument(
         "--from-curve",
         action="store_true",
-        help="with --bag: propose tiers where the loss at each rate bends, as `bag loss BAG` shows it",
+        help="with --bag: propose levels where the loss at each rate bends, as `bag loss BAG` shows it",
     )
     parser.add_argument(
         "--accuracies-of",

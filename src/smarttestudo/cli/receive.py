@@ -34,6 +34,7 @@ from smarttestudo.domain.names import STATUS_TOPIC, full_topic_names
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.domain.visible_topics import testudo_nodes
 from smarttestudo.link.reports import MAX_PREDICTED
+from smarttestudo.use_cases.receive.incident_mirror import IncidentMirror, MirrorFolders
 from smarttestudo.use_cases.receive.prediction import Predictor
 from smarttestudo.use_cases.receive.reception import Reception
 from smarttestudo.use_cases.receive.reception_metrics import ReceptionMetrics
@@ -105,6 +106,18 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         help="publish dead reckoning of these topics, by the robot's names, between their messages, at the "
         "source's rate (Odometry, transforms, joint states with a KeepWithin)",
     )
+    parser.add_argument(
+        "--incidents",
+        metavar="DIR",
+        type=file_path,
+        help="fetch what the robots' rules record into DIR/ROBOT, in the part of the link that topics leave",
+    )
+    parser.add_argument(
+        "--catch-up",
+        metavar="DIR",
+        type=file_path,
+        help="fetch what robots with --catch-up could not send during outages into DIR/ROBOT likewise",
+    )
     add_openmetrics(parser)
     add_zenoh_config(parser)
     parser.set_defaults(run=run)
@@ -116,12 +129,14 @@ def run(arguments: argparse.Namespace) -> int:
         raise UsageError(
             "what is sent comes from the ROS graph here", place="--send", remedy="leave out --no-ros"
         )
-    is_watched = arguments.foxglove is not None or arguments.openmetrics is not None
+    folders = MirrorFolders(incidents=arguments.incidents, outages=arguments.catch_up)
+    is_fetching = folders != MirrorFolders()
+    is_watched = arguments.foxglove is not None or arguments.openmetrics is not None or is_fetching
     if arguments.no_ros and arguments.record is None and not is_watched:
         raise UsageError(
             "what arrives would go nowhere",
             place="--no-ros",
-            remedy="add --record DIR, --foxglove PORT or --openmetrics PORT",
+            remedy="add --record DIR, --incidents DIR, --foxglove PORT or --openmetrics PORT",
         )
     options, predicts = _options(arguments), _predicted(arguments)
     with ExitStack() as opened:
@@ -131,6 +146,9 @@ def run(arguments: argparse.Namespace) -> int:
         opened.enter_context(served_metrics(arguments.openmetrics, metrics.metrics))
         sinks: list[Sink] = [opened.enter_context(closing(sink)) for sink in _sinks(arguments, opened)]
         end = opened.enter_context(open_operator_end(options, warn, predicts=predicts))
+        if is_fetching:
+            incidents = opened.enter_context(closing(end.incidents()))
+            opened.enter_context(IncidentMirror(incidents, folders, _say, warn).running())
         sending = None
         if end.commands is not None:
             sending = opened.enter_context(_sending(end.commands, arguments.output_topic))
@@ -210,6 +228,11 @@ def _sinks(arguments: argparse.Namespace, opened: ExitStack) -> Iterator[Sink]:
         foxglove = open_foxglove_sink(arguments.foxglove, warn, time.time_ns)
         sys.stdout.write(f"Foxglove: open the connection ws://127.0.0.1:{foxglove.port}\n")
         yield foxglove
+
+
+def _say(sentence: str) -> None:
+    sys.stdout.write(f"{sentence}\n")
+    sys.stdout.flush()
 
 
 def _say_where(options: LinkOptions) -> None:

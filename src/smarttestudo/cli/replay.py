@@ -29,6 +29,7 @@ from smarttestudo.domain.json_text import json_text
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.recording import RecordingReader, Storage
+from smarttestudo.domain.units import counted
 from smarttestudo.pacing.sample import WhenSlow
 from smarttestudo.use_cases.replay.outcome import ReplayOutcome, TopicOutcome
 from smarttestudo.use_cases.rules.rule_sets import LoadedRules, load_rules
@@ -271,7 +272,8 @@ def _run_inputs(arguments: argparse.Namespace) -> int:
     if arguments.json:
         print(json_text(outcome.to_json()))  # noqa: T201
     else:
-        print(f"{outcome.decisions:,} decisions from {outcome.inputs:,} inputs in {outcome.duration_s:.1f} s")  # noqa: T201
+        inputs = f"{counted(outcome.decisions, 'decision')} from {counted(outcome.inputs, 'input')}"
+        print(f"{inputs} in {outcome.duration_s:.1f} s")  # noqa: T201
     for notice in outcome.notices:
         print(f"note: {notice}", file=sys.stderr)  # noqa: T201
     return 0
@@ -342,7 +344,7 @@ def _incidents(arguments: argparse.Namespace, rules: LoadedRules) -> IncidentReq
     if arguments.incidents is None:
         return None
     return IncidentRequest(
-        folder=arguments.incidents,
+        into=arguments.incidents,
         rules_sha256=rules.in_force.sha256,
         memory_mb=arguments.incident_memory,
     )
@@ -384,8 +386,7 @@ def _print(outcome: ReplayOutcome, *, as_json: bool) -> None:
         for table in tables:
             print_table(table)
             print()  # noqa: T201
-        decisions = "decision" if outcome.decisions == 1 else "decisions"
-        print(f"{outcome.decisions:,} {decisions} in {outcome.wall_seconds:.1f} s")  # noqa: T201
+        print(f"{counted(outcome.decisions, 'decision')} in {outcome.wall_seconds:.1f} s")  # noqa: T201
         for name in outcome.incidents:
             print(f"incident {name}")  # noqa: T201
     for notice in outcome.notices:

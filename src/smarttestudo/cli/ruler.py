@@ -12,7 +12,7 @@ from pathlib import Path
 
 from smarttestudo.adapters.files.project_folder import ProjectFolder
 from smarttestudo.adapters.ros import open_graph_robots
-from smarttestudo.adapters.zenoh import open_link_robots
+from smarttestudo.adapters.zenoh import open_link_incidents, open_link_robots
 from smarttestudo.cli.link_options import add_connect, connect_options, warn
 from smarttestudo.cli.paths import file_path
 from smarttestudo.domain.errors import RuleFileError
@@ -56,6 +56,7 @@ def _port(text: str) -> int:
 
 def run(arguments: argparse.Namespace) -> int:
     """Serve until Ctrl-C."""
+    from smarttestudo.use_cases.ruler.robot_incidents import OpenIncidents  # noqa: PLC0415
     from smarttestudo.use_cases.ruler.robot_link import OpenRobots  # noqa: PLC0415
     from smarttestudo.web.guard import ServerAddress  # noqa: PLC0415  needs packages a robot lacks
     from smarttestudo.web.page import is_page_built  # noqa: PLC0415
@@ -68,8 +69,10 @@ def run(arguments: argparse.Namespace) -> int:
     folder = path if path.is_dir() else path.parent
 
     open_robots: OpenRobots = partial(open_graph_robots, "testudo_ruler")
+    open_incidents: OpenIncidents | None = None
     if options is not None:
         open_robots = partial(open_link_robots, options, warn)
+        open_incidents = partial(open_link_incidents, options, warn)
 
     def started(access: ServerAddress) -> None:
         print(f"ADIRF Ruler of {folder.resolve()}: {access.url} (Ctrl-C ends it)", flush=True)  # noqa: T201
@@ -82,6 +85,7 @@ def run(arguments: argparse.Namespace) -> int:
     serve(
         ProjectFolder(folder),
         open_robots,
+        open_incidents=open_incidents,
         host=arguments.host,
         port=arguments.port,
         opened=None if path.is_dir() else path.name,

@@ -28,7 +28,8 @@ from smarttestudo.cli.metrics_options import add_openmetrics, served_metrics
 from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.terminal import stop_signals
 from smarttestudo.domain.command import command_topics
-from smarttestudo.domain.incident import DEFAULT_INCIDENT_MEMORY_MB
+from smarttestudo.domain.errors import UsageError
+from smarttestudo.domain.incident import DEFAULT_INCIDENT_MEMORY_MB, DEFAULT_INCIDENT_RING_MAX_GB
 from smarttestudo.domain.names import TOPIC_PLACEHOLDER, is_topic_prefix
 from smarttestudo.domain.parameter import ParameterValue
 from smarttestudo.domain.robot import DataPathKind
@@ -54,6 +55,11 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 
 
 def _add_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--allow-writing-rules",
+        action="store_true",
+        help="let pushed rules be written to the rule file, once they are confirmed",
+    )
     parser.add_argument(
         "--output-topic",
         metavar="NAME",
@@ -95,10 +101,28 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
         help=f"memory for what came before an incident (default: {DEFAULT_INCIDENT_MEMORY_MB})",
     )
     parser.add_argument(
+        "--incident-ring",
+        metavar="DIR",
+        type=file_path,
+        help="folder on disk for what came before an incident and does not fit into memory",
+    )
+    parser.add_argument(
+        "--incident-ring-max-gb",
+        metavar="GB",
+        type=max_gb,
+        help=f"disk that this may take (default: {DEFAULT_INCIDENT_RING_MAX_GB})",
+    )
+    parser.add_argument(
         "--incidents-max-gb",
         metavar="GB",
         type=max_gb,
         help="disk that all incidents may take: old ones are deleted, those that were read first",
+    )
+    parser.add_argument(
+        "--catch-up",
+        action="store_true",
+        help="with --link and --incidents: while no operator is connected, keep what the rules let pass "
+        "there, too, for 'testudo receive --catch-up'",
     )
     add_openmetrics(parser)
     add_link(parser)
@@ -132,6 +156,7 @@ def run(arguments: argparse.Namespace) -> int:
             )
         )
         parameters = RunParameters(robot, _given(arguments))
+        _require_catch_up(parameters.request, arguments)
         _require_separate(parameters.request)
         decided: list[Decided] = [watched.note_decisions]
         if parameters.request.decisions is not None:
@@ -148,6 +173,7 @@ def run(arguments: argparse.Namespace) -> int:
             link=link,
             commands=None if link is None else link.commands,
             told=watched.note_status,
+            catches_up=arguments.catch_up,
         )
     return 0
 
@@ -162,6 +188,13 @@ def _is_local(arguments: argparse.Namespace) -> bool:
     return not has_link or arguments.output_topic is not None or arguments.output_domain is not None
 
 
+def _require_catch_up(request: RunRequest, arguments: argparse.Namespace) -> None:
+    if arguments.catch_up and not (arguments.link or arguments.link_listen):
+        raise UsageError("it is about a link", place="--catch-up", remedy="add --link or --link-listen")
+    if arguments.catch_up and request.incidents.folder is None:
+        raise UsageError("what is kept needs a folder", place="--catch-up", remedy="add --incidents DIR")
+
+
 def _require_separate(request: RunRequest) -> None:
     recorded = request.record_inputs
     require_separate(
@@ -169,6 +202,7 @@ def _require_separate(request: RunRequest) -> None:
             "--decisions": request.decisions,
             "--record-inputs": None if recorded is None else recorded / INPUTS_FILE,
             "--incidents": request.incidents.folder,
+            "--incident-ring": request.incidents.ring,
         },
         (request.profile, *rule_files_named(request.rules)),
     )
@@ -178,6 +212,7 @@ def _given(arguments: argparse.Namespace) -> dict[str, ParameterValue]:
     """Parameters of the node by name, of which those that are not ``None`` win over the node's own."""
     return {
         "rules_file": None if arguments.rules is None else tuple(map(str, arguments.rules)),
+        "allow_writing_rules": arguments.allow_writing_rules or None,
         "profile_file": None if arguments.profile is None else str(arguments.profile),
         # Over a link topics keep their names: nobody mistakes them for their sources there.
         "output_topic": arguments.output_topic if _is_local(arguments) else TOPIC_PLACEHOLDER,
@@ -188,5 +223,7 @@ def _given(arguments: argparse.Namespace) -> dict[str, ParameterValue]:
         "record_inputs": None if arguments.record_inputs is None else str(arguments.record_inputs),
         "incidents": None if arguments.incidents is None else str(arguments.incidents),
         "incident_memory_mb": arguments.incident_memory,
+        "incident_ring": None if arguments.incident_ring is None else str(arguments.incident_ring),
+        "incident_ring_max_gb": arguments.incident_ring_max_gb,
         "incidents_max_gb": arguments.incidents_max_gb,
     }

@@ -18,7 +18,7 @@ from smarttestudo.domain.decision import Reason
 from smarttestudo.domain.incident import IncidentState
 from smarttestudo.domain.link_state import AcceptedTopic, LinkState
 from smarttestudo.domain.status import DiagnosticLevel, RuntimeStatus, Silence, TopicStatus
-from smarttestudo.domain.units import BYTES_PER_MB, counted
+from smarttestudo.domain.units import BYTES_PER_MB, counted, grouped
 from smarttestudo.use_cases.live.diagnostics import topic_health
 from smarttestudo.visualizer.table import (
     Align,
@@ -143,7 +143,9 @@ def _capacity(link: LinkState | None) -> str:
         return ""
     if not link.is_connected:
         return "   link: no operator is connected"
-    capacity = "not the limit" if link.capacity_kb_per_s is None else f"{link.capacity_kb_per_s:,.1f} KB/s"
+    capacity = (
+        "not the limit" if link.capacity_kb_per_s is None else f"{grouped(link.capacity_kb_per_s, 1)} KB/s"
+    )
     trip = "" if link.round_trip_ms is None else f", round trip {link.round_trip_ms:.0f} ms"
     return f"   link: {capacity}{trip}, {counted(link.outages, 'outage')}"
 
@@ -156,8 +158,8 @@ def _accepted(topic: AcceptedTopic) -> str:
         return printable(f"accepts {topic.topic}: no node subscribes to it")
     age = "" if topic.age_ms is None else f", the last {topic.age_ms:.0f} ms old"
     return printable(
-        f"accepts {topic.topic}: {topic.delivered:,} delivered, {topic.too_old:,} too old, "
-        f"{topic.refused:,} refused{age}"
+        f"accepts {topic.topic}: {grouped(topic.delivered)} delivered, {grouped(topic.too_old)} too old, "
+        f"{grouped(topic.refused)} refused{age}"
     )
 
 
@@ -166,10 +168,18 @@ def _incidents(state: IncidentState) -> Line:
     failed = f", {state.failed} failed" if state.failed else ""
     problem = f": {state.problem}" if state.problem else ""
     text = (
-        f"records {counted(state.topics, 'topic')} in {held:,.1f} of {limit:,.0f} MB   "
+        f"records {counted(state.topics, 'topic')} in {grouped(held, 1)} of {grouped(limit)} MB"
+        f"{_ring(state)}   "
         f"incidents: {state.open} open, {state.recorded} recorded{failed}{problem}"
     )
     return Line(printable(text), Look.WARN if state.problem else Look.PLAIN)
+
+
+def _ring(state: IncidentState) -> str:
+    if state.ring_max_bytes is None:
+        return ""
+    held, limit = state.ring_bytes / BYTES_PER_MB, state.ring_max_bytes / BYTES_PER_MB
+    return f", on disk {grouped(held, 1)} of {grouped(limit)} MB"
 
 
 def _sorted(status: RuntimeStatus, sort: SortKey) -> list[tuple[str, TopicStatus]]:

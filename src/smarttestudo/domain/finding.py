@@ -28,11 +28,22 @@ class Fix:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class ProfileFix:
+    """What mends a finding in the profile: ``value`` for ``key`` of ``topic``; ``None`` takes it out."""
+
+    topic: str
+    key: str
+    value: str | None
+    title: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Finding:
     """One thing the checker has to say about one place of a rule file.
 
     ``code`` is the finding's stable kebab-case name, ``path`` the file as the user named it,
     ``hint`` one sentence on what to do, or empty, ``related`` other places of the file that it speaks of.
+    Of ``fix`` and ``profile_fix`` it has at most one.
     """
 
     code: str
@@ -43,6 +54,7 @@ class Finding:
     hint: str = ""
     fix: Fix | None = None
     related: tuple[Span, ...] = ()
+    profile_fix: ProfileFix | None = None
 
     def to_json(self) -> dict[str, object]:
         """The object that ``testudo check --format json`` prints."""

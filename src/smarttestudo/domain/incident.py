@@ -16,6 +16,9 @@ from smarttestudo.domain.units import NS_PER_MS
 DEFAULT_INCIDENT_MEMORY_MB = 256
 """How much of the past is kept in memory for recordings, unless told otherwise."""
 
+DEFAULT_INCIDENT_RING_MAX_GB = 5
+"""How much disk what does not fit into memory may take, unless told otherwise."""
+
 INCIDENT_VERSION = 1
 _MAX_NAME_CHARACTERS = 60
 _NOT_IN_NAMES = re.compile(r"[^A-Za-z0-9_-]+")
@@ -26,7 +29,7 @@ class MissingReason(Enum):
     """Why messages of a window are not in the incident."""
 
     MEMORY = "memory"
-    """They were given up when memory was short."""
+    """They were given up when memory, and the ring on disk if there is one, had no room for them."""
 
     LATE = "late"
     """The topic was not yet heard, or the recording not yet begun."""
@@ -121,9 +124,10 @@ def incident_folder_name(name: str, stamp_ns: int) -> str:
 class IncidentState:
     """What recording costs a running robot, and what came of it.
 
-    ``held_bytes`` of at most ``memory_bytes`` are kept of ``topics`` topics for what may happen. Incidents
-    are ``open`` now, were ``recorded`` whole, or ``failed`` since the start; ``problem`` says why the last
-    one could not be written, until the next one can.
+    ``held_bytes`` of at most ``memory_bytes`` are kept of ``topics`` topics for what may happen, and
+    ``ring_bytes`` of at most ``ring_max_bytes`` on disk, which is ``None`` if memory is all there is.
+    Incidents are ``open`` now, were ``recorded`` whole, or ``failed`` since the start; ``problem`` says why
+    the last one could not be written, until the next one can.
     """
 
     held_bytes: int
@@ -133,3 +137,5 @@ class IncidentState:
     recorded: int = 0
     failed: int = 0
     problem: str | None = None
+    ring_bytes: int = 0
+    ring_max_bytes: int | None = None

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Protocol
 
 from smarttestudo.domain.link_state import LinkState, StreamCounts
@@ -88,6 +89,9 @@ class OutgoingLink(Protocol):
 
     def tell(self, status: RuntimeStatus) -> None:
         """Have everyone who watches receive this status."""
+
+    def offer_incidents(self, folder: Path) -> None:
+        """Let operators list and fetch the incidents in ``folder`` from now on."""
 
     def take_question(self) -> Asked | None:
         """The next question that waits for an answer."""

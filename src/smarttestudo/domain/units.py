@@ -34,6 +34,11 @@ def utc_time(stamp_ns: int) -> str:
     return f"{time:%Y-%m-%d %H:%M:%S}.{time.microsecond // 1000:03} UTC"
 
 
+def grouped(number: float, decimals: int = 0) -> str:
+    """``1 234 567.80``: thousands apart by spaces, because a comma stands before decimals to many readers."""
+    return f"{number:,.{decimals}f}".replace(",", " ")
+
+
 def counted(count: int, noun: str) -> str:
     """``count`` with ``noun``, which takes an s where it is not one."""
-    return f"{count:,} {noun}" if count == 1 else f"{count:,} {noun}s"
+    return f"{grouped(count)} {noun}" if count == 1 else f"{grouped(count)} {noun}s"

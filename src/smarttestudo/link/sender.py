@@ -6,10 +6,12 @@ from __future__ import annotations
 
 from collections.abc import Collection, Hashable, Mapping
 from dataclasses import replace
+from typing import Generic, TypeVar
 
 from smarttestudo.domain.link import LinkNeeds, Prediction, StreamInfo
 from smarttestudo.domain.link_state import LinkState, StreamCounts
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_MS, NS_PER_S
+from smarttestudo.link.background import BackgroundAnswer, BackgroundAnswers
 from smarttestudo.link.chunks import CONTROL_STREAM, HEADER_BYTES, MAX_STREAMS
 from smarttestudo.link.outbox import Encode, Encoded, Outbox, plain
 from smarttestudo.link.receivers import Receivers
@@ -32,15 +34,16 @@ _USABLE = 0.95
 _GROWTH = ((0.5, 1.4), (0.15, 1.07), (0.05, 1.0))
 """Shares of a period in which nothing waited to be sent, and by how much the budget grows after it."""
 _MOST_BYTES_PER_S = 1e10
+_Request = TypeVar("_Request")
 
 
-class LinkSender:
+class LinkSender(Generic[_Request]):
     """Streams, what waits in them and the window of the link, in the time that is passed in.
 
     The driver gives it messages (``offer``) and reports (``take_report``), and sends what ``next_chunk``
     gives while that gives something; another look is due after a message or a report.
     It serves one operator's end at a time: the first that reports, until that is silent. Others hear what
-    that one is sent.
+    that one is sent. What others ``ask`` for is sent while no topic needs the link (``next_answer``).
     """
 
     def __init__(self, encode: Encode = plain) -> None:
@@ -50,6 +53,7 @@ class LinkSender:
         self._infos: dict[int, StreamInfo] = {}
         self._needs: Mapping[str, LinkNeeds] = {}
         self._window = Window()
+        self._background: BackgroundAnswers[_Request] = BackgroundAnswers()
         self._session = 0
         self._sessions = 0
         self._predictions: Mapping[str, Prediction] = {}
@@ -158,7 +162,38 @@ class LinkSender:
         data = chunk.to_bytes()
         self._window.sent(len(data), now_ns)
         self._outbox.sent_until(chunk, self._window.sent_bytes)
+        self._background.live_sent(len(data), now_ns, self._window)
         return data
+
+    def ask(self, asker: int, got_bytes: int, request: _Request, now_ns: int) -> bool:
+        """Have a request answered when no topic needs the link; whether it waits, as few may.
+
+        ``asker`` has ``got_bytes`` of all answers so far.
+        """
+        return self._background.ask(asker, got_bytes, request, now_ns, self._live(now_ns))
+
+    def acknowledge(self, asker: int, got_bytes: int, now_ns: int) -> None:
+        """Who asked has ``got_bytes`` of all answers so far."""
+        self._background.acknowledge(asker, got_bytes, now_ns, self._live(now_ns))
+
+    def next_answer(self, now_ns: int) -> BackgroundAnswer[_Request] | None:
+        """What to answer now; to be asked for when ``next_chunk`` has nothing."""
+        live = self._live(now_ns)
+        if live is not None and (not self._outbox.is_empty or self.is_stalled(now_ns)):
+            return None
+        return self._background.next(now_ns, live)
+
+    def answered(self, asker: int, size_bytes: int, now_ns: int) -> None:
+        """An answer of so many bytes went out."""
+        self._background.sent(asker, size_bytes, now_ns, self._live(now_ns))
+
+    def expired(self, now_ns: int) -> list[_Request]:
+        """Requests that have waited for too long, and are answered no more."""
+        return self._background.expired(now_ns)
+
+    def answer_wake_ns(self, now_ns: int) -> int | None:
+        """When ``next_answer`` may have something though nothing happens."""
+        return self._background.wake_ns(now_ns)
 
     def is_connected(self, now_ns: int) -> bool:
         """Whether an operator's end was heard lately."""
@@ -214,6 +249,10 @@ class LinkSender:
     def age_ms(self, topic: str) -> float | None:
         """How old the last message of ``topic`` was when it arrived."""
         return self._ages_ms.get(topic)
+
+    def _live(self, now_ns: int) -> Window | None:
+        """The window of the topics, while anybody receives them."""
+        return self._window if self.is_connected(now_ns) else None
 
     def _restart(self, now_ns: int) -> None:
         self._session += 1

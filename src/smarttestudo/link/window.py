@@ -67,6 +67,8 @@ class Window:
         self._last_trip_ns = _FIRST_TRIP_NS
         self._sample_ns: int | None = None
         self._sample_bytes = 0
+        self._beside_bytes = 0
+        """What arrived beside the session since the sample began."""
         self._was_full = False
         self._was_idle = False
         self._limited_ns = 0
@@ -139,6 +141,14 @@ class Window:
         self.sent_bytes += size_bytes
         self._flights.append(_Flight(self.sent_bytes, now_ns))
 
+    def delivered_beside(self, size_bytes: int) -> None:
+        """Bytes of no session arrived, which the link carried all the same."""
+        self._beside_bytes += size_bytes
+
+    def raise_capacity(self, bytes_per_s: float) -> None:
+        """The link was seen to carry more than was known."""
+        self._keep_rate(bytes_per_s)
+
     def acknowledge(self, total_bytes: int, now_ns: int) -> bool:
         """The other end has ``total_bytes`` of the session; whether that can be."""
         if not self.acknowledged_bytes <= total_bytes <= self.sent_bytes:
@@ -184,7 +194,8 @@ class Window:
     def _take_rate(self, now_ns: int) -> None:
         assert self._sample_ns is not None
         span_ns = now_ns - self._sample_ns
-        rate = (self.acknowledged_bytes - self._sample_bytes) * NS_PER_S / span_ns
+        delivered_bytes = self.acknowledged_bytes - self._sample_bytes + self._beside_bytes
+        rate = delivered_bytes * NS_PER_S / span_ns
         was_limited = (self._was_full and not self._was_idle) or self._has_queue
         was_limited = was_limited and self._drain_until_ns is None
         self._begin_sample(now_ns)
@@ -204,6 +215,9 @@ class Window:
             self._rates.clear()
         self._has_fallen = falls
         self._is_growing = rate > _RISE * self.capacity_bytes_per_s
+        self._keep_rate(rate)
+
+    def _keep_rate(self, rate: float) -> None:
         while self._rates and self._rates[-1][1] <= rate:
             self._rates.pop()
         self._rates.append((self._limited_ns, rate))
@@ -214,4 +228,5 @@ class Window:
     def _begin_sample(self, now_ns: int) -> None:
         self._sample_ns = now_ns
         self._sample_bytes = self.acknowledged_bytes
+        self._beside_bytes = 0
         self._was_full = self._was_idle = False

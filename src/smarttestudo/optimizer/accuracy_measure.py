@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 
 from smarttestudo.adirf.properties import gauges_for, properties_for_bounds
@@ -31,6 +31,15 @@ def levelled_properties(type_name: str) -> tuple[LevelledProperty, ...]:
     """Those of messages of ``type_name``."""
     names = {spec.name for spec in properties_for_bounds().get(type_name, ())}
     return tuple(one for one in LevelledProperty if one.value in names)
+
+
+def bounds_need_hz(passed: Sequence[int], messages: int, source_hz: float) -> tuple[float, ...]:
+    """The share of a source of ``source_hz`` that bounds need, the widest first: ``passed`` of ``messages``.
+
+    A wider bound than another one may need a message more by chance: it counts as the tighter one does.
+    """
+    counts = list(itertools.accumulate(reversed(passed), min))
+    return tuple(source_hz * count / messages for count in reversed(counts))
 
 
 class AccuracyMeasure:
@@ -59,16 +68,14 @@ class AccuracyMeasure:
             one.offer(payload, frames, stamp_ns)
 
     def tiers(self, source_hz: float) -> dict[LevelledProperty, AccuracyTiers]:
-        """The accuracies with what they need of a source of ``source_hz``: the share of messages that passed.
-
-        A wider bound than another one may need a message more by chance: it counts as the tighter one does.
-        """
-        found = {}
-        for one in self._gauged if self.messages else ():
-            passed = itertools.accumulate(reversed(one.passed), min)
-            needs_hz = tuple(reversed([source_hz * count / self.messages for count in passed]))
-            found[one.levelled] = AccuracyTiers(bounds=one.bounds, needs_hz=needs_hz)
-        return found
+        """The accuracies with what they need of a source of ``source_hz``."""
+        return {
+            one.levelled: AccuracyTiers(
+                bounds=one.bounds, needs_hz=bounds_need_hz(one.passed, self.messages, source_hz)
+            )
+            for one in self._gauged
+            if self.messages
+        }
 
 
 class _Gauged:

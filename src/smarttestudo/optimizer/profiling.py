@@ -110,9 +110,10 @@ class TopicMeasure:
 TIER_SHARES = (0.05, 0.1, 0.25, 0.5, 0.8, 1.0)
 """τ0 … τ5 as shares of the source's rate: a first guess that only an engineer can replace by a better one."""
 
-_TIERS_GUESSED = "# The tiers are guesses from the rates; docs/quality-levels.md says how to choose them."
+_TIERS_GUESSED = "# The levels are guesses from the rates; docs/quality-levels.md says how to choose them."
 _TIERS_FROM_LOSS = (
-    "# The tiers come from the loss at each rate (docs/loss.md), those in % of source_hz from the rate alone."
+    "# The levels come from the loss at each rate (docs/loss.md), those in % of source_hz "
+    "from the rate alone."
 )
 _NEEDS_ORIGIN = f"with hold, a heartbeat of {HEARTBEAT_HZ:g} Hz and no ceiling, for movements as these"
 _DIGITS = 3
@@ -160,13 +161,13 @@ def _entries(measure: TopicMeasure, proposal: TierProposal | None) -> Iterator[s
         f"the largest {_number(measure.largest_kb)}{declared}"
     )
     if measure.source_hz is None:
-        yield "# one message or one stamp only: no rate, no tiers"
+        yield "# one message or one stamp only: no rate, no levels"
         return
     source_hz = rounded(measure.source_hz)
     yield f"source_hz = {_number(source_hz)}  # {_intervals(measure)}"
     proposal = proposal or _by_shares(source_hz)
     if min(proposal.tiers_hz) < RATE_STEP_HZ:
-        yield f"# too slow for tiers: a rate has at least {RATE_STEP_HZ} Hz"
+        yield f"# too slow for levels: a rate has at least {RATE_STEP_HZ} Hz"
         return
     yield f"tiers_hz = {_numbers(proposal.tiers_hz)}  # {proposal.origin}"
     for one, tiers in measure.accuracies.items():

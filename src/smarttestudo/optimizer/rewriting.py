@@ -28,8 +28,9 @@ _Edit = tuple[int, int, str]
 def rewrite(text: str, file: RuleFile, optimization: Optimization, *, provenance: str) -> str:
     """``text``, which parsed to ``file``, with the rates of a feasible ``optimization``.
 
-    Each level becomes its rate or its bound. The topics that the optimization appended become defaults, after
-    the last one of the file, or at its start. A first line says ``provenance``, in the place of one that did.
+    Each level becomes its rate or its bound, except in disabled blocks. The topics that the optimization
+    appended become defaults, after the last one of the file, or at its start. A first line says
+    ``provenance``, in the place of one that did.
     """
     starts = list(accumulate((len(line) for line in _LINE.findall(text)), initial=0))
     line_end = "\r\n" if "\r\n" in text else "\n"
@@ -39,7 +40,7 @@ def rewrite(text: str, file: RuleFile, optimization: Optimization, *, provenance
             _end(span, starts),
             _number_text((file.path, span), optimization),
         )
-        for statement in file.statements
+        for statement in file.enabled_statements
         for span, _ in tiers_in(statement)
     ]
     if optimization.appended and optimization.defaults.rates_hz is not None:

@@ -141,7 +141,7 @@ class _Collector:
         return RuleAsks(defaults=defaults, blocks=blocks, appended=appended)
 
     def _statements(self) -> Iterator[tuple[str, Statement]]:
-        return ((file.path, statement) for file in self._files for statement in file.statements)
+        return ((file.path, statement) for file in self._files for statement in file.enabled_statements)
 
     def _default_rates(self) -> dict[str, _WrittenRate]:
         """The defaults of all relayed topics, those that are written first."""

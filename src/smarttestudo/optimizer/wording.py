@@ -7,11 +7,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from smarttestudo.domain.rate import Tier
+from smarttestudo.domain.units import grouped
 
 
 def kb_text(kb_per_s: float) -> str:
     """``157 665.72``: at most two decimals, thousands apart."""
-    return _without_zeros(f"{kb_per_s:,.2f}".replace(",", " "))
+    return _without_zeros(grouped(kb_per_s, 2))
 
 
 def hz_text(rate_hz: float) -> str:

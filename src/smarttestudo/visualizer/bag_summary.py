@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
 
+from smarttestudo.domain.incident import IncidentRecord
 from smarttestudo.domain.recording import Storage
 from smarttestudo.domain.units import utc_time
 from smarttestudo.visualizer.statistics import Latency, RecordingSpan, TopicStatistics
@@ -66,6 +67,7 @@ class BagSummary:
     """A recording that is called ``name``: its topics, and what was lost or odd, a line each.
 
     ``readable_share`` is how much of it can be read, 0 … 1, ``None`` where it is damaged and does not tell.
+    ``incident`` is what rules recorded it for, if they did.
     """
 
     name: str
@@ -74,6 +76,7 @@ class BagSummary:
     topics: tuple[BagTopic, ...]
     readable_share: float | None = 1.0
     notices: tuple[str, ...] = ()
+    incident: IncidentRecord | None = None
 
     @property
     def total(self) -> BagTotal:
@@ -111,9 +114,20 @@ class BagSummary:
             "topics": {topic.name: topic.to_json() for topic in self.topics},
             "total": self.total.to_json(),
             "notices": list(self.notices),
+            **({} if self.incident is None else {"incident": _moment(self.incident)}),
         }
 
     def rows(self) -> Iterator[dict[str, object]]:
         """One row for each topic, for ``--csv``."""
         for topic in self.topics:
             yield {"bag": self.name, "topic": topic.name, **topic.to_json()}
+
+
+def _moment(record: IncidentRecord) -> dict[str, object]:
+    return {
+        "name": record.name,
+        "rule": record.rule,
+        "time": utc_time(record.triggered_ns),
+        "triggered_ns": record.triggered_ns,
+        "values": dict(record.values),
+    }

@@ -5,9 +5,10 @@
 from __future__ import annotations
 
 from smarttestudo.domain.recording import readable_until
-from smarttestudo.domain.units import BYTES_PER_KB, utc_time
+from smarttestudo.domain.units import BYTES_PER_KB, grouped, utc_time
 from smarttestudo.visualizer.bag_summary import BagSummary, BagTopic
 from smarttestudo.visualizer.comparison_tables import BANDWIDTH_NOTE, DECLARED, DECLARED_NOTE
+from smarttestudo.visualizer.incident_mark import incident_text
 from smarttestudo.visualizer.table import Align, Cell, Column, Number, Row, Table, Text
 
 _MS_PER_S = 1000
@@ -45,8 +46,9 @@ def info_table(bag: BagSummary) -> Table:
     )
     span = bag.span
     return Table(
-        title=f"{bag.name}: {bag.storage.value}, {span.duration_s:,.3f} s, {bag.total.messages:,} messages\n"
-        f"from {utc_time(span.start_ns)} to {utc_time(span.end_ns)}{_damage(bag)}",
+        title=f"{bag.name}: {bag.storage.value}, {grouped(span.duration_s, 3)} s, "
+        f"{grouped(bag.total.messages)} messages\n"
+        f"from {utc_time(span.start_ns)} to {utc_time(span.end_ns)}{_incident(bag)}{_damage(bag)}",
         columns=(
             _TOPIC,
             Column(heading="Type", align=Align.LEFT),
@@ -64,7 +66,7 @@ def rates_table(bag: BagSummary) -> Table:
     """How fast and how evenly each topic came, and how late where that was measured."""
     has_latency = any(topic.latency is not None for topic in bag.topics)
     return Table(
-        title=f"{bag.name}: rates",
+        title=f"{bag.name}: rates{_incident(bag)}",
         columns=(
             _TOPIC,
             Column(heading="Messages"),
@@ -122,7 +124,7 @@ def bandwidth_table(bag: BagSummary) -> Table:
         for topic in bag.topics
     )
     return Table(
-        title=f"{bag.name}: bandwidth",
+        title=f"{bag.name}: bandwidth{_incident(bag)}",
         columns=(
             _TOPIC,
             Column(heading="Volume", unit="KB"),
@@ -133,6 +135,10 @@ def bandwidth_table(bag: BagSummary) -> Table:
         rows=(*rows, sum_row),
         footnotes=(BANDWIDTH_NOTE, *_notes(bag)),
     )
+
+
+def _incident(bag: BagSummary) -> str:
+    return "" if bag.incident is None else f"\nincident {incident_text(bag.incident)}"
 
 
 def _damage(bag: BagSummary) -> str:

@@ -26,7 +26,7 @@ DECLARED_NOTE = "declared: the size that the recording declares for its messages
 class RunNames:
     """What the two runs of a comparison are called in headings."""
 
-    before: str = "Default"
+    before: str = "Source"
     after: str = "SmartTestudo"
 
 

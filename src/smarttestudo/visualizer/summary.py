@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from smarttestudo.domain.units import counted, grouped
 from smarttestudo.visualizer.comparison import Comparison
 from smarttestudo.visualizer.loss.report import LossReport
 from smarttestudo.visualizer.table import MISSING, format_number
@@ -26,7 +27,7 @@ def summary_sentence(comparison: Comparison, decisions: int, loss: LossReport | 
     if change is not None:
         parts = [f"{format_number(change, 0, signed=True)} % bandwidth"]
     if decisions:
-        parts.append(f"{decisions:,} {'decision' if decisions == 1 else 'decisions'}")
+        parts.append(counted(decisions, "decision"))
     error = None if loss is None else position_error(loss)
     if error is not None:
         parts.append(f"{error.topic} error {length_text(error.received_m)}")
@@ -76,8 +77,8 @@ def fixed_price(loss: LossReport) -> str:
         return ""
     one = max(poorer, key=lambda topic: topic.received.size_bytes)
     return (
-        f"For that, fixed rates bring {one.fixed.messages:,} messages of {one.topic}, "
-        f"where rules bring {one.received.messages:,}."
+        f"For that, fixed rates bring {grouped(one.fixed.messages)} messages of {one.topic}, "
+        f"where rules bring {grouped(one.received.messages)}."
     )
 
 

@@ -12,6 +12,8 @@ from itertools import pairwise
 from textwrap import wrap
 from unicodedata import category
 
+from smarttestudo.domain.units import grouped
+
 MISSING = "–"
 _MINUS = "−"
 _UNPRINTABLE = "\N{REPLACEMENT CHARACTER}"
@@ -84,10 +86,10 @@ def format_cell(cell: Cell) -> str:
 
 
 def format_number(value: float | None, decimals: int, *, signed: bool = False) -> str:
-    """``value`` with a true minus and commas between thousands; an en dash where it is missing."""
+    """``value`` with a true minus and thousands apart; an en dash where it is missing."""
     if value is None or not math.isfinite(value):
         return MISSING
-    digits = f"{abs(value):,.{decimals}f}"
+    digits = grouped(abs(value), decimals)
     if not any("1" <= digit <= "9" for digit in digits):
         return digits
     return (_MINUS if value < 0 else "+" if signed else "") + digits

@@ -15,6 +15,7 @@ from starlette.routing import BaseRoute, Mount, Route, WebSocketRoute
 from starlette.types import ASGIApp
 
 from smarttestudo.adapters.files.project_folder import ProjectFolder
+from smarttestudo.adapters.files.project_settings import SettingsFile
 from smarttestudo.domain.errors import TestudoError
 from smarttestudo.use_cases.ruler import (
     edits,
@@ -31,15 +32,24 @@ from smarttestudo.use_cases.ruler.checked_text import Draft
 from smarttestudo.use_cases.ruler.child_process import ChildWork
 from smarttestudo.use_cases.ruler.curve import Curve, CurveRequest
 from smarttestudo.use_cases.ruler.edits import TextAnswer
+from smarttestudo.use_cases.ruler.incident_course import IncidentCourse, IncidentCourseRequest
+from smarttestudo.use_cases.ruler.incident_keeping import KeepRequest, KeptIncident
+from smarttestudo.use_cases.ruler.incidents import KnownIncidents, OneIncidentRequest
 from smarttestudo.use_cases.ruler.project import ProjectFiles, SaveRequest, SettingsRequest
-from smarttestudo.use_cases.ruler.pushing import ConfirmRequest, PushRequest
+from smarttestudo.use_cases.ruler.pushing import ConfirmRequest, LastingRequest, PushRequest, WriteRequest
 from smarttestudo.use_cases.ruler.recordings import ReceivedAnswer, RecordingRequest, Recordings
+from smarttestudo.use_cases.ruler.robot_incidents import (
+    OpenIncidents,
+    RobotIncidentRequest,
+    RobotIncidents,
+)
 from smarttestudo.use_cases.ruler.robot_link import OpenRobots, RobotLink
 from smarttestudo.use_cases.ruler.robots import WatchedRobots
 from smarttestudo.use_cases.ruler.trial import TryAnswer, TryRequest
 from smarttestudo.use_cases.ruler.vocabulary import Vocabulary, VocabularyRequest, vocabulary
 from smarttestudo.web.bodies import read_query
-from smarttestudo.web.child_work import CurveApi, MeasureApi, TryApi
+from smarttestudo.web.child_work import CurveApi, IncidentApi, KeepApi, MeasureApi, TryApi
+from smarttestudo.web.downloads import sending_zip
 from smarttestudo.web.errors import GONE, RequestError, error_answer
 from smarttestudo.web.guard import Guard, ServerAddress
 from smarttestudo.web.live_feed import LiveFeed
@@ -52,10 +62,16 @@ _PNG = "image/png"
 
 
 def ruler_app(
-    folder: ProjectFolder, access: ServerAddress, open_robots: OpenRobots, *, opened: str | None = None
+    folder: ProjectFolder,
+    access: ServerAddress,
+    open_robots: OpenRobots,
+    *,
+    open_incidents: OpenIncidents | None = None,
+    opened: str | None = None,
 ) -> ASGIApp:
     """The server of the project in ``folder``, for whom ``access`` lets in, with these robots."""
     listeners = Listeners()
+    robot_incidents = RobotIncidents(folder, open_incidents)
     link = RobotLink(open_robots)
     feed = LiveFeed(link, listeners)
 
@@ -63,10 +79,13 @@ def ruler_app(
     async def lifespan(_: Starlette) -> AsyncIterator[None]:
         yield
         await feed.close()
+        await run_in_threadpool(robot_incidents.close)
 
     routes: list[BaseRoute] = [
         *api_routes(folder, link, listeners, opened=opened),
+        *robot_incident_routes(robot_incidents),
         Route("/api/background/picture", _picture(Backgrounds(folder)), methods=["GET"]),
+        Route("/api/incident/zip", sending_zip(KnownIncidents(folder)), methods=["GET"]),
         Route("/api/{path:path}", _no_such_thing, methods=["GET", "POST", "PUT", "DELETE", "PATCH"]),
         WebSocketRoute("/ws", listeners.serve),
         Mount("/", page_files()),
@@ -82,19 +101,26 @@ def api_routes(
 ) -> Iterator[ApiRoute]:
     """All that the page can ask in JSON."""
     robots = WatchedRobots(link)
-    yield from _project_routes(ProjectFiles(folder, opened))
+    settings = SettingsFile(folder)
+    yield from _project_routes(ProjectFiles(folder, settings, opened))
     yield from _recording_routes(Recordings(folder))
     yield from _version_routes(versions.Versions(folder))
     yield from _rule_routes(edits.EditedTexts(), robots)
-    yield from _profile_routes(profiles.Profiles(folder))
+    yield from _profile_routes(profiles.Profiles(folder, settings))
     yield from _background_routes(Backgrounds(folder))
+    yield from _incident_routes(KnownIncidents(folder))
+    course = IncidentApi(folder, listeners)
+    yield long_work("/api/incident/course", IncidentCourseRequest, course.answer, IncidentCourse)
     yield answering("/api/push/preview", PushRequest, robots.preview)
     yield answering("/api/push", PushRequest, robots.push)
     yield answering("/api/push/confirm", ConfirmRequest, robots.confirm)
+    yield answering("/api/push/lasting", LastingRequest, robots.lasting)
+    yield answering("/api/push/write", WriteRequest, robots.write)
     yield long_work(
         "/api/profile/measure-live", profiles.MeasureLiveRequest, MeasureApi(listeners).answer, TextAnswer
     )
     yield long_work("/api/try", TryRequest, TryApi(folder, listeners).answer, TryAnswer)
+    yield long_work("/api/try/keep", KeepRequest, KeepApi(folder, listeners).answer, KeptIncident)
     losses = CurveApi(folder, listeners, ChildWork.CURVE)
     yield long_work("/api/profile/curve", CurveRequest, losses.answer, Curve)
     needs = CurveApi(folder, listeners, ChildWork.ACCURACY)
@@ -111,6 +137,20 @@ def _project_routes(files: ProjectFiles) -> Iterator[ApiRoute]:
 def _recording_routes(known: Recordings) -> Iterator[ApiRoute]:
     yield answering("/api/recording", RecordingRequest, known.recording)
     yield ApiRoute("PUT", "/api/recording", receiving(known), asked=None, answered=ReceivedAnswer)
+
+
+def _incident_routes(known: KnownIncidents) -> Iterator[ApiRoute]:
+    yield telling("/api/incidents", known.incidents)
+    yield answering("/api/incident", OneIncidentRequest, known.incident)
+    yield answering("/api/incident/delete", OneIncidentRequest, known.delete)
+
+
+def robot_incident_routes(robots: RobotIncidents) -> Iterator[ApiRoute]:
+    """What the page can ask of the incidents that robots hold."""
+    yield telling("/api/robot-incidents", robots.incidents)
+    yield telling("/api/robot-incidents/fetches", robots.fetches)
+    yield answering("/api/robot-incidents/fetch", RobotIncidentRequest, robots.fetch)
+    yield answering("/api/robot-incidents/cancel", RobotIncidentRequest, robots.cancel)
 
 
 def _version_routes(kept: versions.Versions) -> Iterator[ApiRoute]:
@@ -143,8 +183,10 @@ def _background_routes(backgrounds: Backgrounds) -> Iterator[ApiRoute]:
 
 def _profile_routes(known: profiles.Profiles) -> Iterator[ApiRoute]:
     yield answering("/api/profile/for", profiles.ProfileForRequest, known.choice)
+    yield answering("/api/profile/for", profiles.ProfileChosenRequest, known.choose, method="PUT")
     yield answering("/api/profile/parse", profile_table.ProfileParseRequest, profiles.table_of)
     yield answering("/api/profile/write", profile_table.ProfileWriteRequest, profiles.written)
+    yield answering("/api/profile/entry", profile_table.ProfileEntryRequest, profiles.with_entry)
     yield answering("/api/profile/check", profile_table.ProfileWriteRequest, profiles.checked)
     yield answering("/api/profile/measure", profiles.ProfileMeasureRequest, known.measured)
     yield answering("/api/profile/levels", profiles.LevelsRequest, profiles.levels_of_rate)

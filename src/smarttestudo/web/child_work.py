@@ -6,9 +6,12 @@ from __future__ import annotations
 
 import asyncio
 import math
+import secrets
+import shutil
 import sys
 from asyncio.subprocess import DEVNULL, PIPE, Process
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import msgspec
 from msgspec.structs import replace
@@ -24,6 +27,9 @@ from smarttestudo.use_cases.ruler.checked_text import require_usable
 from smarttestudo.use_cases.ruler.child_messages import Done, Failure, Share
 from smarttestudo.use_cases.ruler.child_process import ChildWork, MeasureOrder
 from smarttestudo.use_cases.ruler.curve import CurveRequest
+from smarttestudo.use_cases.ruler.incident_course import IncidentCourseRequest
+from smarttestudo.use_cases.ruler.incident_keeping import KeepOrder, KeepRequest
+from smarttestudo.use_cases.ruler.incidents import KnownIncidents
 from smarttestudo.use_cases.ruler.profiles import MeasureLiveRequest
 from smarttestudo.use_cases.ruler.trial import TryRequest
 from smarttestudo.web.errors import GONE, JSON, RequestError
@@ -130,6 +136,29 @@ class TryApi:
         )
 
 
+class KeepApi:
+    """Writes incidents that tries showed into ``folder``, one at a time."""
+
+    def __init__(self, folder: ProjectFolder, listeners: Listeners) -> None:
+        self._folder = folder
+        self._work = ChildProcesses(listeners)
+
+    async def answer(self, request: Request, asked: KeepRequest) -> Response:
+        """Write one; who leaves ends it, and no part of it stays."""
+        bag = await run_in_threadpool(self._folder.bag, asked.bag)
+        await run_in_threadpool(require_usable, asked)
+        workshop = self._folder.path(f".keeping-{secrets.token_hex(8)}")
+        order = KeepOrder(
+            **{**msgspec.structs.asdict(asked), "bag": str(bag)},
+            project=str(workshop.parent),
+            workshop=str(workshop),
+        )
+        try:
+            return await self._work.answer(request, _order(ChildWork.KEEP, order, asked.bag))
+        finally:
+            shutil.rmtree(workshop, ignore_errors=True)
+
+
 class CurveApi:
     """Measures what topics of the bags of ``folder`` lose at each rate or need, one at a time."""
 
@@ -147,15 +176,32 @@ class CurveApi:
         return await self._work.answer(request, _order(self._kind, order, asked.bag))
 
 
-def _order(work: ChildWork, asked: TryRequest | CurveRequest | AccuracyCurveRequest, name: str) -> Order:
+class IncidentApi:
+    """Reads the messages of incidents of ``folder``, one at a time."""
+
+    def __init__(self, folder: ProjectFolder, listeners: Listeners) -> None:
+        self._known = KnownIncidents(folder)
+        self._work = ChildProcesses(listeners)
+
+    async def answer(self, request: Request, asked: IncidentCourseRequest) -> Response:
+        """The course of an incident; who leaves ends it."""
+        bag = await run_in_threadpool(self._known.bag, asked.name)
+        order = _order(ChildWork.INCIDENT, replace(asked, name=str(bag)), asked.name)
+        return await self._work.answer(request, order)
+
+
+_BagOrder: TypeAlias = TryRequest | CurveRequest | AccuracyCurveRequest | IncidentCourseRequest
+
+
+def _order(work: ChildWork, asked: _BagOrder, name: str) -> Order:
     return Order(
         work=work,
         asked=asked,
         run=asked.run,
         timeout_s=_TIMEOUT_S,
-        too_long=TestudoError("the bag takes longer than ten minutes", remedy="try a shorter one"),
+        too_long=TestudoError("the recording takes longer than ten minutes", remedy="try a shorter one"),
         broken=TestudoError(
-            "reading the bag ended without a result", place=name, remedy="try testudo bag info on it"
+            "reading the recording ended without a result", place=name, remedy="try testudo bag info on it"
         ),
     )
 

@@ -15,6 +15,7 @@ from starlette.types import ASGIApp
 
 from smarttestudo.adapters.files.project_folder import ProjectFolder
 from smarttestudo.domain.errors import PortError
+from smarttestudo.use_cases.ruler.robot_incidents import OpenIncidents
 from smarttestudo.use_cases.ruler.robot_link import OpenRobots
 from smarttestudo.web.app import ruler_app
 from smarttestudo.web.bodies import MAX_BODY_BYTES
@@ -27,12 +28,13 @@ def serve(
     folder: ProjectFolder,
     open_robots: OpenRobots,
     *,
+    open_incidents: OpenIncidents | None,
     host: str,
     port: int,
     opened: str | None,
     started: Callable[[ServerAddress], None],
 ) -> None:
-    """Serve ``folder`` and the robots of ``open_robots`` until the process is asked to stop.
+    """Serve ``folder``, the robots of ``open_robots`` and what these recorded until asked to stop.
 
     Port 0 takes a free one. ``started`` gets the address, once the server listens. Raises ``PortError`` where
     it cannot listen.
@@ -40,7 +42,8 @@ def serve(
     with listening(host, port) as listener:
         access = ServerAddress.at(host, listener.getsockname()[1], machine=socket.gethostname())
         started(access)
-        server = server_of(ruler_app(folder, access, open_robots, opened=opened))
+        app = ruler_app(folder, access, open_robots, open_incidents=open_incidents, opened=opened)
+        server = server_of(app)
         # Ctrl-C is how a server ends: uvicorn raises it again once it has ended well.
         with contextlib.suppress(KeyboardInterrupt):
             server.run(sockets=[listener])

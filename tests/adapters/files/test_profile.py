@@ -88,7 +88,7 @@ def test_an_empty_profile_knows_nothing(tmp_path: Path) -> None:
         ),
         (
             '[topics."/a"]\ntiers_hz = [\n  1, 2, 3,\n  9, 5, 6 ]',
-            ':2:1: error: topics."/a".tiers_hz must not fall from one tier to the next: '
+            ':2:1: error: topics."/a".tiers_hz must not fall from one level to the next: '
             "Competitive (5 Hz) is below Desirable (9 Hz)",
         ),
         (
@@ -97,7 +97,7 @@ def test_an_empty_profile_knows_nothing(tmp_path: Path) -> None:
         ),
         (
             '[topics."/a"]\ntiers_deg = [9, 5, 6, 3, 2, 1]',
-            ':2:1: error: topics."/a".tiers_deg must not rise from one tier to the next: '
+            ':2:1: error: topics."/a".tiers_deg must not rise from one level to the next: '
             "Acceptable (6) is above Marginal (5); write the widest bound first",
         ),
         (

@@ -15,7 +15,9 @@ from runtime.incidents.incident_runs import AMPLE_BYTES, trigger
 from smarttestudo.adapters.incidents.bag_metadata import offered_qos
 from smarttestudo.adapters.incidents.folders import Failed, IncidentFolders
 from smarttestudo.adapters.incidents.mcap_records import StoredChannel
+from smarttestudo.adapters.incidents.ring_files import RingFiles
 from smarttestudo.adirf.rule_set import RuleSet
+from smarttestudo.domain.errors import TestudoError
 from smarttestudo.domain.robot import Qos
 from smarttestudo.runtime.incidents.recorder import IncidentRecorder
 
@@ -43,17 +45,29 @@ class FolderRun:
     folder: Path
     topics: tuple[str, ...] = ("/odom", "/scan", LATCHED)
     memory_bytes: int = AMPLE_BYTES
+    ring_bytes: int | None = None
     failed: Failed | None = None
     came: list[tuple[int, int, str, bytes]] = field(default_factory=list)
     begun_ms: list[tuple[int, int]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
+        self.ring: RingFiles | None = None
+        self.ring_errors: list[TestudoError] = []
+        if self.ring_bytes is not None:
+            ring_folder = self.folder.with_name("ring")
+            ring_folder.mkdir()
+            self.ring = RingFiles(ring_folder, self.ring_bytes, failed=self.ring_errors.append)
         self.folders = IncidentFolders(
-            self.folder, {topic: channel(topic) for topic in self.topics}, failed=self.failed
+            self.folder, {topic: channel(topic) for topic in self.topics}, ring=self.ring, failed=self.failed
         )
         self.clock_ms = self.steady_ms = START_MS
         self.recorder = IncidentRecorder(
-            self.rule_set, self.folders, self.memory_bytes, START_MS * MS, rules_sha256="ab"
+            self.rule_set,
+            self.folders,
+            self.memory_bytes,
+            START_MS * MS,
+            rules_sha256="ab",
+            store=None if self.ring is None else self.ring.store,
         )
         for topic in self.topics:
             self.recorder.hear(topic, START_MS * MS, transient_local=topic == LATCHED)
@@ -76,6 +90,8 @@ class FolderRun:
     def finish(self) -> list[Path]:
         """The folders of all incidents, in the order of their names."""
         self.recorder.finish(self.clock_ms * MS)
+        if self.ring is not None:
+            self.ring.close()
         return sorted(path for path in self.folder.iterdir())
 
 

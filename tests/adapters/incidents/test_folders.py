@@ -23,7 +23,7 @@ from adapters.incidents.folder_runs import (
     record_of,
 )
 from adapters.rosbag.bag_reading import read_bag, read_with_mcap, read_with_rosbags
-from runtime.incidents.incident_runs import recording_rules
+from runtime.incidents.incident_runs import AMPLE_BYTES, recording_rules
 from smarttestudo.adapters.files.whole_file import OutputFileError
 from smarttestudo.adapters.incidents.background import BackgroundSink
 from smarttestudo.adapters.incidents.folder_lock import FolderLock
@@ -34,7 +34,7 @@ LONGEST_PART = 10
 """A part of a window that incidents share is at most a tenth of it, or a second."""
 
 
-def random_run(seed: int, folder: Path) -> FolderRun:
+def random_run(seed: int, folder: Path, ring_bytes: int | None) -> FolderRun:
     """A minute of a robot that triggers at random, with little or ample memory, and a clock that may jump."""
     random = Random(seed)
     records = [
@@ -43,7 +43,7 @@ def random_run(seed: int, folder: Path) -> FolderRun:
     if random.random() < 0.5:
         records.append(f'Record "two" /scan Before {random.randint(0, 3000)} ms After 1 s')
     memory_bytes = random.choice([3000, 20_000, 10_000_000])
-    run = FolderRun(recording_rules(*records), folder, memory_bytes=memory_bytes)
+    run = FolderRun(recording_rules(*records), folder, memory_bytes=memory_bytes, ring_bytes=ring_bytes)
     jumps = random.random() < 0.3
     for _ in range(random.randint(50, 250)):
         run.wait(random.choice([0, 1, 10, 40, 200]))
@@ -59,9 +59,18 @@ def random_run(seed: int, folder: Path) -> FolderRun:
     return run
 
 
-@pytest.mark.parametrize("seed", range(100))
-def test_every_message_of_a_window_is_there_once_or_named_as_missing(tmp_path: Path, seed: int) -> None:
-    run = random_run(seed, tmp_path / "incidents")
+@pytest.mark.parametrize(
+    ("seed", "ring_bytes"),
+    [
+        *((seed, None) for seed in range(100)),
+        *((seed, AMPLE_BYTES) for seed in range(100, 130)),
+        *((seed, 2000) for seed in range(130, 150)),
+    ],
+)
+def test_every_message_of_a_window_is_there_once_or_named_as_missing(
+    tmp_path: Path, seed: int, ring_bytes: int | None
+) -> None:
+    run = random_run(seed, tmp_path / "incidents", ring_bytes)
     stamps = {payload: (clock_ms, steady_ms, topic) for clock_ms, steady_ms, topic, payload in run.came}
     found = sorted((tmp_path / "incidents").iterdir())
     recordings = run.rule_set.blocks[0].recordings
@@ -85,6 +94,7 @@ def test_every_message_of_a_window_is_there_once_or_named_as_missing(tmp_path: P
             }
             lacking = window - set(held)
             assert len(lacking) == missing.get(topic, 0)
+            assert ring_bytes != AMPLE_BYTES or not lacking
         part_ms = max(1000, (to_ms - from_ms) // LONGEST_PART)
         assert all(
             steady_ms >= from_ms - part_ms
@@ -226,11 +236,12 @@ def test_a_disk_that_is_too_slow_costs_messages_that_are_counted(tmp_path: Path)
 
 
 def test_one_run_at_a_time_records_into_a_folder(tmp_path: Path) -> None:
-    first = FolderLock(tmp_path / "incidents")
-    with pytest.raises(OutputFileError, match="another run records here"):
-        FolderLock(tmp_path / "incidents")
+    first = FolderLock(tmp_path / "incidents", "--incidents")
+    with pytest.raises(OutputFileError, match="another run records here") as raised:
+        FolderLock(tmp_path / "incidents", "--incidents")
+    assert raised.value.remedy == "name another folder with --incidents"
     first.release()
-    FolderLock(tmp_path / "incidents").release()
+    FolderLock(tmp_path / "incidents", "--incidents").release()
 
 
 @pytest.mark.parametrize("name", ["../../up", "/etc/passwd", "a/b", "x" * 10_000, "Größe ✗", "…"])

@@ -73,7 +73,7 @@ def test_a_flow_takes_the_link_s_time_and_shows_on_its_counter(link: ThinLink) -
 
 
 def test_what_did_not_cross_the_link_is_an_error(link: ThinLink) -> None:
-    with pytest.raises(NetworkError, match=r"1,000,000 bytes arrived, but the link carried only"):
+    with pytest.raises(NetworkError, match=r"1 000 000 bytes arrived, but the link carried only"):
         link.require_carried(1_000_000, link.carried_bytes())
 
 

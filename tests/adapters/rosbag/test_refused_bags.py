@@ -55,7 +55,7 @@ def test_an_empty_file_in_a_folder_of_its_own(tmp_path: Path) -> None:
 def test_a_file_that_only_has_the_name_of_a_bag(tmp_path: Path, name: str) -> None:
     path = tmp_path / name
     path.write_text("dear diary, ")
-    assert refusal(path) == f"not a bag: unknown file header; {EXPECTED}"
+    assert refusal(path) == f"not a recording: unknown file header; {EXPECTED}"
 
 
 def test_a_file_of_another_kind(tmp_path: Path) -> None:
@@ -107,7 +107,7 @@ def test_a_database_whose_column_names_are_damaged(tmp_path: Path, damage: tuple
 def test_a_folder_with_two_storages_and_no_metadata(tmp_path: Path) -> None:
     (tmp_path / "a.db3").write_bytes(b"x")
     (tmp_path / "a.mcap").write_bytes(b"x")
-    cause = "the folder holds .db3 and .mcap files, and no metadata name those of the bag"
+    cause = "the folder holds .db3 and .mcap files, and no metadata name those of the recording"
     assert refusal(tmp_path) == f"{cause}; name one of the files"
 
 

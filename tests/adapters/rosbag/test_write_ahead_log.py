@@ -19,6 +19,7 @@ from adapters.rosbag.bag_factory import BagContent, small_mission, write_bag, wr
 from adapters.rosbag.bag_reading import read_bag
 from smarttestudo.adapters.rosbag import open_recording
 from smarttestudo.adapters.rosbag.sqlite.log import LogChecksum, read_log
+from smarttestudo.domain.units import grouped
 
 MISSION = small_mission()
 FEW = BagContent(MISSION.topics, MISSION.messages[:1])
@@ -132,7 +133,9 @@ def test_a_log_cut_anywhere_gives_its_whole_transactions_and_says_what_is_left_o
         assert len(read.messages) == rows_by_sqlite(crash, tmp_path / "copy")
         assert read.messages == list(MISSION.messages[: len(read.messages)])
         left_out = cut - max((end for end in whole if end <= cut), default=0)
-        expected = f"the last {left_out:,} bytes of {log_of(crash).name} are damaged, or of a transaction"
+        expected = (
+            f"the last {grouped(left_out)} bytes of {log_of(crash).name} are damaged, or of a transaction"
+        )
         assert [expected in notice for notice in read.notices if "left out" in notice] == [True] * (
             left_out > 0
         )
@@ -155,7 +158,7 @@ def test_a_log_of_which_a_power_cut_left_zeros_is_named(crash: Path) -> None:
     log_of(crash).write_bytes(data[:end] + bytes(5 * FRAME_BYTES))
     read = read_bag(crash)
     assert read.messages == list(MISSION.messages[:41])
-    assert any(f"the last {5 * FRAME_BYTES:,} bytes" in notice for notice in read.notices)
+    assert any(f"the last {grouped(5 * FRAME_BYTES)} bytes" in notice for notice in read.notices)
 
 
 def test_frames_of_an_earlier_turn_of_the_log_are_not_taken_for_damage(tmp_path: Path) -> None:

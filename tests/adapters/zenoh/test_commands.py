@@ -12,6 +12,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+import zenoh
 
 from adapters.zenoh.ends import free_endpoint, refuse_warning, until
 from adapters.zenoh.slow_wire import slow_wire
@@ -154,18 +155,22 @@ def test_strangers_reach_nothing_with_garbage_old_stamps_and_forged_reports() ->
     ):
         boot = heard(outbox).boot
         garbage = [b"", b"\0" * 40, *(b"\0" + RANDOM.randbytes(size) for size in (20, 60_000, 900_000))]
-        for data in garbage:
-            other.put(boot.command_key, data)
-            other.put(boot.accepts_key, data)
-        for stamp_ns in (0, 2**62):
-            other.put(
-                boot.command_key,
-                CommandMessage(
-                    sender=9, number=1, topic=1, revision=1, stamp_ns=stamp_ns, payload=b"go"
-                ).to_bytes(),
-            )
-        other.put(boot.accepts_key, CommandReport(sent_ns=0, acknowledged={1: 2**63}).to_bytes())
-        until(lambda: inbox.garbage >= len(garbage) and inbox.topics[1].received >= 2, outbox.pump)
+        old = [
+            CommandMessage(
+                sender=9, number=1, topic=1, revision=1, stamp_ns=stamp_ns, payload=b"go"
+            ).to_bytes()
+            for stamp_ns in (0, 2**62)
+        ]
+        forged = CommandReport(sent_ns=0, acknowledged={1: 2**63}).to_bytes()
+
+        def put_all() -> None:
+            """What comes before the stranger knows of both ends reaches nobody."""
+            for key, more in ((boot.command_key, old), (boot.accepts_key, [forged])):
+                for data in (*garbage, *more):
+                    other.put(key, data, congestion_control=zenoh.CongestionControl.BLOCK)
+            outbox.pump()
+
+        until(lambda: inbox.garbage >= len(garbage) and inbox.topics[1].received >= len(old), put_all)
         assert published.payloads == []
         until(lambda: b"new" in published.payloads, lambda: outbox.send(boot, JOY, b"", b"new"))
 

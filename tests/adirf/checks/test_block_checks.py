@@ -92,3 +92,26 @@ def test_a_border_that_many_blocks_share_is_reported_once() -> None:
         for side, rate in ((">", 4), ("<", 20))
     ]
     assert codes_of("\n".join(["begin SetFrequency /odom 10", *blocks, "end"])) == ["no-margin"]
+
+
+def test_a_block_that_is_switched_off_meets_no_other_and_its_names_are_checked() -> None:
+    text = """begin SetFrequency /odom 10
+      Disabled Rule "West" If CheckValue /odom pose_x < 5 Then
+        SetFrequency /odom 4 KeepWithin /odom pos 1 EndIf
+      Rule "East" If CheckValue /odom pose_x < 6 Then SetFrequency /odom 5 EndIf
+      Disabled If (CheckValue /odom pose_xx > 5 AND CheckValue /odom pose_xx < 4)
+        Then SetFrequency /new 4 EndIf
+      end"""
+    found = findings_of(text)
+    assert [one.code for one in found] == [
+        "block-disabled",
+        "unknown-bound",
+        "block-disabled",
+        "unknown-property",
+        "unknown-property",
+    ]
+    assert [one.message for one in found if one.code == "block-disabled"] == [
+        '"West" is switched off',
+        "The block at line 5 is switched off",
+    ]
+    assert covered(text, found[0].span) == "Disabled"

@@ -25,6 +25,17 @@ def test_a_block_that_always_holds_records_once_and_never_again(condition: str) 
     assert "this condition holds for all values, so that its Record begins once and never again" in messages
 
 
+@pytest.mark.parametrize(
+    "condition",
+    ["(CheckValue /odom pose_x < -13 AND CheckValue /odom pose_x > 6)", "CheckValue /odom speed < 0"],
+)
+def test_an_else_that_always_applies_records_once_and_never_again(condition: str) -> None:
+    text = rules(condition).replace("Then Record", "Then SetFrequency /odom 10 Else Record")
+    messages = [one.message for one in findings_of(text) if one.code == "condition-never-holds"]
+    assert len(messages) == 1
+    assert "so that the Record of its Else begins once and never again" in messages[0]
+
+
 def test_a_window_that_memory_cannot_hold_says_what_would_fit() -> None:
     topics = {
         "/odom": TopicProfile(message_kb=1.0, source_hz=30.0),

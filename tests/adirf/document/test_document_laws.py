@@ -18,6 +18,7 @@ from smarttestudo.adirf.document import (
     Entry,
     NewStatement,
     deleted,
+    duplicated,
     inserted,
     meaning,
     moved,
@@ -138,7 +139,7 @@ def test_a_small_change_of_a_rule_keeps_all_its_comments(written: WrittenFile, d
     entry, old = data.draw(st.sampled_from(rules))
     # No topic may be set twice.
     new = data.draw(blocks(topics=("/added", "/added_too")))
-    change = data.draw(st.sampled_from(["then", "otherwise", "name", "priority", "all sets"]))
+    change = data.draw(st.sampled_from(["then", "otherwise", "name", "priority", "switch", "all sets"]))
     match change:
         case "then":
             block = replace(old, then=(*old.then, *new.then))
@@ -148,15 +149,45 @@ def test_a_small_change_of_a_rule_keeps_all_its_comments(written: WrittenFile, d
             block = replace(old, name="New", label="New")
         case "priority":
             block = replace(old, priority=7, name=old.name or "N")
+        case "switch":
+            block = replace(old, is_disabled=not old.is_disabled)
         case _:
             block = replace(old, then=new.then)
     text = replaced(document, entry.id, NewStatement(content=block))
-    if change in ("then", "name", "priority"):
+    if change in ("then", "name", "priority", "switch"):
         assert comments(text) == comments(written.text)
     assert meanings(text) == [
         [meaning(block if one is entry else statement_of(one)) for one in part.entries]
         for part in document.parts
     ]
+
+
+@given(FILES_WITH_STATEMENTS, st.data())
+@settings(max_examples=60)
+def test_a_copy_says_the_same_under_a_name_of_its_own_and_all_others_keep_their_bytes(
+    written: WrittenFile, data: st.DataObject
+) -> None:
+    document = document_of(written.text)
+    at = data.draw(st.integers(0, len(document.entries) - 1))
+    entry = document.entries[at]
+    after = document_of(duplicated(document, entry.id))
+    assert after.result.findings == (), after.text
+    old, copy = statement_of(entry), statement_of(after.entries[at + 1])
+    if isinstance(old, Block) and isinstance(copy, Block) and old.name is not None:
+        names = {one.statement.name for one in document.entries if isinstance(one.statement, Block)}
+        assert copy.name not in names
+        copy = replace(copy, name=old.name)
+    assert meaning(copy) == meaning(old)
+    assert [one.text for one in after.entries[at + 1].comments] == [one.text for one in entry.comments]
+    assert_others_kept(document, after, document.entries, at + 1)
+
+
+def test_copies_of_copies_count_on() -> None:
+    text = 'begin Rule "A 2" If CheckValue /odom speed > 1 Then SetFrequency /odom 2 EndIf end'
+    for _ in range(2):
+        text = duplicated(document_of(text), "s1")
+    names = [one.statement.name for one in document_of(text).entries if isinstance(one.statement, Block)]
+    assert names == ["A 2", "A 4", "A 3"]
 
 
 @given(FILES_WITH_STATEMENTS, st.data())

@@ -4,11 +4,15 @@
 
 from __future__ import annotations
 
-import pytest
+from dataclasses import replace
 
+import pytest
+from hypothesis import given, settings
+
+from adirf.rule_strategies import rule_files
 from smarttestudo.adirf.parser import parse
 from smarttestudo.adirf.rule_set import RuleSet, compile_rules
-from smarttestudo.adirf.syntax import KeepWithin, RuleFile, SetFrequency
+from smarttestudo.adirf.syntax import Block, KeepWithin, RuleFile, SetFrequency
 from smarttestudo.domain.errors import RuleFileError
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.rate import Rate
@@ -47,6 +51,38 @@ def test_topics_of_defaults_floors_and_blocks_are_relayed_and_those_of_checks_on
     )
     assert rule_set.relayed == ("/default", "/floor", "/set")
     assert rule_set.signals == {Signal("/read", "x")}
+
+
+class OfTiers:
+    """Any rate and bound for a tier."""
+
+    def tier_rate(self, _statement: SetFrequency, _path: str, /) -> Rate:
+        return Rate(7.0)
+
+    def tier_bound(self, _statement: KeepWithin, _path: str, /) -> float:
+        return 0.7
+
+
+@given(rule_files())
+@settings(max_examples=60)
+def test_a_disabled_block_means_what_no_block_means(drawn: RuleFile) -> None:
+    without = [
+        replace(part, statements=tuple(one for one in part.statements if not is_disabled(one)))
+        for part in drawn.collections
+    ]
+    left = replace(drawn, collections=tuple(without))
+    assert compile_rules([drawn], resolve_topic, OfTiers()) == compile_rules([left], resolve_topic, OfTiers())
+
+
+def is_disabled(statement: object) -> bool:
+    return isinstance(statement, Block) and statement.is_disabled
+
+
+def test_a_topic_that_only_a_disabled_block_sets_is_not_relayed() -> None:
+    block = "If CheckValue /odom x > 1 Then SetFrequency /scan Desirable EndIf"
+    rule_set = rules(f"begin SetFrequency /odom 1 Disabled {block} end")
+    assert rule_set.relayed == ("/odom",)
+    assert rule_set.signals == frozenset()
 
 
 def test_an_else_is_a_block_of_its_own_at_the_same_line() -> None:

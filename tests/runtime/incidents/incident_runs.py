@@ -11,7 +11,7 @@ from smarttestudo.adirf.parser import parse
 from smarttestudo.adirf.rule_set import RuleSet, compile_rules
 from smarttestudo.domain.incident import Missing
 from smarttestudo.domain.names import resolve_topic
-from smarttestudo.runtime.incidents.recorder import Incident, IncidentRecorder
+from smarttestudo.runtime.incidents.recorder import Incident, IncidentRecorder, Store
 from smarttestudo.runtime.incidents.topic_ring import SourceMessage
 from smarttestudo.runtime.incidents.triggers import Trigger
 
@@ -64,10 +64,14 @@ def recording_rules(*records: str) -> RuleSet:
 
 
 def recorder_for(
-    rule_set: RuleSet, *, memory_bytes: int = AMPLE_BYTES, topics: Sequence[str] = ("/odom", "/scan")
+    rule_set: RuleSet,
+    *,
+    memory_bytes: int = AMPLE_BYTES,
+    topics: Sequence[str] = ("/odom", "/scan"),
+    store: Store | None = None,
 ) -> tuple[IncidentRecorder, KeepingSink]:
     sink = KeepingSink()
-    recorder = IncidentRecorder(rule_set, sink, memory_bytes, 0)
+    recorder = IncidentRecorder(rule_set, sink, memory_bytes, 0, store=store)
     for topic in topics:
         recorder.hear(topic, 0, transient_local=False)
     return recorder, sink

@@ -134,6 +134,22 @@ def test_other_rules_keep_what_was_kept() -> None:
     assert [message.payload for message in sink.kept[0].messages] == [b"scan"]
 
 
+def test_what_rules_did_not_ask_for_before_a_reload_is_named() -> None:
+    recorder, sink = recorder_for(RULES)
+    for second in range(100, 131):
+        recorder.take("/scan", second * S, b"%d" % second)
+    longer = recording_rules('Record "longer" /scan Before 30 s After 0 s')
+    recorder.change_rules(longer)
+    recorder.begin(trigger(longer, 140 * S))
+    recorder.finish(141 * S)
+    (one,) = sink.kept
+    assert [message.payload for message in one.messages] == [b"%d" % second for second in range(120, 131)]
+    assert one.missing is not None
+    assert [(missing.topic, missing.reason, missing.from_ns, missing.to_ns) for missing in one.missing] == [
+        ("/scan", MissingReason.LATE, 110 * S, 120 * S)
+    ]
+
+
 def test_what_the_middleware_lost_is_in_the_windows_that_it_concerns() -> None:
     rule_set = recording_rules('Record "one" /odom Before 1 s After 1 s')
     recorder, sink = recorder_for(rule_set)

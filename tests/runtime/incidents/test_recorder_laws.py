@@ -9,6 +9,8 @@ from hypothesis import strategies as st
 
 from runtime.incidents.incident_runs import AMPLE_BYTES, Kept, recorder_for, recording_rules, trigger
 from smarttestudo.domain.incident import MissingReason
+from smarttestudo.runtime.incidents.recorder import Store
+from smarttestudo.runtime.incidents.topic_ring import SourceMessage
 
 RULES = recording_rules(
     'Record "both" /odom /scan Before 30 ms After 20 ms', 'Record "one" /scan Before 5 ms After 0 ms'
@@ -27,10 +29,10 @@ EVENTS = st.lists(
 
 
 def run(
-    events: list[tuple[int, tuple[str, int] | None]], memory_bytes: int
+    events: list[tuple[int, tuple[str, int] | None]], memory_bytes: int, store: Store | None = None
 ) -> tuple[list[Kept], list[tuple[int, str, int]]]:
     """The incidents, and the messages that came: when, on which topic, their number."""
-    recorder, sink = recorder_for(RULES, memory_bytes=memory_bytes)
+    recorder, sink = recorder_for(RULES, memory_bytes=memory_bytes, store=store)
     came: list[tuple[int, str, int]] = []
     now_ms = 1000
     for pause_ms, event in events:
@@ -85,3 +87,27 @@ def test_what_memory_cannot_hold_is_counted_with_its_times(
             if missing is not None:
                 assert missing.reason is MissingReason.MEMORY
                 assert (missing.from_ns, missing.to_ns) == (lacking[0], lacking[-1])
+
+
+@given(EVENTS, st.integers(0, 6000))
+def test_what_memory_cannot_hold_is_stored_once_for_as_long_as_a_window_may_ask_for_it(
+    events: list[tuple[int, tuple[str, int] | None]], memory_bytes: int
+) -> None:
+    stored: dict[int, tuple[SourceMessage, int]] = {}
+
+    def store(message: SourceMessage, until_ns: int, now_ns: int) -> None:
+        assert message.number not in stored
+        assert now_ns <= until_ns
+        stored[message.number] = message, until_ns
+
+    kept, came = run(events, memory_bytes, store)
+    for one in kept:
+        incident = one.incident
+        held = {message.number for message in one.messages}
+        for at_ns, topic, number in came:
+            is_asked_for = topic in incident.recording.topics and incident.from_ns <= at_ns <= incident.to_ns
+            if is_asked_for and number not in held:
+                message, until_ns = stored[number]
+                assert (message.topic, message.stamp_ns) == (topic, at_ns)
+                assert until_ns >= incident.trigger.stamp_ns
+                assert number in {gone.number for gone in incident.given_up[topic]}

@@ -88,7 +88,7 @@ def test_a_folder_that_cannot_be_made_is_named(tmp_path: Path) -> None:
 
 def test_a_disk_that_is_too_small_is_refused_before_anything_is_written(tmp_path: Path) -> None:
     with (
-        pytest.raises(DemoFolderError, match=r"needs 10,000,000,000 MB"),
+        pytest.raises(DemoFolderError, match=r"needs 10 000 000 000 MB"),
         demo_folder(tmp_path / "out", needed_bytes=10**16, made=()),
     ):
         pass

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
+from pathlib import Path
 
 from smarttestudo.domain.link import LinkNeeds, Prediction, StreamInfo
 from smarttestudo.domain.link_state import LinkState, StreamCounts
@@ -38,6 +39,9 @@ class MemoryLink:
         self.told.append(status)
 
     def take_question(self) -> Asked | None:
+        raise NotImplementedError
+
+    def offer_incidents(self, folder: Path) -> None:
         raise NotImplementedError
 
     def counts(self) -> dict[str, StreamCounts]:

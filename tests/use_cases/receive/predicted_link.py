@@ -15,6 +15,7 @@ from collections import defaultdict
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from functools import partial
+from pathlib import Path
 
 from link.simulated_link import MS, Link, S
 from runtime.loop_driver import rule_set_of
@@ -45,7 +46,7 @@ class VirtualEnd:
     is_watched = False
     budget_kb_per_s = None
 
-    def __init__(self, sender: LinkSender) -> None:
+    def __init__(self, sender: LinkSender[None]) -> None:
         self.sender = sender
         self.now_ns = 0
 
@@ -69,6 +70,9 @@ class VirtualEnd:
         raise NotImplementedError
 
     def take_question(self) -> Asked | None:
+        raise NotImplementedError
+
+    def offer_incidents(self, folder: Path) -> None:
         raise NotImplementedError
 
     def age_ms(self, topic: str) -> float | None:
@@ -138,7 +142,7 @@ class PredictedLink:
     ) -> None:
         self.topic, self.link, self.write, self.read = topic, link, write, read
         self.now_ns = 0
-        self.sender = LinkSender()
+        self.sender: LinkSender[None] = LinkSender()
         self.end = VirtualEnd(self.sender)
         self.watch = LinkWatch(self.end)
         qos = Qos(reliable=True, transient_local=False)

@@ -34,7 +34,7 @@ def refusal(capsys: pytest.CaptureFixture[str], arguments: list[str], code: int)
         (
             ["receive", "--no-ros"],
             "--no-ros: error: what arrives would go nowhere; "
-            "add --record DIR, --foxglove PORT or --openmetrics PORT",
+            "add --record DIR, --incidents DIR, --foxglove PORT or --openmetrics PORT",
         )
     ],
 )

@@ -158,7 +158,7 @@ def test_the_answer_names_the_incidents(tmp_path: Path, capsys: pytest.CaptureFi
 def fail_within_a_window(folder: Path) -> None:
     rule_set = compile_rules([parse(RULES.replace("{name}", "all"), "rules.adirf").file], resolve_topic)
     sources = {"/odom": Channel(topic="/odom", type_name="nav_msgs/msg/Odometry")}
-    request = IncidentRequest(folder=folder, rules_sha256="")
+    request = IncidentRequest(into=folder, rules_sha256="")
     with incident_cutter(request, rule_set, sources, START_NS) as cutter:
         assert cutter is not None
         loop = RelayLoop(rule_set, Profile(), START_NS)

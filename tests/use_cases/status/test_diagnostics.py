@@ -118,6 +118,9 @@ def test_the_node_says_what_recording_costs_and_that_it_fails() -> None:
         "incidents_recorded": "3",
         "incidents_failed": "0",
     }
+    with_ring = replace(state, ring_bytes=40_120_000, ring_max_bytes=5_000_000_000)
+    values = named("smarttestudo", replace(STATUS, incidents=with_ring)).values
+    assert values["incident_ring_mb"] == "40.120"
     failed = named("smarttestudo", replace(STATUS, incidents=replace(state, problem="the disk is full")))
     assert (failed.level, failed.message) == (
         DiagnosticLevel.WARN,

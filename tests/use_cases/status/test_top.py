@@ -47,6 +47,9 @@ def test_what_recording_costs_has_a_line() -> None:
     state = IncidentState(held_bytes=12_340_000, memory_bytes=256_000_000, topics=5, open=1, recorded=3)
     (line,) = summary_lines(replace(STATUS, incidents=state))[2:]
     assert line == Line("records 5 topics in 12.3 of 256 MB   incidents: 1 open, 3 recorded")
+    with_ring = replace(state, ring_bytes=40_120_000, ring_max_bytes=5_000_000_000)
+    (line,) = summary_lines(replace(STATUS, incidents=with_ring))[2:]
+    assert line.text.startswith("records 5 topics in 12.3 of 256 MB, on disk 40.1 of 5 000 MB   incidents: 1")
     failed = replace(state, failed=2, problem="/data: error: the disk is full")
     (line,) = summary_lines(replace(STATUS, incidents=failed))[2:]
     assert line.text.endswith("1 open, 3 recorded, 2 failed: /data: error: the disk is full")
@@ -61,7 +64,7 @@ def test_what_is_accepted_of_operators_has_a_line_a_topic() -> None:
     )
     lines = summary_lines(replace(STATUS, accepted=accepted))[-3:]
     assert lines == [
-        Line("accepts /a: 1,200 delivered, 3 too old, 1 refused, the last 44 ms old"),
+        Line("accepts /a: 1 200 delivered, 3 too old, 1 refused, the last 44 ms old"),
         Line("accepts /b: no node subscribes to it"),
         Line("accepts /c: nodes subscribe to it as�[2J x and as y", Look.WARN),
     ]
@@ -84,7 +87,7 @@ def test_it_sorts_by_name_upwards_and_by_numbers_downwards() -> None:
 
 
 def test_the_budget_and_its_trouble_are_said() -> None:
-    assert summary_lines(STATUS)[1].text == "in 12,492.0 KB/s   out 946.0 KB/s of 1,000.0 (95 %)"
+    assert summary_lines(STATUS)[1].text == "in 12 492.0 KB/s   out 946.0 KB/s of 1 000.0 (95 %)"
     tight = summary_lines(replace(STATUS, floors_break_budget=True))[1]
     assert (tight.look, tight.text.endswith("the floors alone exceed it")) == (Look.ERROR, True)
     assert "no budget" in summary_lines(replace(STATUS, budget_kb_per_s=None))[1].text

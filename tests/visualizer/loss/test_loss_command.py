@@ -291,9 +291,9 @@ def test_recordings_that_cannot_be_compared_are_refused_in_one_line(desk: Desk, 
     refusals = {
         ("sent", "nowhere"): "nowhere: error: no such file or folder; "
         "give a rosbag2 folder, a .db3 or an .mcap file",
-        ("empty", "seen"): "empty: error: the bag holds no message",
-        ("sent", "empty"): "empty: error: the bag holds no message",
-        ("empty",): "empty: error: the bag holds no message",
+        ("empty", "seen"): "empty: error: the recording holds no message",
+        ("sent", "empty"): "empty: error: the recording holds no message",
+        ("empty",): "empty: error: the recording holds no message",
         ("sent", "other"): "other: error: it has no topic in common with sent; pair two by --map /a=/b",
         ("sent", "later"): "later: error: it has no time in common with sent; "
         "give two recordings of one run; `testudo replay` makes the second from the first",

@@ -32,9 +32,15 @@ def project(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def ruler(browser: Browser, project: Path) -> Iterator[RulerPage]:
+def options() -> tuple[str, ...]:
+    """What ``testudo ruler`` is started with, besides the project."""
+    return ()
+
+
+@pytest.fixture
+def ruler(browser: Browser, project: Path, options: tuple[str, ...]) -> Iterator[RulerPage]:
     """The Ruler on its home screen. Afterwards: no console error, and no request to anybody else."""
-    with served(project) as url:
+    with served(project, options=options) as url:
         context = browser.new_context(viewport={"width": 1440, "height": 900}, accept_downloads=True)
         page = RulerPage(context.new_page(), url)
         page.home()

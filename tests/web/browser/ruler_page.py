@@ -9,7 +9,7 @@ import re
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -18,14 +18,17 @@ from playwright.sync_api import Locator, Page, expect
 from real_browser import TIMEOUT_MS
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
+KNOWS_TOUR = "try { localStorage.setItem('tour', 'seen') } catch {}"
+"""Of a browser in which somebody took the tour."""
 GRIP_PX = 9
 """From the corner of a block to where it is taken: beside its fields."""
 
 
 @contextmanager
-def served(folder: Path, port: int = 0) -> Iterator[str]:
+def served(folder: Path, port: int = 0, options: Sequence[str] = ()) -> Iterator[str]:
     """``testudo ruler`` on ``port``, or a free one; yields the address that it prints."""
-    command = [sys.executable, "-m", "smarttestudo", "ruler", str(folder), f"--port={port}", "--no-browser"]
+    ruler = [sys.executable, "-m", "smarttestudo", "ruler", str(folder)]
+    command = [*ruler, f"--port={port}", "--no-browser", *options]
     environment = {**os.environ, "PYTHONUNBUFFERED": "1"}
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as process:
         assert process.stdout is not None
@@ -38,14 +41,16 @@ def served(folder: Path, port: int = 0) -> Iterator[str]:
 
 
 class RulerPage:
-    """One tab with the Ruler, and what somebody does in it."""
+    """One tab with the Ruler, and what somebody does in it; who is not new there is offered no tour."""
 
-    def __init__(self, page: Page, url: str) -> None:
+    def __init__(self, page: Page, url: str, *, is_new: bool = False) -> None:
         self.page = page
         self.url = url
         self.complaints: list[str] = []
         self.requests: list[str] = []
         page.set_default_timeout(TIMEOUT_MS)
+        if not is_new:
+            page.add_init_script(KNOWS_TOUR)
         page.on("console", lambda message: self._hear(message.type, message.text))
         page.on("pageerror", lambda error: self.complaints.append(str(error)))
         page.on("request", lambda request: self.requests.append(request.url))
@@ -90,11 +95,22 @@ class RulerPage:
         return found.nth(max(range(len(boxes)), key=lambda index: (boxes[index] or {"y": 0.0})["y"]))
 
     def change(self, label: str, value: str) -> None:
-        """Click the lowest field with this label, type, press Enter, and see the value on the block."""
-        self.field(label).click()
-        self.type_value(value)
+        """Click the lowest field with this label, type, press Enter, and see the value on the block.
+
+        A field that a new block opened by itself is not clicked again.
+        """
         kind = label.split(":", maxsplit=1)[0]
+        if not self.is_open(kind):
+            self.field(label).click()
+        self.type_value(value)
         self.blocks.get_by_role("button", name=f"{kind}: {value}", exact=True).first.wait_for()
+
+    def is_open(self, kind: str) -> bool:
+        """Whether the field that is called ``Edit value`` is open to type into."""
+        own = self.page.locator("input:focus").and_(
+            self.page.get_by_label(kind.removeprefix("Edit "), exact=True)
+        )
+        return own.count() > 0
 
     def type_value(self, value: str) -> None:
         """Type into the field that is open."""

@@ -1,18 +1,19 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""axe-core finds nothing on any page and dialog, and the keyboard gets everywhere and back."""
+"""axe-core finds nothing on any page, none scrolls sideways, and the keyboard gets everywhere and back."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Literal
 
 import pytest
 from playwright.sync_api import expect
 
-from adapters.rosbag.bag_factory import small_mission, write_bag
-from axe import violations
-from web.browser.ruler_page import EXAMPLES, RulerPage, copied
+from axe import SCHEMES, violations
+from web.browser.ruler_page import EXAMPLES, GRIP_PX, RulerPage, copied
+from web.incident_projects import add_bad_incidents, write_incidents
 
 RULES = """\
 begin
@@ -42,8 +43,9 @@ THEIRS = RULES.replace("/scan 5", "/scan 6")
 @pytest.fixture
 def project(tmp_path: Path) -> Path:
     folder = copied(EXAMPLES, tmp_path / "project")
+    write_incidents(folder)
+    add_bad_incidents(folder)
     (folder / "far.adirf").write_text(RULES)
-    write_bag(folder / "monday", small_mission(8))
     return folder
 
 
@@ -98,6 +100,16 @@ def _map(ruler: RulerPage) -> None:
     ruler.page.get_by_role("button", name="Type a zone").click()
 
 
+def _versions(ruler: RulerPage) -> None:
+    """Two versions side by side."""
+    _rules(ruler)
+    ruler.button("New rate").click()
+    ruler.save()
+    ruler.page.get_by_role("tab", name="Versions").click()
+    ruler.page.get_by_role("listitem", name="Version of").last.get_by_role("button", name="Compare").click()
+    ruler.page.get_by_role("figure", name="Open now").wait_for()
+
+
 def _optimizer(ruler: RulerPage) -> None:
     ruler.open("quality/inspection.adirf")
     ruler.button("Optimize and Download").click()
@@ -111,9 +123,26 @@ def _robot(ruler: RulerPage) -> None:
 
 def _trial(ruler: RulerPage) -> None:
     _rules(ruler)
-    ruler.page.get_by_role("tab", name="Try on a bag").click()
+    ruler.page.get_by_role("tab", name="Try on a recording").click()
     ruler.button("Run the rules on it").click()
     ruler.page.get_by_role("region", name="Decisions").wait_for()
+
+
+def _incidents(ruler: RulerPage) -> None:
+    ruler.button("Look at Incidents").click()
+    ruler.page.get_by_role("table", name="Incidents").wait_for()
+
+
+def _incident(ruler: RulerPage) -> None:
+    _incidents(ruler)
+    ruler.page.get_by_role("link", name="all of it").click()
+    ruler.page.get_by_role("figure", name="Rate of /odom").wait_for()
+
+
+def _deleting(ruler: RulerPage) -> None:
+    _incident(ruler)
+    ruler.button("Delete").click()
+    ruler.page.get_by_role("dialog").wait_for()
 
 
 def _export(ruler: RulerPage) -> None:
@@ -151,7 +180,45 @@ def _parameters(ruler: RulerPage) -> None:
     ruler.page.get_by_role("link", name="quality/radio.toml", exact=True).click()
     size = ruler.page.get_by_role("textbox", name="Message size (KB) of").first
     size.fill("a lot")
-    expect(ruler.page.get_by_role("list", name="Problems")).to_contain_text("a cell is not a number")
+    expect(ruler.page.get_by_role("list", name="Problems")).to_contain_text("is not a number")
+
+
+def _levels(ruler: RulerPage) -> None:
+    """The six levels of a topic on the curve of a recording."""
+    ruler.page.get_by_role("link", name="quality/radio.toml", exact=True).click()
+    ruler.page.get_by_role("combobox", name="Topic").select_option("/odom")
+    ruler.page.get_by_role("combobox", name="Recording").select_option("monday")
+    ruler.button("Show what each rate loses").click()
+    ruler.page.get_by_text("The curve as numbers").click()
+
+
+def _accuracies(ruler: RulerPage) -> None:
+    """The six accuracies of a topic, with what they need."""
+    ruler.page.get_by_role("link", name="quality/radio.toml", exact=True).click()
+    ruler.page.get_by_role("combobox", name="Topic").select_option("/odom")
+    ruler.page.get_by_role("combobox", name="Levels of").select_option("Accuracy of position")
+    ruler.page.get_by_role("combobox", name="Recording").select_option("monday")
+    ruler.button("Show what each accuracy needs").click()
+    ruler.page.get_by_text("The curve as numbers").click()
+
+
+def _zones(ruler: RulerPage) -> None:
+    """A zone that is chosen on the map, which has the whole page."""
+    ruler.open("warehouse.adirf")
+    ruler.page.get_by_role("tab", name="Map").click()
+    ruler.page.get_by_role("list", name="Zones").get_by_role("button").first.click()
+    ruler.page.get_by_role("group", name="Zone of").wait_for()
+    ruler.page.get_by_role("button", name="Full screen: map").click()
+
+
+def _recording(ruler: RulerPage) -> None:
+    ruler.page.get_by_role("region", name="Recordings").get_by_role("button", name="monday").click()
+    ruler.page.get_by_role("dialog", name="Start from monday").get_by_role("status").wait_for()
+
+
+def _robots(ruler: RulerPage) -> None:
+    ruler.button("Watch Robots").click()
+    ruler.page.get_by_role("heading", name="Robots", exact=True).wait_for()
 
 
 STATES: tuple[Callable[[RulerPage], None], ...] = (
@@ -163,20 +230,36 @@ STATES: tuple[Callable[[RulerPage], None], ...] = (
     _typed_rules,
     _list_of_blocks,
     _map,
+    _versions,
     _optimizer,
     _robot,
     _trial,
+    _incidents,
+    _incident,
+    _deleting,
     _export,
     _import,
     _conflict,
     _parameters,
+    _levels,
+    _accuracies,
+    _zones,
+    _recording,
+    _robots,
 )
+SIDEWAYS = "document.documentElement.scrollWidth - innerWidth"
 
 
 @pytest.mark.parametrize("reach", STATES, ids=lambda reach: reach.__name__.strip("_"))
-def test_axe_finds_nothing(ruler: RulerPage, reach: Callable[[RulerPage], None]) -> None:
+def test_axe_finds_nothing_and_no_page_is_wider_than_the_screen(
+    ruler: RulerPage, reach: Callable[[RulerPage], None]
+) -> None:
     reach(ruler)
     assert violations(ruler.page) == []
+    for width in (820, 390):
+        ruler.page.set_viewport_size({"width": width, "height": 844})
+        ruler.page.wait_for_function(f"innerWidth === {width}")
+        assert ruler.page.evaluate(SIDEWAYS) <= 0, f"{width} px"
 
 
 def test_tab_leaves_the_text(ruler: RulerPage) -> None:
@@ -193,12 +276,38 @@ def test_tab_leaves_the_text(ruler: RulerPage) -> None:
     expect(ruler.button("Save")).to_be_disabled()
 
 
-def test_a_dialog_gives_the_focus_back(ruler: RulerPage) -> None:
-    ruler.button("Create New Project").focus()
+def _opened_at_home(ruler: RulerPage) -> None:
+    ruler.page.get_by_role("region", name="Recordings").wait_for()
+
+
+@pytest.mark.parametrize(
+    ("reach", "opener"),
+    [
+        (_opened_at_home, "Create New Project"),
+        (_opened_at_home, "monday"),
+        (_rules, "Import"),
+        (_rules, "Export"),
+    ],
+)
+def test_a_dialog_has_the_focus_and_gives_it_back(
+    ruler: RulerPage, reach: Callable[[RulerPage], None], opener: str
+) -> None:
+    reach(ruler)
+    ruler.button(opener).focus()
     ruler.page.keyboard.press("Enter")
-    expect(ruler.page.get_by_label("Name")).to_be_focused()
+    dialog = ruler.page.get_by_role("dialog")
+    dialog.wait_for()
+    expect(dialog.locator(":focus")).to_have_count(1)
     ruler.page.keyboard.press("Escape")
-    expect(ruler.button("Create New Project")).to_be_focused()
+    expect(dialog).to_have_count(0)
+    expect(ruler.button(opener)).to_be_focused()
+
+
+def test_a_conflict_that_is_left_gives_the_focus_back(ruler: RulerPage) -> None:
+    _conflict(ruler)
+    ruler.page.keyboard.press("Escape")
+    expect(ruler.page.get_by_role("dialog")).to_have_count(0)
+    expect(ruler.button("Save")).to_be_focused()
 
 
 def test_the_focus_is_on_the_page_where_the_button_of_a_dialog_is_disabled_now(ruler: RulerPage) -> None:
@@ -220,3 +329,51 @@ def test_a_block_that_is_pointed_at_keeps_its_colours(ruler: RulerPage) -> None:
     marked = ruler.blocks.locator(".blocklyHighlighted > .blocklyPath")
     expect(marked).to_have_css("filter", "none")
     expect(marked).to_have_css("fill", "rgb(162, 89, 12)")
+
+
+# Of each text on a block that is pointed at or selected: the contrast to what is behind it.
+CONTRASTS = """() => {
+    const numbers = (colour) => colour.match(/[\\d.]+/g).map(Number);
+    const luminance = (colour) => {
+        const [r, g, b] = numbers(colour).map((part) => part / 255)
+            .map((part) => part <= 0.04045 ? part / 12.92 : ((part + 0.055) / 1.055) ** 2.4);
+        return 0.2126 * r + 0.7152 * g + 0.0722 * b;
+    };
+    const behind = (text) => {
+        const field = text.parentElement.querySelector(":scope > .blocklyFieldRect");
+        const fill = field && getComputedStyle(field).fill;
+        const isSeen = fill && fill !== "none" && (numbers(fill)[3] ?? 1) === 1;
+        const path = text.closest(".blocklyDraggable").querySelector(":scope > .blocklyPath");
+        return isSeen ? fill : getComputedStyle(path).fill;
+    };
+    const marked = [...document.querySelectorAll(".blocklyHighlighted, .blocklySelected")];
+    return marked.flatMap((block) => [...block.querySelectorAll("text.blocklyText")])
+        .filter((text) => text.textContent.trim() !== "")
+        .map((text) => {
+            const both = [getComputedStyle(text).fill, behind(text)].map(luminance);
+            return [text.textContent, (Math.max(...both) + 0.05) / (Math.min(...both) + 0.05)];
+        });
+}"""
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+@pytest.mark.parametrize("how", ["pointed at", "selected"])
+def test_a_marked_block_is_read_in_both_themes(
+    ruler: RulerPage, how: str, scheme: Literal["light", "dark"]
+) -> None:
+    ruler.page.emulate_media(color_scheme=scheme)
+    _rules(ruler)
+    ruler.button("Show Rule Far").click()
+    if how == "selected":
+        ruler.blocks.locator(".blocklyHighlighted").first.click(position={"x": GRIP_PX, "y": GRIP_PX})
+        ruler.blocks.locator(".blocklySelected").wait_for()
+    contrasts = ruler.page.evaluate(CONTRASTS)
+    assert len(contrasts) > 3
+    assert [(text, contrast) for text, contrast in contrasts if contrast < 4.5] == []
+
+
+def test_nothing_moves_for_who_wants_no_motion(ruler: RulerPage) -> None:
+    card = ruler.page.locator(".card").first
+    expect(card).not_to_have_css("transition-duration", "0s")
+    ruler.page.emulate_media(reduced_motion="reduce")
+    expect(card).to_have_css("transition-duration", "0s")

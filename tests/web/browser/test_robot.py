@@ -94,8 +94,18 @@ def page(browser: Browser, world: World) -> Iterator[RulerPage]:
 @pytest.fixture
 def runtime(world: World, page: RulerPage) -> Iterator[Process]:
     """``testudo run`` with the rules; the robot stands at x = 0. The next test begins when it is missed."""
+    yield from _running(world, page)
+
+
+@pytest.fixture
+def consenting(world: World, page: RulerPage) -> Iterator[Process]:
+    """The same, and its rule file may be written."""
+    yield from _running(world, page, "--allow-writing-rules")
+
+
+def _running(world: World, page: RulerPage, *arguments: str) -> Iterator[Process]:
     world.source.say("home odom")
-    process = world.robot.runtime(RULES)
+    process = world.robot.runtime(RULES, *arguments)
     yield process
     process.signal(signal.SIGINT)
     process.exit_code()
@@ -189,6 +199,9 @@ def test_sent_rules_are_compared_tried_and_kept_with_the_keyboard_alone(
     keyboard.press("Enter")
     expect(page.page.get_by_text("/smarttestudo keeps these rules")).to_be_visible()
     runtime.line_with("pushed rules confirmed")
+    # The page has asked all that it asks by then.
+    expect(page.button("Write to its file")).to_be_visible()
+    expect(badge(page, "✗ does not hold")).to_be_visible()
     operator.end()
 
 
@@ -219,6 +232,35 @@ def test_kept_rules_are_called_kept_only_while_the_robot_follows_them(
     # A page that asks in the moment in which the robot ends gets a 504, which Chromium logs.
     assert [complaint for complaint in page.complaints if "504" not in complaint] == []
     page.complaints.clear()
+
+
+def test_what_kept_lasts_for_is_said_and_why_the_file_stays(page: RulerPage, runtime: Process) -> None:
+    expect(badge(page, "✗ does not hold")).to_be_visible()
+    page.change("Edit rate: 5", "20")
+    page.expect_lines("SetFrequency /imu 20")
+    _keep(page)
+    expect(page.page.get_by_text("keeps these rules until its runtime ends or its file")).to_be_visible()
+    expect(page.button("Write to its file")).to_be_disabled()
+    expect(page.page.get_by_text("It was not started with --allow-writing-rules")).to_be_visible()
+    assert violations(page.page) == []
+    # The page has asked all that it asks by then.
+    expect(badge(page, "✗ does not hold")).to_be_visible()
+
+
+def test_kept_rules_are_written_to_the_file_of_a_robot_that_consents(
+    page: RulerPage, world: World, consenting: Process
+) -> None:
+    expect(badge(page, "✗ does not hold")).to_be_visible()
+    page.change("Edit rate: 5", "20")
+    page.expect_lines("SetFrequency /imu 20")
+    _keep(page)
+    page.button("Write to its file").click()
+    expect(page.page.get_by_text("keeps these rules, and wrote them to its file")).to_be_visible()
+    consenting.line_with("pushed rules written to")
+    rules = max(world.robot.folder.glob("rules*.adirf"), key=lambda path: path.stat().st_mtime_ns)
+    assert "SetFrequency /imu 20" in rules.read_text()
+    assert rules.with_name(f"{rules.name}.previous").read_text() == RULES
+    expect(badge(page, "✗ does not hold")).to_be_visible()
 
 
 def test_refused_rules_change_nothing_and_unkept_ones_go_back(

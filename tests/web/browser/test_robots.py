@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 import pytest
 from playwright.sync_api import Locator, expect
 
+from axe import violations
 from ros.ros_domains import free_domain
 from ros.ros_processes import Process, SmallRobot
 from smarttestudo.adapters.json.status import status_to_json
@@ -147,6 +148,17 @@ def test_twenty_robots_are_ordered_by_trouble_and_stay_in_place_under_the_keyboa
     expect(page.page.get_by_role("row", name="/r05/").get_by_role("cell").first).to_be_visible()
 
 
+def test_axe_finds_nothing_on_robots_that_are_well_or_not(page: RulerPage, fleet: Process) -> None:
+    robots = [status(number) for number in range(4)]
+    robots[1] = replace(robots[1], link=replace(LINK, is_connected=False))
+    robots[2] = replace(robots[2], budget_kb_per_s=10.0)
+    publish(fleet, robots)
+    expect(rows(page)).to_have_count(4, timeout=TIMEOUT_MS)
+    publish(fleet, robots[:3])
+    expect(rows(page).nth(0)).to_contain_text(re.compile(r"/r03/.*silent for \d+ s"), timeout=TIMEOUT_MS)
+    assert violations(page.page) == []
+
+
 def test_rules_that_wait_or_were_pushed_are_told_apart(page: RulerPage, fleet: Process) -> None:
     waiting = RulesInForce(sha256="ab" * 32, origin=RulesOrigin.WAITING, waits_s=8.0)
     pushed = RulesInForce(sha256="cd" * 32, origin=RulesOrigin.PUSHED)
@@ -182,6 +194,19 @@ def test_the_keyboard_opens_a_robot_beside_its_rules_with_the_link_of_each_topic
     expect(topics.get_by_role("columnheader")).to_have_count(8)
     page.page.get_by_role("link", name="All robots").click()
     expect(rows(page)).to_have_count(2)
+
+
+def test_sixty_topics_with_long_names_stay_on_the_screen(page: RulerPage, fleet: Process) -> None:
+    names = [f"/warehouse_robot_{n:02}/camera_front_left/depth_registered/image_rect_raw" for n in range(60)]
+    one = status(0)
+    publish(fleet, [replace(one, topics=dict.fromkeys(names, one.topics["/scan"]))])
+    page.page.get_by_role("link", name="/r00/smarttestudo").click()
+    topics = page.page.get_by_role("table", name="Topics of the robot")
+    expect(topics.locator("tbody").get_by_role("row")).to_have_count(60)
+    assert has_no_sideways_scroll(page)
+    box = topics.bounding_box()
+    assert box is not None
+    assert box["x"] + box["width"] <= DESK[0]
 
 
 def test_a_real_run_is_a_row_and_without_rules_in_the_project_has_a_page_of_its_own(

@@ -64,7 +64,7 @@ def test_a_try_has_the_whole_page_and_plays(ruler: RulerPage, project: Path) -> 
     write_bag(project / "monday", small_mission(8))
     ruler.home()
     ruler.open("zone.adirf")
-    ruler.button("Try on a bag").click()
+    ruler.button("Try on a recording").click()
     ruler.button("Run the rules on it").click()
     ruler.page.get_by_role("button", name="Full screen: results").click()
     expect(ruler.blocks).to_be_hidden()
@@ -105,7 +105,7 @@ def test_one_main_button_says_what_is_next(ruler: RulerPage) -> None:
     tools = ruler.page.get_by_role("toolbar", name="Tools")
     for group, names in (
         ("Work", ["Undo", "Redo", "Format", "Save", "Import", "Export"]),
-        ("Try", ["Try on a bag"]),
+        ("Try", ["Try on a recording"]),
         ("Ship", ["Send to robot", "Optimize and Download"]),
     ):
         expect(tools.get_by_role("group", name=group).get_by_role("button")).to_have_text(names)

@@ -79,7 +79,7 @@ def test_the_position_is_kept_within_5_cm_while_the_battery_is_low_for_10_s(
     ruler.save()
     assert (project / "low.adirf").read_text() == LOW_BATTERY
 
-    ruler.button("Try on a bag").click()
+    ruler.button("Try on a recording").click()
     ruler.button("Run the rules on it").click()
     expect(ruler.page.get_by_text(re.compile(r"[\d.]+ % less"))).to_be_visible()
     loss = ruler.page.get_by_role("region", name="What the operator loses")
@@ -156,7 +156,8 @@ def test_a_time_is_given_and_taken_away_with_the_keyboard_alone(ruler: RulerPage
     ruler.button("New rule").click()
     ruler.expect_lines("CheckValue /odom pose_x > 0")
     keyboard = ruler.page.keyboard
-    ruler.walk("ArrowDown", "/odom, pose_x")
+    keyboard.press("Escape")
+    ruler.walk("ArrowLeft", "/odom, pose_x")
     ruler.walk("ArrowRight", "Add time")
     keyboard.press("Enter")
     ruler.page.get_by_role("menuitem", name="for so long…").wait_for()

@@ -8,11 +8,15 @@ import re
 import subprocess
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from playwright.sync_api import expect
 
 from web.browser.ruler_page import RulerPage
 from web.browser.thesis import DEFAULT_RATES, enter_table
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
 
 RULES = """\
 begin
@@ -79,20 +83,47 @@ def test_a_rule_file_opens_with_the_topic_parameters_that_fit_it_or_were_chosen_
     choice = ruler.page.get_by_role("combobox", name="Topic parameters")
     expect(choice).to_have_value("base.toml")
 
-    choice.select_option("arm.toml")
+    with ruler.page.expect_response("**/api/profile/for"):
+        choice.select_option("arm.toml")
     ruler.button("Optimize and Download").click()
-    refused = ruler.page.get_by_text("/imu is in the rules but not in the chosen topic parameters")
-    expect(refused).to_contain_text("add a row for /imu to their table")
+    refused = ruler.page.get_by_text("/imu is in the rules but not in the chosen profile")
+    expect(refused).to_contain_text("add a row for /imu to its table")
     ruler.complaints.clear()
     ruler.home()
     ruler.open("shelf.adirf")
     expect(choice).to_have_value("arm.toml")
-    choice.select_option("none")
+    with ruler.page.expect_response("**/api/profile/for"):
+        choice.select_option("none")
     ruler.home()
     ruler.open("shelf.adirf")
     expect(choice).to_have_value("")
     ruler.page.get_by_role("link", name="Create").click()
     expect(ruler.page.get_by_text("shelf.toml, new, not saved")).to_be_visible()
+
+
+def test_chosen_topic_parameters_are_those_of_everybody_and_named_when_they_are_gone(
+    browser: Browser, ruler: RulerPage, project: Path
+) -> None:
+    (project / "shelf.adirf").write_text(RULES.format(level="Excessive"))
+    (project / "mine.toml").write_text('[topics."/imu"]\nmessage_kb = 1\n')
+    ruler.home()
+    ruler.open("shelf.adirf")
+    with ruler.page.expect_response("**/api/profile/for"):
+        ruler.page.get_by_label("Topic parameters").select_option("mine.toml")
+    with browser.new_context() as elsewhere:
+        other = RulerPage(elsewhere.new_page(), ruler.url)
+        other.home()
+        other.open("shelf.adirf")
+        choice = other.page.get_by_label("Topic parameters")
+        expect(choice).to_have_value("mine.toml")
+        (project / "mine.toml").unlink()
+        other.home()
+        other.open("shelf.adirf")
+        expect(other.page.get_by_role("status").filter(has_text="mine.toml is gone")).to_be_visible()
+        expect(choice).not_to_have_value("mine.toml")
+        choice.select_option("none")
+        expect(other.page.get_by_text("mine.toml is gone")).to_have_count(0)
+        assert other.complaints == []
 
 
 def test_a_reduction_of_very_many_topics_stays_on_the_page(ruler: RulerPage, project: Path) -> None:
@@ -137,5 +168,16 @@ def test_the_table_starts_with_the_topics_of_the_rules_and_leads_back(
     page.get_by_label("Message size (KB) of /lift").fill("0.5")
     ruler.save()
     page.get_by_role("link", name="Back to aisle.adirf").click()
-    page.get_by_label("Topic parameters").select_option("aisle.toml")
+    expect(page.get_by_label("Topic parameters")).to_have_value("aisle.toml")
     ruler.expect_lines("SetFrequency /lift 5")
+
+
+def test_from_the_first_screen_a_new_table_is_for_the_only_rules(ruler: RulerPage, project: Path) -> None:
+    for each in (*project.rglob("*.adirf"), *project.rglob("*.toml")):
+        each.unlink()
+    (project / "aisle.adirf").write_text("begin\n    SetFrequency /lift 5\nend\n")
+    ruler.home()
+    ruler.button("Configure Topic Parameters").click()
+    expect(ruler.page.get_by_label("Topic of row 1")).to_have_value("/lift")
+    expect(ruler.page.get_by_text("aisle.toml, new, not saved")).to_be_visible()
+    expect(ruler.page.get_by_role("link", name="Back to aisle.adirf")).to_be_visible()

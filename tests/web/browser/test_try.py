@@ -90,7 +90,7 @@ def test_the_loss_stands_beside_and_old_numbers_say_that_they_are_old(ruler: Rul
 
 def test_cancel_ends_the_replay(ruler: RulerPage) -> None:
     ruler.open("far.adirf")
-    ruler.button("Try on a bag").click()
+    ruler.button("Try on a recording").click()
     ruler.button("Run the rules on it").click()
     child = _awaited(_trial_process)
     os.kill(child, signal.SIGSTOP)  # so that it cannot end by itself
@@ -106,15 +106,30 @@ def test_a_tier_without_parameters_says_what_can_be_done_on_the_page(ruler: Rule
     ruler.home()
     ruler.open("tier.adirf")
     findings = ruler.page.get_by_role("list", name="Findings")
-    expect(findings).to_contain_text("choose or create the topic parameters")
+    expect(findings).to_contain_text("choose or create a profile")
     findings.get_by_role("link", name="Topic parameters").click()
     expect(ruler.page.get_by_role("heading", name="Topic parameters")).to_be_visible()
+
+
+def test_a_telephone_looks_tries_and_sends(ruler: RulerPage) -> None:
+    ruler.page.set_viewport_size({"width": 390, "height": 844})
+    _try_rules(ruler)
+    expect(ruler.page.get_by_text("% less sent")).to_be_in_viewport()
+    ruler.page.get_by_role("button", name="Full screen: results").click()
+    ruler.button("Next decision").click()
+    expect(ruler.page.get_by_role("slider", name="Time in the recording (s)")).not_to_have_attribute(
+        "aria-valuetext", re.compile(r"^0\.0 s")
+    )
+    ruler.page.get_by_role("button", name="Leave full screen: results").click()
+    ruler.button("Send to robot").click()
+    expect(ruler.page.get_by_role("tab", name="Robot")).to_have_attribute("aria-selected", "true")
+    expect(ruler.page.get_by_role("tabpanel", name="robot")).to_be_in_viewport()
 
 
 def _try_rules(ruler: RulerPage) -> None:
     if ruler.page.get_by_role("link", name="far.adirf").count():
         ruler.open("far.adirf")
-        ruler.button("Try on a bag").click()
+        ruler.button("Try on a recording").click()
     ruler.button("Run the rules on it").click()
     expect(ruler.page.get_by_text(re.compile(r"[\d.]+ % less"))).to_be_visible()
     expect(ruler.page.get_by_text("The rules decided")).to_be_visible()

@@ -69,6 +69,7 @@ def test_a_project_saves_by_itself_what_has_no_errors(ruler: RulerPage, project:
     ruler.open("plain.adirf")
     expect(ruler.page.get_by_text("saved by itself", exact=True)).to_be_visible()
     ruler.change("Edit rate: 10", "7")
+    expect(ruler.page.get_by_text("not saved", exact=True)).to_be_visible()
     expect(ruler.page.get_by_text("saved by itself", exact=True)).to_be_visible()
     assert (project / "plain.adirf").read_text() == SLOWER
     ruler.text.get_by_text("SetFrequency").click()

@@ -16,6 +16,7 @@ from smarttestudo.adapters.figures.styles import (
     BEFORE,
     BUDGET,
     HATCHES,
+    INCIDENT,
     INK,
     QUIET,
     TARGET,
@@ -24,9 +25,11 @@ from smarttestudo.adapters.figures.styles import (
     plain,
     rule_look,
 )
+from smarttestudo.visualizer.incident_mark import IncidentMark
 from smarttestudo.visualizer.report import RunReport
 from smarttestudo.visualizer.report.looks import ON_PAPER
 from smarttestudo.visualizer.report.rule_styles import DEFAULTS, styles_of
+from smarttestudo.visualizer.report.scale import tick_label
 from smarttestudo.visualizer.report.time_chart import (
     ChartLine,
     Run,
@@ -113,10 +116,12 @@ def _draw(axes: Axes, chart: TimeChart) -> None:
     _layers(axes, chart)
     if chart.budget is not None:
         _budget(axes, chart, chart.budget)
+    if chart.incident is not None:
+        _incident(axes, chart.incident)
     axes.set_xlim(0, chart.duration_s)
     axes.set_ylim(0, chart.top)
     axes.set_yticks(
-        [chart.heights(value) for value in chart.ticks], labels=[f"{value:,g}" for value in chart.ticks]
+        [chart.heights(value) for value in chart.ticks], labels=[tick_label(value) for value in chart.ticks]
     )
     if chart.gap is not None:
         _gap(axes, chart.gap / chart.top)
@@ -180,6 +185,17 @@ def _budget(axes: Axes, chart: TimeChart, budget_kb_per_s: float) -> None:
     )
 
 
+def _incident(axes: Axes, mark: IncidentMark) -> None:
+    axes.axvline(
+        mark.at_s,
+        color=INCIDENT.colour,
+        linestyle=INCIDENT.dash,
+        linewidth=INCIDENT.width,
+        path_effects=[withStroke(linewidth=3 * INCIDENT.width, foreground="white")],
+        label=plain(mark.name),
+    )
+
+
 def _gap(axes: Axes, at: float) -> None:
     """Two short strokes on the axis of values, where it leaves some out."""
     for place in (at - _GAP_HEIGHT, at + _GAP_HEIGHT):
@@ -197,3 +213,5 @@ def _run_handles(report: RunReport) -> Iterator[Artist]:
     names: tuple[tuple[str, LineLook], ...] = ((report.names.before, BEFORE), (report.names.after, AFTER))
     for name, look in names if report.is_pair else names[:1]:
         yield handle(name, look)
+    if report.incident is not None:
+        yield handle(report.incident.name, INCIDENT)

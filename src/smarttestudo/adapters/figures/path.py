@@ -33,7 +33,7 @@ def path_figure(report: RunReport) -> Figure | None:
     """The path over the floor plan; ``None`` where no place of the robot is known."""
     styles = styles_of(report.decisions, report.duration_s)
     spans = deciding_spans(report.decisions, report.duration_s)
-    floor = floor_map(report.floor_plan, report.path, spans, styles)
+    floor = floor_map(report.floor_plan, report.path, spans, styles, incident=report.incident)
     if floor is None or not floor.known:
         return None
     (left, right), (low, high) = floor.frame.x.values, floor.frame.y.values
@@ -53,6 +53,9 @@ def path_figure(report: RunReport) -> Figure | None:
         *axes.plot(first.x_m, first.y_m, "o", color="white", markeredgecolor=INK, label="start"),
         *axes.plot(last.x_m, last.y_m, "s", color=INK, markersize=5, label="end"),
     ]
+    if floor.happened is not None:
+        name, at = plain(floor.happened.name), floor.happened.point
+        ends += axes.plot(at.x_m, at.y_m, "D", color=INK, markeredgecolor="white", label=name)
     shown = {look for _, look in floor.pieces} if spans else set()
     rules = [handle(style.name, rule_look(style)) for style in styles.all if style in shown]
     axes.legend(handles=[*rules, *ends], loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=7)

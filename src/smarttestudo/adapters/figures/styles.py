@@ -56,6 +56,7 @@ AFTER = LineLook(colour=INK, dash="-", width=1.1)
 TARGET = LineLook(colour="#0003", dash="-", width=4.0)
 _PER_PX = 0.65
 BUDGET = LineLook(colour=INK, dash=(0, BUDGET_DASH), width=1.2)
+INCIDENT = LineLook(colour=INK, dash=(0, (2.5, 1.3)), width=1.2)
 HATCHES = ("", "///", "", "\\\\\\", "...", "xxx", "")
 """Of the layers of a stack, from its foot on."""
 _LABEL_CHARACTERS = 60

@@ -15,6 +15,7 @@ from pathlib import Path
 from smarttestudo.adapters.json.incidents import MAX_RECORD_BYTES, read_incident
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.incident import IncidentRecord
+from smarttestudo.domain.remote_incidents import RemoteIncident
 
 RECORD_NAME = "incident.json"
 READ_NAME = "read"
@@ -37,6 +38,22 @@ class StoredIncident:
     size_bytes: int
     is_read: bool
     record: IncidentRecord
+
+    def listed(self) -> RemoteIncident:
+        """As a list names it; on no robot."""
+        return RemoteIncident(
+            robot="",
+            name=self.name,
+            label=self.record.name,
+            rule=self.record.rule,
+            triggered_ns=self.record.triggered_ns,
+            from_ns=self.record.from_ns,
+            to_ns=self.record.to_ns,
+            messages=sum(topic.messages for topic in self.record.topics.values()),
+            size_bytes=self.size_bytes,
+            is_read=self.is_read,
+            missing=tuple(dict.fromkeys(one.reason.value for one in self.record.missing)),
+        )
 
 
 class IncidentStore:
@@ -64,13 +81,31 @@ class IncidentStore:
 
     def incident(self, name: str) -> StoredIncident:
         """The incident in the folder ``name``. Raises ``RecordingError`` where it cannot be read."""
-        path = self._path(name)
+        path, size_bytes = self._path(name), self.size_bytes(name)
         with _errors_at(path):
-            size_bytes = sum(one.lstat().st_size for one in _files(path))
             is_read = (path / READ_NAME).exists()
         return StoredIncident(
             name=name, path=path, size_bytes=size_bytes, is_read=is_read, record=read_record(path)
         )
+
+    def size_bytes(self, name: str) -> int:
+        """What the files of an incident take, whether its record can be read or not."""
+        path = self._path(name)
+        with _errors_at(path):
+            return sum(one.lstat().st_size for one in _files(path))
+
+    def files(self, name: str) -> list[Path]:
+        """The files of an incident, by name."""
+        path = self._path(name)
+        with _errors_at(path):
+            return list(_files(path))
+
+    def others(self, name: str, known: re.Pattern[str]) -> list[Path]:
+        """What is in the folder of an incident and is none of its files, whose names match ``known``."""
+        path = self._path(name)
+        with _errors_at(path):
+            files = {one for one in _files(path) if known.match(one.name)} | {path / READ_NAME}
+            return sorted(one for one in path.iterdir() if one not in files)
 
     def mark_read(self, name: str) -> None:
         """Somebody looked at the incident: it is among those that give way first. No error if that fails."""
@@ -79,11 +114,10 @@ class IncidentStore:
 
     def export(self, name: str, target: Path) -> int:
         """Copy the files of an incident to the new folder ``target``; how many they were."""
-        path = self._path(name)
+        files = self.files(name)
         if target.exists() or target.is_symlink():
             raise RecordingError("exists already", place=str(target), remedy="name another output")
         with _errors_at(target):
-            files = list(_files(path))
             target.mkdir(parents=True)
             for one in files:
                 shutil.copyfile(one, target / one.name, follow_symlinks=False)
@@ -117,6 +151,11 @@ def read_record(folder: Path) -> IncidentRecord:
             raise RecordingError("is too large for the record of an incident", place=str(place))
         text = place.read_bytes()
     return read_incident(text, str(place))
+
+
+def record_beside(recording: Path) -> IncidentRecord | None:
+    """The record of a recording that is an incident. Raises ``RecordingError`` where it cannot be read."""
+    return read_record(recording) if (recording / RECORD_NAME).is_file() else None
 
 
 def _is_folder(path: Path) -> bool:

@@ -169,7 +169,7 @@ class _ProfileReader:
         for (lower, lower_hz), (higher, higher_hz) in itertools.pairwise(zip(Tier, tiers, strict=True)):
             if higher_hz < lower_hz:
                 fall = f"{higher.value} ({higher_hz:g} Hz) is below {lower.value} ({lower_hz:g} Hz)"
-                raise self._error(at, f"{_name(at)} must not fall from one tier to the next: {fall}")
+                raise self._error(at, f"{_name(at)} must not fall from one level to the next: {fall}")
         return tiers
 
     def _accuracies(self, kind: LevelledProperty, at: KeyPath, value: object) -> tuple[float, ...]:
@@ -182,7 +182,7 @@ class _ProfileReader:
             if tight > loose:
                 rise = f"{higher.value} ({tight:g}) is above {lower.value} ({loose:g})"
                 remedy = "write the widest bound first"
-                cause = f"{_name(at)} must not rise from one tier to the next: {rise}"
+                cause = f"{_name(at)} must not rise from one level to the next: {rise}"
                 raise self._error(at, cause, remedy=remedy)
         return bounds
 

@@ -24,6 +24,7 @@ from smarttestudo.domain.errors import TestudoError
 
 MAX_TEXT_BYTES = 1_000_000
 MAX_FILES = 2000
+MAX_FOLDERS = 10_000
 _MAX_DEPTH = 5
 _LAYOUT = re.compile(r"\.[^/]+\.layout\.json\Z")
 _BAG_SUFFIXES = frozenset({".db3", ".mcap"})
@@ -106,6 +107,11 @@ class ProjectFolder:
         found = list(islice(known, MAX_FILES + 1))
         return found[:MAX_FILES], len(found) > MAX_FILES
 
+    def folders_with(self, file_name: str) -> tuple[list[str], bool]:
+        """The folders that hold something called ``file_name``, by name, and whether there are more."""
+        found = list(islice(self._holders(self._root, file_name, _MAX_DEPTH), MAX_FOLDERS + 1))
+        return found[:MAX_FOLDERS], len(found) > MAX_FOLDERS
+
     def images(self) -> list[FoundFile]:
         """The first 200 images, by name."""
         found = (one for one in self._walk(self._root, _MAX_DEPTH) if one.kind is FileKind.IMAGE)
@@ -126,7 +132,7 @@ class ProjectFolder:
         """The path of the bag ``name``."""
         path = self.path(name)
         if _mode(path) is None:
-            raise MissingFileError("there is no such bag in the project", place=name)
+            raise MissingFileError("there is no such recording in the project", place=name)
         return path
 
     def new_bag(self, name: str) -> Path:
@@ -229,13 +235,19 @@ class ProjectFolder:
             raise ForbiddenPathError("the Ruler does not edit this kind of file", place=name, remedy=remedy)
         return kind
 
+    def _holders(self, folder: Path, file_name: str, depth: int) -> Iterator[str]:
+        for entry in _entries(folder):
+            is_folder = _is_one_line(entry.name) and _is_shown(entry.name)
+            with suppress(OSError):
+                is_folder = is_folder and entry.is_dir(follow_symlinks=False)
+            path = Path(entry.path)
+            if is_folder and os.path.lexists(path / file_name):
+                yield path.relative_to(self._root).as_posix()
+            elif is_folder and depth > 0:
+                yield from self._holders(path, file_name, depth - 1)
+
     def _walk(self, folder: Path, depth: int) -> Iterator[FoundFile]:
-        try:
-            entries = sorted(os.scandir(folder), key=lambda one: one.name)
-        except OSError:
-            # A folder that may not be listed has nothing to offer.
-            return
-        for entry in entries:
+        for entry in _entries(folder):
             # Links in a circle, and what went away or was closed meanwhile, have nothing to offer either.
             with suppress(OSError, RuntimeError):
                 yield from self._entry(entry, depth)
@@ -271,6 +283,14 @@ class ProjectFolder:
     def _found(self, path: Path, kind: FileKind, found: os.stat_result, size_bytes: int) -> FoundFile:
         name = path.relative_to(self._root).as_posix()
         return FoundFile(name=name, kind=kind, size_bytes=size_bytes, changed_at_s=found.st_mtime)
+
+
+def _entries(folder: Path) -> list[os.DirEntry[str]]:
+    """What is in a folder, by name; one that may not be listed has nothing to offer."""
+    try:
+        return sorted(os.scandir(folder), key=lambda one: one.name)
+    except OSError:
+        return []
 
 
 def _is_one_line(name: str) -> bool:

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from smarttestudo.adapters.files.input_file import read_input
-from smarttestudo.adapters.files.whole_file import whole_file
+from smarttestudo.adapters.files.whole_file import whole_binary_file, whole_file
 from smarttestudo.adirf.parser import MAX_FILE_BYTES
 from smarttestudo.domain.errors import RuleFileError, TestudoError
 
@@ -117,6 +117,39 @@ def write_rule_text(path: Path, text: str) -> None:
     """
     with whole_file(path, "the rule file") as write:
         write(text)
+
+
+PREVIOUS_SUFFIX = ".previous"
+
+
+def is_missing(path: Path) -> bool:
+    """Whether nothing is at ``path``, be it that its folder is not there."""
+    try:
+        path.stat()
+    except (FileNotFoundError, NotADirectoryError):
+        return True
+    except OSError:
+        return False
+    return False
+
+
+def replace_rule_text(path: Path, text: str, loaded: str | None) -> None:
+    """Replace the rule file at ``path`` in one step; what it held stays beside it, as ``PREVIOUS_SUFFIX``.
+
+    Raises ``RuleFileError`` unless the file holds ``loaded``, or is not there where that is ``None``, and
+    ``OutputFileError`` where it cannot be written; the file is then as it was.
+    """
+    if (None if is_missing(path) else read_rule_text(path)) != loaded:
+        raise RuleFileError(
+            "the rule file changed since it was loaded",
+            place=str(path),
+            remedy="nothing was written; look at what changed there",
+        )
+    if loaded is not None:
+        before = path.with_name(f"{path.name}{PREVIOUS_SUFFIX}")
+        with whole_binary_file(before, "the previous rules") as write:
+            write(read_input(path, MAX_FILE_BYTES + 1))
+    write_rule_text(path, text)
 
 
 FileStates = tuple[tuple[str, "FileState | None"], ...]

@@ -11,9 +11,10 @@ from functools import partial
 from queue import SimpleQueue
 
 from smarttestudo.adapters.incidents.folders import Failed
+from smarttestudo.adapters.incidents.ring_files import RingFiles
 from smarttestudo.domain.errors import testudo_error
 from smarttestudo.domain.incident import Missing, MissingReason
-from smarttestudo.runtime.incidents.recorder import Incident, IncidentSink
+from smarttestudo.runtime.incidents.recorder import Incident, IncidentSink, Store
 from smarttestudo.runtime.incidents.topic_ring import SourceMessage
 
 
@@ -21,11 +22,15 @@ class BackgroundSink:
     """An ``IncidentSink`` that hands what it is told to ``sink``, in order, on a thread of its own.
 
     Messages that come faster than they are written wait, at most ``max_waiting_bytes`` of them; further ones
-    are missing in their incidents, which say so. ``failed`` is told what ``sink`` raises; writing goes on.
+    are missing in their incidents, which say so. What memory gave up goes to ``ring``. ``failed`` is told
+    what ``sink`` raises; writing goes on.
     """
 
-    def __init__(self, sink: IncidentSink, max_waiting_bytes: int, *, failed: Failed) -> None:
+    def __init__(
+        self, sink: IncidentSink, max_waiting_bytes: int, *, failed: Failed, ring: RingFiles | None = None
+    ) -> None:
         self._sink = sink
+        self._ring = ring
         self._failed = failed
         self._max_waiting_bytes = max_waiting_bytes
         self._tasks: SimpleQueue[Callable[[], None] | None] = SimpleQueue()
@@ -50,6 +55,11 @@ class BackgroundSink:
         self._given_bytes += message.held_bytes
         self._tasks.put(partial(self._take, message, incidents))
 
+    @property
+    def store(self) -> Store | None:
+        """What takes messages that memory gives up, if there is a ring; those that wait too long are lost."""
+        return None if self._ring is None else partial(self._have_stored, self._ring)
+
     def end(self, incident: Incident, missing: Sequence[Missing]) -> None:
         """Have it ended."""
         left_out = self._left_out.pop(incident, {})
@@ -69,6 +79,15 @@ class BackgroundSink:
     def _take(self, message: SourceMessage, incidents: Sequence[Incident]) -> None:
         self._done_bytes += message.held_bytes
         self._sink.take(message, incidents)
+
+    def _have_stored(self, ring: RingFiles, message: SourceMessage, until_ns: int, now_ns: int) -> None:
+        if self._given_bytes - self._done_bytes <= self._max_waiting_bytes:
+            self._given_bytes += message.held_bytes
+            self._tasks.put(partial(self._store, ring, message, until_ns, now_ns))
+
+    def _store(self, ring: RingFiles, message: SourceMessage, until_ns: int, now_ns: int) -> None:
+        self._done_bytes += message.held_bytes
+        ring.store(message, until_ns, now_ns)
 
     def _leave_out(self, incident: Incident, message: SourceMessage) -> None:
         topics = self._left_out[incident]

@@ -10,6 +10,7 @@ import tempfile
 from collections import Counter
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from operator import attrgetter
 from pathlib import Path
 
 from smarttestudo.adapters.files.incident_store import PARTIAL_SUFFIX, RECORD_NAME
@@ -17,6 +18,7 @@ from smarttestudo.adapters.files.whole_file import not_written, whole_file
 from smarttestudo.adapters.incidents.bag_metadata import METADATA_NAME, metadata_text
 from smarttestudo.adapters.incidents.mcap_records import StoredChannel
 from smarttestudo.adapters.incidents.mcap_writer import FileContent
+from smarttestudo.adapters.incidents.ring_files import RingFiles
 from smarttestudo.adapters.incidents.segments import BagFolder, SharedMessages
 from smarttestudo.adapters.json.incidents import incident_text
 from smarttestudo.domain.errors import TestudoError, testudo_error
@@ -55,7 +57,8 @@ class IncidentFolders:
 
     A folder has its name when its incident is whole; until then it is hidden, and a bag all the same.
     ``channels`` are the topics by name; messages of others are left out. Incidents of the same topics share
-    files where their windows overlap, if the disk has hard links. ``ended`` is told of each folder.
+    files where their windows overlap, if the disk has hard links. What memory gave up is taken from ``ring``.
+    ``ended`` is told of each folder.
 
     What cannot be written ends the incidents concerned: ``failed`` is told, or, where there is none, it
     raises ``TestudoError``.
@@ -66,6 +69,7 @@ class IncidentFolders:
         folder: Path,
         channels: Mapping[str, StoredChannel],
         *,
+        ring: RingFiles | None = None,
         failed: Failed | None = None,
         ended: Callable[[Path], None] = lambda _: None,
     ) -> None:
@@ -76,6 +80,7 @@ class IncidentFolders:
             raise not_written(folder, "the incidents", error) from error
         self._folder = folder
         self._channels = channels
+        self._ring = ring
         self._failed = failed
         self._ended = ended
         self._open: dict[Incident, _OpenFolder] = {}
@@ -162,7 +167,8 @@ class IncidentFolders:
         self._open[incident] = found
         # What a killed run leaves says what it was.
         _write_record(bag.path, record)
-        shared.begin(bag, incident.from_number, messages)
+        stored = () if self._ring is None else self._ring.messages(incident.given_up)
+        shared.begin(bag, incident.from_number, sorted((*stored, *messages), key=attrgetter("number")))
         held = bag.numbers() if latched else set()
         shared.add_latched(bag, [one for one in latched if one.number not in held], incident.from_ns)
 
@@ -181,7 +187,7 @@ class IncidentFolders:
     def _still_missing(
         self, incident: Incident, bag: BagFolder, missing: Sequence[Missing]
     ) -> tuple[Missing, ...]:
-        """``missing``, without what the memory lacked and an earlier incident had on disk."""
+        """``missing``, without what the memory lacked and the disk had."""
         if not any(one.reason is MissingReason.MEMORY for one in missing):
             return tuple(missing)
         held = bag.numbers()

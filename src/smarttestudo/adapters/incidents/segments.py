@@ -11,13 +11,33 @@ from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Protocol
 
 from smarttestudo.adapters.incidents.mcap_records import StoredChannel
 from smarttestudo.adapters.incidents.mcap_writer import FileContent, McapWriter
-from smarttestudo.runtime.incidents.topic_ring import SourceMessage
 
 LATCHED_SHARED_NS = 10_000_000_000
 """How long before its window a file of latched messages may have been begun."""
+
+
+class SegmentMessage(Protocol):
+    """A ``SourceMessage``, or one whose payload is read when it is written."""
+
+    @property
+    def number(self) -> int:
+        """Its place among all messages."""
+
+    @property
+    def topic(self) -> str:
+        """Its topic."""
+
+    @property
+    def stamp_ns(self) -> int:
+        """When it came."""
+
+    @property
+    def payload(self) -> bytes:
+        """Its bytes. Raises ``OSError``."""
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
@@ -71,7 +91,7 @@ class Segment:
                 return
         raise FileNotFoundError(errno.ENOENT, "no file is left to link to", str(folder.path / name))
 
-    def write(self, channel: StoredChannel, message: SourceMessage, stamp_ns: int) -> None:
+    def write(self, channel: StoredChannel, message: SegmentMessage, stamp_ns: int) -> None:
         """Append a message. Raises ``OSError``."""
         self._writer.write(channel, stamp_ns, message.payload)
         if self.first_stamp_ns is None:
@@ -113,7 +133,7 @@ class SharedMessages:
         self._latched: tuple[Sequence[int], int, Segment] | None = None
         self.members: list[BagFolder] = []
 
-    def begin(self, folder: BagFolder, from_number: int, messages: Sequence[SourceMessage]) -> None:
+    def begin(self, folder: BagFolder, from_number: int, messages: Sequence[SegmentMessage]) -> None:
         """Have ``messages`` in ``folder``, what is stored from ``from_number`` on, and all to come.
 
         Raises ``OSError``.
@@ -148,7 +168,7 @@ class SharedMessages:
             if one.content is None or one.content.last_ns >= trigger_ns - self._longest_ns
         ]
 
-    def add_latched(self, folder: BagFolder, latched: Sequence[SourceMessage], from_ns: int) -> None:
+    def add_latched(self, folder: BagFolder, latched: Sequence[SegmentMessage], from_ns: int) -> None:
         """Have ``latched`` in ``folder``, those from before its window with the stamp of its beginning.
 
         Raises ``OSError``.
@@ -171,7 +191,7 @@ class SharedMessages:
         folder.put_last_first()
         self._latched = (numbers, from_ns, segment)
 
-    def take(self, message: SourceMessage) -> None:
+    def take(self, message: SegmentMessage) -> None:
         """One more message for all members. Raises ``OSError``."""
         if message.topic not in self._channels:
             return
@@ -205,7 +225,7 @@ class SharedMessages:
         self._open, self._latched = None, None
         self._segments, self.members = [], []
 
-    def _written(self, folder: BagFolder, messages: Iterable[SourceMessage]) -> list[Segment]:
+    def _written(self, folder: BagFolder, messages: Iterable[SegmentMessage]) -> list[Segment]:
         """Closed segments of ``folder`` with ``messages``."""
         segments: list[Segment] = []
         try:
@@ -224,7 +244,7 @@ class SharedMessages:
             raise
         return segments
 
-    def _write(self, segment: Segment, message: SourceMessage, stamp_ns: int) -> None:
+    def _write(self, segment: Segment, message: SegmentMessage, stamp_ns: int) -> None:
         channel = self._channels.get(message.topic)
         if channel is not None:
             segment.write(channel, message, stamp_ns)

@@ -19,7 +19,7 @@ from smarttestudo.domain.incident import (
     MissingReason,
 )
 from smarttestudo.domain.json_text import json_text
-from smarttestudo.domain.units import utc_time
+from smarttestudo.domain.units import LAST_STAMP_NS, utc_time
 
 MAX_RECORD_BYTES = 4_000_000
 _Item = TypeVar("_Item")
@@ -77,7 +77,7 @@ def read_incident(text: bytes, place: str) -> IncidentRecord:
                 remedy="read it with the SmartTestudo that wrote it",
             )
         return _incident(found)
-    except (ValueError, KeyError, TypeError, RecursionError) as error:
+    except (ValueError, KeyError, TypeError, OverflowError, RecursionError) as error:
         raise RecordingError(
             "does not hold the record of an incident", place=place, remedy="was it cut or edited?"
         ) from error
@@ -85,14 +85,17 @@ def read_incident(text: bytes, place: str) -> IncidentRecord:
 
 def _incident(found: Mapping[str, object]) -> IncidentRecord:
     values = _object(found["values"])
+    from_ns, triggered_ns, to_ns = (_whole(found[key]) for key in ("from_ns", "triggered_ns", "to_ns"))
+    if not from_ns <= triggered_ns <= to_ns:
+        raise ValueError(triggered_ns)
     return IncidentRecord(
         name=_text(found["name"]),
         rule=_text(found["rule"]),
         path=_text(found["file"]),
         line=_whole(found["line"]),
-        triggered_ns=_whole(found["triggered_ns"]),
-        from_ns=_whole(found["from_ns"]),
-        to_ns=_whole(found["to_ns"]),
+        triggered_ns=triggered_ns,
+        from_ns=from_ns,
+        to_ns=to_ns,
         values={name: None if value is None else _number(value) for name, value in values.items()},
         rules_sha256=_text(found["rules_sha256"]),
         topics={name: _topic(_object(topic)) for name, topic in _object(found["topics"]).items()},
@@ -143,7 +146,7 @@ def _text(value: object) -> str:
 
 
 def _whole(value: object) -> int:
-    if not isinstance(value, int) or isinstance(value, bool):
+    if not isinstance(value, int) or isinstance(value, bool) or abs(value) > LAST_STAMP_NS:
         raise TypeError(value)
     return value
 

@@ -156,6 +156,8 @@ def _incidents_to_json(state: IncidentState) -> dict[str, object]:
         "recorded": state.recorded,
         "failed": state.failed,
         "problem": state.problem,
+        "ring_bytes": state.ring_bytes,
+        "ring_max_bytes": state.ring_max_bytes,
     }
 
 
@@ -170,6 +172,8 @@ def _incidents(record: JsonRecord | None) -> IncidentState | None:
         recorded=record.integer("recorded"),
         failed=record.integer("failed"),
         problem=record.optional(record.text, "problem"),
+        ring_bytes=record.optional(record.integer, "ring_bytes") or 0,
+        ring_max_bytes=record.optional(record.integer, "ring_max_bytes"),
     )
 
 

@@ -12,6 +12,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
 from smarttestudo.domain.errors import NetworkError
+from smarttestudo.domain.units import grouped
 
 ROBOT_ADDRESS, OPERATOR_ADDRESS = "10.99.0.1", "10.99.0.2"
 _DEVICE = "link0"
@@ -58,7 +59,7 @@ class ThinLink:
         carried_bytes = self.carried_bytes() - since_bytes
         if carried_bytes < least_bytes:
             raise NetworkError(
-                f"{least_bytes:,.0f} bytes arrived, but the link carried only {carried_bytes:,}",
+                f"{grouped(least_bytes)} bytes arrived, but the link carried only {grouped(carried_bytes)}",
                 remedy="nothing was measured; try again where no other ROS graph runs",
             )
 

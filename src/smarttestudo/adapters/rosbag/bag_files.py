@@ -61,7 +61,7 @@ def require_bag_file(path: Path) -> None:
         cause = f"unknown storage {path.suffix!r}" if path.suffix else "unknown storage"
         raise RecordingError(cause, place=str(path), remedy=_EXPECTED)
     if not magic.startswith(expected):
-        raise RecordingError("not a bag: unknown file header", place=str(path), remedy=_EXPECTED)
+        raise RecordingError("not a recording: unknown file header", place=str(path), remedy=_EXPECTED)
 
 
 def is_packed(path: Path) -> bool:
@@ -99,6 +99,6 @@ def _storage_files(folder: Path) -> tuple[Path, ...]:
         raise RecordingError("the folder holds no .db3 or .mcap file", place=str(folder), remedy=_EXPECTED)
     storages = {path.with_suffix("").suffix if is_packed(path) else path.suffix for path in paths}
     if len(storages) > 1:
-        cause = "the folder holds .db3 and .mcap files, and no metadata name those of the bag"
+        cause = "the folder holds .db3 and .mcap files, and no metadata name those of the recording"
         raise RecordingError(cause, place=str(folder), remedy="name one of the files")
     return paths

@@ -80,7 +80,7 @@ def _unpacked(path: Path, opened: ExitStack, notices: list[str]) -> Path:
     try:
         require_bag_file(target)
     except RecordingError as error:
-        cause = "its compressed content is not a bag" if is_whole else "no part of it can be decompressed"
+        cause = "its compressed content is no recording" if is_whole else "no part of it can be decompressed"
         raise RecordingError(cause, place=str(path)) from error
     if not is_whole:
         notices.append(f"{path}: its compressed data are truncated or damaged; read as far as possible")

@@ -221,7 +221,7 @@ class RosbagRecording:
         try:
             return declared_bytes_in(self.custom_data)
         except RecordingError as error:
-            self._notices.append(f"{error.cause}; the sizes in the bag are used")
+            self._notices.append(f"{error.cause}; the sizes in the recording are used")
             return {}
 
 

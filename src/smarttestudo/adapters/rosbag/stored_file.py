@@ -12,6 +12,7 @@ from itertools import islice
 from typing import Protocol
 
 from smarttestudo.domain.recording import Channel, RecordedMessage, readable_until
+from smarttestudo.domain.units import grouped
 
 ChannelsByNumber = Mapping[int, Channel]
 """Channels by the number that a file gives each."""
@@ -70,7 +71,7 @@ def read_so_far(file: StoredFile) -> str:
     """How far a damaged file could be read."""
     if not file.message_count:
         return "no message could be read"
-    return f"{readable_until(file.readable_share, file.end_ns)} after {file.message_count:,} messages"
+    return f"{readable_until(file.readable_share, file.end_ns)} after {grouped(file.message_count)} messages"
 
 
 class ContinuedFile(ABC):

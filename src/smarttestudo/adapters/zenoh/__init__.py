@@ -15,6 +15,7 @@ from smarttestudo.adapters.zenoh.security import LinkOptions
 from smarttestudo.domain.errors import LinkError
 
 if TYPE_CHECKING:
+    from smarttestudo.adapters.zenoh.link_incidents import LinkIncidents
     from smarttestudo.adapters.zenoh.link_robots import LinkRobots
     from smarttestudo.adapters.zenoh.operator_end import OperatorEnd
     from smarttestudo.adapters.zenoh.robot_end import RobotEnd
@@ -101,6 +102,25 @@ def open_link_robots(
         yield robots
     finally:
         client.close()
+
+
+@contextmanager
+def open_link_incidents(options: LinkOptions, warn: Warn) -> Iterator[LinkIncidents]:
+    """The incidents of the robots that are heard where ``options`` connect to, as ``RemoteIncidents``.
+
+    Raises ``LinkError`` as ``open_robot_end`` does.
+    """
+    _require_zenoh()
+    from smarttestudo.adapters.zenoh.client import LinkClient  # noqa: PLC0415  needs zenoh
+    from smarttestudo.adapters.zenoh.link_incidents import LinkIncidents  # noqa: PLC0415  needs zenoh
+    from smarttestudo.adapters.zenoh.session import session_config  # noqa: PLC0415  needs zenoh
+
+    client = LinkClient(*session_config(options, "client", warn), options.connect)
+    incidents = LinkIncidents(client, ", ".join(options.connect))
+    try:
+        yield incidents
+    finally:
+        incidents.close()
 
 
 def suspended_too_ns() -> int:

@@ -43,8 +43,11 @@ class LinkClient:
         self._is_closed = threading.Event()
         self._thread: threading.Thread | None = None
 
-    def begin(self, heard: Heard, present: Present, all_known: Callable[[], None]) -> None:
-        """Connect; say what is heard, who is there, and once that these are all who were there before."""
+    def begin(self, heard: Heard | None, present: Present, all_known: Callable[[], None]) -> None:
+        """Connect; say what is heard, who is there, and once that these are all who were there before.
+
+        Without ``heard``, no statuses are asked for.
+        """
         arguments = (heard, present, all_known)
         self._thread = threading.Thread(target=self._run, args=arguments, name="link-client", daemon=True)
         self._thread.start()
@@ -57,47 +60,40 @@ class LinkClient:
 
     def ask(self, key: str, question: Question, answered: Callable[[Reply], None]) -> None:
         """Have ``answered`` called once with the reply, by any thread."""
-        replies: list[Reply] = []
 
-        def take(reply: zenoh.Reply) -> None:
-            replies.append(_reply(reply))
+        def unpack(reply: Reply) -> None:
+            try:
+                answered(unpacked(reply, MAX_QUESTION_BYTES) if isinstance(reply, bytes) else reply)
+            except LinkError as error:
+                answered(error)
 
-        def ended() -> None:
-            answered(next((one for one in replies if one is not None), None))
-
-        session = self._session
         try:
             payload = sendable(question_to_bytes(question))
-            if session is None:
-                answered(None)
-                return
-            handler = zenoh.handlers.Callback(take, ended)
-            # The answer has this priority, too: messages of the robot's topics go before a long one.
-            session.get(
-                key,
-                handler,
-                payload=payload,
-                timeout=ANSWER_WITHIN_S,
-                priority=zenoh.Priority.DATA_LOW,
-            )
         except LinkError as error:
             answered(error)
-        except zenoh.ZError:
-            answered(None)
+            return
+        self.get(key, payload, unpack, ANSWER_WITHIN_S)
 
-    def _run(self, heard: Heard, present: Present, all_known: Callable[[], None]) -> None:
+    def get(self, key: str, payload: bytes, answered: Callable[[Reply], None], timeout_s: float) -> None:
+        """Have ``answered`` called once with the bytes that came as the reply, by any thread.
+
+        The answer has a low priority, too: messages of the robot's topics go before a long one.
+        """
+        session = self._session
+        if session is None:
+            answered(None)
+        else:
+            _get(session, key, payload, answered, timeout_s)
+
+    def _run(self, heard: Heard | None, present: Present, all_known: Callable[[], None]) -> None:
         session = self._open()
         if session is None:
             return
         listener = None
         try:
-            listener = StatusListener(session, heard)
-            look = partial(self._look_at_token, listener, present)
-            # Undeclared where nobody holds it.
-            self._kept = session.liveliness().declare_subscriber(ALL_BOOTS, look, history=True)
+            listener = None if heard is None else StatusListener(session, heard)
             self._session = session
-            handler = zenoh.handlers.Callback(partial(_look_at_reply, look), all_known)
-            session.liveliness().get(ALL_BOOTS, handler, timeout=ANSWER_WITHIN_S)
+            self._kept = _watched(session, partial(_followed, listener, present), all_known)
             while not self._is_closed.wait(_LOOK_PERIOD_S):
                 is_connected = bool(session.info.routers_zid() or session.info.peers_zid())
                 self.problem = None if is_connected else self._why()
@@ -129,13 +125,67 @@ class LinkClient:
     def _why(self) -> str:
         return "; ".join(why_unreachable(endpoint, self._known) for endpoint in self._endpoints)
 
-    def _look_at_token(self, listener: StatusListener, present: Present, sample: zenoh.Sample) -> None:
-        boot = boot_of(str(sample.key_expr))
-        if boot is None:
-            return
-        is_present = sample.kind == zenoh.SampleKind.PUT
+
+class SessionClient:
+    """The same over a ``session`` of somebody else, without statuses."""
+
+    problem = None
+
+    def __init__(self, session: zenoh.Session) -> None:
+        self._session = session
+        self._kept: object = None
+
+    def begin(self, _heard: None, present: Present, all_known: Callable[[], None]) -> None:
+        """Say who is there, and once that these are all who were there before."""
+        self._kept = _watched(self._session, present, all_known)
+
+    def get(self, key: str, payload: bytes, answered: Callable[[Reply], None], timeout_s: float) -> None:
+        """As ``LinkClient.get``."""
+        _get(self._session, key, payload, answered, timeout_s)
+
+    def close(self) -> None:
+        """The session is closed by who opened it."""
+        self._kept = None
+
+
+def _watched(session: zenoh.Session, present: Present, all_known: Callable[[], None]) -> object:
+    """Say who is there; what is returned is undeclared where nobody holds it."""
+    look, liveliness = partial(_look_at_boot, present), session.liveliness()
+    kept = liveliness.declare_subscriber(ALL_BOOTS, look, history=True)
+    handler = zenoh.handlers.Callback(partial(_look_at_reply, look), all_known)
+    liveliness.get(ALL_BOOTS, handler, timeout=ANSWER_WITHIN_S)
+    return kept
+
+
+def _followed(listener: StatusListener | None, present: Present, boot: Boot, is_present: bool) -> None:  # noqa: FBT001 - as Present
+    """Hear the statuses of who is there, before that is said."""
+    if listener is not None:
         (listener.add if is_present else listener.remove)(boot)
-        present(boot, is_present)
+    present(boot, is_present)
+
+
+def _look_at_boot(present: Present, sample: zenoh.Sample) -> None:
+    boot = boot_of(str(sample.key_expr))
+    if boot is not None:
+        present(boot, sample.kind == zenoh.SampleKind.PUT)
+
+
+def _get(
+    session: zenoh.Session, key: str, payload: bytes, answered: Callable[[Reply], None], timeout_s: float
+) -> None:
+    replies: list[Reply] = []
+
+    def take(reply: zenoh.Reply) -> None:
+        replies.append(_reply(reply))
+
+    def ended() -> None:
+        answered(next((one for one in replies if one is not None), None))
+
+    try:
+        handler = zenoh.handlers.Callback(take, ended)
+        session.get(key, handler, payload=payload, timeout=timeout_s, priority=zenoh.Priority.DATA_LOW)
+    except zenoh.ZError:
+        answered(None)
 
 
 def _look_at_reply(look: Callable[[zenoh.Sample], None], reply: zenoh.Reply) -> None:
@@ -144,14 +194,14 @@ def _look_at_reply(look: Callable[[zenoh.Sample], None], reply: zenoh.Reply) -> 
 
 
 def _reply(reply: zenoh.Reply) -> Reply:
+    if reply.ok is not None:
+        return bytes(reply.ok.payload.to_bytes())
     try:
-        if reply.ok is not None:
-            return unpacked(reply.ok.payload.to_bytes(), MAX_QUESTION_BYTES)
         return (
             None
             if reply.err is None
             else error_from_bytes(unpacked(reply.err.payload.to_bytes(), MAX_QUESTION_BYTES))
         )
-    except LinkError as error:
+    except LinkError:
         # Zenoh itself says so where nobody answers in time.
-        return None if reply.ok is None else error
+        return None

@@ -56,6 +56,11 @@ class Boot(NamedTuple):
         return f"{self.key}/set"
 
     @property
+    def incidents_key(self) -> str:
+        """Where the robot's end takes questions about its incidents."""
+        return f"{self.key}/incidents"
+
+    @property
     def command_key(self) -> str:
         """Where an operator's end sends messages of topics that the robot accepts."""
         return f"{self.key}/command"

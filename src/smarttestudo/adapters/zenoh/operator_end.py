@@ -12,9 +12,11 @@ from dataclasses import dataclass, field, replace
 import zenoh
 
 from smarttestudo.adapters.zenoh.arrivals import EventQueue, LinkEvent, RobotPresence, StreamSaid
+from smarttestudo.adapters.zenoh.client import SessionClient
 from smarttestudo.adapters.zenoh.command_outbox import CommandOutbox
 from smarttestudo.adapters.zenoh.compression import decompress
 from smarttestudo.adapters.zenoh.keys import ALL_BOOTS, ALL_DATA, MAX_ROBOTS, Boot, boot_of
+from smarttestudo.adapters.zenoh.link_incidents import LinkIncidents
 from smarttestudo.adapters.zenoh.status_listener import StatusListener
 from smarttestudo.cdr import string_message
 from smarttestudo.domain.json_text import json_text
@@ -89,6 +91,10 @@ class OperatorEnd:
     def wait(self, timeout_s: float) -> list[LinkEvent]:
         """What arrived since the last call, in its order, as soon as there is something; else nothing."""
         return self._arrivals.wait(timeout_s)
+
+    def incidents(self) -> LinkIncidents:
+        """The incidents of the robots that are heard; to be closed before this end."""
+        return LinkIncidents(SessionClient(self._session), "here")
 
     @property
     def dropped(self) -> int:

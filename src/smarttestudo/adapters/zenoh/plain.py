@@ -7,10 +7,10 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any
 
 import zenoh
 
+from smarttestudo.adapters.zenoh.session import is_heard
 from smarttestudo.domain.errors import LinkError
 
 _KEY = "plain"
@@ -55,7 +55,7 @@ def plain_robot(
             for topic, priority in priorities.items()
         }
         puts = {topic: publisher.put for topic, publisher in publishers.items()}
-        yield puts, lambda: all(_is_heard(one) for one in publishers.values())
+        yield puts, lambda: all(is_heard(one) for one in publishers.values())
 
 
 @contextmanager
@@ -68,8 +68,3 @@ def plain_operator(endpoint: str, note: Callable[[str, bytes], None], *, compres
         )
         yield
         kept.undeclare()
-
-
-def _is_heard(publisher: zenoh.Publisher) -> bool:
-    status: Any = publisher.matching_status
-    return bool(status.matching)

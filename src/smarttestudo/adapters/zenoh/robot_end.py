@@ -9,13 +9,17 @@ import threading
 from collections import deque
 from collections.abc import Callable, Collection, Hashable, Mapping
 from functools import partial
+from pathlib import Path
 
 import zenoh
 
+from smarttestudo.adapters.incidents.offered_incidents import OfferedIncidents
+from smarttestudo.adapters.zenoh.asked_incidents import AskedIncidents, WaitingAsk
 from smarttestudo.adapters.zenoh.asked_questions import AskedQuestions, WaitingQuestion
 from smarttestudo.adapters.zenoh.command_inbox import CommandInbox
 from smarttestudo.adapters.zenoh.compression import Compressor
 from smarttestudo.adapters.zenoh.keys import new_boot
+from smarttestudo.adapters.zenoh.session import is_heard
 from smarttestudo.adapters.zenoh.told_status import ToldStatus
 from smarttestudo.cdr import FrameReader
 from smarttestudo.domain.errors import LinkError
@@ -23,9 +27,11 @@ from smarttestudo.domain.link import LinkNeeds, Prediction, StreamInfo
 from smarttestudo.domain.link_state import LinkState, StreamCounts
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.status import RuntimeStatus
+from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.link.chunks import MAX_MESSAGE_BYTES
 from smarttestudo.link.reports import Report
 from smarttestudo.link.sender import LinkSender
+from smarttestudo.link.transfer_messages import AskBytes
 from smarttestudo.pacing.sample import StreamKind
 
 _LOOK_AGAIN_S = 0.2
@@ -51,11 +57,12 @@ class RobotEnd:
         """What comes of operators, where the robot accepts anything."""
         self._warn = warn
         self._clock = clock
-        self._sender = LinkSender(Compressor().encode)
+        self._sender: LinkSender[WaitingAsk] = LinkSender(Compressor().encode)
         self._lock = threading.Lock()
         self._inbox: deque[Callable[[], None]] = deque()
         self._news = threading.Event()
         self._is_closed = False
+        self._has_left = False
         self._state = LinkState()
         self._budget_kb_per_s: float | None = None
         self._counts: dict[str, StreamCounts] = {}
@@ -71,6 +78,8 @@ class RobotEnd:
         )
         self._told = ToldStatus(session, self.boot, clock)
         self._questions = AskedQuestions(session, self.boot, clock)
+        self._session = session
+        self._incidents: AskedIncidents | None = None
         self._thread = threading.Thread(target=self._run, name="link-send", daemon=True)
         self._thread.start()
 
@@ -83,6 +92,12 @@ class RobotEnd:
             raise LinkError("the link has as many topics as it can", place=stream.topic)
         self._news.set()
         return RobotPublisher(self, number, stream)
+
+    def offer_incidents(self, folder: Path) -> None:
+        """Let operators list and fetch the incidents in ``folder`` from now on."""
+        self._incidents = AskedIncidents(
+            self._session, self.boot, OfferedIncidents(folder), wait=self._have_wait, got=self._have_got
+        )
 
     def follow(self, needs: Mapping[str, LinkNeeds]) -> None:
         """Serve each topic by these needs from now on."""
@@ -154,6 +169,8 @@ class RobotEnd:
         self._is_closed = True
         self._news.set()
         self._questions.close()
+        if self._incidents is not None:
+            self._incidents.close()
         self._thread.join(_END_WITHIN_S)
 
     def _do(self, act: Callable[[], None]) -> None:
@@ -178,16 +195,49 @@ class RobotEnd:
                 self._lock.release()
 
     def _match(self, status: zenoh.MatchingStatus) -> None:
-        if not status.matching:
+        self._has_left = not status.matching
+        if self._has_left:
             self._do(self._sender.disconnect)
 
     def _receive(self, sample: zenoh.Sample) -> None:
+        # What an operator's end said last may come after the news that it left.
+        if self._has_left and not is_heard(self._data):
+            return
         try:
             report = Report.from_bytes(sample.payload.to_bytes())
         except LinkError:
             self.garbage += 1
             return
         self._do(lambda: self._sender.take_report(report, self._clock()))
+
+    def _have_wait(self, waiting: WaitingAsk) -> None:
+        ask = waiting.ask
+
+        def act() -> None:
+            if not self._sender.ask(ask.asker, ask.got_bytes, waiting, self._clock()):
+                waiting.query.drop()
+
+        self._do(act)
+
+    def _have_got(self, ask: AskBytes) -> None:
+        self._do(lambda: self._sender.acknowledge(ask.asker, ask.got_bytes, self._clock()))
+
+    def _answer(self) -> float:
+        """Answer a question for bytes, if the link has nothing better to do; how long to wait then."""
+        with self._lock:
+            now_ns = self._clock()
+            for waiting in self._sender.expired(now_ns):
+                waiting.query.drop()
+            answer = self._sender.next_answer(now_ns)
+            wake_ns = self._sender.answer_wake_ns(now_ns)
+        if answer is None:
+            return _LOOK_AGAIN_S if wake_ns is None else min((wake_ns - now_ns) / NS_PER_S, _LOOK_AGAIN_S)
+        assert self._incidents is not None
+        size_bytes = self._incidents.answer(answer.request, answer.size_bytes, answer.waiting)
+        if size_bytes:
+            with self._lock:
+                self._sender.answered(answer.asker, size_bytes, now_ns)
+        return 0.0
 
     def _run(self) -> None:
         while not self._is_closed:
@@ -196,7 +246,9 @@ class RobotEnd:
                 self._empty_inbox()
                 chunk = self._sender.next_chunk(self._clock())
             if chunk is None:
-                self._news.wait(_LOOK_AGAIN_S)
+                wait_s = self._answer()
+                if wait_s:
+                    self._news.wait(wait_s)
                 continue
             try:
                 self._data.put(chunk)

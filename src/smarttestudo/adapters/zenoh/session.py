@@ -10,6 +10,7 @@ import threading
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import zenoh
 
@@ -68,6 +69,13 @@ def open_session(options: LinkOptions, mode: str, warn: Callable[[str], None]) -
     finally:
         is_closed.set()
         session.close()
+
+
+def is_heard(publisher: zenoh.Publisher) -> bool:
+    """Whether somebody subscribes to what it publishes."""
+    # Zenoh's type stubs call it a bool.
+    status: Any = publisher.matching_status
+    return bool(status.matching)
 
 
 def session_config(

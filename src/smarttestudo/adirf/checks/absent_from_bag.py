@@ -4,9 +4,9 @@
 
 from __future__ import annotations
 
-import difflib
-from collections.abc import Collection, Iterator
+from collections.abc import Iterator
 
+from smarttestudo.adirf.checks.close_topic import close_topic, write_topic
 from smarttestudo.adirf.checks.rule_check import Example, Found, RuleCheck
 from smarttestudo.adirf.checks.rule_model import RuleModel
 from smarttestudo.adirf.parser.suggestions import did_you_mean
@@ -19,18 +19,19 @@ def _find(book: RuleModel) -> Iterator[Found]:
         return
     for topic, mention in book.mentions.items():
         if topic not in recorded:
+            close = close_topic(topic, recorded)
             yield Found(
                 path=mention.path,
                 span=mention.name.span,
                 message=f"{book.context.topics_lack} {topic}",
-                hint=_hint(topic, recorded),
+                hint=_hint(close),
+                fix=write_topic(mention.name, close),
             )
 
 
-def _hint(topic: str, recorded: Collection[str]) -> str:
-    close = difflib.get_close_matches(topic, recorded, n=1, cutoff=0.75)
+def _hint(close: str | None) -> str:
     return (
-        did_you_mean(close[0])
+        did_you_mean(close)
         if close
         else "a topic that never publishes is never relayed, and its values stay unknown"
     )

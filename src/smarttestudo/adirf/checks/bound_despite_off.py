@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from smarttestudo.adirf.checks import wording
 from smarttestudo.adirf.checks.rule_check import Example, Found, RuleCheck
 from smarttestudo.adirf.checks.rule_model import RuleModel
-from smarttestudo.domain.finding import Severity
+from smarttestudo.domain.finding import Fix, Severity
 
 
 def _find(book: RuleModel) -> Iterator[Found]:
@@ -24,6 +24,9 @@ def _find(book: RuleModel) -> Iterator[Found]:
                 message=f"{setting.rate} stops {setting.topic} although KeepWithin ({where}) bounds its "
                 f"{bound.statement.property}",
                 hint="write a low rate, or Full to leave the rate to the bound",
+                fix=Fix(
+                    span=setting.statement.rate.span, replacement="Full", title="leave the rate to the bound"
+                ),
             )
 
 

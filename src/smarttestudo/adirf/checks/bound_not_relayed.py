@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from smarttestudo.adirf.checks.new_default import new_default
 from smarttestudo.adirf.checks.rule_check import Example, Found, RuleCheck
 from smarttestudo.adirf.checks.rule_model import RuleModel
 from smarttestudo.domain.finding import Severity
@@ -19,6 +20,7 @@ def _find(book: RuleModel) -> Iterator[Found]:
                 span=one.statement.topic.span,
                 message=f"{one.topic} is not relayed: no SetFrequency or KeepAtLeast names it",
                 hint=f"add SetFrequency {one.statement.topic.text} Full",
+                fix=new_default(book.files.get(one.path), one.statement.topic.text),
             )
 
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 from smarttestudo.adirf.checks.rule_check import Example, Found, RuleCheck
 from smarttestudo.adirf.checks.rule_model import RuleModel
-from smarttestudo.domain.finding import Severity
+from smarttestudo.domain.finding import ProfileFix, Severity
 from smarttestudo.domain.profile import Profile, TopicProfile
 
 
@@ -21,6 +21,12 @@ def _find(book: RuleModel) -> Iterator[Found]:
                 span=one.statement.span,
                 message=f"{one.topic} is paced with {leader}, so this bound has no effect",
                 hint=f"bind {leader}, or remove paced_with from the profile",
+                profile_fix=ProfileFix(
+                    topic=one.topic,
+                    key="paced_with",
+                    value=None,
+                    title=f"no longer pace {one.topic} with {leader}",
+                ),
             )
 
 

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from smarttestudo.adirf.checks.rule_check import Example, Found, RuleCheck
 from smarttestudo.adirf.checks.rule_model import RuleModel
 from smarttestudo.adirf.checks.written import WrittenBound
-from smarttestudo.domain.finding import Severity
+from smarttestudo.domain.finding import Fix, Severity
 from smarttestudo.domain.rate import Tier
 
 
@@ -24,7 +24,19 @@ def _find(book: RuleModel) -> Iterator[Found]:
                 message=f"{one.signal} is already bound at line {earlier.statement.span.line}; the tighter "
                 f"bound{_tightest(earlier, one)} counts",
                 hint="keep one of the two",
+                fix=_fix(earlier, one),
             )
+
+
+def _fix(earlier: WrittenBound, later: WrittenBound) -> Fix | None:
+    """Remove the looser one, as far as numbers say which that is."""
+    first, second = earlier.statement.bound, later.statement.bound
+    if isinstance(first, Tier) or isinstance(second, Tier):
+        return None
+    looser = later if second >= first else earlier
+    return Fix(
+        span=looser.statement.span, replacement="", title=f"remove the looser bound {looser.statement.text}"
+    )
 
 
 def _tightest(*bounds: WrittenBound) -> str:

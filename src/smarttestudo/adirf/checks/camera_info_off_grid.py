@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from smarttestudo.adirf.checks.rule_check import Example, Found, RuleCheck
 from smarttestudo.adirf.checks.rule_model import RuleModel
 from smarttestudo.adirf.checks.written import WrittenRate
-from smarttestudo.domain.finding import Severity
+from smarttestudo.domain.finding import ProfileFix, Severity
 from smarttestudo.domain.rate import Rate
 
 _CAMERA_INFO = "/camera_info"
@@ -56,6 +56,7 @@ def _found(info: str, image: str, rates: tuple[Rate | None, Rate | None], here: 
         span=here.span,
         message=f"{info} is relayed at {rates[0]} and {image} at {rates[1]}: their stamps will not match",
         hint=f'set paced_with = "{image}" for {info} in the profile',
+        profile_fix=ProfileFix(topic=info, key="paced_with", value=image, title=f"pace {info} with {image}"),
     )
 
 

@@ -11,19 +11,22 @@ from smarttestudo.adirf.checks.rule_check import Example, Found, RuleCheck
 from smarttestudo.adirf.checks.rule_model import RuleModel
 from smarttestudo.adirf.checks.written import BlockSite
 from smarttestudo.adirf.normal_form import Every, Within
+from smarttestudo.adirf.syntax import records_in
 from smarttestudo.domain.finding import Severity
 from smarttestudo.domain.signal import Truth
 
 
 def _find(book: RuleModel) -> Iterator[Found]:
     for block in book.blocks:
-        if book.analysis.truths[block.order] is Truth.FALSE and not block.is_one_check:
+        records = bool(records_in(block.block.otherwise))
+        if book.analysis.truths[block.order] is Truth.FALSE and (records or not block.is_one_check):
             impossible = _impossible_signals(block, book)
             reason = f": no value of {impossible} passes all its checks" if impossible else ""
+            effect = ", so that the Record of its Else begins once and never again" if records else ""
             yield Found(
                 path=block.path,
                 span=block.block.condition.span,
-                message=f"this condition can never hold{reason}",
+                message=f"this condition can never hold{effect}{reason}",
                 hint="reverse a comparison, or write OR where one of the checks is enough",
             )
 

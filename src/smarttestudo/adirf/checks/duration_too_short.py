@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 from smarttestudo.adirf.checks import wording
@@ -11,10 +12,10 @@ from smarttestudo.adirf.checks.rule_check import Example, Found, RuleCheck
 from smarttestudo.adirf.checks.rule_model import RuleModel
 from smarttestudo.adirf.checks.written import times_in
 from smarttestudo.adirf.syntax import Timed, checks_in
-from smarttestudo.domain.finding import Severity
+from smarttestudo.domain.finding import Fix, Severity
 from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.domain.signal import ArrivalProperty
-from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
 
 
 def _find(book: RuleModel) -> Iterator[Found]:
@@ -29,8 +30,18 @@ def _find(book: RuleModel) -> Iterator[Found]:
                 span=timed.duration.span,
                 message=f"'{wording.time_text(timed)}' is shorter than the {1 / source_hz:.3g} s between two "
                 f"messages of {topic}: one message decides it",
+                fix=Fix(
+                    span=timed.duration.span,
+                    replacement=f"{_at_least_ms(source_hz)} ms",
+                    title=f"write {_at_least_ms(source_hz)} ms",
+                ),
                 hint=f"give at least {1 / source_hz:.3g} s, or delete the '{timed.word.value}'",
             )
+
+
+def _at_least_ms(source_hz: float) -> int:
+    """The least whole ms in which a message comes."""
+    return math.ceil(NS_PER_S / NS_PER_MS / source_hz)
 
 
 def _fastest_source(timed: Timed, book: RuleModel) -> tuple[str, float] | None:

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 
 from smarttestudo.adirf.checks import wording
 from smarttestudo.adirf.checks.analysis import Gap
+from smarttestudo.adirf.checks.new_default import new_default
 from smarttestudo.adirf.checks.rule_check import Example, Found, RuleCheck
 from smarttestudo.adirf.checks.rule_model import RuleModel
 from smarttestudo.domain.finding import Severity
@@ -26,6 +27,7 @@ def _found(gap: Gap, book: RuleModel) -> Found:
         message=f"{gap.topic} has no default: it is Full{_cost(gap.topic, book)} where no block sets it"
         f"{f', for example at {state},' if state else ''} and while values are unknown",
         hint=f"add a default: SetFrequency {first.statement.topic.text} and a rate",
+        fix=new_default(book.files.get(first.path), first.statement.topic.text),
     )
 
 

@@ -21,7 +21,8 @@ def _find(book: RuleModel) -> Iterator[Found]:
         yield Found(
             path=first.path,
             span=first.block.condition.span,
-            message=f"{wording.block_name(first)}{more} is too complex to find all clashes and dead blocks",
+            message=f"{wording.block_name(first.block)}{more} is too complex to find all clashes "
+            "and dead blocks",
             hint="the rules work regardless; several small blocks are easier to check",
         )
 

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from smarttestudo.adirf.checks import wording
 from smarttestudo.adirf.checks.rule_check import Example, Found, RuleCheck
 from smarttestudo.adirf.checks.rule_model import RuleModel
-from smarttestudo.domain.finding import Severity
+from smarttestudo.domain.finding import Fix, Severity
 
 
 def _find(book: RuleModel) -> Iterator[Found]:
@@ -22,6 +22,11 @@ def _find(book: RuleModel) -> Iterator[Found]:
                 span=one.statement.rate.span,
                 message=f"Off stops {one.topic} although KeepAtLeast ({where}) keeps it at {floor.rate}",
                 hint="write 0 for the floor's rate, or remove the KeepAtLeast",
+                fix=Fix(
+                    span=one.statement.rate.span,
+                    replacement=floor.statement.rate.text,
+                    title="write the floor's rate",
+                ),
             )
 
 

@@ -29,7 +29,8 @@ def _find(book: RuleModel) -> Iterator[Found]:
                 span=one.record.before.span,
                 message=f"so much before takes {needed_mb:.0f} MB of the {DEFAULT_INCIDENT_MEMORY_MB} MB "
                 "that are kept in memory",
-                hint=f"Before {fits} would fit, or name fewer topics; --incident-memory gives more",
+                hint=f"Before {fits} would fit, or name fewer topics; --incident-memory gives more, "
+                "--incident-ring keeps the rest on disk",
             )
 
 
@@ -50,8 +51,9 @@ CHECK = RuleCheck(
     code="record-too-large",
     severity=Severity.WARNING,
     meaning="What a Record keeps from before the event does not fit into memory.",
-    why="The largest topics then lack their oldest messages in the recording, and it says how many. Raw "
-    "images are the usual cause; the compressed topic fits.",
+    why="The largest topics then lack their oldest messages in the recording, and it says how many, "
+    "unless the robot keeps the rest on disk (--incident-ring). Raw images are the usual cause; the "
+    "compressed topic fits.",
     bad=Example(
         rules="""\
 begin

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from smarttestudo.adirf.checks.close_topic import close_topic, write_topic
 from smarttestudo.adirf.checks.rule_check import Example, Found, RuleCheck
 from smarttestudo.adirf.checks.rule_model import RuleModel
 from smarttestudo.domain.finding import Severity
@@ -25,6 +26,7 @@ def _find(book: RuleModel) -> Iterator[Found]:
                     span=name.span,
                     message=f"the profile has no {topic}, so that its recordings may lack it",
                     hint="is the name misspelt? else measure the profile again",
+                    fix=write_topic(name, close_topic(topic, profile.topics)),
                 )
 
 

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from smarttestudo.adirf.checks import (
     absent_from_bag,
     and_or_mixed,
+    block_disabled,
     block_shadowed,
     blocks_clash,
     bound_despite_off,
@@ -80,6 +81,7 @@ CHECKS: tuple[RuleCheck, ...] = (
     unnamed_in_profile.CHECK,
     absent_from_bag.CHECK,
     missing_blank.CHECK,
+    block_disabled.CHECK,
     not_analysed.CHECK,
 )
 

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from smarttestudo.adirf.checks.rule_model import RuleModel
-from smarttestudo.domain.finding import Finding, Fix, Severity
+from smarttestudo.domain.finding import Finding, Fix, ProfileFix, Severity
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.source import Span
 
@@ -32,6 +32,7 @@ class Found:
     hint: str = ""
     fix: Fix | None = None
     related: tuple[Span, ...] = ()
+    profile_fix: ProfileFix | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -64,4 +65,5 @@ class RuleCheck:
                 hint=found.hint,
                 fix=found.fix,
                 related=found.related,
+                profile_fix=found.profile_fix,
             )

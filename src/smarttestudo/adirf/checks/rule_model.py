@@ -14,6 +14,8 @@ from smarttestudo.adirf.checks.written import (
     BlockSite,
     Branch,
     CheckSite,
+    DisabledBlock,
+    DisabledParts,
     Mention,
     WrittenBound,
     WrittenRate,
@@ -42,6 +44,7 @@ from smarttestudo.adirf.syntax import (
     Statement,
     TopicName,
     bounds_in,
+    checks_in,
     records_in,
     sets_in,
 )
@@ -57,7 +60,8 @@ class RuleModel:
     them that count; ``floors`` are the KeepAtLeast that count, ``bounds`` every KeepWithin; ``relayed`` has
     the first SetFrequency or KeepAtLeast of each relayed topic, ``mentions`` the first mention of each topic
     at all; ``glued`` are, by file, the words that follow a keyword without a blank between. A branch that
-    sets no rate is not among ``branches``, and ``recordings`` is every Record.
+    sets no rate is not among ``branches``, and ``recordings`` is every Record. Of disabled blocks, only
+    ``mentions`` and ``disabled`` tell. ``files`` are by their path.
     """
 
     context: CheckContext
@@ -74,12 +78,15 @@ class RuleModel:
     glued: Mapping[str, tuple[Span, ...]]
     bounds: tuple[WrittenBound, ...]
     recordings: tuple[WrittenRecord, ...]
+    disabled: DisabledParts
+    files: Mapping[str, RuleFile]
 
 
 def read_rule_model(files: Sequence[RuleFile], context: CheckContext) -> RuleModel:
     """The statements of ``files``, with the interval analysis of their conditions."""
     reader = _Reader(context)
     for file in files:
+        reader.files[file.path] = file
         if file.glued:
             reader.glued[file.path] = file.glued
         for statement in file.statements:
@@ -103,10 +110,16 @@ class _Reader:
         self._branches: list[Branch] = []
         self._bounds: list[WrittenBound] = []
         self._recordings: list[WrittenRecord] = []
+        self._disabled_blocks: list[DisabledBlock] = []
+        self._disabled_checks: list[CheckSite] = []
+        self._disabled_bounds: list[WrittenBound] = []
         self.glued: dict[str, tuple[Span, ...]] = {}
+        self.files: dict[str, RuleFile] = {}
 
     def add(self, path: str, statement: Statement) -> None:
         match statement:
+            case Block(is_disabled=True):
+                self._add_disabled(path, statement)
             case Block():
                 self._add_block(path, statement)
             case SetFrequency():
@@ -136,7 +149,23 @@ class _Reader:
             glued=self.glued,
             bounds=tuple(self._bounds),
             recordings=tuple(self._recordings),
+            disabled=DisabledParts(
+                blocks=tuple(self._disabled_blocks),
+                checks=tuple(self._disabled_checks),
+                bounds=tuple(self._disabled_bounds),
+            ),
+            files=self.files,
         )
+
+    def _add_disabled(self, path: str, block: Block) -> None:
+        self._disabled_blocks.append(DisabledBlock(path=path, block=block))
+        self._disabled_checks += (self._check(path, one) for one in checks_in(block.condition))
+        for one in (*block.then, *block.otherwise):
+            for name in one.topics if isinstance(one, RecordIncident) else (one.topic,):
+                topic = self._resolve(path, name)
+                if isinstance(one, KeepWithin):
+                    bound = WrittenBound(path=path, topic=topic, statement=one, branch=None)
+                    self._disabled_bounds.append(bound)
 
     def _add_block(self, path: str, block: Block) -> None:
         form = merged(over_states(normal_form(block.condition, self._full_name)))

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from smarttestudo.adirf.checks.new_default import new_default
 from smarttestudo.adirf.checks.rule_check import Example, Found, RuleCheck
 from smarttestudo.adirf.checks.rule_model import RuleModel
 from smarttestudo.domain.finding import Severity
@@ -20,6 +21,7 @@ def _find(book: RuleModel) -> Iterator[Found]:
                 span=first.statement.topic.span,
                 message=f"{topic} is relayed without {topic}_static",
                 hint=f"add SetFrequency {first.statement.topic.text}_static Full",
+                fix=new_default(book.files.get(first.path), f"{first.statement.topic.text}_static"),
             )
 
 

@@ -39,9 +39,9 @@ def _find(book: RuleModel) -> Iterator[Found]:
 CHECK = RuleCheck(
     code="tier-without-rate",
     severity=Severity.ERROR,
-    meaning="A tier is written and no profile gives it a rate, or an accuracy in a KeepWithin.",
-    why="A tier stands for the rate that the optimizer finds for it within the budget, from the profile's "
-    "sizes and tiers. Without a profile its rate is unknown. The same is true of accuracies.",
+    meaning="A quality level is written and no profile gives it a rate, or an accuracy in a KeepWithin.",
+    why="A level stands for the rate that the optimizer finds for it within the budget, from the profile's "
+    "sizes and levels. Without a profile its rate is unknown. The same is true of accuracies.",
     bad=Example(
         rules="""\
 begin

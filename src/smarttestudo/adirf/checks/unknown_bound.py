@@ -17,7 +17,7 @@ from smarttestudo.domain.signal import Signal
 
 def _find(book: RuleModel) -> Iterator[Found]:
     doubt_of = cache(partial(doubt_about, context=book.context, named=accuracy_properties_of))
-    for one in book.bounds:
+    for one in (*book.bounds, *book.disabled.bounds):
         doubt = _no_picture(one.signal) or doubt_of(one.signal)
         if doubt is not None:
             yield found_in(one.path, one.statement.property_span, doubt)

@@ -37,7 +37,7 @@ _PROPERTIES_OF_ANY_TYPE = tuple(
 
 def _find(book: RuleModel) -> Iterator[Found]:
     doubt_of = cache(partial(doubt_about, context=book.context))
-    for one in book.checks:
+    for one in (*book.checks, *book.disabled.checks):
         doubt = doubt_of(one.signal)
         if doubt is not None:
             yield found_in(one.path, one.check.property_span, doubt)

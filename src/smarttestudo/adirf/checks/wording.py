@@ -6,10 +6,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from smarttestudo.adirf.checks.written import BlockSite, Branch
+from smarttestudo.adirf.checks.written import Branch
 from smarttestudo.adirf.formatter.text import duration_text
 from smarttestudo.adirf.normal_form import HELD, is_derived
-from smarttestudo.adirf.syntax import Check, Timed
+from smarttestudo.adirf.syntax import Block, Check, Timed
 from smarttestudo.domain.signal import Signal
 from smarttestudo.domain.source import Span
 
@@ -69,20 +69,22 @@ def place(path: str, span: Span, *, seen_from: str) -> str:
     return f"line {span.line}" if path == seen_from else f"{path}:{span.line}"
 
 
-def block_name(block: BlockSite) -> str:
+def block_name(block: Block) -> str:
     """A block's label in quotes, or what stands for one."""
-    return f"the block at line {block.line}" if _is_unnamed(block) else f'"{block.block.label}"'
+    return f"the block at line {block.span.line}" if _is_unnamed(block) else f'"{block.label}"'
 
 
 def branch_name(branch: Branch) -> str:
     """A branch of a block: the block's name, for an Else with that word."""
-    return f"the Else of {block_name(branch.block)}" if branch.is_else else block_name(branch.block)
+    return (
+        f"the Else of {block_name(branch.block.block)}" if branch.is_else else block_name(branch.block.block)
+    )
 
 
 def branch_with_place(branch: Branch, *, seen_from: str) -> str:
     """A branch's name with its line, and the file if it is another one."""
     block = branch.block
-    if _is_unnamed(block) and block.path == seen_from:
+    if _is_unnamed(block.block) and block.path == seen_from:
         return branch_name(branch)
     return f"{branch_name(branch)} ({place(block.path, block.block.span, seen_from=seen_from)})"
 
@@ -97,5 +99,5 @@ def sentence(text: str) -> str:
     return text[:1].upper() + text[1:]
 
 
-def _is_unnamed(block: BlockSite) -> bool:
-    return block.block.name is None and block.block.label == f"block at line {block.line}"
+def _is_unnamed(block: Block) -> bool:
+    return block.name is None and block.label == f"block at line {block.span.line}"

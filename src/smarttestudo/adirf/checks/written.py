@@ -139,6 +139,23 @@ class WrittenRecord:
     is_else: bool
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DisabledBlock:
+    """A block that is switched off."""
+
+    path: str
+    block: Block
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DisabledParts:
+    """The disabled blocks with their checks and bounds, of which only names are checked."""
+
+    blocks: tuple[DisabledBlock, ...]
+    checks: tuple[CheckSite, ...]
+    bounds: tuple[WrittenBound, ...]
+
+
 def rate_of(expression: RateExpression) -> Rate | None:
     """The rate as written, ``None`` for a tier."""
     if isinstance(expression.value, Tier):

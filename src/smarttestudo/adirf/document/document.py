@@ -37,8 +37,8 @@ def split_unparsed(tokens: Sequence[Token]) -> Iterator[tuple[int, int]]:
     first, is_block, awaits_if = 0, False, False
     for at, token in enumerate(tokens):
         kind = token.kind
-        is_new = (
-            kind in (TokenKind.RULE, TokenKind.KEEP_AT_LEAST)
+        is_new = (at == 0 or tokens[at - 1].kind is not TokenKind.DISABLED) and (
+            kind in (TokenKind.DISABLED, TokenKind.RULE, TokenKind.KEEP_AT_LEAST)
             or (kind is TokenKind.IF and not awaits_if)
             or (kind in (TokenKind.SET_FREQUENCY, TokenKind.KEEP_WITHIN) and not is_block)
             or (at > 0 and tokens[at - 1].kind is TokenKind.END_IF)
@@ -47,7 +47,7 @@ def split_unparsed(tokens: Sequence[Token]) -> Iterator[tuple[int, int]]:
             yield first, at
             first = at
         if is_new:
-            is_block, awaits_if = False, kind is TokenKind.RULE
+            is_block, awaits_if = False, kind in (TokenKind.DISABLED, TokenKind.RULE)
         if kind in (TokenKind.RULE, TokenKind.IF, TokenKind.THEN):
             is_block = True
         if kind is TokenKind.IF:

@@ -7,8 +7,10 @@ The one thing that an edit may add elsewhere is an ``EndIf``, where a block woul
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import count
 
 from smarttestudo.adirf.document.document import CollectionPart, Document, Entry
 from smarttestudo.adirf.document.meaning import meaning
@@ -25,10 +27,13 @@ from smarttestudo.adirf.document.token_range import TokenRange
 from smarttestudo.adirf.formatter import first_line_end, format_statement
 from smarttestudo.adirf.formatter.text import INDENT
 from smarttestudo.adirf.parser import parse
+from smarttestudo.adirf.parser.headings import quoted
+from smarttestudo.adirf.parser.tokens import TokenKind
 from smarttestudo.adirf.syntax import Block, Statement
 from smarttestudo.domain.errors import RuleFileError
 
 _END_IF = "EndIf"
+_NUMBERED = re.compile(r"(?<=\S) [0-9]+\Z")
 _NO_COLLECTION = "put 'begin' and 'end' around the rules"
 
 
@@ -97,6 +102,41 @@ def deleted(document: Document, name: str) -> str:
     """The text without statement ``name`` and its own comments."""
     entry = _entry(document, name)
     return apply(document.text, _taken_out(document, entry))
+
+
+def duplicated(document: Document, name: str) -> str:
+    """The text with a copy of statement ``name``, as it is written, behind it.
+
+    A rule's copy has the first free number behind its name: two rules of one name cannot be told apart.
+    """
+    entry = _entry(document, name)
+    part = _part(document, document.part_of(entry).id)
+    index = part.entries.index(entry) + 1
+    words, line_end = entry.token_range, first_line_end(document.text)
+    indent = words.indent if words.indent is not None else _indent(part, 0)
+    body = indent + _copied(document, entry)
+    if index < len(part.entries) and takes_in(entry, part.entries[index].statement):
+        body += f"{line_end}{indent}{_END_IF}"
+    place = _Place(part=part, index=index, others=part.entries)
+    return apply(document.text, _put(place, [entry.statement or ""], body, line_end))
+
+
+def _copied(document: Document, entry: Entry) -> str:
+    """What a copy of ``entry`` says, with its own comments."""
+    words, statement = entry.token_range, entry.statement
+    text = document.text[words.own_start : words.own_end]
+    if not isinstance(statement, Block) or statement.name is None:
+        return text
+    at = next(index for index, token in enumerate(words.tokens) if token.kind is TokenKind.STRING)
+    start, end = words.offsets[at] - words.own_start, words[at].end - words.own_start
+    return f"{text[:start]}{quoted(_free_name(document, statement.name))}{text[end:]}"
+
+
+def _free_name(document: Document, name: str) -> str:
+    """``name`` with the first number behind it, from 2 on, that no rule's name has."""
+    taken = {one.statement.name for one in document.entries if isinstance(one.statement, Block)}
+    stem = _NUMBERED.sub("", name)
+    return next(free for number in count(2) if (free := f"{stem} {number}") not in taken)
 
 
 def moved(document: Document, name: str, part_name: str, index: int) -> str:

@@ -32,6 +32,7 @@ def meaning(statement: Statement | Action) -> Meaning:
             return (
                 statement.name,
                 statement.priority or 0,
+                statement.is_disabled,
                 condition_meaning(statement.condition),
                 tuple(map(meaning, statement.then)),
                 tuple(map(meaning, statement.otherwise)),

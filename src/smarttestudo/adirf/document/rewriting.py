@@ -225,6 +225,7 @@ def _block(old: Block, new: Block, words: TokenRange, line_end: str) -> list[Tex
     if meaning(old) == meaning(new):
         return []
     parts = (
+        _disabled(old, new, words),
         _heading(old, new, words, line_end),
         _condition(old.condition, new.condition, words, line_end),
         _actions(old.then, new.then, words, line_end),
@@ -239,15 +240,25 @@ def _block(old: Block, new: Block, words: TokenRange, line_end: str) -> list[Tex
     return text_edits
 
 
+def _disabled(old: Block, new: Block, words: TokenRange) -> list[TextEdit]:
+    """Puts ``Disabled`` before the block, or takes it out."""
+    if old.is_disabled == new.is_disabled:
+        return []
+    if new.is_disabled:
+        return [TextEdit(words.start, words.start, f"{TokenKind.DISABLED.value} ")]
+    first = words[0]
+    return [TextEdit(first.start, first.end if _has_comment(words[:2]) else words.offsets[1], "")]
+
+
 def _heading(old: Block, new: Block, words: TokenRange, line_end: str) -> list[TextEdit] | None:
     """The changes of ``Rule "name" Priority n``; ``None`` where comments stand in it."""
     if (old.name, old.priority or 0) == (new.name, new.priority or 0):
         return []
     at = next(index for index, token in enumerate(words.tokens) if token.kind is TokenKind.IF)
+    heading, start_of_if = words[int(old.is_disabled) : at], words[at]
     text = format_heading(new)
-    if at == 0:
-        return [TextEdit(words.start, words.start, f"{text}{line_end}{words.indent or ''}")]
-    heading, start_of_if = words[:at], words[at]
+    if not len(heading):
+        return [TextEdit(start_of_if.start, start_of_if.start, f"{text}{line_end}{words.indent or ''}")]
     if any(token.above for token in heading.tokens[1:]) or any(token.beside for token in heading.tokens[:-1]):
         return None
     if text and old.name != new.name and (old.priority or 0) == (new.priority or 0) and new.name is not None:

@@ -8,6 +8,7 @@ from smarttestudo.adirf.formatter.conditions import write_condition
 from smarttestudo.adirf.formatter.text import LineWriter, duration_text, rate_text, within_text
 from smarttestudo.adirf.parser import parse
 from smarttestudo.adirf.parser.headings import quoted
+from smarttestudo.adirf.parser.tokens import TokenKind
 from smarttestudo.adirf.syntax import (
     Action,
     Block,
@@ -113,10 +114,11 @@ def _record_text(record: RecordIncident) -> str:
 
 def _write_block(writer: LineWriter, level: int, block: Block) -> None:
     heading = format_heading(block)
+    disabled = f"{TokenKind.DISABLED.value} " if block.is_disabled else ""
     if heading:
-        writer.line(level, heading, block.trivia.beside)
+        writer.line(level, f"{disabled}{heading}", block.trivia.beside)
         writer.comments(level, block.if_trivia.above)
-    write_condition(writer, level, "If ", block.condition)
+    write_condition(writer, level, "If " if heading else f"{disabled}If ", block.condition)
     writer.comments(level, block.then_trivia.above)
     writer.opening_line(level, "Then", block.then_trivia.beside)
     for statement in block.then:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Blocks, ``[Rule …] If … Then … [Else …] [EndIf]``, and what stands in them."""
+"""Blocks, ``[Disabled] [Rule …] If … Then … [Else …] [EndIf]``, and what stands in them."""
 
 from __future__ import annotations
 
@@ -17,10 +17,11 @@ from smarttestudo.adirf.syntax import Action, And, Block, Condition, KeepWithin,
 from smarttestudo.domain.finding import Fix
 
 # Below Python 3.12, looking a member up in its enum costs as much as a call.
-_SET_FREQUENCY, _KEEP_WITHIN, _RECORD, _RULE, _IF, _THEN, _ELSE, _END_IF = (
+_SET_FREQUENCY, _KEEP_WITHIN, _RECORD, _DISABLED, _RULE, _IF, _THEN, _ELSE, _END_IF = (
     TokenKind.SET_FREQUENCY,
     TokenKind.KEEP_WITHIN,
     TokenKind.RECORD,
+    TokenKind.DISABLED,
     TokenKind.RULE,
     TokenKind.IF,
     TokenKind.THEN,
@@ -29,6 +30,8 @@ _SET_FREQUENCY, _KEEP_WITHIN, _RECORD, _RULE, _IF, _THEN, _ELSE, _END_IF = (
 )
 _ACTIONS = frozenset({_SET_FREQUENCY, _KEEP_WITHIN, _RECORD})
 _ACTIONS_END = SAFE_PLACES - {*_ACTIONS, _THEN}
+_EXPECTED_BLOCK = "'Rule' or 'If'"
+_DISABLED_HINT = "'Disabled' stands before a block, which it switches off"
 _EXPECTED_ACTION = "'SetFrequency', 'KeepWithin' or 'Record'"
 _EXPECTED_AFTER_ACTION = "'SetFrequency', 'KeepWithin', 'Record', 'Else', 'EndIf' or the next rule"
 _AFTER_ACTION = frozenset(
@@ -37,6 +40,7 @@ _AFTER_ACTION = frozenset(
         TokenKind.KEEP_AT_LEAST,
         TokenKind.ELSE,
         TokenKind.END_IF,
+        TokenKind.DISABLED,
         TokenKind.RULE,
         TokenKind.IF,
         TokenKind.END,
@@ -90,7 +94,8 @@ def parse_within(cursor: Cursor) -> KeepWithin:
 def parse_block(cursor: Cursor) -> Block | None:
     """A block, or ``None`` when it is broken; the statements in it are checked all the same."""
     first = cursor.token
-    head = _head_or_recover(cursor)
+    is_disabled = _take_disabled(cursor)
+    head = _head_or_recover(cursor, first)
     then = parse_actions(cursor, after_error=head is None)
     otherwise: tuple[Action, ...] = ()
     else_trivia = end_if_trivia = NO_TRIVIA
@@ -113,12 +118,23 @@ def parse_block(cursor: Cursor) -> Block | None:
         otherwise=otherwise,
         has_end_if=ended is not None,
         span=cursor.span_from(first),
+        is_disabled=is_disabled,
         trivia=head.trivia,
         if_trivia=head.if_trivia,
         then_trivia=head.then_trivia,
         else_trivia=else_trivia,
         end_if_trivia=end_if_trivia,
     )
+
+
+def _take_disabled(cursor: Cursor) -> bool:
+    """Whether ``Disabled`` was there; what follows it is a block, or the statement is given up."""
+    if cursor.take(_DISABLED) is None:
+        return False
+    cursor.mend("expected-if", _EXPECTED_BLOCK, (_RULE, _IF))
+    if cursor.kind not in (_RULE, _IF):
+        raise cursor.failure("expected-if", _EXPECTED_BLOCK, hint=_DISABLED_HINT)
+    return True
 
 
 def _refuse_more_else(cursor: Cursor) -> None:
@@ -179,9 +195,9 @@ def _nesting_hint(cursor: Cursor) -> str:
     return "blocks do not nest; join the conditions with 'AND'"
 
 
-def _head_or_recover(cursor: Cursor) -> _Head | None:
+def _head_or_recover(cursor: Cursor, first: Token) -> _Head | None:
     try:
-        return _head(cursor)
+        return _head(cursor, first)
     except BrokenStatementError:
         cursor.skip_to(SAFE_PLACES)
         cursor.mend("expected-then", "'Then'", (TokenKind.THEN,))
@@ -189,10 +205,10 @@ def _head_or_recover(cursor: Cursor) -> _Head | None:
         return None
 
 
-def _head(cursor: Cursor) -> _Head:
-    first = cursor.token
+def _head(cursor: Cursor, first: Token) -> _Head:
+    """What goes on behind ``first`` where that is ``Disabled``, else begins with it."""
     rule, trivia = RuleLine(), NO_TRIVIA
-    if first.kind is _RULE:
+    if cursor.kind is _RULE:
         rule = parse_rule_line(cursor)
         trivia = cursor.take_trivia(first)
     if_token = cursor.token
@@ -200,7 +216,9 @@ def _head(cursor: Cursor) -> _Head:
         fix = Fix(span=if_token.start, replacement="If ", title="put 'If' here")
         raise cursor.failure("expected-if", "'If'", fix=fix if if_token.kind in _CONDITION_STARTS else None)
     cursor.advance()
-    if_trivia = Trivia(above=cursor.take_above(), blank_above=if_token.blank_above)
+    if_trivia = Trivia(
+        above=cursor.take_above(), blank_above=(if_token if rule.is_written else first).blank_above
+    )
     condition = parse_condition(cursor)
     then = _then(cursor)
     return _Head(

@@ -71,6 +71,7 @@ STATEMENT_STARTS = (
     TokenKind.SET_FREQUENCY,
     TokenKind.KEEP_AT_LEAST,
     TokenKind.KEEP_WITHIN,
+    TokenKind.DISABLED,
     TokenKind.RULE,
     TokenKind.IF,
 )

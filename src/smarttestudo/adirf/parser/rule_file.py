@@ -80,7 +80,7 @@ def _statement(cursor: Cursor) -> Statement | None:
             return _keep(cursor)
         case TokenKind.KEEP_WITHIN:
             return parse_within(cursor)
-        case TokenKind.RULE | TokenKind.IF:
+        case TokenKind.DISABLED | TokenKind.RULE | TokenKind.IF:
             return parse_block(cursor)
         case TokenKind.THEN | TokenKind.ELSE | TokenKind.END_IF:
             _refuse_part_of_block(cursor)

@@ -26,6 +26,7 @@ class TokenKind(Enum):
     RECORD = "Record"
     BEFORE = "Before"
     AFTER = "After"
+    DISABLED = "Disabled"
     RULE = "Rule"
     PRIORITY = "Priority"
     IF = "If"

@@ -25,9 +25,9 @@ _RATE_NAMES: dict[str, Tier | RateWord] = {
     **_TIERS,
     **{word.value: word for word in RateWord},
 }
-_EXPECTED_RATE = "a rate (a number of Hz, a tier, 'Full' or 'Off')"
-_EXPECTED_BOUND = "a bound (a number or a tier)"
-_TIERS_HINT = f"the tiers are {', '.join(_TIERS)}"
+_EXPECTED_RATE = "a rate (a number of Hz, a quality level, 'Full' or 'Off')"
+_EXPECTED_BOUND = "a bound (a number or a quality level)"
+_TIERS_HINT = f"the quality levels are {', '.join(_TIERS)}"
 _LEADING_NUMBER = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 
 

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Hashable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -17,13 +17,16 @@ from smarttestudo.runtime.knowledge.knowledge import SteadyTime
 
 MAX_OPEN_INCIDENTS = 100
 
+Store = Callable[[SourceMessage, int, int], None]
+"""Takes a message that memory gives up, until when a window may ask for it, and the time, both steady."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Incident:
     """What one ``Record`` keeps because of one trigger, between two stamps of the clock, both included.
 
     ``rules_sha256`` is that of the texts of the rules. ``from_number`` is that of the first message that came
-    in the window; ``given_up`` are those, by topic, that memory did not hold.
+    in the window; ``given_up`` are those, by topic, that memory did not hold any more.
     """
 
     trigger: Trigger
@@ -65,8 +68,8 @@ class IncidentRecorder:
 
     Each topic is kept for as long as some recording of it asks for. When memory is short, the topic that
     takes the most gives up its oldest message, so that small topics stay whole; what a window lacks of it
-    is counted, for which 24 bytes of each message are kept. Latched messages are never given up. A message
-    of the window is in the incident once.
+    is counted, for which 24 bytes of each message are kept. What is given up goes to ``store``, if there is
+    one. Latched messages are never given up. A message of the window is in the incident once.
 
     A clock that jumps back counts as one that stood still, so that a window keeps its length. ``refused``
     counts incidents that were not begun, because ``MAX_OPEN_INCIDENTS`` were open.
@@ -80,8 +83,10 @@ class IncidentRecorder:
         start_ns: int,
         *,
         rules_sha256: str = "",
+        store: Store | None = None,
     ) -> None:
         self._sink = sink
+        self._store = store
         self._memory_bytes = memory_bytes
         self._time = SteadyTime(start_ns)
         self._number = 0
@@ -132,6 +137,10 @@ class IncidentRecorder:
         known, self._rings = self._rings, {}
         for topic, horizon_ns in horizons.items():
             ring = self._rings[topic] = known.get(topic) or TopicRing(horizon_ns)
+            kept_ns = self._time.now_ns - ring.horizon_ns
+            if horizon_ns > ring.horizon_ns and ring.since is not None and ring.since[0] < kept_ns:
+                # Nobody asked for what came before that, so it is gone.
+                ring.since = (kept_ns, self._time.on_clock(kept_ns))
             ring.horizon_ns = horizon_ns
         self._ring_bytes = sum(ring.held_bytes for ring in self._rings.values())
         self._named = frozenset(
@@ -237,12 +246,8 @@ class IncidentRecorder:
             for message in samples
             if message.number not in known
         )
-        found = {message.number for message in latched}
         numbers = [number for _, ring in rings if (number := ring.first_number_since(from_ns)) is not None]
-        given_up = {
-            topic: [one for one in ring.given_up_since(from_ns) if one.number not in found]
-            for topic, ring in rings
-        }
+        given_up = {topic: _given_up(topic, ring.given_up_since(from_ns), latched) for topic, ring in rings}
         incident = Incident(
             trigger=trigger,
             recording=recording,
@@ -277,8 +282,16 @@ class IncidentRecorder:
                 break
             largest = max(rings, key=lambda ring: ring.held_bytes)
             before = largest.held_bytes
-            largest.give_up_oldest()
+            at_ns, message = largest.give_up_oldest()
+            if self._store is not None:
+                self._store(message, at_ns + largest.horizon_ns, now_ns)
             self._ring_bytes += largest.held_bytes - before
+
+
+def _given_up(topic: str, given_up: Sequence[GivenUp], latched: Sequence[SourceMessage]) -> Sequence[GivenUp]:
+    """``given_up`` of ``topic``, without what is latched."""
+    found = {message.number for message in latched if message.topic == topic}
+    return [one for one in given_up if one.number not in found] if found else given_up
 
 
 def _unheard(topic: str, ring: TopicRing, from_ns: int, incident: Incident) -> Iterator[Missing]:
@@ -308,7 +321,7 @@ def missing_for_memory(
 ) -> Iterator[Missing]:
     """What memory did not hold of each topic; messages whose numbers are ``held`` are there all the same."""
     for topic, messages in given_up.items():
-        lacking = [one for one in messages if one.number not in held]
+        lacking = [one for one in messages if one.number not in held] if held else messages
         if lacking:
             yield Missing(
                 topic=topic,

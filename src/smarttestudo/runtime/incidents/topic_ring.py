@@ -7,9 +7,9 @@ from __future__ import annotations
 from array import array
 from bisect import bisect_left
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import islice
-from typing import NamedTuple
+from typing import NamedTuple, overload
 
 from smarttestudo.domain.incident import Missing
 
@@ -41,6 +41,30 @@ class GivenUp(NamedTuple):
     number: int
 
 
+class GivenUpSpan(Sequence[GivenUp]):
+    """Some of the messages that a ring gave up, in their order; copying them out takes no time for each."""
+
+    def __init__(self, columns: Iterable[array[int]]) -> None:
+        self._columns = tuple(columns)
+
+    def __len__(self) -> int:
+        return len(self._columns[0])
+
+    @overload
+    def __getitem__(self, index: int) -> GivenUp: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> GivenUpSpan: ...
+
+    def __getitem__(self, index: int | slice) -> GivenUp | GivenUpSpan:
+        if isinstance(index, slice):
+            return GivenUpSpan(column[index] for column in self._columns)
+        return GivenUp._make(column[index] for column in self._columns)
+
+    def __iter__(self) -> Iterator[GivenUp]:
+        return map(GivenUp._make, zip(*self._columns, strict=True))
+
+
 class _GivenUpMessages:
     """The messages that a ring gave up, in their order; each takes 24 bytes."""
 
@@ -66,9 +90,9 @@ class _GivenUpMessages:
                 del column[: self._start]
             self._start = 0
 
-    def since(self, from_ns: int) -> list[GivenUp]:
+    def since(self, from_ns: int) -> GivenUpSpan:
         first = self._index(from_ns)
-        return [GivenUp(*row) for row in zip(*(column[first:] for column in self._columns), strict=True)]
+        return GivenUpSpan(column[first:] for column in self._columns)
 
     def _index(self, from_ns: int) -> int:
         return bisect_left(self._columns[0], from_ns, self._start)
@@ -116,11 +140,12 @@ class TopicRing:
         if self._given_up:
             self._given_up.forget_before(from_ns)
 
-    def give_up_oldest(self) -> None:
-        """Drop the oldest message, though somebody may ask for it."""
+    def give_up_oldest(self) -> tuple[int, SourceMessage]:
+        """Drop the oldest message, though somebody may ask for it; the steady time when it came, and it."""
         at_ns, message = self._messages.popleft()
         self._message_bytes -= message.held_bytes
         self._given_up.add(at_ns, message)
+        return at_ns, message
 
     def since_ns(self, from_ns: int) -> Iterator[SourceMessage]:
         """The messages that came at ``from_ns`` or later."""
@@ -132,6 +157,6 @@ class TopicRing:
         numbers += [message.number for message in islice(self.since_ns(from_ns), 1)]
         return min(numbers, default=None)
 
-    def given_up_since(self, from_ns: int) -> list[GivenUp]:
+    def given_up_since(self, from_ns: int) -> GivenUpSpan:
         """The messages that came then and were given up."""
         return self._given_up.since(from_ns)

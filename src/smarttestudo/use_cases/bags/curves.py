@@ -80,7 +80,7 @@ def measure_curves(
     share = _SHARE_OF_RATES if with_accuracy else 1.0
     with open_recording(bag) as recording:
         if not recording.message_count:
-            raise RecordingError("the bag holds no message", place=str(bag))
+            raise RecordingError("the recording holds no message", place=str(bag))
         known = {channel.topic for channel in recording.channels}
         patterns = [*topics, *fields]
         chosen = sorted(select_topics(patterns, known, place=str(bag)) if patterns else known)

@@ -10,14 +10,18 @@ from itertools import groupby
 from operator import attrgetter
 from pathlib import Path
 
+from smarttestudo.adapters.files.incident_store import record_beside
 from smarttestudo.adapters.rosbag import MessageTypes, RosbagDecoder, open_recording, qos_in_words
 from smarttestudo.cdr import HEADER_BYTES, STAMP_BYTES, header_stamp_ns
 from smarttestudo.domain.errors import RecordingError
+from smarttestudo.domain.incident import IncidentRecord
 from smarttestudo.domain.intervals import Intervals
 from smarttestudo.domain.recording import Channel, RecordedSize, RecordingReader
+from smarttestudo.domain.units import grouped
 from smarttestudo.use_cases.bags.robot_path import PathReader, places_in
 from smarttestudo.visualizer.bag_summary import BagSummary, BagTopic
 from smarttestudo.visualizer.floor import PathPoint
+from smarttestudo.visualizer.incident_mark import incident_notices
 from smarttestudo.visualizer.statistics import (
     IntervalHistogram,
     LatencyAccumulator,
@@ -158,7 +162,7 @@ class _Robot:
     def notices(self) -> Iterator[str]:
         """What could not be decoded."""
         if self._undecodable:
-            yield f"{self._undecodable:,} places of the robot could not be decoded"
+            yield f"{grouped(self._undecodable)} places of the robot could not be decoded"
 
 
 def _sizes_noting_latency(
@@ -183,7 +187,7 @@ def _count(
     declared_bytes, messages = recording.declared_bytes, recording.message_count
     if not messages:
         lost = "; ".join(recording.notices())
-        raise RecordingError("the bag holds no message", place=str(path), remedy=lost or None)
+        raise RecordingError("the recording holds no message", place=str(path), remedy=lost or None)
     for number, (channel, stamp_ns, size_bytes) in enumerate(sizes):
         counters[channel.topic].add(stamp_ns, declared_bytes.get(channel.topic, size_bytes))
         if number % _MESSAGES_PER_REPORT == 0:
@@ -198,6 +202,7 @@ def _summary(
 ) -> BagSummary:
     """The summary of a recording that was counted."""
     span = RecordingSpan(start_ns=recording.start_ns, end_ns=recording.end_ns)
+    incident, incident_lacks = _incident(path, span)
     by_topic = groupby(sorted(recording.channels, key=_topic_of), key=_topic_of)
     topics = tuple(
         counters[topic].topic(tuple(channels), span, is_declared=topic in recording.declared_bytes)
@@ -209,8 +214,18 @@ def _summary(
         span=span,
         topics=topics,
         readable_share=recording.readable_share,
-        notices=(*recording.notices(), *more_notices),
+        notices=(*recording.notices(), *more_notices, *incident_lacks),
+        incident=incident,
     )
+
+
+def _incident(path: Path, span: RecordingSpan) -> tuple[IncidentRecord | None, tuple[str, ...]]:
+    """What the recording says of itself where it is an incident, and what is odd about it."""
+    try:
+        record = record_beside(path)
+    except RecordingError as error:
+        return None, (f"what happened is not known: {error}",)
+    return record, () if record is None else tuple(incident_notices(record, span))
 
 
 def _undefined(recording: RecordingReader, types: MessageTypes) -> Iterator[str]:

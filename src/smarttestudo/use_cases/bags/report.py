@@ -23,6 +23,7 @@ from smarttestudo.use_cases.bags.paired_runs import PairedRuns
 from smarttestudo.visualizer.bag_tables import bandwidth_table, rates_table
 from smarttestudo.visualizer.comparison_tables import RunNames
 from smarttestudo.visualizer.floor import rule_zones
+from smarttestudo.visualizer.incident_mark import incident_mark
 from smarttestudo.visualizer.link_history import LinkHistory
 from smarttestudo.visualizer.loss.accuracy_curve import AccuracyCurve
 from smarttestudo.visualizer.loss.report import LossReport
@@ -101,10 +102,11 @@ def _measure(request: ReportRequest, *, with_places: bool) -> PairedRuns:
 
 def _report(request: ReportRequest, runs: PairedRuns) -> RunReport:
     decisions, decision_notices = runs.timed(request.decisions)
+    summary = runs.a.summary
     return RunReport(
         title=request.title,
         explanation=request.explanation,
-        duration_s=runs.a.summary.span.duration_s,
+        duration_s=summary.span.duration_s,
         comparison=runs.comparison(decisions),
         series=runs.series(),
         total=runs.total(),
@@ -115,6 +117,7 @@ def _report(request: ReportRequest, runs: PairedRuns) -> RunReport:
         rules=tuple(RuleText(path=path, text=text) for path, text in request.rule_texts.items()),
         provenance=request.provenance,
         notices=(*runs.notices(), *decision_notices),
+        incident=None if summary.incident is None else incident_mark(summary.incident, summary.span),
         floor_plan=_floor_plan(request),
         path=runs.a.path,
     )

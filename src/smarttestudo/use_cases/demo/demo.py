@@ -42,7 +42,7 @@ ACCURACY = "accuracy.json"
 _MADE = frozenset({BASELINE, ADAPTIVE, DECISIONS, REPORT, ACCURACY, RULES, WITHIN, PREDICTED, MARKER, *LOGS})
 _TITLE = "A TurtleBot3 patrols a warehouse"
 _EXPLANATION = (
-    "Default is everything that the robot published. SmartTestudo is what an operator received of it while "
+    "Source is everything that the robot published. SmartTestudo is what an operator received of it while "
     "rules about the robot's own state gave each topic its rate."
 )
 
@@ -291,7 +291,7 @@ def _write_report(
 def _provenance(request: DemoRequest) -> list[Fact]:
     return [
         Fact(label="SmartTestudo", value=__version__),
-        Fact(label="Default recording", value=BASELINE),
+        Fact(label="Source recording", value=BASELINE),
         Fact(label="SmartTestudo recording", value=ADAPTIVE),
         Fact(label="Length", value=f"{request.seconds:g} s"),
         Fact(label="Time", value=_time(request)),

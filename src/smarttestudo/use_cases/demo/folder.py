@@ -12,6 +12,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from smarttestudo.domain.errors import TestudoError
+from smarttestudo.domain.units import grouped
 
 MARKER = "demo.json"
 
@@ -68,8 +69,9 @@ def _refuse_foreign(out: Path) -> None:
 def _refuse_small_disk(parent: Path, needed_bytes: int) -> None:
     free_bytes = shutil.disk_usage(parent).free
     if free_bytes < needed_bytes:
+        needed, free = grouped(needed_bytes / 1e6), grouped(free_bytes / 1e6)
         raise DemoFolderError(
-            f"the demo needs {needed_bytes / 1e6:,.0f} MB and the disk has {free_bytes / 1e6:,.0f} MB left",
+            f"the demo needs {needed} MB and the disk has {free} MB left",
             place=str(parent),
             remedy="take fewer --seconds, another --out, or leave out --full-images",
         )

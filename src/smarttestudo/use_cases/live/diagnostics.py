@@ -70,11 +70,18 @@ def _of_node(status: RuntimeStatus) -> Diagnostic:
 def _incident_values(state: IncidentState) -> Mapping[str, str]:
     return {
         "incident_memory_mb": _number(state.held_bytes / BYTES_PER_MB),
+        **_ring_values(state),
         "incident_topics": str(state.topics),
         "incidents_open": str(state.open),
         "incidents_recorded": str(state.recorded),
         "incidents_failed": str(state.failed),
     }
+
+
+def _ring_values(state: IncidentState) -> Mapping[str, str]:
+    if state.ring_max_bytes is None:
+        return {}
+    return {"incident_ring_mb": _number(state.ring_bytes / BYTES_PER_MB)}
 
 
 def _link_values(link: LinkState) -> Mapping[str, str]:

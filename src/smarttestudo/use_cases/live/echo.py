@@ -14,7 +14,7 @@ from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.rate_meter import Flow, FlowMeter
 from smarttestudo.domain.robot import Qos, Robot, Subscription
-from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.domain.units import NS_PER_S, grouped
 from smarttestudo.domain.visible_topics import is_visible
 from smarttestudo.use_cases.live.topic import LiveSource, live_source, suits
 
@@ -73,13 +73,13 @@ def _items(value: Sized, bounds: Bounds) -> list[PlainValue]:
     """Only what is shown is looked at: an image has millions of them."""
     shown = [_plain(value[index], bounds) for index in islice(range(len(value)), bounds.items)]  # type: ignore[index]
     hidden = len(value) - len(shown)
-    return [*shown, f"… {hidden:,} more"] if hidden else shown
+    return [*shown, f"… {grouped(hidden)} more"] if hidden else shown
 
 
 def _shortened(text: str, characters: int | None) -> str:
     if characters is None or len(text) <= characters:
         return text
-    return f"{text[:characters]}… {len(text) - characters:,} more characters"
+    return f"{text[:characters]}… {grouped(len(text) - characters)} more characters"
 
 
 # What queued up while the subscription was made comes at once, and would count as a higher rate.

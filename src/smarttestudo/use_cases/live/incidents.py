@@ -11,18 +11,22 @@ from pathlib import Path
 
 from smarttestudo.adapters.files.incident_space import make_room
 from smarttestudo.adapters.incidents.background import BackgroundSink
-from smarttestudo.adapters.incidents.bag_metadata import offered_qos
 from smarttestudo.adapters.incidents.folder_lock import FolderLock
 from smarttestudo.adapters.incidents.folders import IncidentFolders
-from smarttestudo.adapters.incidents.mcap_records import StoredChannel
 from smarttestudo.adapters.incidents.recovery import complete_incidents
+from smarttestudo.adapters.incidents.ring_files import RingFiles
 from smarttestudo.domain.errors import TestudoError
-from smarttestudo.domain.incident import DEFAULT_INCIDENT_MEMORY_MB, IncidentState
+from smarttestudo.domain.incident import (
+    DEFAULT_INCIDENT_MEMORY_MB,
+    DEFAULT_INCIDENT_RING_MAX_GB,
+    IncidentState,
+)
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Robot, Subscription
 from smarttestudo.domain.units import BYTES_PER_GB, BYTES_PER_MB
 from smarttestudo.runtime.incidents.recorder import MAX_OPEN_INCIDENTS, IncidentRecorder
 from smarttestudo.runtime.relay_loop import RelayLoop
+from smarttestudo.use_cases.live.heard_channels import HeardChannels
 from smarttestudo.use_cases.live.rules import LiveRules
 from smarttestudo.use_cases.live.topic import LiveSource
 
@@ -35,11 +39,14 @@ _WITHOUT_FOLDER = "the rules have a Record, and no folder is named to record int
 class IncidentOptions:
     """The folder of the incidents, none if nothing is recorded, and the memory for what came before.
 
-    Where all of them would take more than ``max_gb`` of disk, old ones are deleted.
+    What memory has no room for goes to the folder ``ring``, if there is one, at most ``ring_max_gb`` of it.
+    Where all incidents would take more than ``max_gb`` of disk, old ones are deleted.
     """
 
     folder: Path | None = None
     memory_mb: float = DEFAULT_INCIDENT_MEMORY_MB
+    ring: Path | None = None
+    ring_max_gb: float = DEFAULT_INCIDENT_RING_MAX_GB
     max_gb: float | None = None
 
 
@@ -56,10 +63,12 @@ class LiveIncidents:
         self._folder = options.folder
         self._memory_bytes = round(options.memory_mb * BYTES_PER_MB)
         self._static_topic = static_topic
-        self._channels: dict[str, StoredChannel] = {}
+        self._channels = HeardChannels(robot)
         self._recorder: IncidentRecorder | None = None
         self._background: BackgroundSink | None = None
-        self._lock: FolderLock | None = None
+        self._ring: RingFiles | None = None
+        self._ring_max_bytes = round(options.ring_max_gb * BYTES_PER_GB)
+        self._locks: list[FolderLock] = []
         self._max_bytes = None if options.max_gb is None else round(options.max_gb * BYTES_PER_GB)
         # Of each topic: what it came over, how much that had lost, and the stamp of its last message.
         self._taken: dict[str, tuple[Subscription, int, int]] = {}
@@ -69,13 +78,20 @@ class LiveIncidents:
         self._recorded = self._lost = 0
         self._problem: str | None = None
         if self._folder is not None:
-            self._lock = FolderLock(self._folder)
+            self._locks.append(FolderLock(self._folder, "--incidents"))
+            if options.ring is not None:
+                self._ring = self._opened_ring(options.ring)
             for found in complete_incidents(self._folder):
                 robot.log.warning(f"incident {found}")
             self._make_room()
-            folders = IncidentFolders(self._folder, self._channels, failed=self._failed, ended=self._ended)
+            folders = IncidentFolders(
+                self._folder, self._channels.by_topic, ring=self._ring, failed=self._failed, ended=self._ended
+            )
             self._background = BackgroundSink(
-                folders, round(WAITING_SHARE * self._memory_bytes), failed=self._failed
+                folders,
+                round(WAITING_SHARE * self._memory_bytes),
+                failed=self._failed,
+                ring=self._ring,
             )
         self.topics: frozenset[str] = frozenset()
         """The topics that are to be heard because of recordings."""
@@ -94,8 +110,10 @@ class LiveIncidents:
                     if self._recorder is not None:
                         self._recorder.finish(self._robot.now_ns())
         finally:
-            if self._lock is not None:
-                self._lock.release()
+            if self._ring is not None:
+                self._ring.close()
+            for lock in self._locks:
+                lock.release()
 
     def follow(self, rules: LiveRules, now_ns: int) -> None:
         """Keep what these rules record from now on."""
@@ -107,7 +125,12 @@ class LiveIncidents:
             return
         if self._recorder is None:
             self._recorder = IncidentRecorder(
-                rule_set, self._background, self._memory_bytes, now_ns, rules_sha256=rules.rules_hash
+                rule_set,
+                self._background,
+                self._memory_bytes,
+                now_ns,
+                rules_sha256=rules.rules_hash,
+                store=self._background.store,
             )
         else:
             self._recorder.change_rules(rule_set, rules.rules_hash)
@@ -124,15 +147,7 @@ class LiveIncidents:
         if self._recorder is None:
             return
         self._recorder.hear(topic, now_ns, transient_local=source.qos.transient_local)
-        known = self._channels.get(topic)
-        qos_text = offered_qos(source.qos)
-        if known is None or (known.type_name, known.qos_text) != (source.type_name, qos_text):
-            self._channels[topic] = StoredChannel(
-                topic=topic,
-                type_name=source.type_name,
-                definition=self._robot.definition(source.type_name),
-                qos_text=qos_text,
-            )
+        self._channels.hear(topic, source)
 
     def take(
         self,
@@ -171,7 +186,7 @@ class LiveIncidents:
 
     def state(self) -> IncidentState | None:
         """What recording costs now; ``None`` where nothing is recorded."""
-        recorder = self._recorder
+        recorder, ring = self._recorder, self._ring
         if recorder is None:
             return None
         return IncidentState(
@@ -181,7 +196,17 @@ class LiveIncidents:
             open=recorder.open_incidents,
             recorded=self._recorded,
             failed=self._lost + recorder.refused,
-            problem=self._problem,
+            problem=self._problem or (None if ring is None or ring.problem is None else str(ring.problem)),
+            ring_bytes=0 if ring is None else ring.size_bytes,
+            ring_max_bytes=None if ring is None else self._ring_max_bytes,
+        )
+
+    def _opened_ring(self, folder: Path) -> RingFiles:
+        self._locks.append(FolderLock(folder, "--incident-ring"))
+        return RingFiles(
+            folder,
+            self._ring_max_bytes,
+            failed=lambda error: self._robot.log.warning(f"incidents lack what came before: {error}"),
         )
 
     def _ended(self, path: Path) -> None:

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 from smarttestudo.domain.decision import PlannedRate
 from smarttestudo.domain.link import LinkNeeds, OutgoingLink, Prediction
-from smarttestudo.domain.link_state import StreamCounts, TopicOnLink
+from smarttestudo.domain.link_state import LinkState, StreamCounts, TopicOnLink
 from smarttestudo.domain.observation import LinkBudget, ListenersChanged, ReceiversReckon
 from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.domain.units import NS_PER_S
@@ -41,9 +41,9 @@ class LinkWatch:
         self._pictures: Mapping[str, ReckonedPicture] = {}
 
     @property
-    def is_connected(self) -> bool:
-        """Whether an operator's end was heard lately."""
-        return self._link.state.is_connected
+    def state(self) -> LinkState:
+        """What is known of the link now."""
+        return self._link.state
 
     def follow(self, rules: LiveRules, plan: Mapping[str, PlannedRate]) -> None:
         """Have topics served by the floors of ``rules``, their priorities and the planned rates."""

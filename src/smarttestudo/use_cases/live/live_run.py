@@ -22,6 +22,7 @@ from smarttestudo.use_cases.live.incidents import LiveIncidents
 from smarttestudo.use_cases.live.input_recorder import InputRecorder
 from smarttestudo.use_cases.live.link_watch import LINK_PERIOD_S, LinkWatch
 from smarttestudo.use_cases.live.losses import LiveLosses
+from smarttestudo.use_cases.live.outages import LiveOutages
 from smarttestudo.use_cases.live.rules import LiveRules
 from smarttestudo.use_cases.live.sampling import LiveSampling
 from smarttestudo.use_cases.live.status import LiveStatus
@@ -47,6 +48,7 @@ class LiveRun:
         link: OutgoingLink | None = None,
         *,
         incidents: LiveIncidents,
+        outages: LiveOutages | None = None,
         commands: IncomingCommands | None = None,
         told: Told | None = None,
     ) -> None:
@@ -59,7 +61,9 @@ class LiveRun:
         incidents.watch(loop)
         self._decisions = decisions
         self._rules = rules
-        self._topics = LiveTopics(robot, self._receive, self._priority_of, is_lazy=not inputs.is_recording)
+        self._outages = outages
+        is_lazy = not inputs.is_recording and outages is None
+        self._topics = LiveTopics(robot, self._receive, self._priority_of, is_lazy=is_lazy)
         self._follow(rules)
         robot.log.info(f"Data path: {robot.data_path.description}")
         self._link = None if link is None else LinkWatch(link)
@@ -162,11 +166,15 @@ class LiveRun:
         self._sampling.look(self._topics.pausable(), now_ns)
         self._losses.look(self._topics.subscriptions(), now_ns)
         if self._acceptance is not None:
-            is_connected = self._link is not None and self._link.is_connected
+            is_connected = self._link is not None and self._link.state.is_connected
             self._acceptance.look(set(self._rules.output_topics.values()), is_connected=is_connected)
 
     def _look_at_link(self) -> None:
         assert self._link is not None
+        if self._outages is not None:
+            for topic, source in self._topics.heard():
+                self._outages.hear(topic, source)
+            self._outages.look(self._rules.rules_hash, self._link.state)
         plan = self._loop.knowledge.plan
         for change in self._link.changed_receivers(self._rules, plan, self._topics.heard_here()):
             self._take(ChangeInput(stamp_ns=self._robot.now_ns(), change=change))
@@ -183,6 +191,8 @@ class LiveRun:
             self._link.tell_pictures(self._rules, self._loop.relays.pictures)
         for one in relayed:
             self._topics.publish(one)
+            if self._outages is not None:
+                self._outages.take(one)
             self._status.note(one)
 
     def _tell(self) -> float:

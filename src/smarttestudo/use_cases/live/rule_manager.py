@@ -16,6 +16,7 @@ from smarttestudo.domain.status import RulesInForce, RulesOrigin
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.use_cases.live.fallback import Fallback
 from smarttestudo.use_cases.live.live_run import LOOK_PERIOD_S, LiveRun
+from smarttestudo.use_cases.live.rule_writing import RuleFileWriter
 from smarttestudo.use_cases.live.rules import PUSHED, LiveRuleFiles, LiveRules, Reading, RuleWatch
 from smarttestudo.use_cases.live.run_parameters import budget_parameter, status_hz_parameter
 
@@ -122,13 +123,22 @@ class RuleManager:
     """Decides which rules ``live`` follows, and logs changes. It started with those of ``first``."""
 
     def __init__(
-        self, robot: Robot, live: LiveRun, files: LiveRuleFiles, fallback: Fallback, first: Reading
+        self,
+        robot: Robot,
+        live: LiveRun,
+        files: LiveRuleFiles,
+        fallback: Fallback,
+        first: Reading,
+        *,
+        writer: RuleFileWriter,
     ) -> None:
         self._robot = robot
         self._live = live
         self._files = files
         self._fallback = fallback
+        self._writer = writer
         self._last = first
+        self._loaded = _texts_of_files(first)
         self._in_force = PushedRules(first.rules)
         self._watch = RuleWatch(files, first)
         self._is_asked = False
@@ -147,6 +157,9 @@ class RuleManager:
 
     def accept(self, changes: Mapping[str, ParameterValue]) -> None:
         """Apply newly set parameters, all of them or none. Raises ``TestudoError``."""
+        if written := str(changes.get("write_hash", "")).strip().lower():
+            self._write(written, is_alone=len(changes) == 1)
+            return
         pushed = self._checked_text(str(changes["rules_text"])) if "rules_text" in changes else None
         budget_kb_per_s = _budget(changes)
         status_hz = status_hz_parameter(changes["status_hz"]) if "status_hz" in changes else None
@@ -198,9 +211,11 @@ class RuleManager:
         if reading.number < self._last.number:
             return
         is_new, self._last = reading.content != self._last.content, reading
+        self._loaded = _texts_of_files(reading) or self._loaded
         is_asked, self._is_asked = self._is_asked, False
         if reading.rules is not None and (is_new or is_asked):
-            pushed = "; the pushed rules are no longer in force" if self._in_force.is_pushed else ""
+            is_other = self._in_force.is_pushed and self._rules.rules_hash != reading.rules.rules_hash
+            pushed = "; the pushed rules are no longer in force" if is_other else ""
             self._in_force.replace(reading.rules)
             self._hold()
             self._robot.log.info(f"rules reloaded, hash {reading.rules.rules_hash}{pushed}")
@@ -217,6 +232,17 @@ class RuleManager:
                 "and for good if confirm_hash is set to it"
             )
 
+    def _write(self, text_hash: str, *, is_alone: bool) -> None:
+        """Write the confirmed rules with this hash to the rule file, and go on with what is there."""
+        if not is_alone:
+            raise UsageError("it is set together with others", place="write_hash", remedy="set it alone")
+        rules = self._in_force.rules
+        if rules is None or not self._in_force.is_confirmed or not self._in_force.is_confirmable(text_hash):
+            cause = "no pushed and confirmed rules with this hash are in force"
+            raise UsageError(cause, place="write_hash", remedy="confirm them first, with confirm_hash")
+        self._robot.log.info(self._writer.write(rules.texts[PUSHED], self._loaded))
+        self._take(self._files.read())
+
     def _hold(self) -> None:
         self._live.reload(self._rules)
         self._show()
@@ -226,6 +252,7 @@ class RuleManager:
         self._robot.show("rules_hash", rules.rules_hash)
         self._robot.show("rules_text", rules.texts.get(PUSHED, ""))
         self._robot.show("rules_in_force", rules.rule_texts.to_text())
+        self._robot.show("writable_rules_file", self._writer.file)
 
     def _standing(self) -> RulesInForce:
         rules, waits_ns = self._rules, self._in_force.waits_ns(self._robot.steady_ns())
@@ -249,6 +276,12 @@ class RuleManager:
         if pushed is not None:
             return pushed.rules_hash == text_hash
         return self._in_force.is_confirmable(text_hash)
+
+
+def _texts_of_files(reading: Reading) -> Mapping[str, str]:
+    """The texts that valid rules were read from by path; none where it is no reading of files."""
+    texts = {} if reading.rules is None else reading.rules.texts
+    return {path: text for path, text in texts.items() if path != PUSHED}
 
 
 def _budget(changes: Mapping[str, ParameterValue]) -> float | None:

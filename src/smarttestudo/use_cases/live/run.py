@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import nullcontext
 from functools import partial
 
 from smarttestudo.domain.command import IncomingCommands
@@ -16,8 +17,10 @@ from smarttestudo.use_cases.live.incidents import LiveIncidents
 from smarttestudo.use_cases.live.input_recorder import InputRecorder, Note
 from smarttestudo.use_cases.live.link_questions import LinkQuestions
 from smarttestudo.use_cases.live.live_run import LOOK_PERIOD_S, LiveRun, Told
+from smarttestudo.use_cases.live.outages import LiveOutages
 from smarttestudo.use_cases.live.output_topics import OutputTopic
 from smarttestudo.use_cases.live.rule_manager import RuleManager, first_rules
+from smarttestudo.use_cases.live.rule_writing import RuleFileWriter
 from smarttestudo.use_cases.live.rules import LiveRuleFiles
 from smarttestudo.use_cases.live.run_parameters import RunParameters
 
@@ -32,11 +35,13 @@ def run_live(
     link: OutgoingLink | None = None,
     commands: IncomingCommands | None = None,
     told: Told | None = None,
+    catches_up: bool = False,
 ) -> None:
     """Relay until ``stopped``; ``decided`` are given the decisions, ``note`` what the loop is given.
 
     ``told`` is given each status. What ``link`` carries is the budget, and what ``robot`` publishes goes
-    over it. What comes as ``commands`` is published among the robot's own nodes.
+    over it. Where it ``catches_up``, what passes while nobody is at the other end is kept beside the
+    incidents. What comes as ``commands`` is published among the robot's own nodes.
 
     Raises:
         OutputFileError: incidents are recorded, and their folder cannot be made.
@@ -61,13 +66,27 @@ def run_live(
     rules = first.rules or fallback.rules()
     inputs = InputRecorder(robot, request, note)
     incidents = LiveIncidents(robot, request.incidents, resolve("/tf_static"))
-    live = LiveRun(robot, inputs, rules, decisions, link, incidents=incidents, commands=commands, told=told)
+    outages = LiveOutages(robot, request.incidents) if catches_up else None
+    live = LiveRun(
+        robot,
+        inputs,
+        rules,
+        decisions,
+        link,
+        incidents=incidents,
+        outages=outages,
+        commands=commands,
+        told=told,
+    )
     live.set_status_hz(request.status_hz)
-    keeper = RuleManager(robot, live, files, fallback, first)
-    with incidents.running(), keeper.keep():
+    writer = RuleFileWriter(request.rules, is_allowed=request.allow_writing_rules)
+    keeper = RuleManager(robot, live, files, fallback, first, writer=writer)
+    with incidents.running(), nullcontext() if outages is None else outages.running(), keeper.keep():
         parameters.serve(keeper.accept)
         if link is not None:
             LinkQuestions(robot, link)
+            if request.incidents.folder is not None:
+                link.offer_incidents(request.incidents.folder)
         robot.log.info(f"Relaying {len(rules.output_topics)} topics as {request.output_topic}")
         live.drive(stopped)
 

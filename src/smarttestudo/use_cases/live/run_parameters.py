@@ -11,7 +11,7 @@ from pathlib import Path
 
 from smarttestudo.domain.budget import budget_kb_per_s
 from smarttestudo.domain.errors import UsageError
-from smarttestudo.domain.incident import DEFAULT_INCIDENT_MEMORY_MB
+from smarttestudo.domain.incident import DEFAULT_INCIDENT_MEMORY_MB, DEFAULT_INCIDENT_RING_MAX_GB
 from smarttestudo.domain.names import is_topic_prefix
 from smarttestudo.domain.parameter import Accept, Access, Parameter, ParameterValue
 from smarttestudo.domain.robot import Robot
@@ -40,6 +40,23 @@ PARAMETERS = (
         description="SHA-256 of the UTF-8 text given as rules_text, to keep it.",
         value="",
         access=Access.ANYONE,
+    ),
+    Parameter(
+        name="write_hash",
+        description="SHA-256 of pushed and confirmed rules, to write them to the rule file. Set it alone.",
+        value="",
+        access=Access.ANYONE,
+    ),
+    Parameter(
+        name="allow_writing_rules",
+        description="Whether write_hash may write pushed rules to the rule file.",
+        value=False,
+    ),
+    Parameter(
+        name="writable_rules_file",
+        description="The file that write_hash writes; empty where it may write none. Read-only.",
+        value="",
+        access=Access.NODE,
     ),
     Parameter(
         name="rules_hash",
@@ -101,6 +118,17 @@ PARAMETERS = (
         is_typed=False,
     ),
     Parameter(
+        name="incident_ring",
+        description="Folder on disk for what came before an incident and does not fit into memory.",
+        value="",
+    ),
+    Parameter(
+        name="incident_ring_max_gb",
+        description="GB of disk for what does not fit into memory.",
+        value=float(DEFAULT_INCIDENT_RING_MAX_GB),
+        is_typed=False,
+    ),
+    Parameter(
         name="incidents_max_gb",
         description="GB of disk that all incidents may take; old ones are deleted. No limit while not set.",
         value=None,
@@ -114,11 +142,13 @@ class RunRequest:
     """The rules, and how they are to be followed.
 
     ``output_topic`` names output topics, with ``{topic}`` for the source's full name. ``rules`` may be
-    folders; ``rules_text`` counts where there are none.
+    folders; ``rules_text`` counts where there are none. ``allow_writing_rules``: pushed rules may be written
+    to the rule file.
     """
 
     rules: tuple[Path, ...] = ()
     rules_text: str = ""
+    allow_writing_rules: bool = False
     profile: Path | None = None
     output_topic: str = DEFAULT_OUTPUT_TOPIC
     topic_prefix: str = ""
@@ -160,6 +190,7 @@ def _request(values: Mapping[str, ParameterValue]) -> RunRequest:
     return RunRequest(
         rules=tuple(Path(name) for name in _names(values["rules_file"])),
         rules_text=str(values["rules_text"]),
+        allow_writing_rules=values["allow_writing_rules"] is True,
         profile=_path(values["profile_file"]),
         output_topic=str(values["output_topic"]),
         topic_prefix=_topic_prefix(values["topic_prefix"]),
@@ -171,6 +202,8 @@ def _request(values: Mapping[str, ParameterValue]) -> RunRequest:
         incidents=IncidentOptions(
             folder=_path(values["incidents"]),
             memory_mb=_positive(values["incident_memory_mb"], "incident_memory_mb"),
+            ring=_path(values["incident_ring"]),
+            ring_max_gb=_positive(values["incident_ring_max_gb"], "incident_ring_max_gb"),
             max_gb=_limit(values["incidents_max_gb"], "incidents_max_gb"),
         ),
     )

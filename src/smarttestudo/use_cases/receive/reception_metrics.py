@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from smarttestudo.adapters.openmetrics.status import status_metrics
 from smarttestudo.adapters.zenoh.keys import MAX_ROBOTS, Boot
 from smarttestudo.domain.metric import Metric, MetricKind, MetricName, Sample
-from smarttestudo.domain.units import BYTES_PER_KB
+from smarttestudo.domain.units import BYTES_PER_KB, grouped
 from smarttestudo.link.receiver import ReceiverCounts
 from smarttestudo.use_cases.receive.reception import ReceivedTopic, Reception
 from smarttestudo.use_cases.receive.status_sink import StatusSink
@@ -61,7 +61,7 @@ _COUNTS = {
 _STRAYS = _name("stray", "chunks", "Chunks of robots that are not known here.", counts=True)
 _DROPPED = _name("dropped", "events", "Events that gave way because this end was busy.", counts=True)
 _UNREADABLE = _name("unreadable", "statuses", "Statuses of robots that could not be read here.", counts=True)
-_LEFT_OUT = _name("left_out", "topics", f"Topics without metrics here, beyond {MAX_TOPICS:,}.")
+_LEFT_OUT = _name("left_out", "topics", f"Topics without metrics here, beyond {grouped(MAX_TOPICS)}.")
 RECEPTION_METRICS = (
     *(_CONNECTED, _HERTZ, _BANDWIDTH, _AGE, _MESSAGES, _BYTES, _PREDICTED, *_COUNTS.values()),
     *(_STRAYS, _DROPPED, _UNREADABLE, _LEFT_OUT),

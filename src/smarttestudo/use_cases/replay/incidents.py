@@ -4,12 +4,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeAlias
 
 from smarttestudo.adapters.incidents.folders import IncidentFolders
+from smarttestudo.adapters.incidents.mcap_records import StoredChannel
 from smarttestudo.adapters.rosbag.stored_channels import stored_channels
 from smarttestudo.adapters.rosbag.writer import require_new
 from smarttestudo.adirf.rule_set import RuleSet
@@ -17,15 +19,21 @@ from smarttestudo.domain.incident import DEFAULT_INCIDENT_MEMORY_MB
 from smarttestudo.domain.recording import Channel
 from smarttestudo.domain.units import BYTES_PER_MB, counted
 from smarttestudo.runtime.incidents.latched import holds_static_frames
-from smarttestudo.runtime.incidents.recorder import MAX_OPEN_INCIDENTS, IncidentRecorder
+from smarttestudo.runtime.incidents.recorder import MAX_OPEN_INCIDENTS, IncidentRecorder, IncidentSink
 from smarttestudo.runtime.relay_loop import RelayLoop
+
+OpenSink: TypeAlias = Callable[[Mapping[str, StoredChannel]], IncidentSink]
+"""Makes what takes incidents of these topics, by name."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class IncidentRequest:
-    """The folder of the incidents, the SHA-256 of the rules, and how much memory a robot would have."""
+    """Where incidents go, a new folder or what takes them, and how much memory a robot would have.
 
-    folder: Path
+    ``rules_sha256`` is that of the rules.
+    """
+
+    into: Path | OpenSink
     rules_sha256: str
     memory_mb: float = DEFAULT_INCIDENT_MEMORY_MB
 
@@ -36,16 +44,28 @@ class IncidentCutter:
     def __init__(
         self, request: IncidentRequest, rule_set: RuleSet, sources: Mapping[str, Channel], start_ns: int
     ) -> None:
-        require_new(request.folder)
         self.written: list[Path] = []
+        self._folders: IncidentFolders | None = None
         recorded = {topic: channel for topic, channel in sources.items() if _is_recorded(rule_set, channel)}
-        self.folders = IncidentFolders(request.folder, stored_channels(recorded), ended=self.written.append)
+        sink = self._sink(request.into, stored_channels(recorded))
         memory_bytes = round(request.memory_mb * BYTES_PER_MB)
         self._recorder = IncidentRecorder(
-            rule_set, self.folders, memory_bytes, start_ns, rules_sha256=request.rules_sha256
+            rule_set, sink, memory_bytes, start_ns, rules_sha256=request.rules_sha256
         )
         for topic, channel in sources.items():
             self._recorder.hear(topic, start_ns, transient_local=channel.transient_local)
+
+    def _sink(self, into: Path | OpenSink, channels: Mapping[str, StoredChannel]) -> IncidentSink:
+        if not isinstance(into, Path):
+            return into(channels)
+        require_new(into)
+        self._folders = IncidentFolders(into, channels, ended=self.written.append)
+        return self._folders
+
+    def abort(self) -> None:
+        """Leave nothing of incidents that have not ended; another's sink is left to that."""
+        if self._folders is not None:
+            self._folders.abort()
 
     def watch(self, loop: RelayLoop) -> None:
         """Begin an incident when a block of the loop does."""
@@ -84,5 +104,5 @@ def incident_cutter(
     try:
         yield cutter
     except BaseException:
-        cutter.folders.abort()
+        cutter.abort()
         raise

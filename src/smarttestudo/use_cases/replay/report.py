@@ -16,7 +16,7 @@ from smarttestudo.use_cases.rules.rule_sets import LoadedRules
 from smarttestudo.visualizer.report import Fact, RunReport
 
 _EXPLANATION = (
-    "Default is the recording. SmartTestudo is what an operator would have received of the relayed topics, "
+    "Source is the recording. SmartTestudo is what an operator would have received of the relayed topics, "
     "each at the rate that the rules gave it."
 )
 

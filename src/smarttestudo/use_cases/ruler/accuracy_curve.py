@@ -14,7 +14,7 @@ from smarttestudo.adapters.rosbag import open_recording
 from smarttestudo.domain.accuracy import LevelledProperty
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.profile import Profile
-from smarttestudo.optimizer.accuracy_measure import PROPOSED_BOUNDS, levelled_properties
+from smarttestudo.optimizer.accuracy_measure import PROPOSED_BOUNDS, bounds_need_hz, levelled_properties
 from smarttestudo.use_cases.bags.accuracy_curves import WantedProperty, measure_accuracy
 from smarttestudo.visualizer.loss import accuracy_curve as loss
 
@@ -63,7 +63,9 @@ def measured_needs(bag: Path, topic: str, report: Callable[[float], None]) -> Ac
     with open_recording(bag) as recording:
         types = {one.topic: one.type_name for one in recording.channels}
     if topic not in types:
-        raise RecordingError(f"the bag has no topic {topic}", place=str(bag), remedy="choose another bag")
+        raise RecordingError(
+            f"the recording has no topic {topic}", place=str(bag), remedy="choose another one"
+        )
     wanted = [
         WantedProperty(name=one.value, unit=one.unit, bounds=PROPOSED_BOUNDS[one])
         for one in levelled_properties(types[topic])
@@ -78,9 +80,8 @@ def measured_needs(bag: Path, topic: str, report: Callable[[float], None]) -> Ac
 
 
 def _needs(curve: loss.AccuracyCurve, source_hz: float) -> PropertyNeeds:
-    def rates_hz(prices: Sequence[loss.BoundPrice]) -> list[float]:
-        counts = list(itertools.accumulate((one.within.messages for one in reversed(prices)), min))
-        return [source_hz * count / curve.messages for count in reversed(counts)]
+    def rates_hz(prices: Sequence[loss.BoundPrice]) -> tuple[float, ...]:
+        return bounds_need_hz([one.within.messages for one in prices], curve.messages, source_hz)
 
     reckoned = [one.reckoned for one in curve.points if one.reckoned]
     points = itertools.zip_longest(

@@ -17,7 +17,7 @@ from smarttestudo.domain.finding import Finding, Severity
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.units import counted
 
-WAY_TO_PROFILE = "choose or create the topic parameters: they say what each quality level is in Hz"
+WAY_TO_PROFILE = "choose or create a profile: its topic parameters say what each quality level is in Hz"
 
 
 class Draft(Struct, frozen=True, kw_only=True):

@@ -17,11 +17,13 @@ from smarttestudo.use_cases.ruler.child_messages import answer_order
 
 
 class ChildWork(Enum):
-    """What is done: a request about a ``bag``, which is a path, or a ``MeasureOrder``."""
+    """What is done: a request about a bag or an incident, which is a path, or an order of its own."""
 
     TRIAL = "trial"
     CURVE = "curve"
     ACCURACY = "accuracy"
+    INCIDENT = "incident"
+    KEEP = "keep"
     MEASURE = "measure"
 
 
@@ -55,6 +57,22 @@ def _main(work: ChildWork) -> int:
                 AccuracyCurveRequest,
                 lambda order, report: measured_needs(Path(order.bag), order.topic, report),
             )
+        case ChildWork.INCIDENT:
+            from smarttestudo.use_cases.ruler.incident_course import (  # noqa: PLC0415
+                IncidentCourseRequest,
+                incident_course,
+            )
+
+            return answer_order(
+                IncidentCourseRequest, lambda order, report: incident_course(Path(order.name), report)
+            )
+        case ChildWork.KEEP:
+            from smarttestudo.use_cases.ruler.incident_keeping import (  # noqa: PLC0415
+                KeepOrder,
+                keep_incident,
+            )
+
+            return answer_order(KeepOrder, keep_incident)
         case ChildWork.MEASURE:
             from smarttestudo.use_cases.ruler.profiles import measured_on_robots  # noqa: PLC0415
 

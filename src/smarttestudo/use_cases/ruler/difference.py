@@ -71,7 +71,7 @@ def _differences(old: ParseResult, new: ParseResult) -> Iterator[str]:
         if name in before:
             yield from _block(name, before[name], block)
         else:
-            yield f"{name}: added"
+            yield f"{name}: added, switched off" if block.is_disabled else f"{name}: added"
 
 
 def _settings(result: ParseResult, kind: type[SetFrequency | KeepAtLeast]) -> _Rates:
@@ -103,6 +103,8 @@ def _blocks(result: ParseResult) -> dict[str, Block]:
 
 
 def _block(name: str, old: Block, new: Block) -> Iterator[str]:
+    if old.is_disabled != new.is_disabled:
+        yield f"{name}: switched off" if new.is_disabled else f"{name}: switched on"
     if condition_meaning(old.condition) != condition_meaning(new.condition):
         yield f"{name}: another condition"
     if (old.priority or 0) != (new.priority or 0):

@@ -46,6 +46,15 @@ class PlacedFix(Struct, frozen=True, kw_only=True):
     edit: Substitute
 
 
+class ProfileEntry(Struct, frozen=True, kw_only=True):
+    """What mends a finding in the profile: ``value`` for ``key`` of ``topic``; null takes it out."""
+
+    title: str
+    topic: str
+    key: str
+    value: str | None
+
+
 class PlacedFinding(Struct, frozen=True, kw_only=True):
     """One finding of the checker.
 
@@ -63,6 +72,7 @@ class PlacedFinding(Struct, frozen=True, kw_only=True):
     offset: int
     end_offset: int
     fix: PlacedFix | None
+    profile_fix: ProfileEntry | None
     statement: str | None
     related: tuple[str, ...]
 
@@ -127,6 +137,7 @@ def _finding(finding: checker.Finding, document: Document, writer: StatementWrit
         offset=start,
         end_offset=end,
         fix=None if finding.fix is None else _fix(finding.fix, writer),
+        profile_fix=None if finding.profile_fix is None else _entry(finding.profile_fix),
         statement=statement,
         related=tuple(one for one in related if one is not None and one != statement),
     )
@@ -135,6 +146,10 @@ def _finding(finding: checker.Finding, document: Document, writer: StatementWrit
 def _statement(document: Document, span: Span) -> str | None:
     entry = document.entry_at(document.places.range(span)[0])
     return None if entry is None else entry.id
+
+
+def _entry(fix: checker.ProfileFix) -> ProfileEntry:
+    return ProfileEntry(title=fix.title, topic=fix.topic, key=fix.key, value=fix.value)
 
 
 def _fix(fix: checker.Fix, writer: StatementWriter) -> PlacedFix:

@@ -15,6 +15,7 @@ from smarttestudo.adirf.document import (
     TextEdit,
     apply,
     deleted,
+    duplicated,
     inserted,
     moved,
     read_document,
@@ -57,6 +58,12 @@ class Delete(Struct, frozen=True, kw_only=True, tag_field="kind", tag="delete"):
     id: str
 
 
+class Duplicate(Struct, frozen=True, kw_only=True, tag_field="kind", tag="duplicate"):
+    """Put a copy of statement ``id``, as it is written, behind it; a rule's copy has a name of its own."""
+
+    id: str
+
+
 class Move(Struct, frozen=True, kw_only=True, tag_field="kind", tag="move"):
     """Move statement ``id``; ``index`` counts the other statements of ``collection``."""
 
@@ -65,7 +72,7 @@ class Move(Struct, frozen=True, kw_only=True, tag_field="kind", tag="move"):
     index: int
 
 
-Edit = Replace | Insert | Delete | Move | Substitute | NewZone | MoveZone | ResizeZone
+Edit = Replace | Insert | Delete | Duplicate | Move | Substitute | NewZone | MoveZone | ResizeZone
 
 
 class EditRequest(Draft, frozen=True, kw_only=True):
@@ -150,6 +157,8 @@ def _edited(before: Document, edit: Edit) -> str:
             return inserted(before, edit.collection, edit.index, new_statement(edit.statement))
         case Delete():
             return deleted(before, edit.id)
+        case Duplicate():
+            return duplicated(before, edit.id)
         case Move():
             return moved(before, edit.id, edit.collection, edit.index)
         case Substitute():

@@ -57,7 +57,7 @@ def optimize_draft(draft: Draft, model: Model, *, only_named: bool) -> Optimized
     checked = require_usable(draft)
     profile = draft.profile()
     if profile is None:
-        raise ProfileError("there is no profile", remedy="enter the topics' sizes and tiers first")
+        raise ProfileError("there is no profile", remedy="enter the topics' sizes and levels first")
     outcome = optimize_text(
         UsableText(text=draft.text, file=checked.document.result.file),
         profile,

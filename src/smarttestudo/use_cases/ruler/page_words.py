@@ -41,11 +41,11 @@ def in_page_words(error: TestudoError) -> TestudoError:
     if error.topic is None:
         cause = "the topic parameters do not say how much the link carries"
         return ProfileError(
-            cause, place=error.place, remedy="fill in Total bandwidth (KB/s) above their table"
+            cause, place=error.place, remedy="fill in the budget, Total bandwidth (KB/s), above their table"
         )
     if error.key is None:
-        cause = f"{error.topic} is in the rules but not in the chosen topic parameters"
-        remedy = f"add a row for {error.topic} to their table, or choose others on the right"
+        cause = f"{error.topic} is in the rules but not in the chosen profile"
+        remedy = f"add a row for {error.topic} to its table, or choose another profile on the right"
         return ProfileError(cause, place=error.place, remedy=remedy)
     cause = f"the topic parameters do not say all that is needed of {error.topic}"
     remedy = f"fill in {COLUMNS[error.key]} in its row of their table"

@@ -71,6 +71,19 @@ class ProfileWriteRequest(ProfileTable, frozen=True, kw_only=True):
     name: str = "profile.toml"
 
 
+class ProfileEntryRequest(Struct, frozen=True, kw_only=True):
+    """``POST /api/profile/entry`` → ``TextAnswer``: ``text`` with ``value`` for ``key`` of ``topic``.
+
+    Null takes the key out. Everything else stays as it is written; a topic that the text lacks gets a table.
+    """
+
+    text: str
+    topic: str
+    key: str
+    value: str | None
+    name: str = "profile.toml"
+
+
 class ProfileCheckAnswer(Struct, frozen=True, kw_only=True):
     """Why a table cannot be written; empty if it can."""
 
@@ -109,6 +122,16 @@ def write_table(table: ProfileTable, base_text: str, path: Path) -> str:
     )
     parse_profile(text, path)
     return text
+
+
+def write_entry(text: str, path: Path, *, topic: str, key: str, value: str | None) -> str:
+    """``text`` with ``value`` for ``key`` of ``topic``; ``ProfileError`` where no profile can hold that."""
+    before = read_table(text, path)
+    entries: dict[str, dict[str, str | None]] = {row.topic: {} for row in before.rows}
+    entries[topic] = {key: value}
+    edited = edited_profile(text, path, {}, entries)
+    parse_profile(edited, path)
+    return edited
 
 
 def six_levels(thresholds: Sequence[float]) -> SixLevels:

@@ -14,7 +14,8 @@ from pathlib import Path, PurePosixPath
 from msgspec import Struct
 
 from smarttestudo.adapters.files.profile import parse_profile
-from smarttestudo.adapters.files.project_folder import FileKind, ProjectFolder
+from smarttestudo.adapters.files.project_folder import FileKind, ForbiddenPathError, ProjectFolder
+from smarttestudo.adapters.files.project_settings import SettingsFile
 from smarttestudo.adapters.ros import open_robot
 from smarttestudo.adirf.parser import ParseResult, parse
 from smarttestudo.domain.errors import ProfileError, TestudoError
@@ -26,12 +27,14 @@ from smarttestudo.use_cases.live.profile import profile_of_robot
 from smarttestudo.use_cases.ruler.edits import TextAnswer
 from smarttestudo.use_cases.ruler.profile_table import (
     ProfileCheckAnswer,
+    ProfileEntryRequest,
     ProfileParseRequest,
     ProfileTable,
     ProfileWriteRequest,
     SixLevels,
     read_table,
     six_levels,
+    write_entry,
     write_table,
 )
 from smarttestudo.use_cases.ruler.vocabulary import topics_in
@@ -47,9 +50,20 @@ class ProfileForRequest(Struct, frozen=True, kw_only=True):
 
 
 class ProfileForAnswer(Struct, frozen=True, kw_only=True):
-    """The name of a profile of the project; null where none has to do with the rules."""
+    """The name of a profile of the project; null where none is wanted, or none has to do with the rules.
+
+    ``gone`` is the one that was chosen for the rules, where it is no longer there.
+    """
 
     name: str | None
+    gone: str | None = None
+
+
+class ProfileChosenRequest(Struct, frozen=True, kw_only=True):
+    """``PUT /api/profile/for`` → ``ProfileForAnswer``: what the rule file ``name`` goes with, or none."""
+
+    name: str
+    profile: str | None
 
 
 class ProfileMeasureRequest(Struct, frozen=True, kw_only=True):
@@ -83,13 +97,33 @@ class LevelsAnswer(Struct, frozen=True, kw_only=True):
 class Profiles:
     """The profiles and bags of ``folder``."""
 
-    def __init__(self, folder: ProjectFolder) -> None:
+    def __init__(self, folder: ProjectFolder, settings: SettingsFile) -> None:
         self._folder = folder
+        self._settings = settings
 
     def choice(self, request: ProfileForRequest) -> ProfileForAnswer:
-        """The profile of the project that rules are most likely meant for."""
+        """The profile that somebody chose for the rules; else the one that they are most likely meant for."""
+        chosen = self._settings.read().profiles.get(request.name)
+        if chosen is not None and (not chosen or self._is_profile(chosen)):
+            return ProfileForAnswer(name=chosen or None)
         rules = parse(request.text, request.name)
-        return ProfileForAnswer(name=profile_for(request.name, rules, dict(self._profiles())))
+        return ProfileForAnswer(name=profile_for(request.name, rules, dict(self._profiles())), gone=chosen)
+
+    def choose(self, request: ProfileChosenRequest) -> ProfileForAnswer:
+        """Remember the profile of a rule file, for everybody who opens the project."""
+        for name, kind in ((request.name, FileKind.RULES), (request.profile, FileKind.PROFILE)):
+            if name is None:
+                continue
+            self._folder.path(name)
+            if self._folder.kind(name) is not kind:
+                raise ForbiddenPathError(f"this is no file of {kind.value}", place=name)
+        self._settings.set_profile(request.name, request.profile or "")
+        return ProfileForAnswer(name=request.profile)
+
+    def _is_profile(self, name: str) -> bool:
+        with suppress(TestudoError):
+            return self._folder.kind(name) is FileKind.PROFILE and self._folder.path(name).is_file()
+        return False
 
     def _profiles(self) -> Iterator[tuple[str, Profile]]:
         """The profiles of the project that can be read; other programs have TOML files, too."""
@@ -144,6 +178,14 @@ def measured_on_robots(*, seconds: float, timeout_s: float, report: Callable[[fl
 def table_of(request: ProfileParseRequest) -> ProfileTable:
     """A profile as a table."""
     return read_table(request.text, Path(request.name))
+
+
+def with_entry(request: ProfileEntryRequest) -> TextAnswer:
+    """The text of a profile with one more entry; ``ProfileError`` where no profile can hold that."""
+    path = Path(request.name)
+    return TextAnswer(
+        text=write_entry(request.text, path, topic=request.topic, key=request.key, value=request.value)
+    )
 
 
 def written(request: ProfileWriteRequest) -> TextAnswer:

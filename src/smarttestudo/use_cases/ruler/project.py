@@ -12,7 +12,7 @@ from msgspec import Struct
 
 from smarttestudo import __version__
 from smarttestudo.adapters.files.project_folder import FileKind, FileText, FoundFile, ProjectFolder
-from smarttestudo.adapters.files.project_settings import ProjectSettings, read_settings, write_settings
+from smarttestudo.adapters.files.project_settings import SettingsFile
 from smarttestudo.adapters.files.version_store import VersionStore
 from smarttestudo.domain.errors import TestudoError
 
@@ -75,9 +75,14 @@ class ProjectFiles:
     """
 
     def __init__(
-        self, folder: ProjectFolder, opened: str | None, now_s: Callable[[], float] = time.time
+        self,
+        folder: ProjectFolder,
+        settings: SettingsFile,
+        opened: str | None,
+        now_s: Callable[[], float] = time.time,
     ) -> None:
         self._folder = folder
+        self._settings = settings
         self._versions = VersionStore(folder)
         self._opened = opened
         self._now_s = now_s
@@ -93,12 +98,12 @@ class ProjectFiles:
             version=__version__,
             ros=find_spec("rclpy") is not None,
             has_more=has_more,
-            saves_by_itself=read_settings(self._folder).saves_by_itself,
+            saves_by_itself=self._settings.read().saves_by_itself,
         )
 
     def set(self, request: SettingsRequest) -> Project:
         """Change the settings of the project."""
-        write_settings(self._folder, ProjectSettings(saves_by_itself=request.saves_by_itself))
+        self._settings.set_saves_by_itself(is_wanted=request.saves_by_itself)
         return self.project()
 
     def read(self, name: str) -> FileAnswer:

@@ -11,6 +11,7 @@ from typing import Literal, Protocol
 
 from msgspec import Struct
 
+from smarttestudo.adapters.files.rule_files import PREVIOUS_SUFFIX
 from smarttestudo.adirf.parser import parse
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.parameter import ParameterValue, Refusals, Values
@@ -21,6 +22,12 @@ from smarttestudo.use_cases.ruler.difference import differences, mean_the_same
 from smarttestudo.use_cases.ruler.sharing import download_text
 
 _TEXT, _HASH, _CONFIRM, _IN_FORCE = "rules_text", "rules_hash", "confirm_hash", "rules_in_force"
+_WRITE, _WRITABLE, _MAY_WRITE, _FILES = (
+    "write_hash",
+    "writable_rules_file",
+    "allow_writing_rules",
+    "rules_file",
+)
 # "rules_text:3:5: error: cause; remedy", as a TestudoError is told.
 _WORDS = re.compile(r"(?:(?P<place>\S+): )?error: (?P<cause>.*)", re.DOTALL)
 
@@ -89,6 +96,41 @@ class ConfirmAnswer(Struct, frozen=True, kw_only=True):
     hash: str
 
 
+class LastingRequest(Struct, frozen=True, kw_only=True):
+    """``POST /api/push/lasting`` → ``LastingAnswer``: how long rules last that a robot keeps."""
+
+    node: str
+
+
+class LastingAnswer(Struct, frozen=True, kw_only=True):
+    """Kept rules last until the robot's runtime ends or its ``files`` change, of which it may have none.
+
+    ``writable_file`` is the one that it lets kept rules be written to; where that is empty, ``why_not`` says
+    why.
+    """
+
+    files: tuple[str, ...]
+    writable_file: str
+    why_not: str
+
+
+class WriteRequest(Struct, frozen=True, kw_only=True):
+    """``POST /api/push/write`` → ``WriteAnswer``: write the rules that the robot keeps to its rule file.
+
+    A refusal by the robot is a 422 with the robot's own words.
+    """
+
+    node: str
+    hash: str
+
+
+class WriteAnswer(Struct, frozen=True, kw_only=True):
+    """The robot's ``file`` holds the rules; what it held is beside it, in ``previous_file``."""
+
+    file: str
+    previous_file: str
+
+
 def preview(robots: Parameters, request: PushRequest) -> PushPreview:
     """What a push would change.
 
@@ -154,6 +196,36 @@ def confirm(robots: Parameters, request: ConfirmRequest) -> ConfirmAnswer:
             remedy=f"push them again; the robot's answer: {error.cause}",
         ) from error
     return ConfirmAnswer(state="confirmed", hash=sha256)
+
+
+def lasting(robots: Parameters, request: LastingRequest) -> LastingAnswer:
+    """How long the rules last that a robot keeps. Raises ``RosError``."""
+    values = robots.get(request.node, [_FILES, _WRITABLE, _MAY_WRITE])
+    named = values[_FILES]
+    files = tuple(named if isinstance(named, tuple) else filter(None, [str(named or "")]))
+    writable = str(values[_WRITABLE] or "")
+    return LastingAnswer(
+        files=files,
+        writable_file=writable,
+        why_not="" if writable else _why_not(values[_MAY_WRITE], files),
+    )
+
+
+def _why_not(may_write: ParameterValue, files: tuple[str, ...]) -> str:
+    if may_write is None:
+        return "Its SmartTestudo is from before rules could be written: update it on the robot."
+    if may_write is not True:
+        return "It was not started with --allow-writing-rules, without which nothing is written to its files."
+    if not files:
+        return "It was started without a rule file."
+    return "It has several rule files, and what was sent is one text: put that into its files by other means."
+
+
+def write(robots: Parameters, request: WriteRequest) -> WriteAnswer:
+    """Have a robot write the rules that it keeps to its file. Raises ``RosError``."""
+    file = lasting(robots, LastingRequest(node=request.node)).writable_file
+    _set(robots, request.node, _WRITE, request.hash, {})
+    return WriteAnswer(file=file, previous_file=f"{file}{PREVIOUS_SUFFIX}")
 
 
 def _set(robots: Parameters, node: str, name: str, value: str, called: Mapping[str, str]) -> None:

@@ -11,9 +11,13 @@ from smarttestudo.use_cases.ruler import pushing
 from smarttestudo.use_cases.ruler.pushing import (
     ConfirmAnswer,
     ConfirmRequest,
+    LastingAnswer,
+    LastingRequest,
     PushAnswer,
     PushPreview,
     PushRequest,
+    WriteAnswer,
+    WriteRequest,
 )
 from smarttestudo.use_cases.ruler.robot_link import RobotLink
 
@@ -42,6 +46,16 @@ class WatchedRobots:
         """Let pushed rules hold for good. Raises ``UnknownRobotError`` and ``RosError``."""
         self._require_known(request.node)
         return pushing.confirm(self._link, request)
+
+    def lasting(self, request: LastingRequest) -> LastingAnswer:
+        """How long kept rules last. Raises ``UnknownRobotError`` and ``RosError``."""
+        self._require_known(request.node)
+        return pushing.lasting(self._link, request)
+
+    def write(self, request: WriteRequest) -> WriteAnswer:
+        """Have kept rules written to the robot's file. Raises ``UnknownRobotError`` and ``RosError``."""
+        self._require_known(request.node)
+        return pushing.write(self._link, request)
 
     def topics(self) -> Mapping[str, str]:
         """The types of what robots publish, as far as they can be known now."""

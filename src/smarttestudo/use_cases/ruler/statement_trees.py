@@ -91,6 +91,7 @@ class StatementWriter:
                 return page.RuleStatement(
                     name=block.name,
                     priority=block.priority or 0,
+                    is_disabled=block.is_disabled,
                     label=block.label,
                     condition=self._condition(block.condition),
                     then=tuple(map(self._inner, block.then)),
@@ -200,6 +201,7 @@ def _content(model: page.Statement) -> Statement | str:
                 then=tuple(map(_read_action, model.then)),
                 otherwise=tuple(map(_read_action, model.otherwise)),
                 has_end_if=True,
+                is_disabled=model.is_disabled,
                 span=_NOWHERE,
             )
 

@@ -152,7 +152,7 @@ class KeepStatement(_PlacedStatement, frozen=True, kw_only=True, tag_field="kind
 class RuleStatement(
     _PlacedStatement, frozen=True, kw_only=True, tag_field="kind", tag="rule", rename={"otherwise": "else"}
 ):
-    """``[Rule "name" [Priority n]] If … Then … [Else …]``; in JSON ``otherwise`` is called ``else``.
+    """``[Disabled] [Rule "name" [Priority n]] If … Then … [Else …]``; in JSON ``otherwise`` is ``else``.
 
     ``label`` (answers only) is what findings and decisions call the rule.
     """
@@ -162,6 +162,7 @@ class RuleStatement(
     otherwise: tuple[Action, ...]
     name: str | None = None
     priority: int = 0
+    is_disabled: bool = False
     label: str = ""
 
 

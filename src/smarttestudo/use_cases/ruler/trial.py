@@ -18,11 +18,13 @@ from smarttestudo.domain.decision import Decision, Reason
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.recording import RecordingReader
-from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
+from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S, counted, grouped
+from smarttestudo.use_cases.replay.incidents import IncidentRequest
 from smarttestudo.use_cases.replay.outcome import ReplayOutcome
 from smarttestudo.use_cases.replay.replay import ReplayRequest, replay
 from smarttestudo.use_cases.ruler.checked_text import CheckedText, Draft, RefusedTextError
 from smarttestudo.use_cases.ruler.replay_watch import ArrivalWatch, BlockTurns, CountingWriter, TruthWatch
+from smarttestudo.use_cases.ruler.trial_incidents import IncidentTally, TryIncident, sha256_of_rules
 from smarttestudo.use_cases.ruler.trial_loss import LossWatch, TryLoss
 from smarttestudo.use_cases.rules.rule_sets import tier_values_for
 from smarttestudo.visualizer.loss.binned_series import TimeBins
@@ -33,11 +35,12 @@ MAX_BINS = 300
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TrialLimits:
-    """How much of a long bag is kept: decisions, turns of blocks, and messages that the loss counts."""
+    """How much of a long bag is kept: decisions, turns, messages that the loss counts, and incidents."""
 
     decisions: int = 2000
     turns: int = 5000
     samples: int = 5_000_000
+    incidents: int = 200
 
 
 class TryRequest(Draft, frozen=True, kw_only=True):
@@ -82,7 +85,8 @@ class TryAnswer(Struct, frozen=True, kw_only=True):
 
     Times are seconds since the bag's start. ``…_bins`` have one value for each ``bin_s`` seconds; the first
     begins at ``first_bin_s``, 0 or less. ``decisions`` are the first 2000 of ``decision_count``; ``path`` is
-    ``[seconds, x, y]`` in metres where the bag has odometry.
+    ``[seconds, x, y]`` in metres where the bag has odometry. ``incidents`` are the first 200 that the rules
+    would have recorded, null where no rule records anything.
     """
 
     duration_s: float
@@ -97,6 +101,7 @@ class TryAnswer(Struct, frozen=True, kw_only=True):
     path: tuple[tuple[float, float, float], ...]
     blocks: tuple[BlockTurns, ...]
     loss: TryLoss
+    incidents: tuple[TryIncident, ...] | None
     notices: tuple[str, ...]
 
 
@@ -112,13 +117,14 @@ def try_rules(
     limits = limits or TrialLimits()
     decisions: list[Decision] = []
     with open_recording(bag) as recording:
-        rule_set, profile = _compiled(draft, recording), draft.profile() or Profile()
+        rule_set, profile = compiled_for(draft, recording), draft.profile() or Profile()
         loss = LossWatch(recording, rule_set, profile, max_samples=limits.samples)
         watches = _Watches(
             arrivals=ArrivalWatch(recording, RosbagDecoder(), loss),
             writer=CountingWriter(recording.declared_bytes, loss),
             truths=TruthWatch(rule_set, recording.start_ns, max_turns=limits.turns),
             loss=loss,
+            incidents=IncidentTally(limits.incidents) if rule_set.recorded else None,
         )
         outcome = replay(
             ReplayRequest(
@@ -131,10 +137,11 @@ def try_rules(
                 writer=watches.writer,
                 arrived=watches.arrivals.arrived,
                 stepped=watches.truths.stepped,
+                incidents=watches.incident_request(draft),
             )
         )
         bins = _bins(recording.start_ns, recording.end_ns)
-        cuts = _cuts(watches.truths, outcome, decisions, limits)
+        cuts = _cuts(watches, outcome, decisions, limits)
         return _trial(watches, outcome, tuple(decisions), bins, cuts)
 
 
@@ -146,9 +153,17 @@ class _Watches:
     writer: CountingWriter
     truths: TruthWatch
     loss: LossWatch
+    incidents: IncidentTally | None
+
+    def incident_request(self, draft: Draft) -> IncidentRequest | None:
+        """What asks the replay for incidents, if a rule records any."""
+        if self.incidents is None:
+            return None
+        return IncidentRequest(into=self.incidents.opened, rules_sha256=sha256_of_rules(draft.text))
 
 
-def _compiled(draft: Draft, recording: RecordingReader) -> RuleSet:
+def compiled_for(draft: Draft, recording: RecordingReader) -> RuleSet:
+    """The rules of ``draft`` for the topics of ``recording``; ``RefusedTextError`` if they have errors."""
     profile = draft.profile()
     bag_topics = {channel.topic: channel.type_name for channel in recording.channels}
     document = read_document(draft.text, draft.name)
@@ -167,7 +182,7 @@ def _trial(
     bins: _Bins,
     cuts: Iterable[str],
 ) -> TryAnswer:
-    traces = watches.arrivals.traces
+    traces, tally = watches.arrivals.traces, watches.incidents
     loss = watches.loss.loss(bins.bins)
     notices = (*outcome.notices, *watches.loss.notices(), *cuts)
     topics = tuple(
@@ -189,6 +204,7 @@ def _trial(
         path=tuple((point.t_s, point.x_m, point.y_m) for point in watches.arrivals.path),
         blocks=watches.truths.blocks,
         loss=loss,
+        incidents=None if tally is None else tally.incidents(bins.start_ns),
         notices=tuple(dict.fromkeys(notices)),
     )
 
@@ -207,16 +223,20 @@ def _decision(one: Decision) -> TryDecision:
 
 
 def _cuts(
-    truths: TruthWatch, outcome: ReplayOutcome, decisions: Sequence[Decision], limits: TrialLimits
+    watches: _Watches, outcome: ReplayOutcome, decisions: Sequence[Decision], limits: TrialLimits
 ) -> Iterator[str]:
+    truths, incidents = watches.truths, watches.incidents
     if outcome.decisions > len(decisions):
         yield (
-            f"only the first {len(decisions):,} decisions are shown; "
-            f"those after {decisions[-1].t_s:,.1f} s are left out"
+            f"only the first {grouped(len(decisions))} decisions are shown; "
+            f"those after {grouped(decisions[-1].t_s, 1)} s are left out"
         )
     if truths.cut_s is not None:
-        after = f"their states after {truths.cut_s:,.1f} s are left out"
-        yield f"rules changed their state more than {limits.turns:,} times; {after}"
+        after = f"their states after {grouped(truths.cut_s, 1)} s are left out"
+        yield f"rules changed their state more than {grouped(limits.turns)} times; {after}"
+    if incidents is not None and incidents.count > limits.incidents:
+        all_of_them = counted(incidents.count, "incident")
+        yield f"only the first {grouped(limits.incidents)} of {all_of_them} are shown"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -13,7 +13,7 @@ from msgspec import Struct
 from smarttestudo.adirf.rule_set import RuleSet
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.recording import Channel, RecordingReader
-from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.domain.units import NS_PER_S, grouped
 from smarttestudo.use_cases.bags.samples import SampleTaker, TopicReading
 from smarttestudo.visualizer.loss.binned_series import BinnedSeries, TimeBins, binned_age, binned_error
 from smarttestudo.visualizer.loss.crossings import thresholds_of
@@ -43,12 +43,14 @@ class TryTopicLoss(Struct, frozen=True, kw_only=True):
 class TryFieldLoss(Struct, frozen=True, kw_only=True):
     """How far a field's last value received was from the robot's; the bins have the largest error.
 
-    ``range`` is greatest minus least value sent; ``hold`` is null where nothing of it was received.
+    ``sent`` are the least and the greatest value sent, null where none was; ``range`` is what lies between
+    them, of an angle that goes round that of its course; ``hold`` is null where nothing of it was received.
     """
 
     topic: str
     field: str
     unit: str
+    sent: tuple[float, float] | None
     range: float
     hold: ErrorSize | None
     error_bins: BinnedSeries
@@ -170,8 +172,8 @@ class LossWatch:
         yield from self._sent.notices()
         if not self._left:
             until_s = (self._end_ns - self._start_ns) / NS_PER_S
-            came = f"{self._max_samples:,} messages came"
-            yield f"the loss is that of the first {until_s:,.0f} s, in which {came}"
+            came = f"{grouped(self._max_samples)} messages came"
+            yield f"the loss is that of the first {grouped(until_s)} s, in which {came}"
 
 
 def _choose_fields(type_name: str, message: object, *, needed: Sequence[str]) -> Sequence[Field]:
@@ -187,10 +189,12 @@ def _topic_loss(shared: SharedTopic, bins: TimeBins) -> TryTopicLoss:
 def _field_loss(shared: SharedTopic, loss: FieldLoss, bins: TimeBins) -> TryFieldLoss:
     field = next(field for field in shared.sent.fields if field.name == loss.field)
     sent, received, _ = shared.series(field)
+    known = sent.known().values
     return TryFieldLoss(
         topic=loss.topic,
         field=loss.field,
         unit=loss.unit,
+        sent=(min(known), max(known)) if known else None,
         range=loss.value_range,
         hold=loss.received.hold if loss.received else None,
         error_bins=_short(binned_error(sent, received, shared.end_ns, bins)),

@@ -98,7 +98,7 @@ def _rule_zones(rule: _Rule) -> RuleZones:
     reading = rule.reading
     return RuleZones(
         id=rule.id,
-        label=rule.block.label,
+        label=f"{rule.block.label} (switched off)" if rule.block.is_disabled else rule.block.label,
         zones=tuple(
             PlacedZone(
                 topic=one.topic, rectangle=_rectangle(one.rectangle), is_shared=_is_shared(one, reading)

@@ -95,7 +95,7 @@ class _Reporter:
         if len(missing) > _MISSING_NAMED:
             names.append(f"{len(missing) - _MISSING_NAMED} more")
         message = f"not proven to fit the budget: the profile lacks {wording.listed(names)}"
-        hint = "testudo profile measures them in a bag"
+        hint = "testudo profile measures them in a recording"
         return self._finding("budget-not-proven", Severity.WARNING, message, hint=hint)
 
     def joint(

@@ -28,8 +28,8 @@ from smarttestudo.optimizer.rule_rates import Optimization, optimize_rules
 
 
 def has_tiers(files: Sequence[RuleFile]) -> bool:
-    """Whether any statement of ``files`` names a quality level."""
-    return any(True for file in files for statement in file.statements for _ in tiers_in(statement))
+    """Whether any statement of ``files`` that counts names a quality level."""
+    return any(True for file in files for statement in file.enabled_statements for _ in tiers_in(statement))
 
 
 def optimize_tiers(files: Sequence[RuleFile], profile: Profile, resolve: Resolve) -> Optimization:

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from smarttestudo.domain.units import grouped
 from smarttestudo.visualizer.loss.accuracy_curve import AccuracyCurve, AccuracyPoint, BoundPrice
 from smarttestudo.visualizer.loss.tables import measured
 from smarttestudo.visualizer.table import (
@@ -32,7 +33,7 @@ def accuracy_table(curves: Sequence[AccuracyCurve]) -> Table:
     topic, messages = curves[0].topic, curves[0].messages
     is_reckoned = any(point.reckoned for curve in curves for point in curve.points)
     return Table(
-        title=f"{printable(topic)}: messages that an accuracy needs, of {messages:,}",
+        title=f"{printable(topic)}: messages that an accuracy needs, of {grouped(messages)}",
         columns=(
             Column(heading="Property", align=Align.LEFT),
             Column(heading="Bound"),

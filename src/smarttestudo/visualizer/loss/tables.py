@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator
 
-from smarttestudo.domain.units import BYTES_PER_KB
+from smarttestudo.domain.units import BYTES_PER_KB, grouped
 from smarttestudo.visualizer.loss.bounds import BoundLoss, BrokenStretch
 from smarttestudo.visualizer.loss.curve import CurvePoint, LossCurve
 from smarttestudo.visualizer.loss.report import (
@@ -59,7 +59,8 @@ def arms_text(report: LossReport) -> str:
     fixed_kb, received_kb = (size / BYTES_PER_KB for size in (carried.fixed_bytes, carried.received_bytes))
     return (
         f"A: {report.a}\nB: {report.b}\n"
-        f"Fixed: A at the best fixed rates for the bytes of B ({fixed_kb:,.0f} KB; B has {received_kb:,.0f})"
+        "Fixed: A at the best fixed rates for the bytes of B "
+        f"({grouped(fixed_kb)} KB; B has {grouped(received_kb)})"
     )
 
 
@@ -231,9 +232,11 @@ def _stretch_notes(losses: Iterable[BoundLoss]) -> Iterator[str]:
         if loss.is_held:
             continue
         shown = loss.stretches[:_MOST_STRETCHES]
-        named = "; ".join(f"{one.from_s:,.2f} to {one.to_s:,.2f} s{_by(one, loss.unit)}" for one in shown)
+        named = "; ".join(
+            f"{grouped(one.from_s, 2)} to {grouped(one.to_s, 2)} s{_by(one, loss.unit)}" for one in shown
+        )
         more = loss.stretch_count - len(shown)
-        rest = f"; and {more:,} more" if more else ""
+        rest = f"; and {grouped(more)} more" if more else ""
         yield f"{loss.topic} {loss.property_name} {loss.bound:g} broken: {named}{rest}."
 
 
@@ -313,7 +316,7 @@ def curve_table(curve: LossCurve) -> Table:
     title = f"{printable(curve.topic)}: RMSE over time when the last value received is held, by rate"
     if curve.breakpoints:
         tiers = ", ".join(f"{rate_hz:g}" for rate_hz in curve.breakpoints.tiers_hz)
-        title += f"\nProposed tiers: {tiers} Hz\n({curve.breakpoints.origin})"
+        title += f"\nProposed levels: {tiers} Hz\n({curve.breakpoints.origin})"
     return Table(
         title=title,
         columns=(

@@ -6,12 +6,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from smarttestudo.domain.units import grouped
 from smarttestudo.visualizer.loss.accuracy_curve import AccuracyCurve
 from smarttestudo.visualizer.loss.accuracy_curve_table import accuracy_table
 from smarttestudo.visualizer.report.accuracy_chart import AccuracyChart, AccuracyLine, accuracy_chart
 from smarttestudo.visualizer.report.legends import chart_legend
 from smarttestudo.visualizer.report.markup import Markup, html_table, name_parts, tag
-from smarttestudo.visualizer.report.scale import label
+from smarttestudo.visualizer.report.scale import label, tick_label
 from smarttestudo.visualizer.report.sections import section
 from smarttestudo.visualizer.report.time_drawing import number, plot
 
@@ -76,7 +77,7 @@ def _point(chart: AccuracyChart, messages: float, error: float) -> str:
 def _marks(chart: AccuracyChart, line: AccuracyLine) -> Iterator[Markup]:
     """A dot at each point, which says its numbers to who points at it."""
     for messages, error in line.points:
-        said = f"{line.name}: {messages:,} messages, {label(error, 3)} {chart.unit}".rstrip()
+        said = f"{line.name}: {grouped(messages)} messages, {label(error, 3)} {chart.unit}".rstrip()
         yield tag(
             "circle",
             tag("title", said),
@@ -100,7 +101,7 @@ def _message_axis(chart: AccuracyChart) -> Iterator[Markup]:
     for tick in chart.messages.ticks:
         at = _percent(chart, tick)
         yield tag("line", class_="grid", x1=at, x2=at, y1=_TOP, y2=foot)
-        yield tag("text", f"{tick:,g}", class_="tick", x=at, y=foot + 18, text_anchor="middle")
+        yield tag("text", tick_label(tick), class_="tick", x=at, y=foot + 18, text_anchor="middle")
     yield tag("text", "messages", class_="axis", x="100%", y=foot + 36, text_anchor="end")
 
 

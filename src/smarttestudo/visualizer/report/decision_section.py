@@ -7,9 +7,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from smarttestudo.domain.decision import Decision, Reason
+from smarttestudo.domain.units import grouped
 from smarttestudo.visualizer.report.decision_chart import Lane, decision_chart
 from smarttestudo.visualizer.report.markup import Markup, name_parts, tag
-from smarttestudo.visualizer.report.rule_styles import RuleStyles
+from smarttestudo.visualizer.report.rule_styles import DEFAULTS, RuleStyles
 from smarttestudo.visualizer.report.run_report import RuleText, RunReport
 from smarttestudo.visualizer.report.scale import label
 from smarttestudo.visualizer.report.sections import section
@@ -33,7 +34,7 @@ def decision_list(decisions: Sequence[Decision], styles: RuleStyles) -> Markup:
     """The first ``MAX_DECISIONS`` decisions, and how many more there are."""
     shown = decisions[:MAX_DECISIONS]
     more = len(decisions) - len(shown)
-    note = [tag("p", f"… and {more:,} more in the decisions file.", class_="note")] if more else []
+    note = [tag("p", f"… and {grouped(more)} more in the decisions file.", class_="note")] if more else []
     head = (
         tag("th", heading, *_unit(heading), class_="right" if heading == "Time" else "left", scope="col")
         for heading in _HEADINGS
@@ -82,7 +83,7 @@ def _decider(decision: Decision, styles: RuleStyles) -> list[Markup | str]:
     planned = decision.planned
     block = deciding_block(decision)
     parts: list[Markup | str] = [tag("span", class_=f"dot {styles.of(block).css_class}")]
-    parts.append("Default" if block is None else block.rule)
+    parts.append(DEFAULTS.name if block is None else block.rule)
     notes = [f"line {planned.line}"] if planned.line is not None else []
     if planned.reason in _NOTES:
         notes.append(_NOTES[planned.reason])
@@ -98,8 +99,8 @@ def decision_section(report: RunReport, rows: Sequence[Lane], styles: RuleStyles
     """The decisions over time, then each of them beside the rules, as far as there are any."""
     chart, columns = [], []
     if rows:
-        drawing = decision_chart(rows, report.duration_s)
-        chart = [tag("figure", drawing, class_="chart timeline", data_chart="lanes", tabindex="0")]
+        drawing = decision_chart(rows, report.duration_s, report.incident)
+        chart = [tag("figure", drawing, class_="chart timeline", data_chart="lanes")]
         columns.append(_scrolling("Decisions", [decision_list(report.decisions, styles)]))
     if report.rules:
         columns.append(_scrolling("Rules", list(_rule_files(report.rules))))

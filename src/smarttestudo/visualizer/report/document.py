@@ -61,7 +61,7 @@ def _draw(report: RunReport) -> _Drawn:
         spans=spans,
         styles=styles,
         rows=lanes(report.decisions, report.duration_s, styles) if report.decisions else (),
-        plan=floor_map(report.floor_plan, report.path, spans, styles),
+        plan=floor_map(report.floor_plan, report.path, spans, styles, incident=report.incident),
     )
 
 

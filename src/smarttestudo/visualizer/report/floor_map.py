@@ -11,7 +11,15 @@ from itertools import groupby, pairwise
 
 from smarttestudo.domain.floor_plan import FloorPlan, FloorZone, OccupancyMap
 from smarttestudo.visualizer.floor import PathPoint
-from smarttestudo.visualizer.report.map_frame import MapFrame, axes, map_frame, markers, zone_names
+from smarttestudo.visualizer.incident_mark import IncidentMark
+from smarttestudo.visualizer.report.map_frame import (
+    MapFrame,
+    NamedPlace,
+    axes,
+    map_frame,
+    markers,
+    zone_names,
+)
 from smarttestudo.visualizer.report.markup import Markup, coordinate, tag
 from smarttestudo.visualizer.report.rule_styles import RuleStyle, RuleStyles
 from smarttestudo.visualizer.rule_timeline import DecidingBlock, RuleSpan, block_at
@@ -116,7 +124,7 @@ class FloorMap:
     """What the map shows, the same in whichever form it is drawn.
 
     ``zones`` and ``pieces`` of the path have the looks of their blocks; ``known`` are all places that are
-    known, ``line`` as many of them as are drawn.
+    known, ``line`` as many of them as are drawn. ``happened`` is an incident, if the run is one.
     """
 
     plan: FloorPlan
@@ -125,6 +133,7 @@ class FloorMap:
     line: tuple[PathPoint, ...]
     zones: tuple[tuple[FloorZone, RuleStyle], ...]
     pieces: tuple[tuple[tuple[PathPoint, ...], RuleStyle], ...]
+    happened: NamedPlace | None = None
 
     @property
     def places(self) -> Iterator[tuple[float, float, float]]:
@@ -133,7 +142,12 @@ class FloorMap:
 
 
 def floor_map(
-    plan: FloorPlan | None, path: Sequence[PathPoint], spans: Sequence[RuleSpan], styles: RuleStyles
+    plan: FloorPlan | None,
+    path: Sequence[PathPoint],
+    spans: Sequence[RuleSpan],
+    styles: RuleStyles,
+    *,
+    incident: IncidentMark | None = None,
 ) -> FloorMap | None:
     """The map; ``None`` where there is neither a floor plan nor a known place."""
     plan = plan or FloorPlan()
@@ -149,7 +163,14 @@ def floor_map(
         line=tuple(line),
         zones=tuple((zone, styles.of_zone(zone.name)) for zone in plan.zones),
         pieces=tuple((piece.points, styles.of(piece.block)) for piece in path_pieces(line, spans)),
+        happened=None if incident is None else _place_of(incident, known),
     )
+
+
+def _place_of(incident: IncidentMark, known: Sequence[PathPoint]) -> NamedPlace | None:
+    """The first place that is known from the incident on."""
+    point = next((point for point in known if point.t_s >= incident.at_s), None)
+    return None if point is None else NamedPlace(name=incident.name, point=point)
 
 
 def draw_floor_map(floor: FloorMap) -> Markup:
@@ -165,7 +186,7 @@ def draw_floor_map(floor: FloorMap) -> Markup:
             for points, look in floor.pieces
         ),
         *zone_names(floor.plan.zones, floor.line, frame),
-        *markers(floor.known, frame),
+        *markers(floor.known, frame, floor.happened),
         class_="map",
         viewBox=f"0 0 {coordinate(frame.width)} {coordinate(frame.height)}",
         role="img",

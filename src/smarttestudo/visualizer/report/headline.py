@@ -4,9 +4,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from smarttestudo.domain.units import counted
 from smarttestudo.visualizer.report.floor_map import FloorMap, draw_floor_map
 from smarttestudo.visualizer.report.legends import rule_legend
 from smarttestudo.visualizer.report.markup import Markup, tag
@@ -45,13 +46,13 @@ def opening(
 ) -> Markup:
     """The report's head, beside the map where there is one."""
     topics = len(report.comparison.topics)
-    extent = f"{topics:,} {'topic' if topics == 1 else 'topics'}, {format_number(report.duration_s, 0)} s"
+    extent = f"{counted(topics, 'topic')}, {format_number(report.duration_s, 0)} s"
     sentence = summary_sentence(report.comparison, len(report.decisions), report.loss)
     words = tag(
         "div",
         tag("h1", report.title, class_="words"),
         tag("p", _kept_together(sentence), class_="lead"),
-        *([tag("p", report.explanation, class_="explanation words")] if report.explanation else []),
+        *(tag("p", text, class_="explanation words") for text in _explanations(report)),
         _bars(report),
         tag("p", extent, class_="note"),
         *(_path_legend(spans, styles) if plan and spans else []),
@@ -59,6 +60,13 @@ def opening(
     if plan is None:
         return tag("header", words)
     return tag("header", words, tag("figure", draw_floor_map(plan)), class_="with-map")
+
+
+def _explanations(report: RunReport) -> Iterator[str]:
+    if report.explanation:
+        yield report.explanation
+    if report.incident is not None:
+        yield f"Incident {report.incident.text}"
 
 
 def _kept_together(sentence: str) -> str:

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from smarttestudo.domain.units import grouped
 from smarttestudo.visualizer.report.markup import Markup, tag
 from smarttestudo.visualizer.report.rule_styles import RuleStyle, RuleStyles
 from smarttestudo.visualizer.report.run_report import RunReport
@@ -29,13 +30,13 @@ def rate_legend(report: RunReport, styles: RuleStyles) -> Markup:
     """The lines of a rate chart, and the tints behind them."""
     target = [_line("target", "Target")] if report.decisions else []
     tints = (_entry(_sample(_strip(style)), style.name) for style in styles.all) if report.decisions else ()
-    return tag("ul", *_runs(report), *target, *tints, class_="legend")
+    return tag("ul", *_runs(report), *target, *_incident(report), *tints, class_="legend")
 
 
 def run_legend(report: RunReport) -> Markup:
     """The lines of the recordings, and the budget's."""
     budget = [] if report.budget_kb_per_s is None else [_line("budget", "Budget")]
-    return tag("ul", *_runs(report), *budget, class_="legend")
+    return tag("ul", *_runs(report), *budget, *_incident(report), class_="legend")
 
 
 def chart_legend(lines: Sequence[tuple[str, str]], tints: Sequence[RuleStyle]) -> Markup:
@@ -63,12 +64,19 @@ def _runs(report: RunReport) -> Iterator[Markup]:
         yield _line("after", report.names.after)
 
 
+def _incident(report: RunReport) -> Iterator[Markup]:
+    if report.incident is not None:
+        yield _line("incident", report.incident.name)
+
+
 def _line(look: str, name: str) -> Markup:
     return _entry(_sample(tag("path", class_=look, d="M1 6H33")), name)
 
 
 def _rule(style: RuleStyle, seconds: float, total_s: float) -> Markup:
-    share = f"{seconds:,.0f} s · {100 * seconds / total_s:.0f} %" if total_s > 0 else f"{seconds:,.0f} s"
+    share = (
+        f"{grouped(seconds)} s · {100 * seconds / total_s:.0f} %" if total_s > 0 else f"{grouped(seconds)} s"
+    )
     sample = _sample(tag("path", class_=f"path {style.css_class}", d="M1 6H33"))
     return _entry(sample, style.name, tag("span", share, class_="quiet"))
 

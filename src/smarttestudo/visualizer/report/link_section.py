@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from smarttestudo.domain.units import grouped
 from smarttestudo.visualizer.link_history import LinkHistory, TopicOverLink, link_table
 from smarttestudo.visualizer.report.legends import chart_legend
 from smarttestudo.visualizer.report.markup import Markup, html_table, name_parts, tag
@@ -39,7 +40,7 @@ def link_section(history: LinkHistory, received: Series, duration_s: float) -> M
     )
     points = max(_POINTS_OF_ALL_CHARTS // max(len(ages), 1), 40)
     left_out = sum(bool(topic.ages) for topic in history.topics) - len(ages)
-    more = [tag("p", f"{left_out:,} more topics are in the table.", class_="note")] if left_out else []
+    more = [tag("p", f"{grouped(left_out)} more topics are in the table.", class_="note")] if left_out else []
     return section(
         "What the link did",
         legend,
@@ -119,4 +120,4 @@ def _outages(history: LinkHistory) -> str:
     silent_s = sum(end_s - start_s for start_s, end_s in history.silences)
     if not history.outages and not history.silences:
         return "No outage."
-    return f"Outages: {history.outages:,}; nothing arrived for {format_number(silent_s, 0)} s."
+    return f"Outages: {grouped(history.outages)}; nothing arrived for {format_number(silent_s, 0)} s."

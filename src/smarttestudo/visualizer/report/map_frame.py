@@ -16,7 +16,7 @@ from smarttestudo.visualizer.report.scale import Scale, label, linear, multiples
 
 _WIDTH = 600.0
 _TALLEST = 690.0
-_LEFT, _RIGHT, _TOP, _BOTTOM = 40.0, 8.0, 8.0, 38.0
+_LEFT, _RIGHT, _TOP, _BOTTOM = 48.0, 8.0, 8.0, 46.0
 _LEAST_SPAN_M = 2.0
 _LEAST_REACH_M = 20.0
 _GRID_LINES = 8
@@ -84,12 +84,12 @@ def axes(frame: MapFrame) -> Iterator[Markup]:
     for x_m in multiples(step_m, min_x_m, max_x_m):
         at = frame.x(x_m)
         yield tag("line", class_="grid", x1=at, x2=at, y1=top, y2=bottom)
-        yield tag("text", label(x_m), class_="tick", x=at, y=bottom + 15, text_anchor="middle")
+        yield tag("text", label(x_m), class_="tick", x=at, y=bottom + 18, text_anchor="middle")
     for y_m in multiples(step_m, min_y_m, max_y_m):
         at = frame.y(y_m)
         yield tag("line", class_="grid", x1=left, x2=right, y1=at, y2=at)
         yield tag("text", label(y_m), class_="tick", x=left - 6, y=at + 3.5, text_anchor="end")
-    yield tag("text", "x in m", class_="axis", x=right, y=bottom + 31, text_anchor="end")
+    yield tag("text", "x in m", class_="axis", x=right, y=bottom + 40, text_anchor="end")
     turned = f"translate(12 {coordinate(top)}) rotate(-90)"
     yield tag("text", "y in m", class_="axis", transform=turned, text_anchor="end")
 
@@ -130,7 +130,9 @@ def _widened(values_m: Sequence[float], margin_m: float) -> tuple[float, float]:
 
 _TIME_LABELS = 5
 _LABEL_SPACE = 30.0
+_LABEL_ASIDE = 8.0
 _NAME_SPACE = 90.0
+_LONGEST_NAME = 24
 _CHARACTER_WIDTH = 8.0
 _LINE_HEIGHT = 24.0
 
@@ -147,12 +149,32 @@ def zone_names(zones: Sequence[FloorZone], places: Sequence[PathPoint], frame: M
         yield tag("text", zone.name, class_="zone-name", x=x + 8, y=y + 17)
 
 
-def markers(places: Sequence[PathPoint], frame: MapFrame) -> Iterator[Markup]:
-    """Start and end, as one where they nearly meet, and round times in between where there is room."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NamedPlace:
+    """Where something happened on the path, and what."""
+
+    name: str
+    point: PathPoint
+
+
+def markers(
+    places: Sequence[PathPoint], frame: MapFrame, happened: NamedPlace | None = None
+) -> Iterator[Markup]:
+    """Start and end, as one where they nearly meet, and round times in between where there is room.
+
+    Also what ``happened``.
+    """
     if not places:
         return
     first, last = frame.place(places[0]), frame.place(places[-1])
     taken = [first, last]
+    if happened is not None:
+        x, y = frame.place(happened.point)
+        taken.append((x, y))
+        yield tag("path", class_="happened", d=f"M{coordinate(x)} {coordinate(y - 8)}l8 8l-8 8l-8 -8z")
+        name = happened.name
+        cut = name if len(name) <= _LONGEST_NAME else f"{name[: _LONGEST_NAME - 1]}…"
+        yield _beside(cut, (x, y), frame, lift=14.0)
     for time_s, point in _at_round_times(places):
         x, y = frame.place(point)
         if all(_apart((x, y), other) for other in taken):
@@ -160,11 +182,13 @@ def markers(places: Sequence[PathPoint], frame: MapFrame) -> Iterator[Markup]:
             yield tag("circle", class_="passing", cx=x, cy=y, r=3.0)
             yield tag("text", f"{label(time_s)} s", class_="passing-time", x=x + 7, y=y - 6)
     meets = not _apart(first, last)
+    aside = _LABEL_ASIDE if abs(first[1] - last[1]) < _LINE_HEIGHT and not meets else 0.0
+    lift = aside if first[1] < last[1] else -aside
     yield tag("circle", class_="start", cx=first[0], cy=first[1], r=6.0)
-    yield _beside("Start, end" if meets else "Start", first, frame)
+    yield _beside("Start, end" if meets else "Start", first, frame, lift=lift)
     if not meets:
         yield tag("rect", class_="end", x=last[0] - 5, y=last[1] - 5, width=10.0, height=10.0)
-        yield _beside("End", last, frame)
+        yield _beside("End", last, frame, lift=-lift)
 
 
 def _passages(path: Sequence[tuple[float, float]], corner: tuple[float, float], width: float) -> int:
@@ -177,12 +201,12 @@ def _apart(one: tuple[float, float], other: tuple[float, float]) -> bool:
     return abs(one[0] - other[0]) + abs(one[1] - other[1]) >= _LABEL_SPACE
 
 
-def _beside(name: str, place: tuple[float, float], frame: MapFrame) -> Markup:
-    """``name`` to the right of a marker, to its left where there is no room."""
-    x, y = place
-    if x > frame.width - _NAME_SPACE:
-        return tag("text", name, class_="marker-name", x=x - 11, y=y + 4, text_anchor="end")
-    return tag("text", name, class_="marker-name", x=x + 11, y=y + 4)
+def _beside(name: str, place: tuple[float, float], frame: MapFrame, *, lift: float) -> Markup:
+    """``name`` to the right of a marker, to its left where there is no room, ``lift`` higher."""
+    x, y = place[0], place[1] + 4 - lift
+    if x > frame.width - max(_NAME_SPACE, _CHARACTER_WIDTH * len(name)):
+        return tag("text", name, class_="marker-name", x=x - 11, y=y, text_anchor="end")
+    return tag("text", name, class_="marker-name", x=x + 11, y=y)
 
 
 def _at_round_times(places: Sequence[PathPoint]) -> Iterator[tuple[float, PathPoint]]:

@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from html import escape
 
+from smarttestudo.domain.units import grouped
 from smarttestudo.visualizer.table import Column, Row, Table, Text, format_cell, printable
 
 _WITHOUT_CONTENT = frozenset({"meta", "wbr", "rect", "line", "path", "circle", "polyline", "polygon"})
@@ -80,7 +81,7 @@ def html_table(table: Table) -> Markup:
     rows = [row for row in table.rows if not row.is_total]
     sums = [row for row in table.rows if row.is_total]
     left_out = len(rows) - MAX_ROWS
-    more = (f"… and {left_out:,} more rows; `testudo bag` prints them all.",) if left_out > 0 else ()
+    more = (f"… and {grouped(left_out)} more rows; `testudo bag` prints them all.",) if left_out > 0 else ()
     notes = [tag("p", note, class_="note") for note in (*more, *table.footnotes)]
     body = tag("tbody", *(_row(row, table.columns) for row in (*rows[:MAX_ROWS], *sums)))
     caption = tag("caption", table.title, class_="unseen")

@@ -12,6 +12,7 @@ from smarttestudo.visualizer.accuracy_comparison import AccuracyComparison
 from smarttestudo.visualizer.comparison import Comparison
 from smarttestudo.visualizer.comparison_tables import RunNames, bandwidth_table, frequency_table
 from smarttestudo.visualizer.floor import PathPoint
+from smarttestudo.visualizer.incident_mark import IncidentMark
 from smarttestudo.visualizer.link_history import LinkHistory
 from smarttestudo.visualizer.loss.accuracy_curve import AccuracyCurve
 from smarttestudo.visualizer.loss.report import LossReport
@@ -75,7 +76,8 @@ class RunReport:
 
     Times are in seconds since the first recording's start, those of ``decisions`` too. ``explanation`` says
     what is compared; ``total`` is the bandwidth of all topics together, ``accuracy_curve`` what
-    bounds of the robot's position cost. Of a pair, ``tables`` may be left empty for the usual two.
+    bounds of the robot's position cost; ``incident`` is known where the first recording is one. Of a pair,
+    ``tables`` may be left empty for the usual two.
     """
 
     title: str
@@ -95,6 +97,7 @@ class RunReport:
     rules: tuple[RuleText, ...] = ()
     provenance: tuple[Fact, ...] = ()
     notices: tuple[str, ...] = ()
+    incident: IncidentMark | None = None
     floor_plan: FloorPlan | None = None
     path: tuple[PathPoint, ...] = ()
 

@@ -58,6 +58,11 @@ def label(value: float, digits: int = 6) -> str:
     return f"{value + 0.0:.{digits}g}".replace("-", "−")
 
 
+def tick_label(value: float) -> str:
+    """A value on an axis: at most six significant digits, thousands apart."""
+    return f"{value:,g}".replace(",", " ")
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LookSpan:
     """From ``start_s`` to ``end_s``: the look of what is drawn, and what is written on it."""

@@ -10,6 +10,7 @@ from collections.abc import Iterable
 from importlib.resources import files
 
 from smarttestudo.domain.json_text import json_text
+from smarttestudo.visualizer.report.decision_chart import row_sheet
 from smarttestudo.visualizer.report.looks import colour_sheet
 from smarttestudo.visualizer.report.markup import Markup, tag
 
@@ -29,7 +30,7 @@ _OWN = (
 
 def style() -> str:
     """The style sheets as one."""
-    return colour_sheet() + "\n" + _read("report.css")
+    return "\n".join([colour_sheet(), row_sheet(), _read("report.css")])
 
 
 def script() -> str:

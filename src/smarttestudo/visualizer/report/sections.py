@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from smarttestudo.domain.units import grouped
 from smarttestudo.visualizer.accuracy_comparison import AccuracyComparison
 from smarttestudo.visualizer.accuracy_comparison_table import accuracy_sentences, accuracy_tables
 from smarttestudo.visualizer.comparison import TopicComparison
@@ -36,7 +37,9 @@ def section(heading: str, *content: Markup, explanation: str = "") -> Markup:
 def rates_section(report: RunReport, charts: Sequence[TimeChart], styles: RuleStyles) -> Markup:
     """A small chart for each topic that has one."""
     left_out = len(report.series) - len(charts)
-    note = [tag("p", f"{left_out:,} more topics are in the tables.", class_="note")] if left_out else []
+    note = (
+        [tag("p", f"{grouped(left_out)} more topics are in the tables.", class_="note")] if left_out else []
+    )
     shading = ", shaded by the rule that decided the topic" if report.decisions else ""
     return section(
         "Rate of each topic",
@@ -100,7 +103,7 @@ def _stretches(report: RunReport) -> str:
     seconds = points[1].t_s - points[0].t_s if points else 1.0
     if seconds < 2:
         return ""
-    return f" Each point stands for {seconds:,.0f} s, from the least to the greatest rate among them."
+    return f" Each point stands for {grouped(seconds)} s, from the least to the greatest rate among them."
 
 
 def loss_section(loss: LossReport, names: RunNames) -> Markup:

@@ -11,6 +11,7 @@ from itertools import accumulate
 from statistics import fmean, median
 
 from smarttestudo.domain.decision import Decision
+from smarttestudo.visualizer.incident_mark import IncidentMark
 from smarttestudo.visualizer.report.rule_styles import RuleStyles, styles_of
 from smarttestudo.visualizer.report.run_report import RunReport, TopicHistory, TopicSeries, charted_series
 from smarttestudo.visualizer.report.scale import LookSpan, Scale, bounded, linear, multiples, round_step
@@ -71,7 +72,8 @@ class TimeChart:
 
     ``name`` is what it is of, ``meaning`` what a reader who cannot see it is told. ``heights`` maps values in
     ``unit`` to heights above the foot, straight but for a gap that it may leave out; ``ticks`` are the values
-    to label. ``layers`` stand on each other, the first one at the foot.
+    to label. ``layers`` stand on each other, the first one at the foot. ``incident`` is marked, if there is
+    one.
     """
 
     name: str
@@ -85,6 +87,7 @@ class TimeChart:
     tints: tuple[LookSpan, ...] = ()
     usual: float | None = None
     budget: float | None = None
+    incident: IncidentMark | None = None
 
     @property
     def top(self) -> float:
@@ -142,6 +145,7 @@ def rate_charts(report: RunReport) -> list[TimeChart]:
                 targets=tuple(bounded(targets, _MOST_SPANS)),
                 tints=_tints(own, report.duration_s, styles),
                 usual=_usual_hz(series, heights) if len(heights.values) > 2 else None,
+                incident=report.incident,
             )
         )
     return charts
@@ -200,6 +204,7 @@ def stacked_chart(report: RunReport, run: Run) -> TimeChart:
         heights=value_heights(highest, report.budget_kb_per_s),
         layers=stack,
         budget=report.budget_kb_per_s,
+        incident=report.incident,
     )
 
 
@@ -227,6 +232,7 @@ def _bandwidth_chart(
         heights=value_heights(max(_highest(points), default=0.0), budget),
         lines=_lines(report, series, _kb_per_s),
         budget=budget,
+        incident=report.incident,
     )
 
 

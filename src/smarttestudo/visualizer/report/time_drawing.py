@@ -8,8 +8,9 @@ import json
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from smarttestudo.visualizer.incident_mark import IncidentMark
 from smarttestudo.visualizer.report.markup import Markup, tag
-from smarttestudo.visualizer.report.scale import label, multiples, round_step
+from smarttestudo.visualizer.report.scale import label, multiples, round_step, tick_label
 from smarttestudo.visualizer.report.time_chart import ChartLine, TimeChart, stacked_tops
 from smarttestudo.visualizer.series import coarser
 from smarttestudo.visualizer.table import printable
@@ -52,6 +53,7 @@ def draw_chart(chart: TimeChart, frame: Frame, max_points: int) -> Markup:
         *_tints(chart, per_px),
         *_layers(chart, max_points),
         *_lines(chart, max_points),
+        *incident_line(chart.incident, chart.duration_s, chart.top),
         transform="scale(1 -1)",
     )
     height = frame.height + _ABOVE + _BELOW
@@ -71,6 +73,14 @@ def draw_chart(chart: TimeChart, frame: Frame, max_points: int) -> Markup:
         data_unit=chart.unit,
         **gap,
     )
+
+
+def incident_line(mark: IncidentMark | None, duration_s: float, height: float) -> Iterator[Markup]:
+    """The moment of an incident, from the foot of a plot to ``height``, which says what it is."""
+    if mark is not None:
+        at = number(min(max(mark.at_s, 0.0), duration_s))
+        for look, *words in (("incident-edge",), ("incident", tag("title", mark.text))):
+            yield tag("line", *words, class_=look, x1=at, x2=at, y1=0.0, y2=number(height))
 
 
 def time_svg(*content: Markup, frame: Frame, duration_s: float, meaning: str, **attributes: str) -> Markup:
@@ -135,7 +145,7 @@ def _value_axis(chart: TimeChart, frame: Frame) -> Iterator[Markup]:
     for value in chart.ticks:
         at = _place(chart, frame, value)
         yield tag("line", class_="grid", x1=0.0, x2="100%", y1=at, y2=at)
-        yield tag("text", f"{value:,g}", class_="tick", x=-6.0, y=at + 3.5, text_anchor="end")
+        yield tag("text", tick_label(value), class_="tick", x=-6.0, y=at + 3.5, text_anchor="end")
     yield tag("text", chart.unit, class_="tick", x=-6.0, y=10.0, text_anchor="end")
     if chart.gap is not None:
         middle = frame.foot - chart.gap / chart.top * frame.height
@@ -210,6 +220,6 @@ def _budget(chart: TimeChart, frame: Frame) -> Iterator[Markup]:
         return
     at = _place(chart, frame, chart.budget)
     above = " (far above)" if chart.budget > chart.heights.values[-1] else ""
-    text = f"budget {chart.budget:,g} KB/s{above}"
+    text = f"budget {tick_label(chart.budget)} KB/s{above}"
     yield tag("line", class_="budget", x1=0.0, x2="100%", y1=at, y2=at)
     yield tag("text", text, class_="axis", x="100%", y=at - 5, text_anchor="end")

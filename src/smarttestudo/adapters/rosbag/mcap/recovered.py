@@ -21,6 +21,7 @@ from smarttestudo.adapters.rosbag.qos import QosReader, is_transient_local
 from smarttestudo.adapters.rosbag.stored_file import ChannelsByNumber, Outline, TimeIndex, read_so_far
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import Channel, RecordedMessage
+from smarttestudo.domain.units import grouped
 
 _IDL_ENCODINGS = frozenset({"ros2idl", "omgidl"})
 _DEFINED_ENCODINGS = frozenset({"ros2msg"}) | _IDL_ENCODINGS
@@ -68,12 +69,18 @@ class RecoveredMcapFile:
         """Whether the file is cut off or damaged, and how much of it was read."""
         notices = list(self._qos.notices)
         if self._records.cut_off_at is not None:
-            notices.append(f"cut off or damaged at byte {self._records.cut_off_at:,}: {read_so_far(self)}")
+            notices.append(
+                f"cut off or damaged at byte {grouped(self._records.cut_off_at)}: {read_so_far(self)}"
+            )
         if self._records.damaged_chunks:
-            notices.append(f"damaged chunks left out: {self._records.damaged_chunks:,}; {read_so_far(self)}")
+            notices.append(
+                f"damaged chunks left out: {grouped(self._records.damaged_chunks)}; {read_so_far(self)}"
+            )
         homeless = self._counts.total() - self.message_count
         if homeless:
-            notices.append(f"{homeless:,} messages of topics that the file does not name were left out")
+            notices.append(
+                f"{grouped(homeless)} messages of topics that the file does not name were left out"
+            )
         return notices
 
     @property

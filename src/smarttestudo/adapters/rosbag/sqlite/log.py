@@ -16,6 +16,8 @@ from typing import BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
+from smarttestudo.domain.units import grouped
+
 _MODULUS = 1 << 32
 _MOST_WORDS = (65536 + 8) // 4
 
@@ -96,8 +98,8 @@ class WriteAheadLog:
             yield f"read together with {name} beside it, which holds what is not in it yet"
         if self.left_out_bytes:
             yield (
-                f"the last {self.left_out_bytes:,} bytes of {name} are damaged, or of a transaction that "
-                "did not end, and were left out"
+                f"the last {grouped(self.left_out_bytes)} bytes of {name} are damaged, "
+                "or of a transaction that did not end, and were left out"
             )
 
 

@@ -9,24 +9,30 @@ const TOLERANCE = 0.005;
 const LEAST_DRAG = 4;
 
 function timeChart(drawing) {
-  const plot = drawing.querySelector(".plot").viewBox.baseVal;
+  const plots = [...drawing.querySelectorAll(".plot")].map((plot) => plot.viewBox.baseVal);
   const ground = drawing.querySelector(".ground");
   const times = drawing.querySelector(".times");
-  const [y, height] = ["y", "height"].map((name) => Number(ground.getAttribute(name)));
-  const chosen = shape("rect", { class: "chosen", y, height });
-  const cursor = shape("line", { class: "cursor", y1: y, y2: y + height });
+  const chosen = shape("rect", { class: "chosen" });
+  const cursor = shape("line", { class: "cursor" });
   drawing.append(chosen, cursor);
 
   time.watch(() => {
-    if (plot.x !== time.from || plot.width !== time.to - time.from) {
-      plot.x = time.from;
-      plot.width = time.to - time.from;
+    if (plots[0].x !== time.from || plots[0].width !== time.to - time.from) {
+      for (const plot of plots) {
+        plot.x = time.from;
+        plot.width = time.to - time.from;
+      }
       writeTimes(times, ground);
     }
     cursor.classList.toggle("known", time.isShown());
     ["x1", "x2"].forEach((name) => cursor.setAttribute(name, place(time.now ?? 0)));
   });
-  new ResizeObserver(() => writeTimes(times, ground)).observe(drawing);
+  new ResizeObserver(() => {
+    const { y, height } = ground.getBBox();
+    setAll(chosen, { y, height });
+    setAll(cursor, { y1: y, y2: y + height });
+    writeTimes(times, ground);
+  }).observe(drawing);
 
   const timeAt = (event) => {
     const { left, width } = ground.getBoundingClientRect();
@@ -136,6 +142,10 @@ function between(from, to, value) {
 
 function shape(name, attributes) {
   const made = document.createElementNS("http://www.w3.org/2000/svg", name);
-  Object.entries(attributes).forEach(([key, value]) => made.setAttribute(key, value));
+  setAll(made, attributes);
   return made;
+}
+
+function setAll(element, attributes) {
+  Object.entries(attributes).forEach(([key, value]) => element.setAttribute(key, value));
 }

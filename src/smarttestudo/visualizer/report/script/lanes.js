@@ -13,7 +13,7 @@ function lanesOf(drawing) {
     name: names[index],
     text: names[index].textContent,
   }));
-  return { bars, leading: bars.slice(0, drawing.querySelector(".lane").childElementCount) };
+  return { bars, leading: bars.slice(0, drawing.querySelector(".lane").querySelectorAll(".bar").length) };
 }
 
 function nameBars(drawing, bars) {

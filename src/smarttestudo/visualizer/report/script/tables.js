@@ -35,7 +35,7 @@ function sortKey(cell) {
   const text = cell.textContent;
   if (text === "–") return null;
   if (!cell.classList.contains("right")) return text;
-  return Number(text.replaceAll(",", "").replace("−", "-"));
+  return Number(text.replaceAll(" ", "").replace("−", "-"));
 }
 
 function movesCursor(row) {

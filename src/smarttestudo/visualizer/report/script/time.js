@@ -79,7 +79,7 @@ function valueAt({ times, values }, seconds) {
 function number(value) {
   if (value === null) return "–";
   const digits = Math.abs(value) >= 100 ? 0 : Math.abs(value) >= 10 ? 1 : 2;
-  return value.toLocaleString("en-US", { maximumFractionDigits: digits });
+  return value.toLocaleString("en-US", { maximumFractionDigits: digits }).replaceAll(",", " ");
 }
 
 function seconds(value) {

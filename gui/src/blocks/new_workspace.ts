@@ -1,0 +1,59 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import * as Blockly from "blockly/core";
+import * as english from "blockly/msg/en";
+import type { Statement } from "../api/types";
+import { addAnotherOnShiftEnter } from "./another";
+import { addBound, addCheck, addRate, addRecord, toggleElse } from "./block_buttons";
+import { type BlockButtons, defineBlocks, type RuleAct } from "./block_types";
+import type { Suggestions } from "./fields";
+import { blocklyTheme } from "./palette";
+import { toolbox } from "./toolbox";
+
+const SCALE = 0.72;
+const SCALE_FOR_FINGERS = 1.1;
+
+/** A workspace of Blockly that knows the blocks of rules; `act` is called by the buttons of a whole rule. */
+export function newWorkspace(
+  host: HTMLElement,
+  suggestions: Suggestions,
+  recipes: readonly Statement[],
+  act: (block: Blockly.BlockSvg, act: RuleAct) => void,
+): Blockly.WorkspaceSvg {
+  Blockly.setLocale(english as unknown as Record<string, string>);
+  const buttons: BlockButtons = {
+    addCheck: (block) => addCheck(block, suggestions),
+    addRate: (block, input) => addRate(block, input, suggestions.topics()),
+    addBound: (block, input) => addBound(block, input, suggestions),
+    addRecord,
+    toggleElse: (block) => toggleElse(block, suggestions.topics()),
+    remove: (block) => block.checkAndDelete(),
+    act,
+  };
+  defineBlocks(suggestions, buttons);
+  addAnotherOnShiftEnter(buttons);
+  const workspace = Blockly.inject(host, {
+    // A question of the browser's own would have no list to pick from.
+    modalInputs: false,
+    renderer: "zelos",
+    theme: blocklyTheme(host),
+    toolbox: toolbox(recipes),
+    media: "./media/",
+    trashcan: false,
+    // A rule is switched off in the text.
+    disable: false,
+    sounds: false,
+    zoom: {
+      controls: true,
+      wheel: false,
+      pinch: true,
+      startScale: matchMedia("(pointer: coarse)").matches ? SCALE_FOR_FINGERS : SCALE,
+      minScale: 0.3,
+      maxScale: 2,
+    },
+    move: { scrollbars: true, drag: true, wheel: true },
+  });
+  // The text keeps what is undone.
+  workspace.MAX_UNDO = 0;
+  return workspace;
+}

@@ -1,0 +1,64 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import * as Blockly from "blockly/core";
+
+/**
+ * Does what a key means in every field that somebody types into; whether the field has nothing more to do with it.
+ *
+ * Enter and Tab end nothing while the text is refused. Tab goes on to the next field. Shift+Enter is a key of the
+ * workspace, which Blockly keeps from open fields.
+ */
+export function takeKey(field: Blockly.Field, event: KeyboardEvent, isRefused: boolean): boolean {
+  if (event.key !== "Tab" && event.key !== "Enter") return false;
+  const isPlainEnter = event.key === "Enter" && !event.shiftKey;
+  if (isPlainEnter && !isRefused) return false;
+  event.preventDefault();
+  event.stopPropagation();
+  if (isRefused) return true;
+  const { workspace } = field.getSourceBlock() as Blockly.BlockSvg;
+  if (event.key === "Tab") openNext(field, event.shiftKey);
+  else Blockly.ShortcutRegistry.registry.onKeyDown(workspace, event);
+  return true;
+}
+
+/** Closes an open field and opens the next one of the rule, or the one before; at the end it only closes. */
+function openNext(field: Blockly.Field, isBackwards: boolean): void {
+  const fields = typedFields(field.getSourceBlock()?.getRootBlock() ?? null);
+  const next = fields[fields.indexOf(field) + (isBackwards ? -1 : 1)];
+  Blockly.WidgetDiv.hideIfOwner(field);
+  openField(next ?? null);
+}
+
+/** A field that can be opened without a list that covers what is below it. */
+export interface QuietField {
+  openQuietly(): void;
+}
+
+/** Puts the focus on a field and opens it to type into. */
+export function openField(field: Blockly.Field | null): void {
+  if (field === null) return;
+  Blockly.getFocusManager().focusNode(field);
+  if ("openQuietly" in field) (field as unknown as QuietField).openQuietly();
+  else field.showEditor();
+}
+
+/** Closes the open field as Enter does: with its text, and not where that is refused. */
+export function closeField(): void {
+  openInput()?.dispatchEvent(new KeyboardEvent("keydown", { key: "Enter" }));
+}
+
+/** Whether the open field has another text than when it opened, or a menu is open. */
+export function isTyping(): boolean {
+  const input = openInput();
+  return Blockly.WidgetDiv.isVisible() && (!input || input.value !== input.defaultValue);
+}
+
+function openInput(): HTMLInputElement | null {
+  return Blockly.WidgetDiv.getDiv()?.querySelector("input") ?? null;
+}
+
+/** The fields of a block and of those in it that somebody types into, in the order in which they are read. */
+function typedFields(block: Blockly.Block | null): Blockly.Field[] {
+  const all = block?.getDescendants(true).flatMap(({ inputList }) => inputList.flatMap(({ fieldRow }) => fieldRow));
+  return (all ?? []).filter((field) => field instanceof Blockly.FieldTextInput || field instanceof Blockly.FieldNumber);
+}

@@ -1,0 +1,168 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import { useEffect, useMemo, useState } from "preact/hooks";
+import { type Api, ApiError } from "../api/client";
+import type { IncidentAnswer, IncidentCourse, IncidentsAnswer, ListedIncident } from "../api/types";
+import { DeleteDialog } from "../incidents/delete_dialog";
+import { CourseView } from "../incidents/incident_course";
+import { IncidentFacts, RecordedTopics } from "../incidents/incident_facts";
+import { IncidentTable } from "../incidents/incident_table";
+import { RobotIncidentList } from "../incidents/robot_incident_list";
+import { useRuleGround } from "../incidents/rule_ground";
+import { href, toRoute } from "../route";
+import { BagWork } from "../state/bag_work";
+import { RobotIncidents } from "../state/robot_incidents";
+import { Header } from "../ui/header";
+import { Notice } from "../ui/notice";
+import { WorkProgress } from "../ui/work_progress";
+import type { PageProps } from "./page_props";
+
+const ALL = { page: "incidents", name: "" } as const;
+
+/** What rules recorded: all incidents, or, with a name, that one. */
+export function IncidentsPage({ api, project, name }: PageProps) {
+  return name === "" ? <AllIncidents {...{ api }} root={project.root_name} /> : <OneIncident {...{ api, name }} />;
+}
+
+function AllIncidents({ api, root }: { api: Api; root: string }) {
+  const [found, read, problem, setFound] = useAnswer<IncidentsAnswer>(() => api.incidents());
+  const robots = useMemo(() => new RobotIncidents(api, () => void read()), []);
+  useEffect(() => robots.open(), []);
+  const [removed, setRemoved] = useState<ListedIncident | null>(null);
+  return (
+    <>
+      <Header title="Incidents">
+        <button
+          type="button"
+          onClick={() => {
+            void read();
+            void robots.ask();
+          }}
+        >
+          Look again
+        </button>
+      </Header>
+      <main class="robots incidents">
+        {problem && <Notice kind="error" text={problem} action={{ label: "Try again", act: read }} />}
+        {found === null && !problem && <p class="quiet">Looking for incidents …</p>}
+        {found !== null && <p role="status">{countWords(found)}</p>}
+        {found?.incidents.length === 0 && <HowToGetSome root={root} />}
+        {found !== null && found.incidents.length > 0 && (
+          <IncidentTable incidents={found.incidents} remove={setRemoved} />
+        )}
+        <RobotIncidentList robots={robots} />
+      </main>
+      {removed && (
+        <DeleteDialog
+          api={api}
+          incident={removed}
+          onDeleted={(left) => {
+            setFound(left);
+            void robots.ask();
+            setRemoved(null);
+          }}
+          onClose={() => setRemoved(null)}
+        />
+      )}
+    </>
+  );
+}
+
+function countWords({ incidents, has_more }: IncidentsAnswer): string {
+  const unread = incidents.filter(({ summary }) => summary?.is_read === false).length;
+  const bad = incidents.filter(({ summary }) => summary === null).length;
+  return [
+    `${incidents.length} incident${incidents.length === 1 ? "" : "s"}`,
+    unread > 0 ? `${unread} not read yet` : "",
+    bad > 0 ? `${bad} that cannot be read` : "",
+    has_more ? "older ones are not shown" : "",
+  ]
+    .filter(Boolean)
+    .join(", ");
+}
+
+function HowToGetSome({ root }: { root: string }) {
+  return (
+    <div class="how-to">
+      <p>
+        An incident is what a rule recorded: everything around the moment at which it began to hold. There is none in{" "}
+        {root} yet. To get one:
+      </p>
+      <ul>
+        <li>
+          put <em>record</em> from the list of blocks into a rule, and <em>Try on a recording</em>: the try shows what
+          would have been recorded, and keeps it here if you like;
+        </li>
+        <li>
+          on a robot, start <code>testudo run --link --incidents DIR</code>, and connect this page to it with{" "}
+          <code>testudo ruler --connect</code>; or copy that folder into the project.
+        </li>
+      </ul>
+    </div>
+  );
+}
+
+function OneIncident({ api, name }: Pick<PageProps, "api" | "name">) {
+  const [incident, read, problem] = useAnswer<IncidentAnswer>(() => api.incident(name));
+  const course = useMemo(() => new BagWork<IncidentCourse>(), []);
+  const [isAsked, setAsked] = useState(false);
+  useEffect(() => {
+    void course.start((run, signal) => api.incidentCourse(name, run, signal));
+    return () => course.cancel();
+  }, []);
+  const state = course.state.value;
+  return (
+    <>
+      <Header title={incident?.summary.title ?? name.slice(name.lastIndexOf("/") + 1)}>
+        <a href={href(ALL)}>All incidents</a>
+        {incident && (
+          <>
+            <a class="button" href={`api/incident/zip?name=${encodeURIComponent(name)}`} download>
+              Download
+            </a>
+            <button type="button" onClick={() => setAsked(true)}>
+              Delete
+            </button>
+          </>
+        )}
+      </Header>
+      <main class="incident">
+        {problem && <Notice kind="error" text={problem} action={{ label: "Try again", act: read }} />}
+        {incident && <IncidentFacts incident={incident} />}
+        {!problem && <WorkProgress work={course} doing="Reading its messages" />}
+        {incident && state.kind === "done" && <Course course={state.answer} {...{ api, incident }} />}
+        {incident && <RecordedTopics topics={incident.topics} />}
+      </main>
+      {incident && isAsked && (
+        <DeleteDialog api={api} incident={incident} onDeleted={() => toRoute(ALL)} onClose={() => setAsked(false)} />
+      )}
+    </>
+  );
+}
+
+interface CourseProps {
+  api: Api;
+  incident: IncidentAnswer;
+  course: IncidentCourse;
+}
+
+function Course({ api, incident, course }: CourseProps) {
+  return <CourseView course={course} ground={useRuleGround(api, incident)} />;
+}
+
+/** What the server answers, how to ask it again, why it did not, and how to have another answer. */
+function useAnswer<T>(ask: () => Promise<T>): [T | null, () => Promise<void>, string, (answer: T) => void] {
+  const [answer, setAnswer] = useState<T | null>(null);
+  const [problem, setProblem] = useState("");
+  const read = async () => {
+    try {
+      setAnswer(await ask());
+      setProblem("");
+    } catch (error) {
+      if (!(error instanceof ApiError)) throw error;
+      setProblem(error.message);
+    }
+  };
+  useEffect(() => void read(), []);
+  return [answer, read, problem, setAnswer];
+}

@@ -1,0 +1,159 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import { useComputed, useSignal } from "@preact/signals";
+import { useEffect, useRef } from "preact/hooks";
+import { type Found, found, type Limit } from "../blocks/search";
+import { statementTitle } from "../sharing/statement_title";
+import type { RobotRules } from "../state/robot_rules";
+import type { RuleEditor } from "../state/rule_editor";
+
+const SHOWN = 50;
+const LIMITS: [Limit, string][] = [
+  ["all", "All"],
+  ["off", "Switched off"],
+  ["findings", "With findings"],
+  ["holds", "Holds now"],
+];
+
+interface Props {
+  editor: RuleEditor;
+  robotRules: RobotRules;
+  onGo(index: number): void;
+}
+
+/** Finds rules by what stands in them, on whichever page of the blocks they are. */
+export function RuleSearch({ editor, robotRules, onGo }: Props) {
+  const field = useRef<HTMLInputElement>(null);
+  const query = useSignal("");
+  const limit = useSignal<Limit>("all");
+  const isOpen = useSignal(false);
+  const chosen = useSignal(0);
+  const all = useComputed(() => editor.shown.value?.document.collections.flatMap(({ statements }) => statements) ?? []);
+  const hits = useComputed(() =>
+    isOpen.value
+      ? found(all.value, query.value, limit.value, {
+          findings: editor.findings.value,
+          states: robotRules.states.value,
+        })
+      : [],
+  );
+  useSearchKeys(field);
+  const change = (work: () => void) => {
+    work();
+    isOpen.value = true;
+    chosen.value = 0;
+  };
+  const go = (hit: Found | undefined) => {
+    if (hit === undefined) return;
+    isOpen.value = false;
+    onGo(hit.index);
+  };
+  const clear = () => {
+    if (query.value === "" && limit.value === "all") field.current?.blur();
+    query.value = "";
+    limit.value = "all";
+    isOpen.value = false;
+  };
+  const press = (event: KeyboardEvent) => {
+    const last = Math.min(hits.value.length, SHOWN) - 1;
+    if (event.key === "Enter") go(hits.value[chosen.value]);
+    else if (event.key === "Escape") clear();
+    else if (event.key === "ArrowDown") {
+      chosen.value = isOpen.value ? Math.min(chosen.value + 1, last) : 0;
+      isOpen.value = true;
+    } else if (event.key === "ArrowUp") chosen.value = Math.max(chosen.value - 1, 0);
+    else return;
+    event.preventDefault();
+  };
+  return (
+    <search
+      class="rule-search"
+      onFocusOut={(event) => {
+        if (!event.currentTarget.contains(event.relatedTarget as Node | null)) isOpen.value = false;
+      }}
+    >
+      <input
+        ref={field}
+        type="search"
+        // biome-ignore lint/a11y/noRedundantRoles: its list is not a datalist
+        role="combobox"
+        list={undefined}
+        aria-label="Find a rule"
+        aria-expanded={isOpen.value}
+        aria-controls="found-rules"
+        aria-activedescendant={isOpen.value && hits.value.length > 0 ? `found-rule-${chosen.value}` : undefined}
+        placeholder="Find a rule ( / )"
+        value={query.value}
+        onFocus={() => (isOpen.value = true)}
+        onInput={(event) => change(() => (query.value = event.currentTarget.value))}
+        onKeyDown={press}
+      />
+      {isOpen.value && (
+        <div class="found">
+          <div class="row" role="group" aria-label="Limit the search">
+            {LIMITS.filter(([each]) => each !== "holds" || robotRules.states.value.size > 0).map(([each, words]) => (
+              <button
+                key={each}
+                type="button"
+                class="small"
+                aria-pressed={limit.value === each}
+                onClick={() => change(() => (limit.value = each))}
+              >
+                {words}
+              </button>
+            ))}
+            <span role="status">
+              {hits.value.length} of {all.value.length}
+            </span>
+          </div>
+          <FoundList hits={hits.value} chosen={chosen.value} onGo={go} />
+        </div>
+      )}
+    </search>
+  );
+}
+
+function FoundList({ hits, chosen, onGo }: { hits: readonly Found[]; chosen: number; onGo(hit: Found): void }) {
+  return (
+    <>
+      <div role="listbox" id="found-rules" aria-label="Rules that were found" tabIndex={-1}>
+        {hits.slice(0, SHOWN).map((hit, at) => (
+          // The keyboard chooses in the field above.
+          // biome-ignore lint/a11y/useKeyWithClickEvents: see above
+          // biome-ignore lint/a11y/useFocusableInteractive: see above
+          <div
+            key={hit.statement.id}
+            id={`found-rule-${at}`}
+            role="option"
+            aria-selected={at === chosen}
+            onClick={() => onGo(hit)}
+          >
+            {statementTitle(hit.statement)}
+            {hit.statement.kind === "rule" && hit.statement.is_disabled && <span class="quiet"> ⊘ switched off</span>}
+            <span class="quiet line">line {hit.statement.line}</span>
+          </div>
+        ))}
+      </div>
+      {hits.length > SHOWN && <p class="quiet">{hits.length - SHOWN} more: type more of what you look for.</p>}
+    </>
+  );
+}
+
+/** "/" where nobody types, and Ctrl+F outside the text and dialogs, lead to the field. */
+function useSearchKeys(field: { readonly current: HTMLInputElement | null }): void {
+  useEffect(() => {
+    const act = (event: KeyboardEvent) => {
+      const target = event.target instanceof HTMLElement ? event.target : document.body;
+      if (target.closest("dialog, .text-host") !== null) return;
+      const isTyping = target.matches("input, textarea, select") || target.isContentEditable;
+      const isFind = (event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "f";
+      if (!isFind && (event.key !== "/" || isTyping || event.ctrlKey || event.metaKey || event.altKey)) return;
+      event.preventDefault();
+      event.stopPropagation();
+      field.current?.focus();
+      field.current?.select();
+    };
+    addEventListener("keydown", act, { capture: true });
+    return () => removeEventListener("keydown", act, { capture: true });
+  }, []);
+}

@@ -1,0 +1,75 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import { computed, signal } from "@preact/signals";
+
+/** What happened over the time of a recording, in seconds since its start, in bins of equal length. */
+export interface Course {
+  readonly duration_s: number;
+  readonly bin_s: number;
+  readonly first_bin_s: number;
+  readonly path: readonly (readonly [number, number, number])[];
+}
+
+/** The one time within a recording that everything below one slider shows. */
+export class Timeline {
+  readonly time = signal(0);
+  /** Number of the bin that the time lies in. */
+  readonly bin = computed(() => this.binAt(this.time.value));
+
+  constructor(
+    private readonly course: Course,
+    private readonly bins: number,
+    /** The time that charts call 0. */
+    readonly zeroS: number,
+    /** Times that have a line on every chart. */
+    readonly marksS: readonly number[],
+  ) {
+    this.time.value = zeroS;
+  }
+
+  get durationS(): number {
+    return this.course.duration_s;
+  }
+
+  /** The middle of each bin. */
+  get binTimes(): number[] {
+    const { first_bin_s, bin_s } = this.course;
+    return Array.from({ length: this.bins }, (_, bin) => first_bin_s + (bin + 0.5) * bin_s);
+  }
+
+  goTo(time: number): void {
+    this.time.value = Math.min(Math.max(time, 0), this.durationS);
+  }
+
+  /** Where the robot was, between the two points of its path around a time; null without a path. */
+  placeAt(time: number): { place: [number, number]; heading_rad: number | null } | null {
+    const { path } = this.course;
+    const after = Math.min(
+      upTo(path, ([t]) => t <= time),
+      path.length - 1,
+    );
+    const [next, last] = [path[after], path[Math.max(after - 1, 0)]];
+    if (!next || !last) return null;
+    const share = next[0] > last[0] ? Math.min(Math.max((time - last[0]) / (next[0] - last[0]), 0), 1) : 0;
+    const [dx, dy] = [next[1] - last[1], next[2] - last[2]];
+    const heading_rad = Math.hypot(dx, dy) > 1e-3 ? Math.atan2(dy, dx) : null;
+    return { place: [last[1] + share * dx, last[2] + share * dy], heading_rad };
+  }
+
+  private binAt(time: number): number {
+    const { first_bin_s, bin_s } = this.course;
+    return Math.min(Math.max(Math.floor((time - first_bin_s) / bin_s), 0), this.bins - 1);
+  }
+}
+
+/** How many of `sorted`, from the first on, `holds` is true of. */
+export function upTo<T>(sorted: readonly T[], holds: (one: T) => boolean): number {
+  let [low, high] = [0, sorted.length];
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    const one = sorted[middle];
+    if (one !== undefined && holds(one)) low = middle + 1;
+    else high = middle;
+  }
+  return low;
+}

@@ -1,0 +1,46 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import { expect, test } from "vitest";
+import type { MissingMessages } from "../../src/api/types";
+import { briefly, missingWords, sinceMoment, sizeWords } from "../../src/incidents/missing_words";
+
+function gap(topic: string, messages: number | null, reason: MissingMessages["reason"] = "ended"): MissingMessages {
+  return { topic, reason, messages, from_s: -5, to_s: 0.04 };
+}
+
+test.each([
+  [-3.24, "3.2 s before"],
+  [0, "the moment"],
+  [-0.04, "the moment"],
+  [60, "60.0 s after"],
+])("%j s from the moment is %j", (seconds, words) => {
+  expect(sinceMoment(seconds)).toBe(words);
+});
+
+test.each([
+  [0.013, "13 B"],
+  [290.4, "290 KB"],
+  [1234, "1.23 MB"],
+  [5_000_000, "5 GB"],
+])("%j KB are %j", (kb, words) => {
+  expect(sizeWords(kb)).toBe(words);
+});
+
+test("counted messages are said topic by topic", () => {
+  expect(missingWords([gap("/scan", 1, "memory"), gap("/image", 1200, "memory")])).toEqual([
+    "1 message of /scan, from 5.0 s before to the moment: the memory for what came before was full",
+    "1 200 messages of /image, from 5.0 s before to the moment: the memory for what came before was full",
+  ]);
+});
+
+test("topics that nobody heard at the same time, for the same reason, share a line", () => {
+  expect(missingWords([gap("/scan", null), gap("/odom", null), gap("/tf", null, "late")])).toEqual([
+    "whatever came on /scan, /odom, from 5.0 s before to the moment: the run, or the recording, ended",
+    "whatever came on /tf, from 5.0 s before to the moment: nothing was received from the topic yet",
+  ]);
+});
+
+test("a list has the reasons only", () => {
+  expect(briefly(["memory", "ended"])).toBe("memory was short, ended early");
+  expect(briefly([])).toBe("");
+});

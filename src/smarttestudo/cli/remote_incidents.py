@@ -1,0 +1,185 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""``testudo incidents`` with ``--connect``: what robots recorded, over their links."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict
+
+from smarttestudo.adapters.zenoh import open_link_incidents
+from smarttestudo.cli.link_options import connect_options, warn
+from smarttestudo.cli.tables import print_table
+from smarttestudo.cli.terminal import stop_signals
+from smarttestudo.domain.errors import LinkError, UsageError
+from smarttestudo.domain.json_text import json_text
+from smarttestudo.domain.remote_incidents import FetchProgress, OnProgress, RemoteIncident, RemoteIncidents
+from smarttestudo.domain.units import BYTES_PER_KB, BYTES_PER_MB
+from smarttestudo.visualizer.table import Align, Column, Number, Row, Table, Text
+
+_EXIT_STOPPED = 1
+_FOUND_WITHIN_S = 10.0
+_LOOK_S = 0.1
+_NAMED = 8
+_ERASE_LINE = "\r\x1b[K"
+
+
+def list_remote(arguments: argparse.Namespace) -> int:
+    """The incidents of a robot, or of all that are heard, one line each."""
+    with stop_signals() as stopped, _opened(arguments) as incidents:
+        robots = _heard(incidents, stopped, arguments)
+        if arguments.robot is not None:
+            robots = [_chosen(robots, arguments)]
+        found = [one for robot in robots for one in incidents.list(robot)]
+    if arguments.json:
+        print(json_text([_json(one) for one in found]))  # noqa: T201
+    elif found:
+        print_table(incident_table(found))
+    else:
+        print(f"no incidents on {', '.join(robots)}")  # noqa: T201
+    return 0
+
+
+def fetch(arguments: argparse.Namespace) -> int:
+    """Fetch one incident, or go on with it."""
+    with stop_signals() as stopped, _opened(arguments) as incidents:
+        robot = _chosen(_heard(incidents, stopped, arguments), arguments)
+        last = FetchProgress(got_bytes=0, total_bytes=0)
+
+        def note(progress: FetchProgress) -> None:
+            nonlocal last
+            last = progress
+            show(progress)
+
+        with _progress_line(arguments.name) as show:
+            path = incidents.fetch(robot, arguments.name, arguments.output, note, stopped)
+    if arguments.json:
+        record = {
+            "robot": robot,
+            "incident": arguments.name,
+            "path": None if path is None else str(path),
+            "got_bytes": last.got_bytes,
+            "total_bytes": last.total_bytes,
+        }
+        print(json_text(record))  # noqa: T201
+    elif path is not None:
+        print(f"{last.total_bytes / BYTES_PER_MB:.2f} MB in {path}")  # noqa: T201
+    else:
+        print(f"stopped at {_share(last)}; the same command goes on from there", file=sys.stderr)  # noqa: T201
+    return _EXIT_STOPPED if path is None else 0
+
+
+@contextmanager
+def _opened(arguments: argparse.Namespace) -> Iterator[RemoteIncidents]:
+    options = connect_options(arguments)
+    if options is None:
+        raise UsageError("which robot?", place="--connect", remedy="name the endpoint to connect to")
+    with open_link_incidents(options, warn) as incidents:
+        yield incidents
+
+
+def _heard(
+    incidents: RemoteIncidents, stopped: Callable[[], bool], arguments: argparse.Namespace
+) -> Sequence[str]:
+    """The robots that are there, as soon as there is the one that is asked for."""
+    end_s = time.monotonic() + _FOUND_WITHIN_S
+    while not stopped():
+        robots = incidents.robots()
+        if arguments.robot in robots or (robots and arguments.robot is None):
+            return robots
+        if time.monotonic() > end_s:
+            if robots:
+                return robots
+            break
+        time.sleep(_LOOK_S)
+    raise LinkError(
+        incidents.problem or "no robot is heard",
+        place=", ".join(arguments.connect),
+        remedy="start 'testudo run --link' on the robot, and check that it reaches the same place",
+    )
+
+
+def _chosen(robots: Sequence[str], arguments: argparse.Namespace) -> str:
+    names, place = ", ".join(robots[:_NAMED]), ", ".join(arguments.connect)
+    if arguments.robot is None and len(robots) > 1:
+        raise UsageError(f"several robots are heard: {names}", place=place, remedy="name one with --robot")
+    if arguments.robot not in (None, *robots):
+        cause = f"there is no robot {arguments.robot!r}, but {names}"
+        raise UsageError(cause, place=place, remedy="name one of these with --robot")
+    return robots[0] if arguments.robot is None else str(arguments.robot)
+
+
+@contextmanager
+def _progress_line(name: str) -> Iterator[OnProgress]:
+    """On a terminal, one line that changes; silent in a pipe."""
+    if not sys.stderr.isatty():
+        yield lambda _: None
+        return
+
+    def show(progress: FetchProgress) -> None:
+        sys.stderr.write(f"{_ERASE_LINE}{name}: {progress_text(progress)}")
+        sys.stderr.flush()
+
+    try:
+        yield show
+    finally:
+        sys.stderr.write(_ERASE_LINE)
+        sys.stderr.flush()
+
+
+def progress_text(progress: FetchProgress) -> str:
+    """How far a fetch is, in words."""
+    words = [f"{_share(progress)} of {progress.total_bytes / BYTES_PER_MB:.2f} MB"]
+    if progress.waits_for is not None:
+        words.append(f"waits for {progress.waits_for}")
+    else:
+        words.append(f"{progress.rate_bytes_per_s / BYTES_PER_KB:.0f} KB/s")
+    if progress.level_hz == math.inf:
+        words.append("all small messages are there")
+    elif progress.level_hz is not None:
+        words.append(f"skeleton of {progress.level_hz:g} Hz is there")
+    return ", ".join(words)
+
+
+def _share(progress: FetchProgress) -> str:
+    return f"{100 * progress.got_bytes / max(progress.total_bytes, 1):.0f} %"
+
+
+def _json(one: RemoteIncident) -> dict[str, object]:
+    return {**asdict(one), "missing": list(one.missing)}
+
+
+def incident_table(incidents: Sequence[RemoteIncident]) -> Table:
+    """A row each, which says on which robot it is, unless none is named."""
+    has_robots = any(one.robot for one in incidents)
+    return Table(
+        title="Incidents",
+        columns=(
+            *([Column(heading="Robot", align=Align.LEFT)] if has_robots else []),
+            Column(heading="Incident", align=Align.LEFT),
+            Column(heading="Rule", align=Align.LEFT),
+            Column(heading="Messages"),
+            Column(heading="Size", unit="MB"),
+            Column(heading="Read", align=Align.LEFT),
+            Column(heading="Missing", align=Align.LEFT),
+        ),
+        rows=tuple(
+            Row(
+                cells=(
+                    *([Text(one.robot)] if has_robots else []),
+                    Text(one.name),
+                    Text(one.rule),
+                    Number(one.messages, decimals=0),
+                    Number(one.size_bytes / BYTES_PER_MB),
+                    Text("yes" if one.is_read else "no"),
+                    Text(", ".join(one.missing)),
+                )
+            )
+            for one in incidents
+        ),
+    )

@@ -1,0 +1,126 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The order in which the bytes of a recording travel: a picture of all of it at once, then ever finer."""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import accumulate
+from typing import NamedTuple
+
+from smarttestudo.domain.units import NS_PER_S
+
+LARGE_MESSAGE_BYTES = 16_000
+"""Topics whose messages are larger on average (images, clouds) come after all others."""
+_FINEST_LEVEL = 20
+
+
+class ByteRange(NamedTuple):
+    """Bytes of the file with that number, which are the same as those at ``copy_of`` if it is there."""
+
+    file: int
+    offset: int
+    size_bytes: int
+    copy_of: tuple[int, int] | None = None
+
+
+class MessageRange(NamedTuple):
+    """Where the record of a message stands."""
+
+    file: int
+    offset: int
+    size_bytes: int
+    topic: str
+    stamp_ns: int
+
+
+class RangePart(NamedTuple):
+    """Some bytes of a range: ``size_bytes`` of them from ``skipped_bytes`` on."""
+
+    whole: ByteRange
+    skipped_bytes: int
+    size_bytes: int
+
+
+class Level(NamedTuple):
+    """The first ``end`` bytes of an order hold a grid of ``rate_hz`` of all topics with small messages."""
+
+    end: int
+    rate_hz: float
+
+
+class TransferOrder:
+    """All bytes of some files, in the order in which they travel.
+
+    First ``head``, which makes the files readable; then of each topic the first message of every second, of
+    every half second and so on, topics of small messages before those of large ones within a level, and
+    those of ``LARGE_MESSAGE_BYTES`` after all others; last ``tail``. The same ranges give the same order.
+    """
+
+    def __init__(
+        self, head: Sequence[ByteRange], messages: Sequence[MessageRange], tail: Sequence[ByteRange] = ()
+    ) -> None:
+        ranked = sorted(_ranked(messages))
+        self._ranges = [
+            *head,
+            *(ByteRange(one.file, one.offset, one.size_bytes) for _, one in ranked),
+            *tail,
+        ]
+        self._ends = list(accumulate(one.size_bytes for one in self._ranges))
+        self.size_bytes = self._ends[-1] if self._ends else 0
+        self.levels = tuple(self._levels([rank for rank, _ in ranked], len(head)))
+
+    def parts(self, cursor: int, size_bytes: int) -> Iterator[RangePart]:
+        """The parts of ranges from byte ``cursor`` of the order on."""
+        number = bisect_right(self._ends, cursor)
+        while size_bytes > 0 and number < len(self._ranges):
+            whole = self._ranges[number]
+            skipped = cursor - (self._ends[number] - whole.size_bytes)
+            size = min(size_bytes, whole.size_bytes - skipped)
+            if size:
+                yield RangePart(whole, skipped, size)
+            cursor, size_bytes, number = cursor + size, size_bytes - size, number + 1
+
+    def _levels(self, ranks: Sequence[_Rank], heads: int) -> Iterator[Level]:
+        """Where the levels of the small topics end that have any message."""
+        for place, rank in enumerate(ranks):
+            if rank.is_large:
+                break
+            is_last = place + 1 == len(ranks) or ranks[place + 1].is_large
+            if is_last or ranks[place + 1].level != rank.level:
+                yield Level(self._ends[heads + place], math.inf if is_last else float(2**rank.level))
+
+
+class _Rank(NamedTuple):
+    is_large: bool
+    level: int
+    mean_bytes: float
+    topic: str
+
+
+def _ranked(messages: Sequence[MessageRange]) -> Iterator[tuple[_Rank, MessageRange]]:
+    topics: Mapping[str, list[MessageRange]] = defaultdict(list)
+    for one in messages:
+        topics[one.topic].append(one)
+    for topic, ranges in topics.items():
+        mean_bytes = sum(one.size_bytes for one in ranges) / len(ranges)
+        ranges.sort(key=lambda one: (one.stamp_ns, one.file, one.offset))
+        for level, one in zip(_levels_of(ranges), ranges, strict=True):
+            yield _Rank(mean_bytes > LARGE_MESSAGE_BYTES, level, mean_bytes, topic), one
+
+
+def _levels_of(ranges: Sequence[MessageRange]) -> Iterator[int]:
+    """The coarsest grid of which each is a message; those of one stamp belong together."""
+    last_bins = [-1] * (_FINEST_LEVEL + 1)
+    stamp_ns, level = None, 0
+    for one in ranges:
+        if one.stamp_ns != stamp_ns:
+            stamp_ns = one.stamp_ns
+            bins = [(stamp_ns << number) // NS_PER_S for number in range(_FINEST_LEVEL + 1)]
+            fresh = (number for number in range(_FINEST_LEVEL) if bins[number] != last_bins[number])
+            level = next(fresh, _FINEST_LEVEL)
+            last_bins[level:] = bins[level:]
+        yield level

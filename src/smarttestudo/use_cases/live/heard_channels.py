@@ -1,0 +1,30 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The topics of a live run, as a bag stores them."""
+
+from __future__ import annotations
+
+from smarttestudo.adapters.incidents.bag_metadata import offered_qos
+from smarttestudo.adapters.incidents.mcap_records import StoredChannel
+from smarttestudo.domain.robot import Robot
+from smarttestudo.use_cases.live.topic import LiveSource
+
+
+class HeardChannels:
+    """The channels in ``by_topic``, with the type and QoS of the source that was heard last."""
+
+    def __init__(self, robot: Robot) -> None:
+        self._robot = robot
+        self.by_topic: dict[str, StoredChannel] = {}
+
+    def hear(self, topic: str, source: LiveSource) -> None:
+        """Messages of ``source`` are received from now on, if they were not before."""
+        known = self.by_topic.get(topic)
+        qos_text = offered_qos(source.qos)
+        if known is None or (known.type_name, known.qos_text) != (source.type_name, qos_text):
+            self.by_topic[topic] = StoredChannel(
+                topic=topic,
+                type_name=source.type_name,
+                definition=self._robot.definition(source.type_name),
+                qos_text=qos_text,
+            )

@@ -1,0 +1,98 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Fetches the incidents of robots as they come."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+from smarttestudo.domain.errors import said
+from smarttestudo.domain.remote_incidents import FetchProgress, RemoteIncident, RemoteIncidents
+
+LOOK_PERIOD_S = 2.0
+_AGAIN_AFTER_LOOKS = 30
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MirrorFolders:
+    """Where what rules recorded goes, and where what could not be sent; each in a folder for the robot."""
+
+    incidents: Path | None = None
+    outages: Path | None = None
+
+    def of(self, incident: RemoteIncident) -> Path | None:
+        """Where an incident goes; ``None`` where it is not wanted."""
+        folder = self.outages if incident.is_outage else self.incidents
+        return None if folder is None else folder / incident.robot
+
+
+class IncidentMirror:
+    """Has what robots recorded in ``folders``, the newest first, on a thread of its own while ``running``.
+
+    ``say`` is told of each that is there, ``warn`` of what fails, which is tried again a minute later.
+    """
+
+    def __init__(
+        self,
+        incidents: RemoteIncidents,
+        folders: MirrorFolders,
+        say: Callable[[str], None],
+        warn: Callable[[str], None],
+    ) -> None:
+        self._incidents = incidents
+        self._folders = folders
+        self._say = say
+        self._warn = warn
+        self._ended = threading.Event()
+        self._rests: dict[tuple[str, str], int] = {}
+        self._warned: set[str] = set()
+
+    @contextmanager
+    def running(self) -> Iterator[None]:
+        """Fetch during the block; what is not whole by then is gone on with by another run."""
+        thread = threading.Thread(target=self._run, name="link-mirror", daemon=True)
+        thread.start()
+        try:
+            yield
+        finally:
+            self._ended.set()
+            thread.join()
+
+    def _run(self) -> None:
+        while not self._ended.wait(LOOK_PERIOD_S):
+            self._rests = {key: looks - 1 for key, looks in self._rests.items() if looks > 1}
+            for robot in self._incidents.robots():
+                self._try(robot, "", partial(self._look_at, robot))
+
+    def _look_at(self, robot: str) -> None:
+        for one in sorted(self._incidents.list(robot), key=lambda one: -one.triggered_ns):
+            folder = self._folders.of(one)
+            if folder is None or (folder / one.name).exists() or self._ended.is_set():
+                continue
+            self._try(robot, one.name, partial(self._fetch, one, folder))
+
+    def _fetch(self, one: RemoteIncident, folder: Path) -> None:
+        path = self._incidents.fetch(one.robot, one.name, folder, _ignore, self._ended.is_set)
+        if path is not None:
+            self._say(f"{one.robot}: {'outage' if one.is_outage else 'incident'} {path}")
+
+    def _try(self, robot: str, name: str, act: Callable[[], None]) -> None:
+        if (robot, name) in self._rests or (robot, "") in self._rests:
+            return
+        try:
+            act()
+        except Exception as error:  # noqa: BLE001 - whatever one robot does, others are fetched from
+            self._rests[robot, name] = _AGAIN_AFTER_LOOKS
+            sentence = f"{robot} {name}: {said(error)}"
+            if sentence not in self._warned:
+                self._warned.add(sentence)
+                self._warn(sentence)
+
+
+def _ignore(_progress: FetchProgress) -> None:
+    """Nobody watches."""

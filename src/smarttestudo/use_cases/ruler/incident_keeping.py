@@ -1,0 +1,146 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""One of the incidents that a try shows, as a folder of the project."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+
+from msgspec import Struct
+
+from smarttestudo.adapters.files.incident_store import RECORD_NAME
+from smarttestudo.adapters.files.project_folder import ProjectFolder
+from smarttestudo.adapters.files.whole_file import OutputFileError, not_written
+from smarttestudo.adapters.incidents.folders import IncidentFolders
+from smarttestudo.adapters.incidents.mcap_records import StoredChannel
+from smarttestudo.adapters.rosbag import open_recording
+from smarttestudo.domain.errors import RecordingError
+from smarttestudo.domain.incident import Missing
+from smarttestudo.domain.profile import Profile
+from smarttestudo.domain.recording import Channel
+from smarttestudo.runtime.incidents.recorder import Incident, IncidentSink
+from smarttestudo.runtime.incidents.topic_ring import SourceMessage
+from smarttestudo.use_cases.replay.incidents import IncidentRequest
+from smarttestudo.use_cases.replay.replay import ReplayRequest, replay
+from smarttestudo.use_cases.ruler.trial import TryRequest, compiled_for
+from smarttestudo.use_cases.ruler.trial_incidents import sha256_of_rules
+
+INCIDENTS_FOLDER = "incidents"
+
+
+class KeepRequest(TryRequest, frozen=True, kw_only=True):
+    """``POST /api/try/keep`` → ``KeptIncident``: the ``number``-th incident of that try."""
+
+    number: int
+
+
+class KeepOrder(KeepRequest, frozen=True, kw_only=True):
+    """``bag`` is a path; the folder is made in ``workshop``, an unused path in the project in ``project``."""
+
+    project: str
+    workshop: str
+
+
+class KeptIncident(Struct, frozen=True, kw_only=True):
+    """What the project calls it."""
+
+    name: str
+
+
+def keep_incident(order: KeepOrder, report: Callable[[float], None]) -> KeptIncident:
+    """Replay the bag once more, and write the incident into ``incidents`` of the project.
+
+    Raises:
+        RefusedTextError: the rules have errors.
+        RecordingError: the bag cannot be read, or gives no such incident.
+        OutputFileError: it cannot be written.
+    """
+    project = ProjectFolder(Path(order.project))
+    target = project.path(INCIDENTS_FOLDER)
+    try:
+        written = _cut(order, Path(order.bag), report)
+        kept = _moved(written, target)
+    except OutputFileError as error:
+        raise OutputFileError(error.cause, place=INCIDENTS_FOLDER, remedy=error.remedy) from error
+    return KeptIncident(name=f"{INCIDENTS_FOLDER}/{kept.name}")
+
+
+def _cut(order: KeepOrder, bag: Path, report: Callable[[float], None]) -> Path:
+    written: list[Path] = []
+
+    def opened(channels: Mapping[str, StoredChannel]) -> IncidentSink:
+        folders = IncidentFolders(Path(order.workshop), channels, ended=written.append)
+        return _OnlyOne(folders, order.number)
+
+    with open_recording(bag) as recording:
+        replay(
+            ReplayRequest(
+                recording=recording,
+                rule_set=compiled_for(order, recording),
+                output=Path(),
+                profile=order.profile() or Profile(),
+                report=report,
+                writer=_NoWriter(),
+                incidents=IncidentRequest(into=opened, rules_sha256=sha256_of_rules(order.text)),
+            )
+        )
+    if not written:
+        raise RecordingError("the recording gives no such incident", remedy="run the rules on it again")
+    return written[0]
+
+
+def _moved(written: Path, target: Path) -> Path:
+    """The folder below ``target``, under its own name or one with a number; one that is there stays."""
+    try:
+        target.mkdir(exist_ok=True)
+        kept, number = target / written.name, 1
+        while kept.exists():
+            if _has_same_record(kept, written):
+                return kept
+            number += 1
+            kept = target / f"{written.name}-{number}"
+        return written.rename(kept)
+    except OSError as error:
+        raise not_written(target, "an incident", error) from error
+
+
+def _has_same_record(one: Path, other: Path) -> bool:
+    """Whether two folders hold the same incident: the same inputs give the same bytes."""
+    try:
+        return (one / RECORD_NAME).read_bytes() == (other / RECORD_NAME).read_bytes()
+    except OSError:
+        return False
+
+
+class _OnlyOne:
+    """An ``IncidentSink`` that hands on the ``number``-th incident to ``sink``, 0 first."""
+
+    def __init__(self, sink: IncidentSink, number: int) -> None:
+        self._sink = sink
+        self._left = number
+        self._chosen: Incident | None = None
+
+    def begin(
+        self, incident: Incident, latched: Sequence[SourceMessage], messages: Sequence[SourceMessage]
+    ) -> None:
+        if self._left == 0:
+            self._chosen = incident
+            self._sink.begin(incident, latched, messages)
+        self._left -= 1
+
+    def take(self, message: SourceMessage, incidents: Sequence[Incident]) -> None:
+        if self._chosen in incidents:
+            self._sink.take(message, [one for one in incidents if one is self._chosen])
+
+    def end(self, incident: Incident, missing: Sequence[Missing]) -> None:
+        if incident is self._chosen:
+            self._sink.end(incident, missing)
+
+
+class _NoWriter:
+    """A ``RecordingWriter`` that writes nothing."""
+
+    def add(self, channel: Channel) -> None: ...
+
+    def write(self, channel: Channel, stamp_ns: int, payload: bytes) -> None: ...

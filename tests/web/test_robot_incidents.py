@@ -1,0 +1,129 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What robots on a link recorded: listed by the page, and fetched into the project byte for byte."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from adapters.zenoh.ends import WITHIN_S, free_endpoint, refuse_warning
+from smarttestudo.adapters.zenoh import open_link_incidents, open_robot_end
+from smarttestudo.adapters.zenoh.security import LinkOptions
+from web.incident_projects import ALL_OF_IT, NEAR_MISS, write_incidents
+from web.ruler_server import Page, served
+
+pytestmark = pytest.mark.process
+NAME = NEAR_MISS.rpartition("/")[2]
+KEPT = f"incidents/ada/{NAME}"
+ONE = {"robot": "ada", "name": NAME}
+
+
+@pytest.fixture
+def robot(tmp_path: Path) -> Path:
+    """The folder of a robot's incidents."""
+    write_incidents(tmp_path / "robot")
+    return tmp_path / "robot"
+
+
+@pytest.fixture
+def page(tmp_path: Path, robot: Path) -> Iterator[Page]:
+    """The page of an empty project, beside a robot that is called ada."""
+    (tmp_path / "project").mkdir()
+    endpoint = free_endpoint()
+    options = LinkOptions(connect=(endpoint,))
+    with open_robot_end("ada", LinkOptions(listen=(endpoint,)), refuse_warning) as end:
+        end.offer_incidents(robot / "incidents")
+        opened = partial(open_link_incidents, options, refuse_warning)
+        with served(tmp_path / "project", open_incidents=opened) as page:
+            yield page
+
+
+def asked(page: Page) -> list[dict[str, Any]]:
+    """Those of the one robot, once it is heard."""
+    deadline_s = time.monotonic() + WITHIN_S
+    while time.monotonic() < deadline_s:
+        answer = page.get("/api/robot-incidents").json
+        assert answer["is_linked"]
+        if answer["robots"]:
+            (ada,) = answer["robots"]
+            assert (ada["robot"], ada["problem"]) == ("ada", "")
+            found: list[dict[str, Any]] = ada["incidents"]
+            return found
+    raise AssertionError(answer)
+
+
+def fetched(page: Page, state: str) -> dict[str, Any]:
+    """The one fetch, once it is in ``state``."""
+    deadline_s = time.monotonic() + WITHIN_S
+    while time.monotonic() < deadline_s:
+        (fetch,) = page.get("/api/robot-incidents/fetches").json["fetches"]
+        if fetch["state"] == state:
+            found: dict[str, Any] = fetch
+            return found
+        time.sleep(0.05)
+    raise AssertionError(fetch)
+
+
+def test_a_robots_incidents_are_listed_and_fetched_byte_for_byte(
+    page: Page, robot: Path, tmp_path: Path
+) -> None:
+    listed = {one["name"]: one for one in asked(page)}
+    assert set(listed) == {NAME, ALL_OF_IT.rpartition("/")[2]}
+    assert listed[NAME]["summary"]["title"] == "near miss"
+    assert (listed[NAME]["summary"]["before_s"], listed[NAME]["summary"]["after_s"]) == (3, 2)
+    assert listed[NAME]["kept"] is None
+    assert page.post("/api/robot-incidents/fetch", ONE).status == 200
+    done = fetched(page, "done")
+    assert (done["kept"], done["problem"]) == (KEPT, "")
+    assert done["got_kb"] == done["total_kb"] > 0
+    assert {one.name: one.read_bytes() for one in (tmp_path / "project" / KEPT).iterdir()} == {
+        one.name: one.read_bytes() for one in (robot / NEAR_MISS).iterdir()
+    }
+    assert [one["name"] for one in page.get("/api/incidents").json["incidents"]] == [KEPT]
+    assert {one["name"]: one["kept"] for one in asked(page)}[NAME] == KEPT
+
+
+def test_a_cancelled_fetch_goes_on_later(page: Page, robot: Path, tmp_path: Path) -> None:
+    """A larger incident, so that it takes a while; whether it was cancelled in time does not matter."""
+    with (robot / NEAR_MISS / "more.mcap").open("wb") as file:
+        file.write(bytes(range(256)) * 40_000)
+    asked(page)
+    page.post("/api/robot-incidents/fetch", ONE)
+    page.post("/api/robot-incidents/cancel", ONE)
+    deadline_s = time.monotonic() + WITHIN_S
+    while page.get("/api/robot-incidents/fetches").json["fetches"][0]["state"] == "running":
+        assert time.monotonic() < deadline_s
+        time.sleep(0.05)
+    page.post("/api/robot-incidents/fetch", ONE)
+    assert fetched(page, "done")["kept"] == KEPT
+    assert {one.name: one.read_bytes() for one in (tmp_path / "project" / KEPT).iterdir()} == {
+        one.name: one.read_bytes() for one in (robot / NEAR_MISS).iterdir()
+    }
+
+
+def test_what_the_robot_does_not_have_fails_with_a_reason(page: Page) -> None:
+    asked(page)
+    page.post("/api/robot-incidents/fetch", {"robot": "ada", "name": "20260101T000000000Z-none"})
+    assert fetched(page, "failed")["problem"]
+
+
+@pytest.mark.parametrize("name", ["../up", "/etc", "a/b", "", ".hidden", "x" * 101])
+@pytest.mark.parametrize("which", ["robot", "name"])
+def test_no_name_leads_out_of_the_folder(page: Page, tmp_path: Path, which: str, name: str) -> None:
+    assert page.post("/api/robot-incidents/fetch", {**ONE, which: name}).status == 403
+    assert list((tmp_path / "project").iterdir()) == []
+
+
+def test_without_a_link_nothing_is_asked(tmp_path: Path) -> None:
+    (tmp_path / "project").mkdir()
+    with served(tmp_path / "project") as page:
+        answer = page.get("/api/robot-incidents").json
+        assert (answer["is_linked"], answer["robots"]) == (False, [])
+        assert page.post("/api/robot-incidents/fetch", ONE).status == 422
+        assert page.post("/api/robot-incidents/cancel", ONE).json == {"fetches": []}
