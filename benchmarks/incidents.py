@@ -3,9 +3,10 @@
 """What recording incidents costs a robot of 1.3 MB/s, and how soon an incident is there.
 
 Run it with ``python benchmarks/incidents.py`` where ROS 2 is installed; it takes half an hour and some
-minutes, less with ``--minutes``. Three runtimes with the same rates are measured one after the other: one
+minutes, less with ``--minutes``. Four runtimes with the same rates are measured one after the other: one
 without ``Record``; one that keeps the last minute of all topics, with an incident every so often; one whose
-memory holds a third of it. Then a plain rclpy recorder of the same topics (``live/roles.py``).
+memory holds a third of it; one that has the rest on disk, with incidents. Then a plain rclpy recorder of the
+same topics (``live/roles.py``).
 
 The age of relayed messages is that at the operator's. The memory that the ring takes is what is resident
 beyond the first runtime's. An incident is there when its folder is.
@@ -69,9 +70,10 @@ def rules(folder: Path, before_s: float) -> Path:
     return path
 
 
-def runtime(folder: Path, before_s: float, memory_mb: float) -> list[str]:
-    """The command of a runtime that records into ``folder``."""
+def runtime(folder: Path, before_s: float, memory_mb: float, *, with_disk: bool = False) -> list[str]:
+    """The command of a runtime that records into ``folder``, where ``with_disk`` keeps what memory cannot."""
     options = ["--incidents", str(folder / "incidents"), "--incident-memory", f"{memory_mb:g}"]
+    options += ["--incident-ring", str(folder / "ring")] if with_disk else []
     command = [sys.executable, "-c", TESTUDO, "run", "--rules", str(rules(folder, before_s))]
     return [*command, *(options if before_s else [])]
 
@@ -145,9 +147,9 @@ def measure(
     )
 
 
-def report(plain: Run, whole: Run, short: Run, recorder: Run, short_mb: float) -> None:
+def report(plain: Run, whole: Run, short: Run, disk: Run, *, recorder: Run, short_mb: float) -> None:
     """The figures beside their targets."""
-    took_mb = short.resident_mb - plain.resident_mb
+    took_mb, with_disk_mb = (one.resident_mb - plain.resident_mb for one in (short, disk))
     ring_percent = whole.cpu_percent - plain.cpu_percent
     print("\n| | measured | target |\n| --- | ---: | ---: |")
     print(f"| p99 of the age, without, ms | {plain.p99_ms:.2f} | |")
@@ -157,6 +159,10 @@ def report(plain: Run, whole: Run, short: Run, recorder: Run, short_mb: float) -
     print(f"| one of them, MB | {whole.incident_mb:.1f} | |")
     print(f"| trigger to closed file, the longest, s | {max(whole.incident_s):.2f} | ≤ 1 |")
     print(f"| memory of the ring, MB, of {short_mb:.0f} | {took_mb:.1f} | ≤ {1.05 * short_mb:.1f} |")
+    print(f"| memory, the rest on disk, MB, of {short_mb:.0f} | {with_disk_mb:.1f} | |")
+    print(f"| one from disk, MB | {disk.incident_mb:.1f} | |")
+    print(f"| trigger to closed file from disk, the longest, s | {max(disk.incident_s):.2f} | ≤ 1 |")
+    print(f"| CPU with disk, % | {disk.cpu_percent:.1f} | |")
     print(f"| CPU without, % | {plain.cpu_percent:.1f} | |")
     print(f"| CPU with, % | {whole.cpu_percent:.1f} | |")
     print(f"| CPU of a plain recorder, % | {recorder.cpu_percent:.1f} | |")
@@ -174,9 +180,10 @@ def main() -> None:
     rate_mb = sum(topic.hz * topic.size_bytes for topic in TOPICS) / MB
     short_mb = round(rate_mb * min(BEFORE_S, others_s) / 3, 1)
     with tempfile.TemporaryDirectory() as name, station(arguments.domain) as around:
-        plain_folder, whole_folder, short_folder = (Path(name, one) for one in ("plain", "whole", "short"))
-        for folder in (plain_folder, whole_folder, short_folder):
+        folders = [Path(name, one) for one in ("plain", "whole", "short", "disk")]
+        for folder in folders:
             folder.mkdir()
+        plain_folder, whole_folder, short_folder, disk_folder = folders
         time.sleep(SETTLE_S)
         plain = measure(around, runtime(plain_folder, 0, 1), others_s)
         whole = measure(
@@ -187,8 +194,15 @@ def main() -> None:
             folder=whole_folder / "incidents",
         )
         short = measure(around, runtime(short_folder, BEFORE_S, short_mb), others_s)
+        disk = measure(
+            around,
+            runtime(disk_folder, BEFORE_S, short_mb, with_disk=True),
+            others_s,
+            every_s=min(BEFORE_S, others_s / 3),
+            folder=disk_folder / "incidents",
+        )
         recorder = measure(around, role("plain_recorder", TOPICS), others_s)
-    report(plain, whole, short, recorder, short_mb)
+    report(plain, whole, short, disk, recorder=recorder, short_mb=short_mb)
 
 
 if __name__ == "__main__":
