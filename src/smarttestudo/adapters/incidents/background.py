@@ -4,14 +4,13 @@
 
 from __future__ import annotations
 
-import threading
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
+from contextlib import AbstractContextManager
 from functools import partial
-from queue import SimpleQueue
 
 from smarttestudo.adapters.incidents.folders import Failed
 from smarttestudo.adapters.incidents.ring_files import RingFiles
+from smarttestudo.adapters.incidents.task_thread import TaskThread
 from smarttestudo.domain.errors import testudo_error
 from smarttestudo.domain.incident import Missing, MissingReason
 from smarttestudo.runtime.incidents.recorder import Incident, IncidentSink, Store
@@ -31,9 +30,10 @@ class BackgroundSink:
     ) -> None:
         self._sink = sink
         self._ring = ring
-        self._failed = failed
         self._max_waiting_bytes = max_waiting_bytes
-        self._tasks: SimpleQueue[Callable[[], None] | None] = SimpleQueue()
+        self._thread = TaskThread(
+            "incidents", lambda error: failed("that is being written", testudo_error(error))
+        )
         # One thread writes each of these, so that neither needs a lock.
         self._given_bytes = 0
         self._done_bytes = 0
@@ -44,7 +44,7 @@ class BackgroundSink:
     ) -> None:
         """Have it begun."""
         self._left_out[incident] = {}
-        self._tasks.put(partial(self._sink.begin, incident, latched, messages))
+        self._thread.give(partial(self._sink.begin, incident, latched, messages))
 
     def take(self, message: SourceMessage, incidents: Sequence[Incident]) -> None:
         """Have it written, unless too much waits already."""
@@ -53,7 +53,7 @@ class BackgroundSink:
                 self._leave_out(incident, message)
             return
         self._given_bytes += message.held_bytes
-        self._tasks.put(partial(self._take, message, incidents))
+        self._thread.give(partial(self._take, message, incidents))
 
     @property
     def store(self) -> Store | None:
@@ -63,18 +63,11 @@ class BackgroundSink:
     def end(self, incident: Incident, missing: Sequence[Missing]) -> None:
         """Have it ended."""
         left_out = self._left_out.pop(incident, {})
-        self._tasks.put(partial(self._sink.end, incident, (*missing, *left_out.values())))
+        self._thread.give(partial(self._sink.end, incident, (*missing, *left_out.values())))
 
-    @contextmanager
-    def running(self) -> Iterator[None]:
+    def running(self) -> AbstractContextManager[None]:
         """Write during the block, and what is left after it."""
-        thread = threading.Thread(target=self._run, name="incidents", daemon=True)
-        thread.start()
-        try:
-            yield
-        finally:
-            self._tasks.put(None)
-            thread.join()
+        return self._thread.running()
 
     def _take(self, message: SourceMessage, incidents: Sequence[Incident]) -> None:
         self._done_bytes += message.held_bytes
@@ -83,7 +76,7 @@ class BackgroundSink:
     def _have_stored(self, ring: RingFiles, message: SourceMessage, until_ns: int, now_ns: int) -> None:
         if self._given_bytes - self._done_bytes <= self._max_waiting_bytes:
             self._given_bytes += message.held_bytes
-            self._tasks.put(partial(self._store, ring, message, until_ns, now_ns))
+            self._thread.give(partial(self._store, ring, message, until_ns, now_ns))
 
     def _store(self, ring: RingFiles, message: SourceMessage, until_ns: int, now_ns: int) -> None:
         self._done_bytes += message.held_bytes
@@ -99,13 +92,3 @@ class BackgroundSink:
             from_ns=message.stamp_ns if known is None else known.from_ns,
             to_ns=message.stamp_ns,
         )
-
-    def _run(self) -> None:
-        while (task := self._tasks.get()) is not None:
-            self._do(task)
-
-    def _do(self, task: Callable[[], None]) -> None:
-        try:
-            task()
-        except Exception as error:  # noqa: BLE001 - whatever writing fails of, the thread goes on
-            self._failed("that is being written", testudo_error(error))

@@ -91,7 +91,7 @@ class IncidentFolders:
     ) -> None:
         """Write what came before; ``latched`` with the stamp of the window's start."""
         shared = self._shared_of(incident)
-        name = self._unused_name(incident)
+        name = unused_name(self._folder, incident.recording.name, incident.trigger.stamp_ns)
         bag = BagFolder(path=self._folder / f".{name}{PARTIAL_SUFFIX}", name=name)
         try:
             bag.path.mkdir()
@@ -166,7 +166,7 @@ class IncidentFolders:
         found = _OpenFolder(bag=bag, shared=shared, record=record, last_stamp_ns=trigger.stamp_ns)
         self._open[incident] = found
         # What a killed run leaves says what it was.
-        _write_record(bag.path, record)
+        write_record(bag.path, record)
         stored = () if self._ring is None else self._ring.messages(incident.given_up)
         shared.begin(bag, incident.from_number, sorted((*stored, *messages), key=attrgetter("number")))
         held = bag.numbers() if latched else set()
@@ -222,14 +222,6 @@ class IncidentFolders:
         for one_name in {name, *(found.bag.name for found in lost.values())}:
             self._failed(one_name, problem)
 
-    def _unused_name(self, incident: Incident) -> str:
-        plain = incident_folder_name(incident.recording.name, incident.trigger.stamp_ns)
-        name, number = plain, 1
-        while any((self._folder / one).exists() for one in (name, f".{name}{PARTIAL_SUFFIX}")):
-            number += 1
-            name = f"{plain}-{number}"
-        return name
-
 
 def _has_hard_links(folder: Path) -> bool:
     """Whether files in ``folder`` can have several names. Raises ``OSError`` where none can be made."""
@@ -241,6 +233,16 @@ def _has_hard_links(folder: Path) -> bool:
         except OSError:
             return False
     return True
+
+
+def unused_name(folder: Path, name: str, stamp_ns: int) -> str:
+    """The name of a folder in ``folder`` for the incident ``name``, with a number where others have it."""
+    plain = incident_folder_name(name, stamp_ns)
+    found, number = plain, 1
+    while any((folder / one).exists() for one in (found, f".{found}{PARTIAL_SUFFIX}")):
+        number += 1
+        found = f"{plain}-{number}"
+    return found
 
 
 def finished_record(
@@ -274,9 +276,10 @@ def finish_folder(
     listed = [channels[topic] for topic in record.topics if topic in channels]
     with whole_file(path / METADATA_NAME, "the metadata of an incident") as write:
         write(metadata_text(files, listed))
-    _write_record(path, record)
+    write_record(path, record)
 
 
-def _write_record(path: Path, record: IncidentRecord) -> None:
+def write_record(path: Path, record: IncidentRecord) -> None:
+    """Write the record into the folder ``path``. Raises ``OutputFileError``."""
     with whole_file(path / RECORD_NAME, "the record of an incident") as write:
         write(incident_text(record))

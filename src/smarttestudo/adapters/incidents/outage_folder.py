@@ -8,13 +8,17 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from smarttestudo.adapters.files.incident_store import PARTIAL_SUFFIX, RECORD_NAME
-from smarttestudo.adapters.files.whole_file import not_written, whole_file
-from smarttestudo.adapters.incidents.folders import finish_folder, finished_record
+from smarttestudo.adapters.files.incident_store import PARTIAL_SUFFIX
+from smarttestudo.adapters.files.whole_file import not_written
+from smarttestudo.adapters.incidents.folders import (
+    finish_folder,
+    finished_record,
+    unused_name,
+    write_record,
+)
 from smarttestudo.adapters.incidents.mcap_records import StoredChannel
 from smarttestudo.adapters.incidents.segments import BagFolder, SharedMessages
-from smarttestudo.adapters.json.incidents import incident_text
-from smarttestudo.domain.incident import IncidentRecord, IncidentTopic, incident_folder_name
+from smarttestudo.domain.incident import IncidentRecord, IncidentTopic
 from smarttestudo.domain.remote_incidents import OUTAGE_NAME, OUTAGE_RULE
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.runtime.incidents.topic_ring import SourceMessage
@@ -32,11 +36,7 @@ class OutageFolder:
     def __init__(
         self, folder: Path, channels: Mapping[str, StoredChannel], from_ns: int, rules_sha256: str
     ) -> None:
-        plain = incident_folder_name(OUTAGE_NAME, from_ns)
-        name, number = plain, 1
-        while any((folder / one).exists() for one in (name, f".{name}{PARTIAL_SUFFIX}")):
-            number += 1
-            name = f"{plain}-{number}"
+        name = unused_name(folder, OUTAGE_NAME, from_ns)
         self._channels = channels
         self._target = folder / name
         self._bag = BagFolder(path=folder / f".{name}{PARTIAL_SUFFIX}", name=name)
@@ -56,8 +56,7 @@ class OutageFolder:
         try:
             self._bag.path.mkdir(parents=True)
             # What a killed run leaves says what it was.
-            with whole_file(self._bag.path / RECORD_NAME, "the record of an outage") as write:
-                write(incident_text(self._record))
+            write_record(self._bag.path, self._record)
             self._shared.begin(self._bag, 0, [])
         except OSError as error:
             raise not_written(self._target, "an outage", error) from error

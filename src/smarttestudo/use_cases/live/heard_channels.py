@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from smarttestudo.adapters.incidents.bag_metadata import offered_qos
 from smarttestudo.adapters.incidents.mcap_records import StoredChannel
-from smarttestudo.domain.robot import Robot
+from smarttestudo.domain.robot import Qos, Robot
 from smarttestudo.use_cases.live.topic import LiveSource
 
 
@@ -15,16 +15,17 @@ class HeardChannels:
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
+        self._heard: dict[str, tuple[str, Qos]] = {}
         self.by_topic: dict[str, StoredChannel] = {}
 
     def hear(self, topic: str, source: LiveSource) -> None:
         """Messages of ``source`` are received from now on, if they were not before."""
-        known = self.by_topic.get(topic)
-        qos_text = offered_qos(source.qos)
-        if known is None or (known.type_name, known.qos_text) != (source.type_name, qos_text):
+        heard = source.type_name, source.qos
+        if self._heard.get(topic) != heard:
+            self._heard[topic] = heard
             self.by_topic[topic] = StoredChannel(
                 topic=topic,
                 type_name=source.type_name,
                 definition=self._robot.definition(source.type_name),
-                qos_text=qos_text,
+                qos_text=offered_qos(source.qos),
             )

@@ -49,6 +49,11 @@ class IncidentOptions:
     ring_max_gb: float = DEFAULT_INCIDENT_RING_MAX_GB
     max_gb: float | None = None
 
+    @property
+    def max_bytes(self) -> int | None:
+        """``max_gb`` in bytes."""
+        return None if self.max_gb is None else round(self.max_gb * BYTES_PER_GB)
+
 
 class LiveIncidents:
     """Keeps the topics that rules record, and writes the incidents; nothing of it stops the relays.
@@ -60,7 +65,7 @@ class LiveIncidents:
 
     def __init__(self, robot: Robot, options: IncidentOptions, static_topic: str) -> None:
         self._robot = robot
-        self._folder = options.folder
+        self._options = options
         self._memory_bytes = round(options.memory_mb * BYTES_PER_MB)
         self._static_topic = static_topic
         self._channels = HeardChannels(robot)
@@ -69,7 +74,6 @@ class LiveIncidents:
         self._ring: RingFiles | None = None
         self._ring_max_bytes = round(options.ring_max_gb * BYTES_PER_GB)
         self._locks: list[FolderLock] = []
-        self._max_bytes = None if options.max_gb is None else round(options.max_gb * BYTES_PER_GB)
         # Of each topic: what it came over, how much that had lost, and the stamp of its last message.
         self._taken: dict[str, tuple[Subscription, int, int]] = {}
         self._refused = 0
@@ -77,15 +81,19 @@ class LiveIncidents:
         # The thread that writes changes these.
         self._recorded = self._lost = 0
         self._problem: str | None = None
-        if self._folder is not None:
-            self._locks.append(FolderLock(self._folder, "--incidents"))
+        if options.folder is not None:
+            self._locks.append(FolderLock(options.folder, "--incidents"))
             if options.ring is not None:
                 self._ring = self._opened_ring(options.ring)
-            for found in complete_incidents(self._folder):
+            for found in complete_incidents(options.folder):
                 robot.log.warning(f"incident {found}")
-            self._make_room()
+            delete_for_room(robot, options)
             folders = IncidentFolders(
-                self._folder, self._channels.by_topic, ring=self._ring, failed=self._failed, ended=self._ended
+                options.folder,
+                self._channels.by_topic,
+                ring=self._ring,
+                failed=self._failed,
+                ended=self._ended,
             )
             self._background = BackgroundSink(
                 folders,
@@ -213,19 +221,22 @@ class LiveIncidents:
         self._recorded += 1
         self._problem = None
         self._robot.log.info(f"incident {path.name}")
-        self._make_room()
+        delete_for_room(self._robot, self._options)
 
     def _failed(self, name: str, error: TestudoError) -> None:
         self._lost += 1
         self._problem = str(error)
         self._robot.log.warning(f"incident {name}: ends early: {error}")
 
-    def _make_room(self) -> None:
-        if self._folder is None or self._max_bytes is None or not self._folder.is_dir():
-            return
-        try:
-            for one in make_room(self._folder, self._max_bytes):
-                read = "read" if one.was_read else "not read by anyone"
-                self._robot.log.warning(f"incident {one.name}: deleted to make room, {read}")
-        except TestudoError as error:
-            self._robot.log.warning(str(error))
+
+def delete_for_room(robot: Robot, options: IncidentOptions) -> None:
+    """Delete old incidents where all would take more disk than they may; ``robot`` logs what was deleted."""
+    folder, max_bytes = options.folder, options.max_bytes
+    if folder is None or max_bytes is None or not folder.is_dir():
+        return
+    try:
+        for one in make_room(folder, max_bytes):
+            read = "read" if one.was_read else "not read by anyone"
+            robot.log.warning(f"incident {one.name}: deleted to make room, {read}")
+    except TestudoError as error:
+        robot.log.warning(str(error))

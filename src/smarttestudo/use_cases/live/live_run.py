@@ -161,6 +161,8 @@ class LiveRun:
                 self._take(ChangeInput(stamp_ns=now_ns, change=change))
         for topic, source in self._topics.heard():
             self._incidents.hear(topic, source, now_ns)
+            if self._outages is not None:
+                self._outages.hear(topic, source)
         for heard in self._topics.listeners():
             self._take(ChangeInput(stamp_ns=now_ns, change=heard))
         self._sampling.look(self._topics.pausable(), now_ns)
@@ -172,8 +174,6 @@ class LiveRun:
     def _look_at_link(self) -> None:
         assert self._link is not None
         if self._outages is not None:
-            for topic, source in self._topics.heard():
-                self._outages.hear(topic, source)
             self._outages.look(self._rules.rules_hash, self._link.state)
         plan = self._loop.knowledge.plan
         for change in self._link.changed_receivers(self._rules, plan, self._topics.heard_here()):

@@ -4,24 +4,22 @@
 
 from __future__ import annotations
 
-import threading
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
-from queue import SimpleQueue
 
-from smarttestudo.adapters.files.incident_space import make_room
 from smarttestudo.adapters.incidents.outage_folder import OutageFolder
+from smarttestudo.adapters.incidents.task_thread import TaskThread
 from smarttestudo.domain.errors import said
 from smarttestudo.domain.link_state import LinkState
 from smarttestudo.domain.robot import Robot
-from smarttestudo.domain.units import BYTES_PER_GB, NS_PER_S
+from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.runtime.incidents.topic_ring import SourceMessage
 from smarttestudo.runtime.relay import Relayed
 from smarttestudo.use_cases.live.heard_channels import HeardChannels
-from smarttestudo.use_cases.live.incidents import IncidentOptions
+from smarttestudo.use_cases.live.incidents import IncidentOptions, delete_for_room
 from smarttestudo.use_cases.live.topic import LiveSource
 
 BEFORE_NS = 5 * NS_PER_S
@@ -42,7 +40,7 @@ class LiveOutages:
         assert options.folder is not None
         self._robot = robot
         self._folder: Path = options.folder
-        self._max_bytes = None if options.max_gb is None else round(options.max_gb * BYTES_PER_GB)
+        self._options = options
         self._channels = HeardChannels(robot)
         self._recent: deque[SourceMessage] = deque()
         self._recent_bytes = 0
@@ -51,22 +49,19 @@ class LiveOutages:
         self._sessions = 0
         self._begun_ns: int | None = None
         self._folders = 0
-        self._tasks: SimpleQueue[Callable[[], None] | None] = SimpleQueue()
+        self._thread = TaskThread("outages", self._failed)
         # The thread that writes has this.
         self._open: OutageFolder | None = None
 
     @contextmanager
     def running(self) -> Iterator[None]:
         """Write during the block; an outage that lasts ends with it."""
-        thread = threading.Thread(target=self._run, name="outages", daemon=True)
-        thread.start()
-        try:
-            yield
-        finally:
-            if self._begun_ns is not None:
-                self._tasks.put(partial(self._end, self._robot.now_ns()))
-            self._tasks.put(None)
-            thread.join()
+        with self._thread.running():
+            try:
+                yield
+            finally:
+                if self._begun_ns is not None:
+                    self._thread.give(partial(self._end, self._robot.now_ns()))
 
     def hear(self, topic: str, source: LiveSource) -> None:
         """Messages of ``source`` are relayed from now on, if they were not before."""
@@ -80,7 +75,7 @@ class LiveOutages:
         now_ns = self._robot.now_ns()
         message = SourceMessage(self._number, relayed.topic, now_ns, relayed.payload[:])
         if self._begun_ns is not None:
-            self._tasks.put(partial(self._write, message))
+            self._thread.give(partial(self._write, message))
             return
         self._recent.append(message)
         self._recent_bytes += message.held_bytes
@@ -98,11 +93,11 @@ class LiveOutages:
             self._was_connected, self._folders = True, 0
         if link.is_connected:
             if self._begun_ns is not None:
-                self._tasks.put(partial(self._end, now_ns))
+                self._thread.give(partial(self._end, now_ns))
                 self._begun_ns = None
             return
         if self._begun_ns is not None and now_ns - self._begun_ns > FOLDER_NS:
-            self._tasks.put(partial(self._end, now_ns))
+            self._thread.give(partial(self._end, now_ns))
             self._begun_ns = None
             if self._folders >= MAX_FOLDERS:
                 self._was_connected = False
@@ -117,7 +112,7 @@ class LiveOutages:
         self._begun_ns = now_ns
         self._folders += 1
         from_ns = recent[0].stamp_ns if recent else now_ns
-        self._tasks.put(partial(self._open_folder, from_ns, rules_hash, recent))
+        self._thread.give(partial(self._open_folder, from_ns, rules_hash, recent))
 
     def _open_folder(self, from_ns: int, rules_hash: str, recent: list[SourceMessage]) -> None:
         self._open = OutageFolder(self._folder, self._channels.by_topic, from_ns, rules_hash)
@@ -134,18 +129,9 @@ class LiveOutages:
             return
         path = folder.end(to_ns)
         self._robot.log.info(f"outage {path.name}: kept for who asks with 'testudo receive --catch-up'")
-        if self._max_bytes is not None:
-            for one in make_room(self._folder, self._max_bytes):
-                read = "read" if one.was_read else "not read by anyone"
-                self._robot.log.warning(f"incident {one.name}: deleted to make room, {read}")
+        delete_for_room(self._robot, self._options)
 
-    def _run(self) -> None:
-        while (task := self._tasks.get()) is not None:
-            self._do(task)
-
-    def _do(self, task: Callable[[], None]) -> None:
-        try:
-            task()
-        except Exception as error:  # noqa: BLE001 - whatever writing fails of, the next outage is tried
-            self._open = None
-            self._robot.log.warning(f"an outage is not kept any further: {said(error)}")
+    def _failed(self, error: Exception) -> None:
+        # The next outage is tried.
+        self._open = None
+        self._robot.log.warning(f"an outage is not kept any further: {said(error)}")
