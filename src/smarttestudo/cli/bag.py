@@ -14,7 +14,6 @@ from smarttestudo.cli import bag_accuracy, bag_figures, bag_loss, bag_report
 from smarttestudo.cli.bag_options import (
     add_map,
     add_topics_and_form,
-    incident_line,
     print_csv,
     print_json,
     print_notices,
@@ -25,6 +24,7 @@ from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.progress import progress
 from smarttestudo.visualizer import bag_tables, comparison_tables
 from smarttestudo.visualizer.bag_comparison import BagComparison, compare_bags
+from smarttestudo.visualizer.incident_mark import incident_subtitle
 from smarttestudo.visualizer.table import Table
 from smarttestudo.visualizer.topic_selection import select_topics
 
@@ -125,7 +125,7 @@ def _run_compare(arguments: argparse.Namespace) -> int:
         print_csv(compared.rows())
     else:
         for letter, bag in (("A", a), ("B", b)):
-            print(f"{letter}: {bag.name}{incident_line(bag.incident)}")  # noqa: T201
+            print(f"{letter}: {bag.name}{incident_subtitle(bag.incident)}")  # noqa: T201
         print()  # noqa: T201
         print_tables(_compare_tables(compared))
     print_notices((*a.notices, *b.notices))

@@ -13,7 +13,6 @@ from pathlib import Path
 from smarttestudo.adapters.files.incident_store import record_beside
 from smarttestudo.cli.tables import print_table
 from smarttestudo.domain.errors import RecordingError, UsageError
-from smarttestudo.domain.incident import IncidentRecord
 from smarttestudo.domain.json_text import json_text
 from smarttestudo.use_cases.rules.rule_sets import LoadedRules
 from smarttestudo.visualizer.incident_mark import incident_text
@@ -102,11 +101,6 @@ def _topic_pair(text: str) -> tuple[str, str]:
     if not (a and separator and b):
         raise argparse.ArgumentTypeError(f"two topics are paired as in /a=/b, not {text!r}")
     return a, b
-
-
-def incident_line(record: IncidentRecord | None) -> str:
-    """What follows the name of a recording that is an incident."""
-    return "" if record is None else f"\nincident {incident_text(record)}"
 
 
 def print_incident(recording: Path) -> None:

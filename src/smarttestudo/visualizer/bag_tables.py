@@ -8,7 +8,7 @@ from smarttestudo.domain.recording import readable_until
 from smarttestudo.domain.units import BYTES_PER_KB, grouped, utc_time
 from smarttestudo.visualizer.bag_summary import BagSummary, BagTopic
 from smarttestudo.visualizer.comparison_tables import BANDWIDTH_NOTE, DECLARED, DECLARED_NOTE
-from smarttestudo.visualizer.incident_mark import incident_text
+from smarttestudo.visualizer.incident_mark import incident_subtitle
 from smarttestudo.visualizer.table import Align, Cell, Column, Number, Row, Table, Text
 
 _MS_PER_S = 1000
@@ -48,7 +48,8 @@ def info_table(bag: BagSummary) -> Table:
     return Table(
         title=f"{bag.name}: {bag.storage.value}, {grouped(span.duration_s, 3)} s, "
         f"{grouped(bag.total.messages)} messages\n"
-        f"from {utc_time(span.start_ns)} to {utc_time(span.end_ns)}{_incident(bag)}{_damage(bag)}",
+        f"from {utc_time(span.start_ns)} to {utc_time(span.end_ns)}"
+        f"{incident_subtitle(bag.incident)}{_damage(bag)}",
         columns=(
             _TOPIC,
             Column(heading="Type", align=Align.LEFT),
@@ -66,7 +67,7 @@ def rates_table(bag: BagSummary) -> Table:
     """How fast and how evenly each topic came, and how late where that was measured."""
     has_latency = any(topic.latency is not None for topic in bag.topics)
     return Table(
-        title=f"{bag.name}: rates{_incident(bag)}",
+        title=f"{bag.name}: rates{incident_subtitle(bag.incident)}",
         columns=(
             _TOPIC,
             Column(heading="Messages"),
@@ -124,7 +125,7 @@ def bandwidth_table(bag: BagSummary) -> Table:
         for topic in bag.topics
     )
     return Table(
-        title=f"{bag.name}: bandwidth{_incident(bag)}",
+        title=f"{bag.name}: bandwidth{incident_subtitle(bag.incident)}",
         columns=(
             _TOPIC,
             Column(heading="Volume", unit="KB"),
@@ -135,10 +136,6 @@ def bandwidth_table(bag: BagSummary) -> Table:
         rows=(*rows, sum_row),
         footnotes=(BANDWIDTH_NOTE, *_notes(bag)),
     )
-
-
-def _incident(bag: BagSummary) -> str:
-    return "" if bag.incident is None else f"\nincident {incident_text(bag.incident)}"
 
 
 def _damage(bag: BagSummary) -> str:

@@ -33,6 +33,11 @@ def incident_text(record: IncidentRecord) -> str:
     return f"{record.name} at {utc_time(record.triggered_ns)}: {_reason(record)}"
 
 
+def incident_subtitle(record: IncidentRecord | None) -> str:
+    """The line that follows the name of a recording that is an incident; empty for any other."""
+    return "" if record is None else f"\nincident {incident_text(record)}"
+
+
 def _reason(record: IncidentRecord) -> str:
     return ", ".join((f"rule {record.rule}", *signal_texts(record)))
 

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 import stat
 from pathlib import Path
@@ -30,6 +31,16 @@ def read_input(path: Path, most_bytes: int | None = None) -> bytes:
             data += piece or b""
             piece = file.read(_size(data, most_bytes))
     return bytes(data)
+
+
+def sha256_of_files(*paths: Path) -> str:
+    """The SHA-256 of files of any size, one after the other, in hexadecimal. Raises ``OSError``."""
+    digest = hashlib.sha256()
+    for path in paths:
+        with path.open("rb") as file:
+            while piece := file.read(_PIECE_BYTES):
+                digest.update(piece)
+    return digest.hexdigest()
 
 
 def require_file(path: Path) -> None:

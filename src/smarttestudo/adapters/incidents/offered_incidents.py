@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from smarttestudo.adapters.files.incident_store import READ_NAME, IncidentStore
+from smarttestudo.adapters.files.input_file import sha256_of_files
 from smarttestudo.adapters.incidents.mcap_index import file_ranges
 from smarttestudo.domain.errors import LinkError, RecordingError
 from smarttestudo.domain.remote_incidents import RemoteIncident
@@ -28,7 +29,6 @@ from smarttestudo.link.transfer_order import ByteRange, RangePart, TransferOrder
 MAX_INDEXES = 4
 """How many incidents may be fetched at once without their files being looked through again and again."""
 _ORDER_VERSION = b"1"
-_READ_BYTES = 1 << 20
 _MOST_COPIED_BYTES = 1_000_000
 
 
@@ -101,7 +101,7 @@ def _index_of(folder: Path, name: str) -> IncidentIndex:
         if len(files) > MAX_FILES:
             raise LinkError(f"{len(files)} files are too many for an incident", place=name)
         ranges = [file_ranges(one, number) for number, one in enumerate(files)]
-        planned = tuple(PlannedFile(one.name, one.stat().st_size, _sha256(one)) for one in files)
+        planned = tuple(PlannedFile(one.name, one.stat().st_size, sha256_of_files(one)) for one in files)
         head = _with_copies([one for each in ranges for one in each.head], files)
     order = TransferOrder(
         head,
@@ -145,14 +145,6 @@ def _own_stretches(parts: Sequence[RangePart]) -> Iterator[tuple[int, int, int]]
         file, start, end = part.whole.file, place, place + part.size_bytes
     if end > start:
         yield file, start, end - start
-
-
-def _sha256(path: Path) -> str:
-    digest = hashlib.sha256()
-    with path.open("rb") as opened:
-        while data := opened.read(_READ_BYTES):
-            digest.update(data)
-    return digest.hexdigest()
 
 
 @contextmanager

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -12,6 +11,7 @@ from typing import Literal
 
 from msgspec import Struct
 
+from smarttestudo.adapters.files.input_file import sha256_of_files
 from smarttestudo.adapters.files.nav2_map import (
     MapError,
     MapHeader,
@@ -127,7 +127,7 @@ class Backgrounds:
                 return Background(
                     name=name,
                     kind=kind,
-                    hash=_sha256(path),
+                    hash=sha256_of_files(path),
                     width_px=width_px,
                     height_px=height_px,
                     metres_per_pixel=None,
@@ -138,7 +138,7 @@ class Backgrounds:
             return Background(
                 name=name,
                 kind=kind,
-                hash=_sha256(path, header.image),
+                hash=sha256_of_files(path, header.image),
                 width_px=width_px,
                 height_px=height_px,
                 metres_per_pixel=header.cell_m,
@@ -213,12 +213,3 @@ def _require_small(path: Path) -> None:
             place=str(path),
             remedy="save it smaller",
         )
-
-
-def _sha256(*paths: Path) -> str:
-    digest = hashlib.sha256()
-    for path in paths:
-        with path.open("rb") as file:
-            while chunk := file.read(1_000_000):
-                digest.update(chunk)
-    return digest.hexdigest()

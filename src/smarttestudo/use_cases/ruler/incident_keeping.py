@@ -24,7 +24,7 @@ from smarttestudo.runtime.incidents.topic_ring import SourceMessage
 from smarttestudo.use_cases.replay.incidents import IncidentRequest
 from smarttestudo.use_cases.replay.replay import ReplayRequest, replay
 from smarttestudo.use_cases.ruler.trial import TryRequest, compiled_for
-from smarttestudo.use_cases.ruler.trial_incidents import sha256_of_rules
+from smarttestudo.use_cases.rules.rule_sets import sha256_of_rules
 
 INCIDENTS_FOLDER = "incidents"
 

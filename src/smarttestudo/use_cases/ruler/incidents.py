@@ -17,11 +17,13 @@ from smarttestudo.adapters.files.zip_stream import zip_pieces
 from smarttestudo.adirf.properties import property_spec
 from smarttestudo.domain.errors import RecordingError, TestudoError
 from smarttestudo.domain.incident import IncidentRecord, MissingReason
+from smarttestudo.domain.remote_incidents import RemoteIncident
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_MS, NS_PER_S
 from smarttestudo.use_cases.ruler.missing_messages import MissingMessages, missing_messages
 
 MAX_INCIDENTS = 500
 _FILES_OF_INCIDENTS = re.compile(r"(incident\.json|metadata\.yaml|.*\.(mcap|db3)(\.zstd)?)\Z")
+_REASONS = frozenset(reason.value for reason in MissingReason)
 
 
 class IncidentSummary(Struct, frozen=True, kw_only=True):
@@ -163,13 +165,16 @@ class KnownIncidents:
                     size_bytes = store.size_bytes(last)
                     stored = store.incident(last)
             except TestudoError as error:
-                problem = "; ".join(filter(None, (error.cause, error.remedy)))
+                problem = told_of_listed(error)
                 yield ListedIncident(
                     name=name, size_kb=size_bytes / BYTES_PER_KB, problem=problem, summary=None
                 )
             else:
                 yield ListedIncident(
-                    name=name, size_kb=size_bytes / BYTES_PER_KB, problem="", summary=_summary(stored)
+                    name=name,
+                    size_kb=size_bytes / BYTES_PER_KB,
+                    problem="",
+                    summary=incident_summary(stored.listed()),
                 )
 
     def _store(self, name: str) -> tuple[IncidentStore, str]:
@@ -185,7 +190,7 @@ class KnownIncidents:
         return IncidentAnswer(
             name=name,
             size_kb=stored.size_bytes / BYTES_PER_KB,
-            summary=_summary(stored),
+            summary=incident_summary(stored.listed()),
             rule_path=record.path,
             line=record.line,
             rule_file=rule_file,
@@ -230,18 +235,23 @@ def _common(one: tuple[str, ...], other: tuple[str, ...]) -> int:
     return next(differing, min(len(one), len(other)))
 
 
-def _summary(stored: StoredIncident) -> IncidentSummary:
-    record = stored.record
+def incident_summary(one: RemoteIncident) -> IncidentSummary:
+    """What a list says of an incident, with those reasons that this version knows."""
     return IncidentSummary(
-        title=record.name,
-        rule=record.rule,
-        triggered_ms=record.triggered_ns // NS_PER_MS,
-        before_s=(record.triggered_ns - record.from_ns) / NS_PER_S,
-        after_s=(record.to_ns - record.triggered_ns) / NS_PER_S,
-        messages=sum(one.messages for one in record.topics.values()),
-        missing=tuple(dict.fromkeys(one.reason for one in record.missing)),
-        is_read=stored.is_read,
+        title=one.label,
+        rule=one.rule,
+        triggered_ms=one.triggered_ns // NS_PER_MS,
+        before_s=(one.triggered_ns - one.from_ns) / NS_PER_S,
+        after_s=(one.to_ns - one.triggered_ns) / NS_PER_S,
+        messages=one.messages,
+        missing=tuple(dict.fromkeys(MissingReason(word) for word in one.missing if word in _REASONS)),
+        is_read=one.is_read,
     )
+
+
+def told_of_listed(error: TestudoError) -> str:
+    """Cause and remedy; the list says already of what."""
+    return "; ".join(filter(None, (error.cause, error.remedy)))
 
 
 def _value(record: IncidentRecord, signal: str) -> IncidentValue:

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import re
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import AbstractContextManager, ExitStack
 from typing import Literal, TypeAlias
@@ -17,11 +17,10 @@ from msgspec.structs import replace
 from smarttestudo.adapters.files.incident_store import RECORD_NAME
 from smarttestudo.adapters.files.project_folder import ForbiddenPathError, ProjectFolder
 from smarttestudo.domain.errors import LinkError, TestudoError
-from smarttestudo.domain.incident import MissingReason
 from smarttestudo.domain.remote_incidents import FetchProgress, RemoteIncident, RemoteIncidents
-from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_MS, NS_PER_S
+from smarttestudo.domain.units import BYTES_PER_KB
 from smarttestudo.use_cases.ruler.incident_keeping import INCIDENTS_FOLDER
-from smarttestudo.use_cases.ruler.incidents import IncidentSummary
+from smarttestudo.use_cases.ruler.incidents import IncidentSummary, incident_summary, told_of_listed
 
 OpenIncidents: TypeAlias = Callable[[], AbstractContextManager[RemoteIncidents]]
 """Joins the link; raises ``LinkError`` where that cannot be."""
@@ -31,7 +30,6 @@ _MAX_SHOWN = 500
 _ASKED_AT_ONCE = 8
 _STOP_S = 2.0
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,99}\Z")
-_REASONS = frozenset(reason.value for reason in MissingReason)
 
 
 class RobotIncident(Struct, frozen=True, kw_only=True):
@@ -136,7 +134,7 @@ class RobotIncidents:
             remote = self._link()
             robots = list(remote.robots())
         except TestudoError as error:
-            return RobotIncidentsAnswer(is_linked=True, problem=_told(error), robots=())
+            return RobotIncidentsAnswer(is_linked=True, problem=told_of_listed(error), robots=())
         if not robots:
             return RobotIncidentsAnswer(is_linked=True, problem=remote.problem or "", robots=())
         with ThreadPoolExecutor(_ASKED_AT_ONCE) as asking:
@@ -204,7 +202,7 @@ class RobotIncidents:
         try:
             found = remote.list(robot)
         except TestudoError as error:
-            return IncidentsOfRobot(robot=robot, problem=_told(error), incidents=())
+            return IncidentsOfRobot(robot=robot, problem=told_of_listed(error), incidents=())
         newest = sorted(found, key=lambda one: one.triggered_ns, reverse=True)[:_MAX_SHOWN]
         return IncidentsOfRobot(
             robot=robot, problem="", incidents=tuple(self._incident(robot, one) for one in newest)
@@ -214,7 +212,7 @@ class RobotIncidents:
         return RobotIncident(
             name=one.name,
             size_kb=one.size_bytes / BYTES_PER_KB,
-            summary=_summary(one),
+            summary=incident_summary(one),
             kept=self._kept(RobotIncidentRequest(robot=robot, name=one.name)),
         )
 
@@ -238,30 +236,8 @@ class RobotIncidents:
             folder = self._folder.path(target).parent
             path = remote.fetch(robot, name, folder, fetch.note, fetch.cancelled.is_set)
         except TestudoError as error:
-            fetch.state = replace(fetch.state, state="failed", problem=_told(error))
+            fetch.state = replace(fetch.state, state="failed", problem=told_of_listed(error))
         else:
             done = path is not None
             state: Literal["done", "cancelled"] = "done" if done else "cancelled"
             fetch.state = replace(fetch.state, state=state, problem="", kept=target if done else None)
-
-
-def _told(error: TestudoError) -> str:
-    return "; ".join(filter(None, (error.cause, error.remedy)))
-
-
-def _summary(one: RemoteIncident) -> IncidentSummary:
-    return IncidentSummary(
-        title=one.label,
-        rule=one.rule,
-        triggered_ms=one.triggered_ns // NS_PER_MS,
-        before_s=(one.triggered_ns - one.from_ns) / NS_PER_S,
-        after_s=(one.to_ns - one.triggered_ns) / NS_PER_S,
-        messages=one.messages,
-        missing=_reasons(one.missing),
-        is_read=one.is_read,
-    )
-
-
-def _reasons(words: Sequence[str]) -> tuple[MissingReason, ...]:
-    """The reasons that this version knows."""
-    return tuple(dict.fromkeys(MissingReason(word) for word in words if word in _REASONS))

@@ -24,9 +24,9 @@ from smarttestudo.use_cases.replay.outcome import ReplayOutcome
 from smarttestudo.use_cases.replay.replay import ReplayRequest, replay
 from smarttestudo.use_cases.ruler.checked_text import CheckedText, Draft, RefusedTextError
 from smarttestudo.use_cases.ruler.replay_watch import ArrivalWatch, BlockTurns, CountingWriter, TruthWatch
-from smarttestudo.use_cases.ruler.trial_incidents import IncidentTally, TryIncident, sha256_of_rules
+from smarttestudo.use_cases.ruler.trial_incidents import IncidentTally, TryIncident
 from smarttestudo.use_cases.ruler.trial_loss import LossWatch, TryLoss
-from smarttestudo.use_cases.rules.rule_sets import tier_values_for
+from smarttestudo.use_cases.rules.rule_sets import sha256_of_rules, tier_values_for
 from smarttestudo.visualizer.loss.binned_series import TimeBins
 from smarttestudo.visualizer.trace import TraceAccumulator
 

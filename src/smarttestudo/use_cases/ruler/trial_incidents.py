@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -122,8 +121,3 @@ def _told(tally: _Tally, start_ns: int) -> TryIncident:
         ),
         missing=missing_messages(tally.missing, trigger.stamp_ns),
     )
-
-
-def sha256_of_rules(text: str) -> str:
-    """The SHA-256 by which an incident names the rules with this ``text``."""
-    return hashlib.sha256(text.encode("utf-8", "surrogateescape")).hexdigest()

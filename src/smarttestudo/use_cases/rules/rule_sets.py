@@ -92,9 +92,12 @@ class LoadedRules:
     @property
     def in_force(self) -> RulesInForce:
         """The files, and the SHA-256 of their text in UTF-8, one after the other."""
-        text = "".join(self.texts.values())
-        sha256 = hashlib.sha256(text.encode("utf-8", "surrogateescape")).hexdigest()
-        return RulesInForce(paths=tuple(self.texts), sha256=sha256)
+        return RulesInForce(paths=tuple(self.texts), sha256=sha256_of_rules("".join(self.texts.values())))
+
+
+def sha256_of_rules(text: str) -> str:
+    """The SHA-256 by which a status and an incident name the rules with this ``text``."""
+    return hashlib.sha256(text.encode("utf-8", "surrogateescape")).hexdigest()
 
 
 def load_rules(
