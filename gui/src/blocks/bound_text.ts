@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { type Bound, TIERS } from "../api/types";
-import { numberProblem, typedNumber } from "../ui/numbers";
+import { numberProblemOr, typedNumber } from "../ui/numbers";
 
 /** What somebody typed as a bound: a number or a level's name in any case of letters; null where it is none. */
 export function parseBound(text: string): Bound | null {
@@ -15,5 +15,5 @@ export function parseBound(text: string): Bound | null {
 /** Why a text is no bound, in words; empty where it is one. */
 export function boundProblem(text: string): string {
   if (parseBound(text) !== null) return "";
-  return /\d/.test(text) && numberProblem(text) !== "" ? numberProblem(text) : "A bound is a number or a quality level";
+  return numberProblemOr(text, "A bound is a number or a quality level");
 }

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { type Rate, TIERS, type Tier } from "../api/types";
-import { numberProblem, typedNumber } from "../ui/numbers";
+import { numberProblemOr, typedNumber } from "../ui/numbers";
 
 export const RATE_WORDS: readonly string[] = [...TIERS, "Full", "Off"];
 
@@ -21,7 +21,7 @@ export function rateText(rate: Rate): string {
 
 /** What somebody typed as a rate, in any case of letters and with or without Hz; null where it is none. */
 export function parseRate(text: string): Rate | null {
-  const words = text.trim().replace(/\s*hz$/i, "");
+  const words = withoutHz(text);
   const word = RATE_WORDS.find((each) => each.toLowerCase() === words.toLowerCase());
   if (word === "Full") return { kind: "full", value: null };
   if (word === "Off") return { kind: "off", value: null };
@@ -33,8 +33,9 @@ export function parseRate(text: string): Rate | null {
 /** Why a text is no rate, in words; empty where it is one. */
 export function rateProblem(text: string): string {
   if (parseRate(text) !== null) return "";
-  const words = text.trim().replace(/\s*hz$/i, "");
-  return /\d/.test(words) && numberProblem(words) !== ""
-    ? numberProblem(words)
-    : "A rate is a number of Hz, Full, Off or a quality level";
+  return numberProblemOr(withoutHz(text), "A rate is a number of Hz, Full, Off or a quality level");
+}
+
+function withoutHz(text: string): string {
+  return text.trim().replace(/\s*hz$/i, "");
 }

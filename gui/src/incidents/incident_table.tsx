@@ -3,10 +3,9 @@
 import type { ListedIncident } from "../api/types";
 import { href } from "../route";
 import { ColumnHeads } from "../ui/column_heads";
-import { ago, moment } from "../ui/times";
-import { briefly, sizeWords, windowWords } from "./missing_words";
+import { SizeCell, SUMMARY_COLUMNS, SummaryCells } from "./summary_cells";
 
-const COLUMNS = ["Incident", "When", "Rule", "Kept", "Size", "Missing", "Folder"];
+const COLUMNS = [...SUMMARY_COLUMNS, "Folder"];
 
 /** A row for each incident, the newest first; on a narrow screen a card. One that cannot be read says why. */
 export function IncidentTable({ incidents, remove }: { incidents: readonly ListedIncident[]; remove: Remove }) {
@@ -31,24 +30,14 @@ export function IncidentTable({ incidents, remove }: { incidents: readonly Liste
 type Remove = (incident: ListedIncident) => void;
 
 function IncidentRow({ one, summary }: { one: ListedIncident; summary: NonNullable<ListedIncident["summary"]> }) {
-  const { title, rule, triggered_ms, missing, is_read } = summary;
+  const { title, is_read } = summary;
   return (
     <tr class={is_read ? "" : "unread"}>
       <th scope="row">
         <a href={href({ page: "incidents", name: one.name })}>{title}</a>
         {!is_read && <span class="tag">not read</span>}
       </th>
-      <td data-label="When">
-        <time title={ago(triggered_ms, Date.now())}>{moment(triggered_ms)}</time>
-      </td>
-      <td data-label="Rule">{rule}</td>
-      <td data-label="Kept">{windowWords(summary)}</td>
-      <td data-label="Size" class="number">
-        {sizeWords(one.size_kb)}
-      </td>
-      <td data-label="Missing">
-        {missing.length === 0 ? <span class="well">nothing</span> : <span class="trouble">{briefly(missing)}</span>}
-      </td>
+      <SummaryCells summary={summary} size_kb={one.size_kb} />
       <td data-label="Folder" class="path">
         {folderOf(one.name)}
       </td>
@@ -63,9 +52,7 @@ function BadRow({ one, remove }: { one: ListedIncident; remove: Remove }) {
       <td data-label="Problem" colSpan={3}>
         <span class="trouble">Cannot be read: {one.problem}</span>
       </td>
-      <td data-label="Size" class="number">
-        {sizeWords(one.size_kb)}
-      </td>
+      <SizeCell size_kb={one.size_kb} />
       <td data-label="">
         <button type="button" class="small" onClick={() => remove(one)}>
           Delete

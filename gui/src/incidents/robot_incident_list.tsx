@@ -5,8 +5,8 @@ import { href } from "../route";
 import type { RobotIncidents } from "../state/robot_incidents";
 import { ColumnHeads } from "../ui/column_heads";
 import { readable } from "../ui/numbers";
-import { moment } from "../ui/times";
-import { briefly, counted, sizeWords, windowWords } from "./missing_words";
+import { counted, sizeWords } from "./missing_words";
+import { SUMMARY_COLUMNS, SummaryCells } from "./summary_cells";
 
 /** What the robots on the link recorded: listed at once, fetched one by one. Nothing without a link. */
 export function RobotIncidentList({ robots }: { robots: RobotIncidents }) {
@@ -31,7 +31,7 @@ export function RobotIncidentList({ robots }: { robots: RobotIncidents }) {
   );
 }
 
-const COLUMNS = ["Incident", "When", "Rule", "Kept", "Size", "Missing", "In the project"];
+const COLUMNS = [...SUMMARY_COLUMNS, "In the project"];
 
 function OfRobot({ robots, one: { robot, problem, incidents } }: { robots: RobotIncidents; one: IncidentsOfRobot }) {
   if (problem) {
@@ -78,19 +78,7 @@ function RobotRow({ robots, robot, incident }: RowProps) {
   return (
     <tr>
       <th scope="row">{summary.title}</th>
-      <td data-label="When">{moment(summary.triggered_ms)}</td>
-      <td data-label="Rule">{summary.rule}</td>
-      <td data-label="Kept">{windowWords(summary)}</td>
-      <td data-label="Size" class="number">
-        {sizeWords(size_kb)}
-      </td>
-      <td data-label="Missing">
-        {summary.missing.length === 0 ? (
-          <span class="well">nothing</span>
-        ) : (
-          <span class="trouble">{briefly(summary.missing)}</span>
-        )}
-      </td>
+      <SummaryCells {...{ summary, size_kb }} />
       <td data-label="In the project">
         <FetchCell {...{ robots, robot, incident }} />
       </td>

@@ -7,6 +7,7 @@ import { DeleteDialog } from "../incidents/delete_dialog";
 import { CourseView } from "../incidents/incident_course";
 import { IncidentFacts, RecordedTopics } from "../incidents/incident_facts";
 import { IncidentTable } from "../incidents/incident_table";
+import { counted } from "../incidents/missing_words";
 import { RobotIncidentList } from "../incidents/robot_incident_list";
 import { useRuleGround } from "../incidents/rule_ground";
 import { href, toRoute } from "../route";
@@ -72,7 +73,7 @@ function countWords({ incidents, has_more }: IncidentsAnswer): string {
   const unread = incidents.filter(({ summary }) => summary?.is_read === false).length;
   const bad = incidents.filter(({ summary }) => summary === null).length;
   return [
-    `${incidents.length} incident${incidents.length === 1 ? "" : "s"}`,
+    counted(incidents.length, "incident"),
     unread > 0 ? `${unread} not read yet` : "",
     bad > 0 ? `${bad} that cannot be read` : "",
     has_more ? "older ones are not shown" : "",

@@ -32,6 +32,11 @@ export function numberProblem(text: string, hasComma = writesComma): string {
   return isMeant ? `${said} has thousands marked: write ${Number(meant)}` : `${said} is not a number`;
 }
 
+/** Why a text is none of some words, nor one number: what is wrong with its digits, or else `otherwise`. */
+export function numberProblemOr(text: string, otherwise: string): string {
+  return (/\d/.test(text) && numberProblem(text)) || otherwise;
+}
+
 function plainText(text: string): string {
   return text.trim().replace("−", "-").replace(BLANK_BETWEEN_THOUSANDS, "");
 }
