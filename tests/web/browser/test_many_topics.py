@@ -50,13 +50,14 @@ def _optimizer(ruler: RulerPage) -> None:
     ruler.page.get_by_text("Not everything fits").wait_for()
 
 
-def _findings(ruler: RulerPage) -> None:
+def _rules(ruler: RulerPage) -> None:
     ruler.open("sixty.adirf")
-    ruler.page.get_by_role("list", name="Findings").wait_for()
+    expect(ruler.page.get_by_label("Topic parameters")).to_have_value("sixty.toml")
+    ruler.page.get_by_text("No findings: the rules can be used as they are.").wait_for()
 
 
-def _without_levels(ruler: RulerPage) -> None:
-    _findings(ruler)
+def _findings(ruler: RulerPage) -> None:
+    _rules(ruler)
     ruler.page.get_by_label("Topic parameters").select_option("")
     expect(ruler.page.get_by_role("list", name="Findings").get_by_role("listitem")).not_to_have_count(0)
 
@@ -67,21 +68,21 @@ def _parameters(ruler: RulerPage) -> None:
 
 
 def _search(ruler: RulerPage) -> None:
-    _findings(ruler)
+    _rules(ruler)
     ruler.page.get_by_role("combobox", name="Find a rule").fill("image")
     ruler.page.get_by_role("option").first.wait_for()
 
 
 def _export(ruler: RulerPage) -> None:
-    _findings(ruler)
+    _rules(ruler)
     ruler.button("Export").click()
     ruler.page.get_by_role("dialog").wait_for()
 
 
 PAGES: tuple[Callable[[RulerPage], None], ...] = (
     _optimizer,
+    _rules,
     _findings,
-    _without_levels,
     _parameters,
     _search,
     _export,
