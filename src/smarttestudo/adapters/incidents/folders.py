@@ -169,8 +169,7 @@ class IncidentFolders:
         write_record(bag.path, record)
         stored = () if self._ring is None else self._ring.messages(incident.given_up)
         shared.begin(bag, incident.from_number, sorted((*stored, *messages), key=attrgetter("number")))
-        held = bag.numbers() if latched else set()
-        shared.add_latched(bag, [one for one in latched if one.number not in held], incident.from_ns)
+        shared.add_latched(bag, [one for one in latched if not bag.holds(one.number)], incident.from_ns)
 
     def _shared_of(self, incident: Incident) -> SharedMessages:
         recording = incident.recording
@@ -190,10 +189,9 @@ class IncidentFolders:
         """``missing``, without what the memory lacked and the disk had."""
         if not any(one.reason is MissingReason.MEMORY for one in missing):
             return tuple(missing)
-        held = bag.numbers()
         return (
             *(one for one in missing if one.reason is not MissingReason.MEMORY),
-            *missing_for_memory(incident.given_up, held),
+            *missing_for_memory(incident.given_up, bag.holds),
         )
 
     def _finish(self, found: _OpenFolder) -> None:

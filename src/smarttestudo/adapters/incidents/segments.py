@@ -7,6 +7,7 @@ from __future__ import annotations
 import errno
 import os
 from array import array
+from bisect import bisect_left
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -64,13 +65,16 @@ class BagFolder:
         """What is in its files by name; all of them are closed."""
         return {name: segment.content for name, segment in self.files if segment.content is not None}
 
-    def numbers(self) -> set[int]:
-        """The numbers of all messages in it."""
-        return {number for _, segment in self.files for number in segment.numbers}
+    def holds(self, number: int) -> bool:
+        """Whether the message of that number is in it."""
+        return any(segment.holds(number) for _, segment in self.files)
 
 
 class Segment:
-    """One file, which may be in several folders by hard links. ``content`` is known once it is closed."""
+    """One file, which may be in several folders by hard links. ``content`` is known once it is closed.
+
+    ``numbers`` are those of its messages, which rise.
+    """
 
     def __init__(self, folder: BagFolder) -> None:
         self.numbers = array("q")
@@ -106,6 +110,11 @@ class Segment:
     def abandon(self) -> None:
         """Leave the file as it is."""
         self._writer.abandon()
+
+    def holds(self, number: int) -> bool:
+        """Whether the message of that number is in it."""
+        at = bisect_left(self.numbers, number)
+        return at < len(self.numbers) and self.numbers[at] == number
 
     def is_over(self, stamp_ns: int, length_ns: int) -> bool:
         """Whether a message at ``stamp_ns`` belongs to the next segment."""

@@ -4,8 +4,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Hashable, Iterator, Mapping, Sequence
+from bisect import bisect_left
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 from typing import Protocol
 
 from smarttestudo.adirf.rule_set import Recording, RuleSet
@@ -239,12 +241,11 @@ class IncidentRecorder:
         from_ns = now_ns - recording.before_ns
         rings = [(topic, self._rings[topic]) for topic in recording.topics if topic in self._rings]
         messages = sorted(message for _, ring in rings for message in ring.since_ns(from_ns))
-        known = {message.number for message in messages}
         latched = sorted(
             message
             for samples in self._latched.values()
             for message in samples
-            if message.number not in known
+            if not _holds(messages, message.number)
         )
         numbers = [number for _, ring in rings if (number := ring.first_number_since(from_ns)) is not None]
         given_up = {topic: _given_up(topic, ring.given_up_since(from_ns), latched) for topic, ring in rings}
@@ -288,6 +289,12 @@ class IncidentRecorder:
             self._ring_bytes += largest.held_bytes - before
 
 
+def _holds(messages: Sequence[SourceMessage], number: int) -> bool:
+    """Whether a message is among some in the order of their numbers."""
+    at = bisect_left(messages, number, key=attrgetter("number"))
+    return at < len(messages) and messages[at].number == number
+
+
 def _given_up(topic: str, given_up: Sequence[GivenUp], latched: Sequence[SourceMessage]) -> Sequence[GivenUp]:
     """``given_up`` of ``topic``, without what is latched."""
     found = {message.number for message in latched if message.topic == topic}
@@ -317,11 +324,11 @@ def _unheard(topic: str, ring: TopicRing, from_ns: int, incident: Incident) -> I
 
 
 def missing_for_memory(
-    given_up: Mapping[str, Sequence[GivenUp]], held: Collection[int] = ()
+    given_up: Mapping[str, Sequence[GivenUp]], is_held: Callable[[int], bool] | None = None
 ) -> Iterator[Missing]:
-    """What memory did not hold of each topic; messages whose numbers are ``held`` are there all the same."""
+    """What memory did not hold of each topic; messages whose number ``is_held`` are there all the same."""
     for topic, messages in given_up.items():
-        lacking = [one for one in messages if one.number not in held] if held else messages
+        lacking = messages if is_held is None else [one for one in messages if not is_held(one.number)]
         if lacking:
             yield Missing(
                 topic=topic,
