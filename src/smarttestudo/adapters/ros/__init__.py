@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from typing import Any
 
 from smarttestudo.adapters.ros.graph_robots import GraphRobots
+from smarttestudo.adapters.ros.loading import load_rclpy
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.link import OutgoingLink
 from smarttestudo.domain.remote_robots import RemoteRobots
@@ -39,7 +40,7 @@ def open_robot(
         UsageError: the arguments are none of ROS, or the output domain is the robot's.
     """
     try:
-        import rclpy  # noqa: F401, PLC0415  a laptop lacks it
+        load_rclpy()
     except ImportError as error:
         raise RosError(
             "this needs ROS 2 (rclpy)",

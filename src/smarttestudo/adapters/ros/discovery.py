@@ -8,6 +8,7 @@ import ctypes
 import os
 from collections.abc import Mapping
 
+from smarttestudo.adapters.ros.loading import load_rclpy
 from smarttestudo.domain.robot import DiscoveryRange
 
 _RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
@@ -25,8 +26,8 @@ def discovery_variables(discovery: DiscoveryRange) -> Mapping[str, str]:
 
 def _knows_ranges() -> bool:
     try:
-        import rclpy  # noqa: F401, PLC0415  loads librcl; a laptop lacks it
-
+        # It loads librcl.
+        load_rclpy()
         library = ctypes.CDLL("librcl.so", mode=os.RTLD_NOLOAD | os.RTLD_LAZY)
     except (ImportError, OSError, AttributeError):
         # An installation for Windows or macOS is likely to be a newer one.
