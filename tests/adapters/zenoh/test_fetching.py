@@ -225,13 +225,34 @@ def test_a_stranger_who_asks_garbage_is_refused_and_others_are_answered(
     ):
         replies = session.get(end.boot.incidents_key, payload=question, timeout=5.0)
         assert all(one.ok is None for one in replies)
-        many = AskBytes(
-            name=NAME, token=bytes(16), asker=1, got_bytes=2**63, cursor=2**63, size_bytes=MAX_ASK_BYTES
-        )
-        for _ in range(300):
-            session.get(end.boot.incidents_key, payload=question_to_bytes(many), timeout=1.0)
         with fetching_from(endpoint) as incidents:
             fetched = incidents.fetch("r1", NAME, tmp_path / "here", lambda _: None, never)
+    assert fetched is not None
+    assert contents(fetched) == contents(path)
+
+
+def test_others_are_answered_while_a_stranger_asks_all_the_time(tmp_path: Path) -> None:
+    endpoint = free_endpoint()
+    path = write_incident(tmp_path / "robot")
+    many = question_to_bytes(
+        AskBytes(name=NAME, token=bytes(16), asker=1, got_bytes=2**63, cursor=2**63, size_bytes=MAX_ASK_BYTES)
+    )
+    with (
+        listening_robot(endpoint, path.parent) as end,
+        open_session(LinkOptions(connect=(endpoint,)), "peer", refuse_warning) as session,
+        fetching_from(endpoint) as incidents,
+    ):
+
+        def ask() -> None:
+            for _ in range(20_000):
+                session.get(end.boot.incidents_key, payload=many, timeout=1.0)
+
+        stranger = threading.Thread(target=ask)
+        stranger.start()
+        while stranger.is_alive():
+            assert len(incidents.list("r1")) == 1
+        stranger.join()
+        fetched = incidents.fetch("r1", NAME, tmp_path / "here", lambda _: None, never)
     assert fetched is not None
     assert contents(fetched) == contents(path)
 

@@ -42,7 +42,9 @@ _SAVE_S = 0.5
 _SAY_S = 0.25
 _RATE_SAYS = 12
 """The rate is that of so many times ``_SAY_S``."""
-_TRIES = 3
+_AGAIN_AFTER_S = 0.05
+_AGAIN_WITHIN_S = 3.0
+"""A robot that is asked much answers some questions with silence, as does one without incidents."""
 _KNOWN_WITHIN_S = 5.0
 _DIGITS = "#"
 _Answered = tuple[RangeAsk, Reply]
@@ -117,10 +119,8 @@ class LinkIncidents:
     def _answer(self, robot: str, question: TransferQuestion, cancelled: Callable[[], bool]) -> bytes | None:
         """What a robot answers, ``None`` if ``cancelled`` before. Raises ``LinkError``."""
         self._all_known.wait(_KNOWN_WITHIN_S)
-        for _ in range(_TRIES):
-            boot = self.boot(robot)
-            if boot is None:
-                continue
+        end_s = time.monotonic() + _AGAIN_WITHIN_S
+        while (boot := self.boot(robot)) is not None:
             replies: queue.SimpleQueue[Reply] = queue.SimpleQueue()
             self.get(boot, question, replies.put, ANSWER_WITHIN_S)
             reply = _waited(replies, cancelled)
@@ -130,6 +130,9 @@ class LinkIncidents:
                 raise reply
             if reply is not None:
                 return unpacked(reply, MAX_QUESTION_BYTES)
+            if time.monotonic() >= end_s:
+                break
+            time.sleep(_AGAIN_AFTER_S)
         cause = self._client.problem or (
             f"there is no robot {robot!r:.80}"
             if self.boot(robot) is None
