@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 from smarttestudo.adirf.parser import parse
@@ -12,7 +12,7 @@ from smarttestudo.adirf.rule_set import RuleSet, compile_rules
 from smarttestudo.domain.incident import Missing
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.runtime.incidents.recorder import Incident, IncidentRecorder, Store
-from smarttestudo.runtime.incidents.topic_ring import SourceMessage
+from smarttestudo.runtime.incidents.topic_ring import IncidentMessage, SourceMessage
 from smarttestudo.runtime.incidents.triggers import Trigger
 
 AMPLE_BYTES = 10_000_000
@@ -24,7 +24,7 @@ class Kept:
 
     incident: Incident
     latched: list[SourceMessage]
-    messages: list[SourceMessage]
+    messages: list[IncidentMessage]
     missing: tuple[Missing, ...] | None = None
 
 
@@ -35,7 +35,7 @@ class KeepingSink:
     kept: list[Kept] = field(default_factory=list)
 
     def begin(
-        self, incident: Incident, latched: Sequence[SourceMessage], messages: Sequence[SourceMessage]
+        self, incident: Incident, latched: Sequence[SourceMessage], messages: Iterable[IncidentMessage]
     ) -> None:
         self.kept.append(Kept(incident, list(latched), list(messages)))
 

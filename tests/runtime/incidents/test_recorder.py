@@ -21,8 +21,6 @@ def test_fifty_overlapping_incidents_are_all_whole() -> None:
     recorder.finish(200 * S)
     assert len(sink.kept) == 50
     assert {len(one.messages) for one in sink.kept} == {151}
-    # One message is one object in all incidents.
-    assert len({id(message.payload) for one in sink.kept for message in one.messages}) <= 400
     assert recorder.refused == 0
 
 

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import AbstractContextManager
 from functools import partial
 
@@ -14,7 +14,7 @@ from smarttestudo.adapters.incidents.task_thread import TaskThread
 from smarttestudo.domain.errors import testudo_error
 from smarttestudo.domain.incident import Missing, MissingReason
 from smarttestudo.runtime.incidents.recorder import Incident, IncidentSink, Store
-from smarttestudo.runtime.incidents.topic_ring import SourceMessage
+from smarttestudo.runtime.incidents.topic_ring import IncidentMessage, SourceMessage
 
 
 class BackgroundSink:
@@ -40,7 +40,7 @@ class BackgroundSink:
         self._left_out: dict[Incident, dict[str, Missing]] = {}
 
     def begin(
-        self, incident: Incident, latched: Sequence[SourceMessage], messages: Sequence[SourceMessage]
+        self, incident: Incident, latched: Sequence[SourceMessage], messages: Iterable[IncidentMessage]
     ) -> None:
         """Have it begun."""
         self._left_out[incident] = {}

@@ -4,11 +4,12 @@
 
 from __future__ import annotations
 
+import heapq
 import shutil
 import struct
 import tempfile
 from collections import Counter
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from operator import attrgetter
 from pathlib import Path
@@ -32,7 +33,7 @@ from smarttestudo.domain.incident import (
 )
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.runtime.incidents.recorder import Incident, missing_for_memory
-from smarttestudo.runtime.incidents.topic_ring import SourceMessage
+from smarttestudo.runtime.incidents.topic_ring import IncidentMessage, SourceMessage
 
 SEGMENTS_OF_A_WINDOW = 10
 LEAST_SEGMENT_NS = NS_PER_S
@@ -87,7 +88,7 @@ class IncidentFolders:
         self._shared: dict[Hashable, SharedMessages] = {}
 
     def begin(
-        self, incident: Incident, latched: Sequence[SourceMessage], messages: Sequence[SourceMessage]
+        self, incident: Incident, latched: Sequence[SourceMessage], messages: Iterable[IncidentMessage]
     ) -> None:
         """Write what came before; ``latched`` with the stamp of the window's start."""
         shared = self._shared_of(incident)
@@ -141,7 +142,7 @@ class IncidentFolders:
         bag: BagFolder,
         shared: SharedMessages,
         latched: Sequence[SourceMessage],
-        messages: Sequence[SourceMessage],
+        messages: Iterable[IncidentMessage],
     ) -> None:
         trigger, recording = incident.trigger, incident.recording
         record = IncidentRecord(
@@ -167,8 +168,10 @@ class IncidentFolders:
         self._open[incident] = found
         # What a killed run leaves says what it was.
         write_record(bag.path, record)
-        stored = () if self._ring is None else self._ring.messages(incident.given_up)
-        shared.begin(bag, incident.from_number, sorted((*stored, *messages), key=attrgetter("number")))
+        if self._ring is not None:
+            stored = self._ring.messages(incident.given_up)
+            messages = heapq.merge(stored, messages, key=attrgetter("number"))
+        shared.begin(bag, incident.from_number, messages)
         shared.add_latched(bag, [one for one in latched if not bag.holds(one.number)], incident.from_ns)
 
     def _shared_of(self, incident: Incident) -> SharedMessages:

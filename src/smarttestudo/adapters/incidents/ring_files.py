@@ -11,6 +11,7 @@ from array import array
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 from pathlib import Path
 
 from smarttestudo.adapters.files.whole_file import not_written
@@ -22,7 +23,7 @@ _FILES = 64
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StoredMessage:
-    """A ``SourceMessage`` whose payload is read when it is asked for, which may raise ``OSError``."""
+    """An ``IncidentMessage`` whose payload is read when it is asked for."""
 
     number: int
     topic: str
@@ -77,15 +78,16 @@ class RingFiles:
         self.problem = None
 
     def messages(self, given_up: Mapping[str, Sequence[GivenUp]]) -> list[StoredMessage]:
-        """Those of the messages that are there; valid until the next is stored."""
+        """Those of the messages that are there, in their order; valid until the next is stored."""
         wanted = {one.number: (topic, one.stamp_ns) for topic, given in given_up.items() for one in given}
-        return [
+        found = [
             StoredMessage(number=number, topic=topic, stamp_ns=stamp_ns, file=file, index=index)
             for file in self._files
             for index, number in enumerate(file.numbers)
             if number in wanted
             for topic, stamp_ns in [wanted[number]]
         ]
+        return sorted(found, key=attrgetter("number"))
 
     def close(self) -> None:
         """Give all of it back to the disk."""

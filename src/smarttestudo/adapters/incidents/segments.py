@@ -8,37 +8,18 @@ import errno
 import os
 from array import array
 from bisect import bisect_left
-from collections.abc import Iterable, Mapping, Sequence
+from collections import deque
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Protocol
 
 from smarttestudo.adapters.incidents.mcap_records import StoredChannel
 from smarttestudo.adapters.incidents.mcap_writer import FileContent, McapWriter
+from smarttestudo.runtime.incidents.topic_ring import IncidentMessage
 
 LATCHED_SHARED_NS = 10_000_000_000
 """How long before its window a file of latched messages may have been begun."""
-
-
-class SegmentMessage(Protocol):
-    """A ``SourceMessage``, or one whose payload is read when it is written."""
-
-    @property
-    def number(self) -> int:
-        """Its place among all messages."""
-
-    @property
-    def topic(self) -> str:
-        """Its topic."""
-
-    @property
-    def stamp_ns(self) -> int:
-        """When it came."""
-
-    @property
-    def payload(self) -> bytes:
-        """Its bytes. Raises ``OSError``."""
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
@@ -82,7 +63,7 @@ class Segment:
         self.content: FileContent | None = None
         self._holders: list[tuple[BagFolder, str]] = []
         name = folder.next_name()
-        self._writer = McapWriter(folder.path / name)
+        self._writer: McapWriter | None = McapWriter(folder.path / name)
         self._hold(folder, name)
 
     def link_to(self, folder: BagFolder) -> None:
@@ -95,8 +76,9 @@ class Segment:
                 return
         raise FileNotFoundError(errno.ENOENT, "no file is left to link to", str(folder.path / name))
 
-    def write(self, channel: StoredChannel, message: SegmentMessage, stamp_ns: int) -> None:
-        """Append a message. Raises ``OSError``."""
+    def write(self, channel: StoredChannel, message: IncidentMessage, stamp_ns: int) -> None:
+        """Append a message to a file that is not closed. Raises ``OSError``."""
+        assert self._writer is not None
         self._writer.write(channel, stamp_ns, message.payload)
         if self.first_stamp_ns is None:
             self.first_stamp_ns = stamp_ns
@@ -104,12 +86,15 @@ class Segment:
 
     def close(self) -> None:
         """Make the file whole. Raises ``OSError``."""
-        if self.content is None:
+        if self._writer is not None:
             self.content = self._writer.close()
+            # It knows the place of each message, and the segment may be kept for long.
+            self._writer = None
 
     def abandon(self) -> None:
         """Leave the file as it is."""
-        self._writer.abandon()
+        if self._writer is not None:
+            self._writer.abandon()
 
     def holds(self, number: int) -> bool:
         """Whether the message of that number is in it."""
@@ -142,27 +127,24 @@ class SharedMessages:
         self._latched: tuple[Sequence[int], int, Segment] | None = None
         self.members: list[BagFolder] = []
 
-    def begin(self, folder: BagFolder, from_number: int, messages: Sequence[SegmentMessage]) -> None:
+    def begin(self, folder: BagFolder, from_number: int, messages: Iterable[IncidentMessage]) -> None:
         """Have ``messages`` in ``folder``, what is stored from ``from_number`` on, and all to come.
 
-        Raises ``OSError``.
+        ``messages`` are in the order of their numbers. Raises ``OSError``.
         """
-        waiting = list(messages)
+        rest = _Waiting(messages)
         for segment in list(self._segments):
             if segment.numbers[-1] < from_number:
                 continue
-            before = [one for one in waiting if one.number < segment.numbers[0]]
-            self._segments += self._written(folder, before)
-            waiting = waiting[len(before) :]
+            self._segments += self._written(folder, rest.up_to(segment.numbers[0]))
             try:
                 segment.link_to(folder)
             except OSError:
                 # What it holds is written once more, as far as it is still there.
                 self._segments.remove(segment)
-                continue
-            last = segment.numbers[-1]
-            waiting = [one for one in waiting if one.number > last]
-        self._segments += self._written(folder, waiting)
+            else:
+                rest.skip_to(segment.numbers[-1] + 1)
+        self._segments += self._written(folder, rest.up_to(None))
         self._segments.sort(key=lambda segment: segment.numbers[0])
         if self._open is not None and not folder.has(self._open):
             self.cut()
@@ -177,7 +159,7 @@ class SharedMessages:
             if one.content is None or one.content.last_ns >= trigger_ns - self._longest_ns
         ]
 
-    def add_latched(self, folder: BagFolder, latched: Sequence[SegmentMessage], from_ns: int) -> None:
+    def add_latched(self, folder: BagFolder, latched: Sequence[IncidentMessage], from_ns: int) -> None:
         """Have ``latched`` in ``folder``, those from before its window with the stamp of its beginning.
 
         Raises ``OSError``.
@@ -200,7 +182,7 @@ class SharedMessages:
         folder.put_last_first()
         self._latched = (numbers, from_ns, segment)
 
-    def take(self, message: SegmentMessage) -> None:
+    def take(self, message: IncidentMessage) -> None:
         """One more message for all members. Raises ``OSError``."""
         if message.topic not in self._channels:
             return
@@ -234,7 +216,7 @@ class SharedMessages:
         self._open, self._latched = None, None
         self._segments, self.members = [], []
 
-    def _written(self, folder: BagFolder, messages: Iterable[SegmentMessage]) -> list[Segment]:
+    def _written(self, folder: BagFolder, messages: Iterable[IncidentMessage]) -> list[Segment]:
         """Closed segments of ``folder`` with ``messages``."""
         segments: list[Segment] = []
         try:
@@ -253,7 +235,25 @@ class SharedMessages:
             raise
         return segments
 
-    def _write(self, segment: Segment, message: SegmentMessage, stamp_ns: int) -> None:
+    def _write(self, segment: Segment, message: IncidentMessage, stamp_ns: int) -> None:
         channel = self._channels.get(message.topic)
         if channel is not None:
             segment.write(channel, message, stamp_ns)
+
+
+class _Waiting:
+    """Messages in the order of their numbers, taken from the front."""
+
+    def __init__(self, messages: Iterable[IncidentMessage]) -> None:
+        self._messages = iter(messages)
+        self._next = next(self._messages, None)
+
+    def up_to(self, number: int | None) -> Iterator[IncidentMessage]:
+        """Those before ``number``, or all."""
+        while self._next is not None and (number is None or self._next.number < number):
+            taken, self._next = self._next, next(self._messages, None)
+            yield taken
+
+    def skip_to(self, number: int) -> None:
+        """Leave out those before ``number``."""
+        deque(self.up_to(number), maxlen=0)

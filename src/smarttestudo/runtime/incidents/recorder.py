@@ -4,8 +4,8 @@
 
 from __future__ import annotations
 
-from bisect import bisect_left
-from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
+import heapq
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from operator import attrgetter
 from typing import Protocol
@@ -13,11 +13,22 @@ from typing import Protocol
 from smarttestudo.adirf.rule_set import Recording, RuleSet
 from smarttestudo.domain.incident import Missing, MissingReason
 from smarttestudo.runtime.incidents.latched import LatchedSamples, holds_static_frames
-from smarttestudo.runtime.incidents.topic_ring import GivenUp, SourceMessage, TopicRing
+from smarttestudo.runtime.incidents.topic_ring import (
+    GivenUp,
+    HeldMessages,
+    IncidentMessage,
+    SourceMessage,
+    TopicRing,
+)
 from smarttestudo.runtime.incidents.triggers import Trigger
 from smarttestudo.runtime.knowledge.knowledge import SteadyTime
 
 MAX_OPEN_INCIDENTS = 100
+_UNCOUNTED = 1 / 32
+"""What part of the memory is for what is not counted: ends of blocks, copies while an incident is written."""
+_LEAST_BLOCK_BYTES = 16_384
+_BLOCKS = 8192
+"""How many blocks all memory is, where it is large: a system allows a process some ten thousand of them."""
 
 Store = Callable[[SourceMessage, int, int], None]
 """Takes a message that memory gives up, until when a window may ask for it, and the time, both steady."""
@@ -44,9 +55,12 @@ class IncidentSink(Protocol):
     """Where incidents go; what is told of one comes in the order of its messages."""
 
     def begin(
-        self, incident: Incident, latched: Sequence[SourceMessage], messages: Sequence[SourceMessage]
+        self, incident: Incident, latched: Sequence[SourceMessage], messages: Iterable[IncidentMessage]
     ) -> None:
-        """A window opened, ``messages`` of which came before; ``latched`` came before it and still count."""
+        """A window opened, ``messages`` of which came before; ``latched`` came before it and still count.
+
+        Both are in the order of their numbers.
+        """
 
     def take(self, message: SourceMessage, incidents: Sequence[Incident]) -> None:
         """A message came while the windows of ``incidents`` were open, which keep it."""
@@ -89,7 +103,8 @@ class IncidentRecorder:
     ) -> None:
         self._sink = sink
         self._store = store
-        self._memory_bytes = memory_bytes
+        self._memory_bytes = int(memory_bytes * (1 - _UNCOUNTED))
+        self._block_bytes = max(_LEAST_BLOCK_BYTES, memory_bytes // _BLOCKS)
         self._time = SteadyTime(start_ns)
         self._number = 0
         self._rings: dict[str, TopicRing] = {}
@@ -138,7 +153,8 @@ class IncidentRecorder:
                     horizons[topic] = max(horizons.get(topic, 0), recording.before_ns)
         known, self._rings = self._rings, {}
         for topic, horizon_ns in horizons.items():
-            ring = self._rings[topic] = known.get(topic) or TopicRing(horizon_ns)
+            ring = known[topic] if topic in known else TopicRing(topic, horizon_ns, self._block_bytes)
+            self._rings[topic] = ring
             kept_ns = self._time.now_ns - ring.horizon_ns
             if horizon_ns > ring.horizon_ns and ring.since is not None and ring.since[0] < kept_ns:
                 # Nobody asked for what came before that, so it is gone.
@@ -240,22 +256,23 @@ class IncidentRecorder:
         now_ns = self._time.now_ns
         from_ns = now_ns - recording.before_ns
         rings = [(topic, self._rings[topic]) for topic in recording.topics if topic in self._rings]
-        messages = sorted(message for _, ring in rings for message in ring.since_ns(from_ns))
+        held = {topic: ring.held_since(from_ns) for topic, ring in rings}
+        gone = {topic: ring.given_up_since(from_ns) for topic, ring in rings}
         latched = sorted(
             message
             for samples in self._latched.values()
             for message in samples
-            if not _holds(messages, message.number)
+            if message.topic not in held or not held[message.topic].holds(message.number)
         )
-        numbers = [number for _, ring in rings if (number := ring.first_number_since(from_ns)) is not None]
-        given_up = {topic: _given_up(topic, ring.given_up_since(from_ns), latched) for topic, ring in rings}
+        firsts = [gone[topic][0].number if gone[topic] else held[topic].first_number for topic in held]
+        given_up = {topic: _given_up(topic, messages, latched) for topic, messages in gone.items()}
         incident = Incident(
             trigger=trigger,
             recording=recording,
             from_ns=trigger.stamp_ns - recording.before_ns,
             to_ns=trigger.stamp_ns + recording.after_ns,
             rules_sha256=self._rules_sha256,
-            from_number=min(numbers, default=self._number + 1),
+            from_number=min((one for one in firsts if one is not None), default=self._number + 1),
             given_up=given_up,
         )
         missing = [
@@ -263,7 +280,7 @@ class IncidentRecorder:
             *(one for _, ring in rings for one in ring.lost_since(from_ns)),
             *missing_for_memory(given_up),
         ]
-        self._sink.begin(incident, latched, messages)
+        self._sink.begin(incident, latched, _InOrder(tuple(held.values())))
         self._open.append(
             _OpenIncident(
                 incident=incident,
@@ -289,10 +306,14 @@ class IncidentRecorder:
             self._ring_bytes += largest.held_bytes - before
 
 
-def _holds(messages: Sequence[SourceMessage], number: int) -> bool:
-    """Whether a message is among some in the order of their numbers."""
-    at = bisect_left(messages, number, key=attrgetter("number"))
-    return at < len(messages) and messages[at].number == number
+@dataclass(frozen=True, slots=True)
+class _InOrder(Iterable[IncidentMessage]):
+    """The messages of several topics in the order of their numbers."""
+
+    topics: Sequence[HeldMessages]
+
+    def __iter__(self) -> Iterator[IncidentMessage]:
+        return heapq.merge(*self.topics, key=attrgetter("number"))
 
 
 def _given_up(topic: str, given_up: Sequence[GivenUp], latched: Sequence[SourceMessage]) -> Sequence[GivenUp]:

@@ -4,23 +4,46 @@
 
 from __future__ import annotations
 
+import mmap
 from array import array
 from bisect import bisect_left
 from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
-from itertools import islice
-from typing import NamedTuple, overload
+from dataclasses import dataclass
+from itertools import chain, islice
+from typing import NamedTuple, Protocol, overload
 
 from smarttestudo.domain.incident import Missing
 
 MESSAGE_OVERHEAD_BYTES = 400
-"""About what a message takes beside its payload."""
-_GIVEN_UP_BYTES = 24
+"""About what a message takes beside its payload while it is an object of its own."""
+_NUMBER_BYTES = 8
+_BLOCK_OVERHEAD_BYTES = 200
 _MAX_LOSSES = 1000
 
 
+class IncidentMessage(Protocol):
+    """A message of an incident, whose payload may be read when it is asked for."""
+
+    @property
+    def number(self) -> int:
+        """Its place among all messages."""
+
+    @property
+    def topic(self) -> str:
+        """Its topic."""
+
+    @property
+    def stamp_ns(self) -> int:
+        """When it came, on the clock."""
+
+    @property
+    def payload(self) -> bytes:
+        """Its bytes. Raises ``OSError`` where they are on a disk that fails."""
+
+
 class SourceMessage(NamedTuple):
-    """A message as it came: its place among all messages, its topic, its stamp on the clock."""
+    """An ``IncidentMessage`` as it came."""
 
     number: int
     topic: str
@@ -65,65 +88,186 @@ class GivenUpSpan(Sequence[GivenUp]):
         return map(GivenUp._make, zip(*self._columns, strict=True))
 
 
-class _GivenUpMessages:
-    """The messages that a ring gave up, in their order; each takes 24 bytes."""
+class _Rows:
+    """Rows of ``width`` numbers, the first of which is a steady time; added at the end, removed in front.
 
-    def __init__(self) -> None:
-        self._columns = (array("q"), array("q"), array("q"))
+    Rows that were removed take memory until they are more than those that are there.
+    """
+
+    def __init__(self, width: int) -> None:
+        self._columns = tuple(array("q") for _ in range(width))
         self._start = 0
 
     @property
     def held_bytes(self) -> int:
-        return len(self) * _GIVEN_UP_BYTES
+        return len(self._columns[0]) * len(self._columns) * _NUMBER_BYTES
 
     def __len__(self) -> int:
         return len(self._columns[0]) - self._start
 
-    def add(self, at_ns: int, message: SourceMessage) -> None:
-        for column, value in zip(self._columns, (at_ns, message.stamp_ns, message.number), strict=True):
+    def add(self, row: Iterable[int]) -> None:
+        for column, value in zip(self._columns, row, strict=True):
             column.append(value)
 
-    def forget_before(self, from_ns: int) -> None:
-        self._start = self._index(from_ns)
+    def row(self, index: int) -> tuple[int, ...]:
+        return tuple(column[self._start + index] for column in self._columns)
+
+    def remove(self, rows: int) -> None:
+        self._start += rows
         if self._start > len(self._columns[0]) // 2:
             for column in self._columns:
                 del column[: self._start]
             self._start = 0
 
-    def since(self, from_ns: int) -> GivenUpSpan:
-        first = self._index(from_ns)
-        return GivenUpSpan(column[first:] for column in self._columns)
+    def before(self, from_ns: int) -> int:
+        """How many are from before ``from_ns``."""
+        return bisect_left(self._columns[0], from_ns, self._start) - self._start
 
-    def _index(self, from_ns: int) -> int:
-        return bisect_left(self._columns[0], from_ns, self._start)
+    def since(self, from_ns: int) -> tuple[array[int], ...]:
+        first = self._start + self.before(from_ns)
+        return tuple(column[first:] for column in self._columns)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Blocks:
+    """The bytes from the position ``start`` on, which stay as they are while somebody holds this."""
+
+    start: int
+    block_bytes: int
+    blocks: Sequence[mmap.mmap]
+
+    def read(self, start: int, end: int) -> bytes:
+        parts = []
+        while start < end:
+            index, place = divmod(start - self.start, self.block_bytes)
+            part = self.blocks[index][place : place + end - start]
+            parts.append(part)
+            start += len(part)
+        return parts[0] if len(parts) == 1 else b"".join(parts)
+
+
+class _Payloads:
+    """Bytes at positions that rise, in blocks; a block goes back to the system once nobody holds it.
+
+    On the heap, small objects would settle between large payloads, and what payloads leave would stay taken.
+    """
+
+    def __init__(self, block_bytes: int) -> None:
+        self._block_bytes = block_bytes
+        self._blocks: deque[mmap.mmap] = deque()
+        self._first = 0
+        self.start = self.end = 0
+
+    @property
+    def held_bytes(self) -> int:
+        return self.end - self.start + len(self._blocks) * _BLOCK_OVERHEAD_BYTES
+
+    def add(self, payload: bytes) -> None:
+        """Append a payload."""
+        rest = memoryview(payload)
+        while rest:
+            place = self.end % self._block_bytes
+            if place == 0:
+                self._blocks.append(mmap.mmap(-1, self._block_bytes, access=mmap.ACCESS_COPY))
+            part = rest[: self._block_bytes - place]
+            self._blocks[-1][place : place + len(part)] = part
+            self.end += len(part)
+            rest = rest[len(part) :]
+
+    def remove_before(self, position: int) -> None:
+        """Forget what lies before ``position``."""
+        self.start = position
+        while self._first < position // self._block_bytes:
+            self._blocks.popleft()
+            self._first += 1
+
+    def between(self, start: int, end: int) -> _Blocks:
+        """What lies there."""
+        first = start // self._block_bytes
+        last = -(-end // self._block_bytes)
+        return _Blocks(
+            start=first * self._block_bytes,
+            block_bytes=self._block_bytes,
+            blocks=tuple(islice(self._blocks, first - self._first, last - self._first)),
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class HeldMessage:
+    """An ``IncidentMessage`` whose payload is copied when it is asked for."""
+
+    number: int
+    topic: str
+    stamp_ns: int
+    blocks: _Blocks
+    start: int
+    end: int
+
+    @property
+    def payload(self) -> bytes:
+        """Its bytes."""
+        return self.blocks.read(self.start, self.end)
+
+
+class HeldMessages(Iterable[HeldMessage]):
+    """Some of the messages of a topic in their order, as a ring had them when it was asked.
+
+    Any thread may go through them, however long that takes; their memory is taken until then.
+    """
+
+    def __init__(self, topic: str, rows: Sequence[array[int]], end: int, blocks: _Blocks) -> None:
+        self._topic = topic
+        _, self._stamps, self._numbers, self._starts = rows
+        self._end = end
+        self._blocks = blocks
+
+    @property
+    def first_number(self) -> int | None:
+        """The number of the first of them."""
+        return self._numbers[0] if self._numbers else None
+
+    def holds(self, number: int) -> bool:
+        """Whether the message of the topic with that number is one of them; they are the last that came."""
+        return bool(self._numbers) and self._numbers[0] <= number
+
+    def __iter__(self) -> Iterator[HeldMessage]:
+        ends = chain(islice(self._starts, 1, None), (self._end,))
+        # There is one end more than messages where there are none.
+        for stamp_ns, number, start, end in zip(self._stamps, self._numbers, self._starts, ends):  # noqa: B905
+            yield HeldMessage(
+                number=number, topic=self._topic, stamp_ns=stamp_ns, blocks=self._blocks, start=start, end=end
+            )
 
 
 class TopicRing:
     """Messages of the last ``horizon_ns``, by steady time, except for those that were given up.
 
-    ``since`` is when the topic began to be heard: the steady time, and the clock's.
+    ``since`` is when the topic began to be heard: the steady time, and the clock's. Memory for payloads is
+    taken by ``block_bytes``; what lies in the first and the last block beside the messages is not counted.
     """
 
-    def __init__(self, horizon_ns: int) -> None:
+    def __init__(self, topic: str, horizon_ns: int, block_bytes: int) -> None:
         self.horizon_ns = horizon_ns
         self.since: tuple[int, int] | None = None
-        self._message_bytes = 0
-        self._messages: deque[tuple[int, SourceMessage]] = deque()
-        self._given_up = _GivenUpMessages()
+        self._topic = topic
+        # When each came, by steady time and by the clock, its number, where its payload starts.
+        self._messages = _Rows(4)
+        self._payloads = _Payloads(block_bytes)
+        self._given_up = _Rows(3)
         self._lost: deque[tuple[int, Missing]] = deque(maxlen=_MAX_LOSSES)
 
     @property
     def held_bytes(self) -> int:
         """What its messages take in memory, with what is kept of those that were given up."""
-        return self._message_bytes + self._given_up.held_bytes
+        return self._payloads.held_bytes + self._messages.held_bytes + self._given_up.held_bytes
 
     def __len__(self) -> int:
         return len(self._messages)
 
     def add(self, message: SourceMessage, now_ns: int) -> None:
         """Keep a message that came at the steady time ``now_ns``."""
-        self._messages.append((now_ns, message))
-        self._message_bytes += message.held_bytes
+        self._messages.add((now_ns, message.stamp_ns, message.number, self._payloads.end))
+        self._payloads.add(message.payload)
 
     def lose(self, lost: Missing, now_ns: int) -> None:
         """Messages were lost before they came, as was seen at the steady time ``now_ns``."""
@@ -135,28 +279,34 @@ class TopicRing:
 
     def forget_before(self, from_ns: int) -> None:
         """Drop what came before ``from_ns``; nobody asks for it any more."""
-        while self._messages and self._messages[0][0] < from_ns:
-            self._message_bytes -= self._messages.popleft()[1].held_bytes
+        while self._messages and self._messages.row(0)[0] < from_ns:
+            self._remove_first()
         if self._given_up:
-            self._given_up.forget_before(from_ns)
+            self._given_up.remove(self._given_up.before(from_ns))
 
     def give_up_oldest(self) -> tuple[int, SourceMessage]:
         """Drop the oldest message, though somebody may ask for it; the steady time when it came, and it."""
-        at_ns, message = self._messages.popleft()
-        self._message_bytes -= message.held_bytes
-        self._given_up.add(at_ns, message)
-        return at_ns, message
+        at_ns, stamp_ns, number, start = self._messages.row(0)
+        end = self._second_start()
+        payload = self._payloads.between(start, end).read(start, end)
+        self._remove_first()
+        self._given_up.add((at_ns, stamp_ns, number))
+        return at_ns, SourceMessage(number, self._topic, stamp_ns, payload)
 
-    def since_ns(self, from_ns: int) -> Iterator[SourceMessage]:
-        """The messages that came at ``from_ns`` or later."""
-        return (message for at_ns, message in self._messages if at_ns >= from_ns)
-
-    def first_number_since(self, from_ns: int) -> int | None:
-        """The number of the first message that came then, whether it was given up or not."""
-        numbers = [one.number for one in self.given_up_since(from_ns)[:1]]
-        numbers += [message.number for message in islice(self.since_ns(from_ns), 1)]
-        return min(numbers, default=None)
+    def held_since(self, from_ns: int) -> HeldMessages:
+        """The messages that came at ``from_ns`` or later and are there."""
+        rows, end = self._messages.since(from_ns), self._payloads.end
+        starts = rows[-1]
+        blocks = self._payloads.between(starts[0] if starts else end, end)
+        return HeldMessages(self._topic, rows, end, blocks)
 
     def given_up_since(self, from_ns: int) -> GivenUpSpan:
         """The messages that came then and were given up."""
-        return self._given_up.since(from_ns)
+        return GivenUpSpan(self._given_up.since(from_ns))
+
+    def _second_start(self) -> int:
+        return self._messages.row(1)[-1] if len(self._messages) > 1 else self._payloads.end
+
+    def _remove_first(self) -> None:
+        self._payloads.remove_before(self._second_start())
+        self._messages.remove(1)

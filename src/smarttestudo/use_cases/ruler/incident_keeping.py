@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 
 from msgspec import Struct
@@ -20,7 +20,7 @@ from smarttestudo.domain.incident import Missing
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.recording import Channel
 from smarttestudo.runtime.incidents.recorder import Incident, IncidentSink
-from smarttestudo.runtime.incidents.topic_ring import SourceMessage
+from smarttestudo.runtime.incidents.topic_ring import IncidentMessage, SourceMessage
 from smarttestudo.use_cases.replay.incidents import IncidentRequest
 from smarttestudo.use_cases.replay.replay import ReplayRequest, replay
 from smarttestudo.use_cases.ruler.trial import TryRequest, compiled_for
@@ -122,7 +122,7 @@ class _OnlyOne:
         self._chosen: Incident | None = None
 
     def begin(
-        self, incident: Incident, latched: Sequence[SourceMessage], messages: Sequence[SourceMessage]
+        self, incident: Incident, latched: Sequence[SourceMessage], messages: Iterable[IncidentMessage]
     ) -> None:
         if self._left == 0:
             self._chosen = incident

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from msgspec import Struct
@@ -14,7 +14,7 @@ from smarttestudo.adapters.incidents.mcap_records import StoredChannel
 from smarttestudo.domain.incident import Missing
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
 from smarttestudo.runtime.incidents.recorder import Incident
-from smarttestudo.runtime.incidents.topic_ring import SourceMessage
+from smarttestudo.runtime.incidents.topic_ring import IncidentMessage, SourceMessage
 from smarttestudo.use_cases.ruler.missing_messages import MissingMessages, missing_messages
 
 
@@ -56,7 +56,7 @@ class _Tally:
     size_bytes: Counter[str] = field(default_factory=Counter)
     missing: Sequence[Missing] = ()
 
-    def add(self, message: SourceMessage) -> None:
+    def add(self, message: IncidentMessage) -> None:
         self.messages[message.topic] += 1
         self.size_bytes[message.topic] += len(message.payload)
 
@@ -74,7 +74,7 @@ class IncidentTally:
         return self
 
     def begin(
-        self, incident: Incident, latched: Sequence[SourceMessage], messages: Sequence[SourceMessage]
+        self, incident: Incident, latched: Sequence[SourceMessage], messages: Iterable[IncidentMessage]
     ) -> None:
         """As ``IncidentSink``."""
         self.count += 1
