@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from smarttestudo.runtime.incidents.topic_ring import HeldMessages, SourceMessage, TopicRing
+from smarttestudo.runtime.incidents.topic_ring import BlockPool, HeldMessages, SourceMessage, TopicRing
 
 # A payload that comes so long after the one before, how long ago may be forgotten, or a message to give up.
 STEPS = st.lists(
@@ -29,7 +29,7 @@ STEPS = st.lists(
 def test_a_ring_holds_what_a_list_would_and_what_was_asked_stays_as_it_was(
     steps: list[tuple[int, bytes] | int | str], block_bytes: int
 ) -> None:
-    ring = TopicRing("/scan", 0, block_bytes)
+    ring = TopicRing("/scan", 0, BlockPool(block_bytes, 3))
     held: list[tuple[int, SourceMessage]] = []
     given_up: list[tuple[int, int]] = []
     asked: list[tuple[HeldMessages, list[SourceMessage]]] = []

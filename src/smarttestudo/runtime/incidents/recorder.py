@@ -14,6 +14,7 @@ from smarttestudo.adirf.rule_set import Recording, RuleSet
 from smarttestudo.domain.incident import Missing, MissingReason
 from smarttestudo.runtime.incidents.latched import LatchedSamples, holds_static_frames
 from smarttestudo.runtime.incidents.topic_ring import (
+    BlockPool,
     GivenUp,
     HeldMessages,
     IncidentMessage,
@@ -24,9 +25,10 @@ from smarttestudo.runtime.incidents.triggers import Trigger
 from smarttestudo.runtime.knowledge.knowledge import SteadyTime
 
 MAX_OPEN_INCIDENTS = 100
-_UNCOUNTED = 1 / 32
+_UNCOUNTED = 1 / 20
 """What part of the memory is for what is not counted: ends of blocks, copies while an incident is written."""
 _LEAST_BLOCK_BYTES = 16_384
+_FREE_BLOCKS = 16
 _BLOCKS = 8192
 """How many blocks all memory is, where it is large: a system allows a process some ten thousand of them."""
 
@@ -104,7 +106,7 @@ class IncidentRecorder:
         self._sink = sink
         self._store = store
         self._memory_bytes = int(memory_bytes * (1 - _UNCOUNTED))
-        self._block_bytes = max(_LEAST_BLOCK_BYTES, memory_bytes // _BLOCKS)
+        self._pool = BlockPool(max(_LEAST_BLOCK_BYTES, memory_bytes // _BLOCKS), _FREE_BLOCKS)
         self._time = SteadyTime(start_ns)
         self._number = 0
         self._rings: dict[str, TopicRing] = {}
@@ -153,7 +155,7 @@ class IncidentRecorder:
                     horizons[topic] = max(horizons.get(topic, 0), recording.before_ns)
         known, self._rings = self._rings, {}
         for topic, horizon_ns in horizons.items():
-            ring = known[topic] if topic in known else TopicRing(topic, horizon_ns, self._block_bytes)
+            ring = known[topic] if topic in known else TopicRing(topic, horizon_ns, self._pool)
             self._rings[topic] = ring
             kept_ns = self._time.now_ns - ring.horizon_ns
             if horizon_ns > ring.horizon_ns and ring.since is not None and ring.since[0] < kept_ns:

@@ -110,7 +110,7 @@ class _Rows:
             column.append(value)
 
     def row(self, index: int) -> tuple[int, ...]:
-        return tuple(column[self._start + index] for column in self._columns)
+        return tuple([column[self._start + index] for column in self._columns])
 
     def remove(self, rows: int) -> None:
         self._start += rows
@@ -128,33 +128,64 @@ class _Rows:
         return tuple(column[first:] for column in self._columns)
 
 
+class _Block:
+    """Memory of a ``BlockPool``, to which it goes back once nobody holds it, on whatever thread that is."""
+
+    __slots__ = ("_free", "memory")
+
+    def __init__(self, memory: mmap.mmap, free: deque[mmap.mmap]) -> None:
+        self.memory = memory
+        self._free = free
+
+    def __del__(self) -> None:
+        self._free.append(self.memory)
+
+
+class BlockPool:
+    """Memory for payloads by blocks of ``block_bytes``, taken from the system and given back to it.
+
+    On the heap, small objects would settle between large payloads, and what payloads leave would stay taken.
+    A few blocks that are free are kept for those who ask next: new memory costs more than writing to it.
+    """
+
+    def __init__(self, block_bytes: int, most_free: int) -> None:
+        self.block_bytes = block_bytes
+        self._free: deque[mmap.mmap] = deque(maxlen=most_free)
+
+    def take(self) -> _Block:
+        """A block, with whatever is in it."""
+        try:
+            memory = self._free.pop()
+        except IndexError:
+            memory = mmap.mmap(-1, self.block_bytes, access=mmap.ACCESS_COPY)
+        return _Block(memory, self._free)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Blocks:
     """The bytes from the position ``start`` on, which stay as they are while somebody holds this."""
 
     start: int
     block_bytes: int
-    blocks: Sequence[mmap.mmap]
+    blocks: Sequence[_Block]
 
     def read(self, start: int, end: int) -> bytes:
         parts = []
         while start < end:
             index, place = divmod(start - self.start, self.block_bytes)
-            part = self.blocks[index][place : place + end - start]
+            part = self.blocks[index].memory[place : place + end - start]
             parts.append(part)
             start += len(part)
         return parts[0] if len(parts) == 1 else b"".join(parts)
 
 
 class _Payloads:
-    """Bytes at positions that rise, in blocks; a block goes back to the system once nobody holds it.
+    """Bytes at positions that rise, in blocks of ``pool``."""
 
-    On the heap, small objects would settle between large payloads, and what payloads leave would stay taken.
-    """
-
-    def __init__(self, block_bytes: int) -> None:
-        self._block_bytes = block_bytes
-        self._blocks: deque[mmap.mmap] = deque()
+    def __init__(self, pool: BlockPool) -> None:
+        self._pool = pool
+        self._block_bytes = pool.block_bytes
+        self._blocks: deque[_Block] = deque()
         self._first = 0
         self.start = self.end = 0
 
@@ -168,9 +199,9 @@ class _Payloads:
         while rest:
             place = self.end % self._block_bytes
             if place == 0:
-                self._blocks.append(mmap.mmap(-1, self._block_bytes, access=mmap.ACCESS_COPY))
+                self._blocks.append(self._pool.take())
             part = rest[: self._block_bytes - place]
-            self._blocks[-1][place : place + len(part)] = part
+            self._blocks[-1].memory[place : place + len(part)] = part
             self.end += len(part)
             rest = rest[len(part) :]
 
@@ -242,17 +273,17 @@ class HeldMessages(Iterable[HeldMessage]):
 class TopicRing:
     """Messages of the last ``horizon_ns``, by steady time, except for those that were given up.
 
-    ``since`` is when the topic began to be heard: the steady time, and the clock's. Memory for payloads is
-    taken by ``block_bytes``; what lies in the first and the last block beside the messages is not counted.
+    ``since`` is when the topic began to be heard: the steady time, and the clock's. Payloads are in
+    blocks of ``pool``; what lies in the first and the last block beside the messages is not counted.
     """
 
-    def __init__(self, topic: str, horizon_ns: int, block_bytes: int) -> None:
+    def __init__(self, topic: str, horizon_ns: int, pool: BlockPool) -> None:
         self.horizon_ns = horizon_ns
         self.since: tuple[int, int] | None = None
         self._topic = topic
         # When each came, by steady time and by the clock, its number, where its payload starts.
         self._messages = _Rows(4)
-        self._payloads = _Payloads(block_bytes)
+        self._payloads = _Payloads(pool)
         self._given_up = _Rows(3)
         self._lost: deque[tuple[int, Missing]] = deque(maxlen=_MAX_LOSSES)
 
@@ -279,17 +310,16 @@ class TopicRing:
 
     def forget_before(self, from_ns: int) -> None:
         """Drop what came before ``from_ns``; nobody asks for it any more."""
-        while self._messages and self._messages.row(0)[0] < from_ns:
-            self._remove_first()
+        self._remove(self._messages.before(from_ns))
         if self._given_up:
             self._given_up.remove(self._given_up.before(from_ns))
 
     def give_up_oldest(self) -> tuple[int, SourceMessage]:
         """Drop the oldest message, though somebody may ask for it; the steady time when it came, and it."""
         at_ns, stamp_ns, number, start = self._messages.row(0)
-        end = self._second_start()
+        end = self._start_of(1)
         payload = self._payloads.between(start, end).read(start, end)
-        self._remove_first()
+        self._remove(1)
         self._given_up.add((at_ns, stamp_ns, number))
         return at_ns, SourceMessage(number, self._topic, stamp_ns, payload)
 
@@ -304,9 +334,10 @@ class TopicRing:
         """The messages that came then and were given up."""
         return GivenUpSpan(self._given_up.since(from_ns))
 
-    def _second_start(self) -> int:
-        return self._messages.row(1)[-1] if len(self._messages) > 1 else self._payloads.end
+    def _start_of(self, index: int) -> int:
+        return self._messages.row(index)[-1] if index < len(self._messages) else self._payloads.end
 
-    def _remove_first(self) -> None:
-        self._payloads.remove_before(self._second_start())
-        self._messages.remove(1)
+    def _remove(self, messages: int) -> None:
+        if messages:
+            self._payloads.remove_before(self._start_of(messages))
+            self._messages.remove(messages)
