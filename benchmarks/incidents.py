@@ -159,7 +159,7 @@ def report(plain: Run, whole: Run, short: Run, disk: Run, *, recorder: Run, shor
     print(f"| one of them, MB | {whole.incident_mb:.1f} | |")
     print(f"| trigger to closed file, the longest, s | {max(whole.incident_s):.2f} | ≤ 1 |")
     print(f"| memory of the ring, MB, of {short_mb:.0f} | {took_mb:.1f} | ≤ {1.05 * short_mb:.1f} |")
-    print(f"| memory, the rest on disk, MB, of {short_mb:.0f} | {with_disk_mb:.1f} | ≤ {1.05 * short_mb:.1f} |")
+    print(f"| memory, rest on disk, MB, of {short_mb:.0f} | {with_disk_mb:.1f} | ≤ {1.05 * short_mb:.1f} |")
     print(f"| one from disk, MB | {disk.incident_mb:.1f} | |")
     print(f"| trigger to closed file from disk, the longest, s | {max(disk.incident_s):.2f} | ≤ 1 |")
     print(f"| CPU with disk, % | {disk.cpu_percent:.1f} | |")
