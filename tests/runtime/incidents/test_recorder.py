@@ -132,6 +132,14 @@ def test_other_rules_keep_what_was_kept() -> None:
     assert [message.payload for message in sink.kept[0].messages] == [b"scan"]
 
 
+def test_a_topic_that_is_silent_is_still_heard_after_a_reload() -> None:
+    recorder, sink = recorder_for(RULES)
+    recorder.change_rules(RULES)
+    recorder.begin(trigger(RULES, 100 * S))
+    recorder.finish(200 * S)
+    assert sink.kept[0].missing == ()
+
+
 def test_what_rules_did_not_ask_for_before_a_reload_is_named() -> None:
     recorder, sink = recorder_for(RULES)
     for second in range(100, 131):
