@@ -89,6 +89,14 @@ def test_a_bound_tighter_than_what_was_measured_counts_the_ceiling_and_is_widene
     }
 
 
+def test_a_bound_is_brought_to_the_tightest_that_was_measured_whatever_floats_make_of_the_factor() -> None:
+    tightest = 2.7943001780957153
+    assert 0.01 * (tightest / 0.01) < tightest
+    tiers = AccuracyTiers(bounds=(6.0, 5.0, 4.0, 3.5, 3.0, tightest), needs_hz=(0.5,) * 6)
+    after = planned(odometry_profile(tiers), {"position": 0.01}, Rate.full(), 0.75)["/odom"]
+    assert dict(after.within) == {"position": 2.795}
+
+
 _WITHIN = {"position": st.sampled_from([0.01, 0.1]) | st.floats(1e-3, 10), "orientation": st.floats(1e-3, 10)}
 
 

@@ -57,7 +57,7 @@ def _least_factor(entry: TopicProfile, within: Within, rate_hz: float) -> float:
     corners = {1.0}
     for name, bound in within.items():
         tiers = entry.accuracy(name)
-        corners.update(one / bound for one in (() if tiers is None else tiers.bounds) if one > bound)
+        corners.update(_factor(bound, one) for one in (() if tiers is None else tiers.bounds) if one > bound)
     if needed_hz(1.0) <= rate_hz:
         return 1.0
     for low, high in itertools.pairwise(sorted(corners)):
@@ -71,3 +71,9 @@ def _least_factor(entry: TopicProfile, within: Within, rate_hz: float) -> float:
         if needed_hz(high) <= rate_hz:
             return high
     return max(corners)
+
+
+def _factor(bound: float, wider: float) -> float:
+    """What brings ``bound`` to ``wider``, and not to less by float noise: that may need infinitely more."""
+    factor = wider / bound
+    return factor if factor * bound >= wider else math.nextafter(factor, math.inf)
