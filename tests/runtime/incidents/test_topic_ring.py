@@ -70,7 +70,7 @@ from runtime.incidents.incident_runs import recorder_for, recording_rules, trigg
 MB, S = 1e6, 1_000_000_000
 # Hz and bytes: images fill the memory first, then give it up to all others.
 TOPICS = {"/imu": (195, 324), "/odom": (25.5, 724), "/scan": (40, 2940), "/image": (20, 60_000)}
-RULES = recording_rules(f'Record "one" {" ".join(TOPICS)} Before 60 s After 0 s')
+RULES = recording_rules(f'Record "one" {" ".join(TOPICS)} Before 120 s After 0 s')
 
 
 def resident_bytes():
@@ -81,24 +81,24 @@ def resident_bytes():
 recorder, sink = recorder_for(RULES, memory_bytes=int(sys.argv[1]), topics=tuple(TOPICS))
 before = resident_bytes()
 due = [(0.0, topic) for topic in TOPICS]
-while due[0][0] < 90:
+while due[0][0] < 150:
     at_s, topic = heapq.heappop(due)
     rate_hz, size_bytes = TOPICS[topic]
     heapq.heappush(due, (at_s + 1 / rate_hz, topic))
     recorder.take(topic, int(at_s * S), os.urandom(size_bytes))
 taken = resident_bytes() - before
-recorder.begin(trigger(RULES, 90 * S))
+recorder.begin(trigger(RULES, 150 * S))
 print(taken, sum(len(one.payload) for one in sink.kept[0].messages))
 """
 
 
 @pytest.mark.process
-def test_what_is_resident_is_at_most_a_twentieth_more_than_the_memory() -> None:
-    memory_bytes = 26_000_000
+@pytest.mark.parametrize("memory_bytes", [26_000_000, 160_000_000])
+def test_what_is_resident_is_at_most_a_twentieth_more_than_the_memory(memory_bytes: int) -> None:
     command = [sys.executable, "-c", MEASURED, str(memory_bytes)]
     environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])}
     ran = subprocess.run(command, capture_output=True, text=True, env=environment, check=True)
     taken_bytes, payload_bytes = map(int, ran.stdout.split())
     assert taken_bytes <= 1.05 * memory_bytes
     # Most of it is messages.
-    assert payload_bytes >= 0.9 * memory_bytes
+    assert payload_bytes >= 0.85 * memory_bytes

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import heapq
+import mmap
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from operator import attrgetter
@@ -106,7 +107,7 @@ class IncidentRecorder:
         self._sink = sink
         self._store = store
         self._memory_bytes = int(memory_bytes * (1 - _UNCOUNTED))
-        self._pool = BlockPool(max(_LEAST_BLOCK_BYTES, memory_bytes // _BLOCKS), _FREE_BLOCKS)
+        self._pool = BlockPool(_block_bytes(memory_bytes), _FREE_BLOCKS)
         self._time = SteadyTime(start_ns)
         self._number = 0
         self._rings: dict[str, TopicRing] = {}
@@ -316,6 +317,12 @@ class _InOrder(Iterable[IncidentMessage]):
 
     def __iter__(self) -> Iterator[IncidentMessage]:
         return heapq.merge(*self.topics, key=attrgetter("number"))
+
+
+def _block_bytes(memory_bytes: int) -> int:
+    """Whole pages: of others, the system takes the rest, too."""
+    pages = -(-max(_LEAST_BLOCK_BYTES, memory_bytes // _BLOCKS) // mmap.PAGESIZE)
+    return pages * mmap.PAGESIZE
 
 
 def _given_up(topic: str, given_up: Sequence[GivenUp], latched: Sequence[SourceMessage]) -> Sequence[GivenUp]:
