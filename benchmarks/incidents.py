@@ -4,9 +4,9 @@
 
 Run it with ``python benchmarks/incidents.py`` where ROS 2 is installed; it takes half an hour and some
 minutes, less with ``--minutes``. Four runtimes with the same rates are measured one after the other: one
-without ``Record``; one that keeps the last minute of all topics, with an incident every so often; one whose
-memory holds a third of it; one that has the rest on disk, with incidents. Then a plain rclpy recorder of the
-same topics (``live/roles.py``).
+without ``Record``; one that keeps the last minute of all topics; one whose memory holds a third of it; one
+that has the rest on disk. All but the first have an incident every so often. Then a plain rclpy recorder of
+the same topics (``live/roles.py``).
 
 The age of relayed messages is that at the operator's. The memory that the ring takes is what is resident
 beyond the first runtime's. An incident is there when its folder is.

@@ -5,6 +5,7 @@ from __future__ import annotations
 from runtime.incidents.incident_runs import recorder_for, recording_rules, rules_of, trigger
 from smarttestudo.domain.incident import MissingReason
 from smarttestudo.runtime.incidents.recorder import MAX_OPEN_INCIDENTS
+from smarttestudo.runtime.incidents.topic_ring import HeldMessage
 
 S = 1_000_000_000
 MS = 1_000_000
@@ -21,6 +22,11 @@ def test_fifty_overlapping_incidents_are_all_whole() -> None:
     recorder.finish(200 * S)
     assert len(sink.kept) == 50
     assert {len(one.messages) for one in sink.kept} == {151}
+    # One message takes its memory once, whether it came before a trigger or after it.
+    messages = [message for one in sink.kept for message in one.messages]
+    held = [message for message in messages if isinstance(message, HeldMessage)]
+    assert len({id(block) for message in held for block in message.blocks.blocks}) == 1
+    assert len({id(one.payload) for one in messages if not isinstance(one, HeldMessage)}) <= 400
     assert recorder.refused == 0
 
 

@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 
 from smarttestudo.runtime.incidents.topic_ring import BlockPool, HeldMessages, SourceMessage, TopicRing
 
-# A payload that comes so long after the one before, how long ago may be forgotten, or a message to give up.
+# A payload that comes so long after the one before, how long ago may be forgotten, the oldest to give up, or
+# a question that is looked at in the end.
 STEPS = st.lists(
     st.one_of(
         st.tuples(st.integers(0, 5), st.binary(max_size=40)),
@@ -67,7 +68,7 @@ MEASURED = """
 import heapq, os, resource, sys
 from runtime.incidents.incident_runs import recorder_for, recording_rules, trigger
 
-MB, S = 1e6, 1_000_000_000
+S = 1_000_000_000
 # Hz and bytes: images fill the memory first, then give it up to all others.
 TOPICS = {"/imu": (195, 324), "/odom": (25.5, 724), "/scan": (40, 2940), "/image": (20, 60_000)}
 RULES = recording_rules(f'Record "one" {" ".join(TOPICS)} Before 120 s After 0 s')

@@ -121,7 +121,10 @@ class _Rows:
 
     def before(self, from_ns: int) -> int:
         """How many are from before ``from_ns``."""
-        return bisect_left(self._columns[0], from_ns, self._start) - self._start
+        times_ns = self._columns[0]
+        if self._start == len(times_ns) or times_ns[self._start] >= from_ns:
+            return 0
+        return bisect_left(times_ns, from_ns, self._start) - self._start
 
     def since(self, from_ns: int) -> tuple[array[int], ...]:
         first = self._start + self.before(from_ns)
@@ -186,7 +189,6 @@ class _Payloads:
         self._pool = pool
         self._block_bytes = pool.block_bytes
         self._blocks: deque[_Block] = deque()
-        self._first = 0
         self.start = self.end = 0
 
     @property
@@ -207,19 +209,18 @@ class _Payloads:
 
     def remove_before(self, position: int) -> None:
         """Forget what lies before ``position``."""
-        self.start = position
-        while self._first < position // self._block_bytes:
+        for _ in range(position // self._block_bytes - self.start // self._block_bytes):
             self._blocks.popleft()
-            self._first += 1
+        self.start = position
 
     def between(self, start: int, end: int) -> _Blocks:
         """What lies there."""
-        first = start // self._block_bytes
-        last = -(-end // self._block_bytes)
+        first, last = start // self._block_bytes, -(-end // self._block_bytes)
+        known = self.start // self._block_bytes
         return _Blocks(
             start=first * self._block_bytes,
             block_bytes=self._block_bytes,
-            blocks=tuple(islice(self._blocks, first - self._first, last - self._first)),
+            blocks=tuple(islice(self._blocks, first - known, last - known)),
         )
 
 
@@ -273,24 +274,21 @@ class HeldMessages(Iterable[HeldMessage]):
 class TopicRing:
     """Messages of the last ``horizon_ns``, by steady time, except for those that were given up.
 
-    ``since`` is when the topic began to be heard: the steady time, and the clock's. Payloads are in
-    blocks of ``pool``; what lies in the first and the last block beside the messages is not counted.
+    ``since`` is when the topic began to be heard: the steady time, and the clock's. ``held_bytes`` is what
+    its messages take in memory, with what is kept of those that were given up. Payloads are in blocks of
+    ``pool``; what lies in the first and the last block beside the messages is not counted.
     """
 
     def __init__(self, topic: str, horizon_ns: int, pool: BlockPool) -> None:
         self.horizon_ns = horizon_ns
         self.since: tuple[int, int] | None = None
+        self.held_bytes = 0
         self._topic = topic
         # When each came, by steady time and by the clock, its number, where its payload starts.
         self._messages = _Rows(4)
         self._payloads = _Payloads(pool)
         self._given_up = _Rows(3)
         self._lost: deque[tuple[int, Missing]] = deque(maxlen=_MAX_LOSSES)
-
-    @property
-    def held_bytes(self) -> int:
-        """What its messages take in memory, with what is kept of those that were given up."""
-        return self._payloads.held_bytes + self._messages.held_bytes + self._given_up.held_bytes
 
     def __len__(self) -> int:
         return len(self._messages)
@@ -299,6 +297,7 @@ class TopicRing:
         """Keep a message that came at the steady time ``now_ns``."""
         self._messages.add((now_ns, message.stamp_ns, message.number, self._payloads.end))
         self._payloads.add(message.payload)
+        self._count()
 
     def lose(self, lost: Missing, now_ns: int) -> None:
         """Messages were lost before they came, as was seen at the steady time ``now_ns``."""
@@ -310,9 +309,11 @@ class TopicRing:
 
     def forget_before(self, from_ns: int) -> None:
         """Drop what came before ``from_ns``; nobody asks for it any more."""
-        self._remove(self._messages.before(from_ns))
-        if self._given_up:
-            self._given_up.remove(self._given_up.before(from_ns))
+        messages, given_up = self._messages.before(from_ns), self._given_up.before(from_ns)
+        if messages or given_up:
+            self._remove(messages)
+            self._given_up.remove(given_up)
+            self._count()
 
     def give_up_oldest(self) -> tuple[int, SourceMessage]:
         """Drop the oldest message, though somebody may ask for it; the steady time when it came, and it."""
@@ -321,6 +322,7 @@ class TopicRing:
         payload = self._payloads.between(start, end).read(start, end)
         self._remove(1)
         self._given_up.add((at_ns, stamp_ns, number))
+        self._count()
         return at_ns, SourceMessage(number, self._topic, stamp_ns, payload)
 
     def held_since(self, from_ns: int) -> HeldMessages:
@@ -338,6 +340,9 @@ class TopicRing:
         return self._messages.row(index)[-1] if index < len(self._messages) else self._payloads.end
 
     def _remove(self, messages: int) -> None:
-        if messages:
-            self._payloads.remove_before(self._start_of(messages))
-            self._messages.remove(messages)
+        self._payloads.remove_before(self._start_of(messages))
+        self._messages.remove(messages)
+
+    def _count(self) -> None:
+        """Once for each change: all rings are asked for it at each message while memory is short."""
+        self.held_bytes = self._payloads.held_bytes + self._messages.held_bytes + self._given_up.held_bytes
