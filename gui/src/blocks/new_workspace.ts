@@ -55,5 +55,21 @@ export function newWorkspace(
   });
   // The text keeps what is undone.
   workspace.MAX_UNDO = 0;
+  keepFocus(host);
   return workspace;
+}
+
+/**
+ * Keeps the focus where two keys lead within a frame: Blockly 13.3 brings a focused block to the front a frame later by
+ * moving those behind it, which takes the focus from one that got it meanwhile.
+ */
+function keepFocus(host: HTMLElement): void {
+  let focused: EventTarget | null = null;
+  host.addEventListener("focusin", ({ target }) => {
+    focused = target;
+    requestAnimationFrame(() => {
+      const isLost = document.activeElement === document.body;
+      if (isLost && focused instanceof SVGElement && focused.isConnected) focused.focus({ preventScroll: true });
+    });
+  });
 }

@@ -106,6 +106,22 @@ def test_by_keyboard_alone(three: RulerPage, project: Path) -> None:
     assert (project / "three.adirf").read_text().count("Disabled Rule") == 2
 
 
+TWO_KEYS = """async () => {
+    for (let count = 0; count < 2; count++) {
+        const key = new KeyboardEvent("keydown", { key: "ArrowDown", keyCode: 40, bubbles: true });
+        document.activeElement.dispatchEvent(key);
+    }
+    for (let count = 0; count < 3; count++) await new Promise(requestAnimationFrame);
+}"""
+"""Two keys before the next frame, as a browser that is busy gets them, and then some frames."""
+
+
+def test_keys_that_come_faster_than_frames_keep_the_focus(three: RulerPage) -> None:
+    three.walk("Tab", "stacks of blocks")
+    three.page.evaluate(TWO_KEYS)
+    assert "rule, A" in three.focused()
+
+
 def test_the_menu_of_a_rule_offers_the_same(three: RulerPage) -> None:
     three.page.locator(".adirf_rule, .blocklyDraggable").filter(has_text="rule").first.click(
         button="right", position={"x": 20, "y": 8}
