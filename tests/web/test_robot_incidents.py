@@ -113,6 +113,12 @@ def test_what_the_robot_does_not_have_fails_with_a_reason(page: Page) -> None:
     assert fetched(page, "failed")["problem"]
 
 
+def test_who_is_there_is_told_without_a_question_to_robots(page: Page) -> None:
+    assert page.get("/api/robot-incidents/fetches").json == {"fetches": [], "heard": []}
+    asked(page)
+    assert page.get("/api/robot-incidents/fetches").json == {"fetches": [], "heard": ["ada"]}
+
+
 @pytest.mark.parametrize("name", ["../up", "/etc", "a/b", "", ".hidden", "x" * 101])
 @pytest.mark.parametrize("which", ["robot", "name"])
 def test_no_name_leads_out_of_the_folder(page: Page, tmp_path: Path, which: str, name: str) -> None:
@@ -126,4 +132,4 @@ def test_without_a_link_nothing_is_asked(tmp_path: Path) -> None:
         answer = page.get("/api/robot-incidents").json
         assert (answer["is_linked"], answer["robots"]) == (False, [])
         assert page.post("/api/robot-incidents/fetch", ONE).status == 422
-        assert page.post("/api/robot-incidents/cancel", ONE).json == {"fetches": []}
+        assert page.post("/api/robot-incidents/cancel", ONE).json == {"fetches": [], "heard": []}

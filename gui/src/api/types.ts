@@ -290,9 +290,14 @@ export interface FetchState {
   kept: string | null;
 }
 
-/** `GET /api/robot-incidents/fetches`, and what starting and cancelling one answers. */
+/**
+ * `GET /api/robot-incidents/fetches`, and what starting and cancelling one answers.
+ *
+ * `heard` are the robots that are there now, which costs the link nothing; none before they were asked.
+ */
 export interface FetchesAnswer {
   fetches: FetchState[];
+  heard: string[];
 }
 
 /** `GET /api/file?name=`: the text with its SHA-256, which a later PUT names. */

@@ -52,6 +52,7 @@ function OfRobot({ robots, one: { robot, problem, incidents } }: { robots: Robot
     <>
       <h3>
         {robot} <span class="quiet">{counted(incidents.length, "incident")}</span>
+        {!robots.heard.value.includes(robot) && <span class="quiet">, not heard now</span>}
       </h3>
       <div class="table-scroll">
         <table class="robot-table incident-table" aria-label={`Incidents on ${robot}`}>

@@ -4,15 +4,19 @@ import { signal } from "@preact/signals";
 import { type Api, ApiError } from "../api/client";
 import type { FetchesAnswer, FetchState, RobotIncidentsAnswer } from "../api/types";
 
-const LOOK_MS = 700;
+const FOLLOW_MS = 700;
+const LOOK_MS = 2000;
 
 /** The incidents of the robots on the link, and those that are being fetched, which go on without the page. */
 export class RobotIncidents {
+  /** What each robot answered last, also one that left since. */
   readonly answer = signal<RobotIncidentsAnswer | null>(null);
+  readonly heard = signal<readonly string[]>([]);
   readonly fetches = signal<readonly FetchState[]>([]);
   readonly problem = signal("");
   private timer = 0;
   private isOpen = false;
+  private isAsking = false;
 
   constructor(
     private readonly api: Api,
@@ -20,7 +24,7 @@ export class RobotIncidents {
     private readonly arrived: () => void,
   ) {}
 
-  /** Asks the robots, and follows what is being fetched until the returned function is called. */
+  /** Asks the robots, those that come later too, and follows what is fetched until the returned function is called. */
   open(): () => void {
     this.isOpen = true;
     void this.ask();
@@ -32,10 +36,17 @@ export class RobotIncidents {
   }
 
   /** Asks the robots once more. */
-  ask(): Promise<void> {
-    return this.told(async () => {
-      this.answer.value = await this.api.robotIncidents();
+  async ask(): Promise<void> {
+    this.isAsking = true;
+    await this.told(async () => {
+      const answer = await this.api.robotIncidents();
+      const heard = answer.robots.map(({ robot }) => robot);
+      const before = this.answer.peek()?.robots ?? [];
+      const left = before.filter(({ robot, incidents }) => incidents.length > 0 && !heard.includes(robot));
+      this.heard.value = heard;
+      this.answer.value = { ...answer, robots: [...answer.robots, ...left] };
     });
+    this.isAsking = false;
   }
 
   fetch(robot: string, name: string): Promise<void> {
@@ -53,14 +64,23 @@ export class RobotIncidents {
   private async follow(ask: () => Promise<FetchesAnswer>): Promise<void> {
     await this.told(async () => {
       const before = done(this.fetches.peek());
-      const { fetches } = await ask();
+      const { fetches, heard } = await ask();
       this.fetches.value = fetches;
       if (done(fetches) > before) this.arrived();
-      window.clearTimeout(this.timer);
-      if (this.isOpen && fetches.some(({ state }) => state === "running")) {
-        this.timer = window.setTimeout(() => void this.follow(() => this.api.fetches()), LOOK_MS);
-      }
+      this.hear(heard);
     });
+    window.clearTimeout(this.timer);
+    if (!this.isOpen || this.answer.peek()?.is_linked === false) return;
+    const isRunning = this.fetches.peek().some(({ state }) => state === "running");
+    this.timer = window.setTimeout(() => void this.follow(() => this.api.fetches()), isRunning ? FOLLOW_MS : LOOK_MS);
+  }
+
+  /** Asks again where a robot came, or none could be asked: each question costs the link. */
+  private hear(heard: readonly string[]): void {
+    if (this.isAsking) return;
+    const isNew = heard.some((robot) => !this.heard.peek().includes(robot));
+    this.heard.value = heard;
+    if (isNew || this.answer.peek()?.problem !== "") void this.ask();
   }
 
   private async told(work: () => Promise<void>): Promise<void> {

@@ -89,7 +89,7 @@ def _heard(
     """The robots that are there, as soon as there is the one that is asked for."""
     end_s = time.monotonic() + _FOUND_WITHIN_S
     while not stopped():
-        robots = incidents.robots()
+        robots = incidents.robots(_LOOK_S)
         if arguments.robot in robots or (robots and arguments.robot is None):
             return robots
         if time.monotonic() > end_s:

@@ -63,8 +63,8 @@ OnProgress = Callable[[FetchProgress], None]
 class RemoteIncidents(Protocol):
     """Robots by their names on the link; calls wait, and may come from any thread."""
 
-    def robots(self) -> Sequence[str]:
-        """The robots that are there now, sorted."""
+    def robots(self, within_s: float) -> Sequence[str]:
+        """The robots that are there now, sorted; waits so long until all that were there before are known."""
 
     @property
     def problem(self) -> str | None:

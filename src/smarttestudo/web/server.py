@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import errno
 import logging
@@ -63,12 +64,14 @@ def server_of(app: ASGIApp) -> uvicorn.Server:
         timeout_graceful_shutdown=_STOP_TIMEOUT_S,
         lifespan="on",
     )
-    logging.getLogger("uvicorn.error").addFilter(_without_clients_traceback)
+    logging.getLogger("uvicorn.error").addFilter(_without_foreign_traceback)
     return uvicorn.Server(config)
 
 
-def _without_clients_traceback(record: logging.LogRecord) -> bool:
-    """Leave out the traceback where a client sent text that is not UTF-8, which is no fault of the server."""
+def _without_foreign_traceback(record: logging.LogRecord) -> bool:
+    """Leave out what is no fault of the server: requests that its end cut, and text that is not UTF-8."""
+    if record.exc_info and record.exc_info[0] is asyncio.CancelledError:
+        return False
     if (
         record.exc_info
         and record.exc_info[0] is UnicodeDecodeError

@@ -99,7 +99,7 @@ def listening_robot(endpoint: str, folder: Path, name: str = "r1") -> Iterator[R
 def fetching_from(endpoint: str, robot: str | None = "r1") -> Iterator[LinkIncidents]:
     with open_link_incidents(LinkOptions(connect=(endpoint,)), refuse_warning) as incidents:
         if robot is not None:
-            until(lambda: robot in incidents.robots())
+            until(lambda: robot in incidents.robots(0))
         yield incidents
 
 
@@ -180,7 +180,7 @@ def test_a_fetch_waits_for_a_robot_that_left_and_goes_on(tmp_path: Path) -> None
     with operator_end(endpoint, warn=lambda _: None), fetching_from(endpoint, robot=None) as incidents:
         with robot_end(endpoint) as end:
             end.offer_incidents(path.parent)
-            until(lambda: "r1" in incidents.robots())
+            until(lambda: "r1" in incidents.robots(0))
             fetcher = Fetcher(incidents, tmp_path / "here")
             seen = fetcher.progress.seen
             until(lambda: bool(seen) and seen[-1].got_bytes > 50_000)

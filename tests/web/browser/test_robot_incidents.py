@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from contextlib import ExitStack
 from pathlib import Path
@@ -11,7 +12,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Locator, expect
 
-from adapters.zenoh.ends import free_endpoint, refuse_warning, until
+from adapters.zenoh.ends import free_endpoint, refuse_warning
 from axe import violations
 from smarttestudo.adapters.zenoh import open_robot_end
 from smarttestudo.adapters.zenoh.security import LinkOptions
@@ -19,6 +20,7 @@ from web.browser.ruler_page import RulerPage
 from web.incident_projects import NEAR_MISS, write_incidents
 
 NAME = NEAR_MISS.rpartition("/")[2]
+GONE = re.compile("there is no robot 'ada'|it cannot be reached")
 
 
 class Robot:
@@ -79,21 +81,30 @@ def test_a_robot_that_left_is_named_and_its_incident_fetched_when_it_is_back(
     near_miss = _near_miss(ruler)
     near_miss.wait_for()
     ada.leave()
+    expect(_heading(ruler)).to_contain_text("2 incidents, not heard now")
     fetch = near_miss.get_by_role("button", name="Fetch: near miss of ada")
     fetch.click()
-    expect(near_miss.get_by_role("alert")).to_contain_text("there is no robot 'ada'")
+    expect(near_miss.get_by_role("alert")).to_contain_text(GONE)
     assert not (project / "incidents" / "ada" / NAME).exists()
     ada.come()
-    opened = near_miss.get_by_role("link", name="Open it")
-
-    def ask_again() -> None:
-        if fetch.is_visible():
-            fetch.click()
-        ruler.page.wait_for_timeout(500)
-
-    # The link comes back some seconds after the robot.
-    until(opened.is_visible, ask_again)
+    expect(_heading(ruler)).not_to_contain_text("not heard now")
+    fetch.click()
+    near_miss.get_by_role("link", name="Open it").wait_for()
     assert _same_bytes(project, tmp_path)
+
+
+def test_a_robot_that_comes_later_is_asked_by_itself(ruler: RulerPage, ada: Robot) -> None:
+    ada.leave()
+    ruler.button("Look at Incidents").click()
+    on_robots = ruler.page.get_by_role("region", name="On robots")
+    on_robots.get_by_text("cannot be reached").wait_for()
+    ada.come()
+    _near_miss(ruler).wait_for()
+    expect(on_robots.get_by_text("cannot be reached")).to_have_count(0)
+
+
+def _heading(ruler: RulerPage) -> Locator:
+    return ruler.page.get_by_role("heading", name=re.compile(r"^ada \d"))
 
 
 def _near_miss(ruler: RulerPage) -> Locator:

@@ -61,9 +61,9 @@ class LinkIncidents:
         self._all_known = threading.Event()
         self._client.begin(None, self._see, self._all_known.set)
 
-    def robots(self) -> Sequence[str]:
-        """The robots that are there now, sorted."""
-        self._all_known.wait(_KNOWN_WITHIN_S)
+    def robots(self, within_s: float) -> Sequence[str]:
+        """As ``RemoteIncidents.robots``."""
+        self._all_known.wait(within_s)
         with self._lock:
             return sorted({boot.robot for boot in self._present})
 

@@ -66,7 +66,7 @@ class IncidentMirror:
     def _run(self) -> None:
         while not self._ended.wait(LOOK_PERIOD_S):
             self._rests = {key: looks - 1 for key, looks in self._rests.items() if looks > 1}
-            for robot in self._incidents.robots():
+            for robot in self._incidents.robots(0):
                 self._try(robot, "", partial(self._look_at, robot))
 
     def _look_at(self, robot: str) -> None:

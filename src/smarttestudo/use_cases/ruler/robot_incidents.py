@@ -29,6 +29,7 @@ MAX_FETCHES = 20
 _MAX_SHOWN = 500
 _ASKED_AT_ONCE = 8
 _STOP_S = 2.0
+_KNOWN_WITHIN_S = 1.0
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,99}\Z")
 
 
@@ -86,9 +87,13 @@ class FetchState(Struct, frozen=True, kw_only=True):
 
 
 class FetchesAnswer(Struct, frozen=True, kw_only=True):
-    """``GET /api/robot-incidents/fetches``, and what starting and cancelling one answers."""
+    """``GET /api/robot-incidents/fetches``, and what starting and cancelling one answers.
+
+    ``heard`` are the robots that are there now, which costs the link nothing; none before they were asked.
+    """
 
     fetches: tuple[FetchState, ...]
+    heard: tuple[str, ...]
 
 
 class _Fetch:
@@ -132,7 +137,7 @@ class RobotIncidents:
             return RobotIncidentsAnswer(is_linked=False, problem="", robots=())
         try:
             remote = self._link()
-            robots = list(remote.robots())
+            robots = list(remote.robots(_KNOWN_WITHIN_S))
         except TestudoError as error:
             return RobotIncidentsAnswer(is_linked=True, problem=told_of_listed(error), robots=())
         if not robots:
@@ -144,7 +149,8 @@ class RobotIncidents:
     def fetches(self) -> FetchesAnswer:
         """All that were asked for since the start, each as it is now."""
         with self._lock:
-            return FetchesAnswer(fetches=tuple(fetch.state for fetch in self._fetches.values()))
+            fetches, remote = tuple(fetch.state for fetch in self._fetches.values()), self._joined
+        return FetchesAnswer(fetches=fetches, heard=() if remote is None else tuple(remote.robots(0)))
 
     def fetch(self, request: RobotIncidentRequest) -> FetchesAnswer:
         """Begin to fetch an incident, or go on with it; it goes on though the page is closed.
