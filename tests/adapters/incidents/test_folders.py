@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import gc
 import resource
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -28,6 +29,7 @@ from smarttestudo.adapters.files.whole_file import OutputFileError
 from smarttestudo.adapters.incidents.background import BackgroundSink
 from smarttestudo.adapters.incidents.folder_lock import FolderLock
 from smarttestudo.adapters.incidents.recovery import complete_incidents
+from smarttestudo.adapters.incidents.segments import Segment
 from smarttestudo.runtime.incidents.recorder import IncidentRecorder
 
 LONGEST_PART = 10
@@ -147,6 +149,20 @@ def test_what_another_incident_shared_stays_when_that_is_deleted(tmp_path: Path)
     for path in folders[0].iterdir():
         path.unlink()
     assert payloads(folders[1]) == expected
+
+
+def test_a_chain_of_incidents_that_overlap_keeps_no_more_in_memory_than_a_few(tmp_path: Path) -> None:
+    run = FolderRun(recording_rules('Record "a" /odom Before 3 s After 0 s'), tmp_path / "incidents")
+    kept = []
+    for _ in range(40):
+        for _ in range(20):
+            run.wait(50)
+            run.message("/odom")
+        run.trigger()
+        gc.collect()
+        kept.append(sum(isinstance(one, Segment) for one in gc.get_objects()))
+    assert len(run.finish()) == 40
+    assert max(kept) == max(kept[:10])
 
 
 def test_the_same_run_gives_the_same_bytes(tmp_path: Path) -> None:

@@ -202,6 +202,8 @@ class IncidentFolders:
         finish_folder(found.bag.path, record, found.bag.contents(), self._channels)
         path = self._folder / found.bag.name
         found.bag.path = found.bag.path.rename(path)
+        # Later folders that share its last file would keep all that is known of its first.
+        found.bag.files.clear()
         self._ended(path)
 
     def _give_up(self, shared: SharedMessages, name: str, error: Exception) -> None:

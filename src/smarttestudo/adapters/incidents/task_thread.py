@@ -39,6 +39,8 @@ class TaskThread:
     def _run(self) -> None:
         while (task := self._tasks.get()) is not None:
             self._do(task)
+            # What it holds is free while the thread waits for the next.
+            del task
 
     def _do(self, task: Callable[[], None]) -> None:
         try:

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import heapq
 import mmap
+from array import array
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from operator import attrgetter
@@ -28,6 +29,8 @@ from smarttestudo.runtime.knowledge.knowledge import SteadyTime
 MAX_OPEN_INCIDENTS = 100
 _UNCOUNTED = 1 / 20
 """What part of the memory is for what is not counted: ends of blocks, copies while an incident is written."""
+_MOST_TO_WRITE_BYTES = 1_000_000
+"""Measured: what writing the first incident takes for good. Of a small memory, as much as is not counted."""
 _LEAST_BLOCK_BYTES = 16_384
 _FREE_BLOCKS = 16
 _BLOCKS = 8192
@@ -106,7 +109,8 @@ class IncidentRecorder:
     ) -> None:
         self._sink = sink
         self._store = store
-        self._memory_bytes = int(memory_bytes * (1 - _UNCOUNTED))
+        uncounted_bytes = int(memory_bytes * _UNCOUNTED)
+        self._memory_bytes = memory_bytes - uncounted_bytes - min(uncounted_bytes, _MOST_TO_WRITE_BYTES)
         self._pool = BlockPool(_block_bytes(memory_bytes), _FREE_BLOCKS)
         self._time = SteadyTime(start_ns)
         self._number = 0
@@ -358,12 +362,15 @@ def missing_for_memory(
 ) -> Iterator[Missing]:
     """What memory did not hold of each topic; messages whose number ``is_held`` are there all the same."""
     for topic, messages in given_up.items():
-        lacking = messages if is_held is None else [one for one in messages if not is_held(one.number)]
+        lacking: Sequence[int] = range(len(messages))
+        if is_held is not None:
+            # A list of the messages would take more memory than all that is kept of them.
+            lacking = array("q", (at for at, one in enumerate(messages) if not is_held(one.number)))
         if lacking:
             yield Missing(
                 topic=topic,
                 reason=MissingReason.MEMORY,
                 messages=len(lacking),
-                from_ns=lacking[0].stamp_ns,
-                to_ns=lacking[-1].stamp_ns,
+                from_ns=messages[lacking[0]].stamp_ns,
+                to_ns=messages[lacking[-1]].stamp_ns,
             )

@@ -91,7 +91,7 @@ class GivenUpSpan(Sequence[GivenUp]):
 class _Rows:
     """Rows of ``width`` numbers, the first of which is a steady time; added at the end, removed in front.
 
-    Rows that were removed take memory until they are more than those that are there.
+    Rows that were removed take memory until they are an eighth of all.
     """
 
     def __init__(self, width: int) -> None:
@@ -114,7 +114,7 @@ class _Rows:
 
     def remove(self, rows: int) -> None:
         self._start += rows
-        if self._start > len(self._columns[0]) // 2:
+        if self._start > len(self._columns[0]) // 8:
             for column in self._columns:
                 del column[: self._start]
             self._start = 0
