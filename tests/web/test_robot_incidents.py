@@ -4,17 +4,21 @@
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import pytest
 
 from adapters.zenoh.ends import WITHIN_S, free_endpoint, refuse_warning
 from smarttestudo.adapters.zenoh import open_link_incidents, open_robot_end
 from smarttestudo.adapters.zenoh.security import LinkOptions
+from smarttestudo.domain.remote_incidents import RemoteIncidents
 from web.incident_projects import ALL_OF_IT, NEAR_MISS, write_incidents
 from web.ruler_server import Page, served
 
@@ -124,6 +128,35 @@ def test_who_is_there_is_told_without_a_question_to_robots(page: Page) -> None:
 def test_no_name_leads_out_of_the_folder(page: Page, tmp_path: Path, which: str, name: str) -> None:
     assert page.post("/api/robot-incidents/fetch", {**ONE, which: name}).status == 403
     assert list((tmp_path / "project").iterdir()) == []
+
+
+class Silent:
+    """Robots of which nobody knows in time whether they are there."""
+
+    problem = None
+
+    def __init__(self) -> None:
+        self.asked, self.ended = threading.Event(), threading.Event()
+
+    def robots(self, _within_s: float) -> list[str]:
+        self.asked.set()
+        self.ended.wait(WITHIN_S)
+        return []
+
+
+def test_a_server_that_ends_while_robots_are_asked_says_so_in_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    silent = Silent()
+    with ThreadPoolExecutor() as asking:
+        with served(tmp_path, open_incidents=lambda: nullcontext(cast("RemoteIncidents", silent))) as page:
+            cut = asking.submit(page.get, "/api/robot-incidents")
+            silent.asked.wait(WITHIN_S)
+            # The server waits for its thread, so that this must end before it.
+            threading.Timer(3, silent.ended.set).start()
+        assert cut.result().status == 500
+    said = capsys.readouterr().err.splitlines()
+    assert [line for line in said if "Cancel 1 running task" not in line] == []
 
 
 def test_without_a_link_nothing_is_asked(tmp_path: Path) -> None:
