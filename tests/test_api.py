@@ -14,6 +14,7 @@ import pytest
 
 import smarttestudo
 from smarttestudo.domain.errors import ProfileError, RuleFileError, UsageError
+from smarttestudo.domain.packages import Extra, how_to_install
 
 SIGNATURES = {
     "check_rules": "(*rules, profile=None)",
@@ -58,6 +59,7 @@ def test_importing_the_package_alone_imports_nothing_else() -> None:
 import sys
 before = set(sys.modules)
 import smarttestudo
+from smarttestudo.domain.packages import Extra, how_to_install
 new = {name.partition(".")[0] for name in set(sys.modules) - before} - sys.stdlib_module_names
 assert new == {"smarttestudo"}, new
 assert "smarttestudo.api" not in sys.modules
@@ -76,7 +78,7 @@ except Exception as error:
 """
     assert run(code).stdout == (
         "MissingPackageError error: smarttestudo.replay needs the package apsw; "
-        "pip install '.[studio]' in the checkout of SmartTestudo\n"
+        f"{how_to_install(Extra.STUDIO)}\n"
     )
 
 

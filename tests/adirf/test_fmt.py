@@ -4,13 +4,12 @@
 
 from __future__ import annotations
 
-import argparse
 import os
 from pathlib import Path
 
 import pytest
 
-from smarttestudo.cli import fmt
+from smarttestudo.cli.commands import command_parser
 
 UGLY = "begin SetFrequency /odom 10 end"
 NICE = "begin\n    SetFrequency /odom 10\nend\n"
@@ -18,9 +17,7 @@ BROKEN = "begin\n  SetFrequncy /odom 10\nend\n"
 
 
 def run(*arguments: str | Path) -> int:
-    parser = argparse.ArgumentParser()
-    fmt.add_parser(parser.add_subparsers())
-    parsed = parser.parse_args(["fmt", *map(str, arguments)])
+    parsed = command_parser().parse_args(["fmt", *map(str, arguments)])
     code: int = parsed.run(parsed)
     return code
 

@@ -95,7 +95,5 @@ def test_a_replay_within_a_budget_takes_no_more_and_says_why(
 def test_a_budget_that_is_no_number_of_kb_is_wrong_usage(
     budget: str, bag: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    with pytest.raises(SystemExit) as stopped:
-        replayed(bag, capsys, f"--budget={budget}")
-    assert stopped.value.code == 2
+    assert main(["replay", str(bag), f"--budget={budget}"]) == 2
     assert f"a budget is a number of KB/s from 0 to 1e+09, not '{budget}'" in capsys.readouterr().err

@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from ros.ros_processes import SmallRobot
+from smarttestudo.domain.packages import Extra, how_to_install
 
 RULES = "begin SetFrequency /imu 10 end"
 WITHOUT_ROS = (
@@ -110,6 +111,6 @@ def test_without_rclpy_one_line_says_how_to_get_it(tmp_path: Path) -> None:
     done = subprocess.run(arguments, capture_output=True, text=True, check=False)
     assert done.returncode == 1
     assert done.stderr.splitlines() == [
-        "error: this needs ROS 2 (rclpy); source your ROS setup, or, without a ROS 2 installation, "
-        "pip install '.[ros]' in the checkout of SmartTestudo"
+        "error: this needs ROS 2 (rclpy); source your ROS setup; without a ROS 2 installation, "
+        f"{how_to_install(Extra.ROS)}"
     ]

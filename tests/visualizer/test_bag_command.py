@@ -373,11 +373,10 @@ def test_bags_that_cannot_be_shown_are_refused_in_one_line(desk: Desk, tmp_path:
 
 
 @pytest.mark.parametrize("text", ["/odom", "=/odom", "/odom="])
-def test_half_a_pair_is_wrong_usage(desk: Desk, text: str, capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit) as left:
-        desk.bag("compare", "a", "b", "--map", text)
-    assert left.value.code == 2
-    assert f"two topics are paired as in /a=/b, not {text!r}" in capsys.readouterr().err
+def test_half_a_pair_is_wrong_usage(desk: Desk, text: str) -> None:
+    ran = desk.bag("compare", "a", "b", "--map", text)
+    assert ran.code == 2
+    assert f"two topics are paired as in /a=/b, not {text!r}" in ran.err
 
 
 def test_a_topic_paired_twice_is_wrong_usage(desk: Desk) -> None:

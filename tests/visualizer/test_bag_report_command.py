@@ -12,6 +12,7 @@ import pytest
 
 from adapters.rosbag.bag_factory import START_NS, BagContent, small_mission, write_bag
 from smarttestudo.cli.main import main
+from smarttestudo.domain.packages import Extra, how_to_install
 from smarttestudo.domain.units import NS_PER_S
 
 RULES = """begin
@@ -158,10 +159,7 @@ def test_without_matplotlib_one_line_says_how_to_get_it(desk: Desk, monkeypatch:
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     ran = desk.run("bag", "rates", "sent", "--figures", "figures")
     assert ran.code == 1
-    assert ran.err == (
-        "error: this command needs the package matplotlib; "
-        "pip install '.[studio]' in the checkout of SmartTestudo\n"
-    )
+    assert ran.err == (f"error: this command needs the package matplotlib; {how_to_install(Extra.STUDIO)}\n")
 
 
 def test_a_recording_too_short_for_a_rate_has_a_report_that_says_so(desk: Desk) -> None:

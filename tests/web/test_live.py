@@ -16,6 +16,7 @@ import pytest
 from websockets.exceptions import InvalidStatus
 
 from ros.ros_processes import SmallRobot
+from smarttestudo.domain.packages import Extra, how_to_install
 from web.page_socket import PageSocket, open_socket
 from web.ruler_server import TIMEOUT_S, Page, served
 
@@ -163,8 +164,8 @@ def test_without_ros_the_page_is_told_how_to_get_it(tmp_path: Path, monkeypatch:
         said = socket.next("robots", lambda message: "joined" not in (message["problem"] or ""))
         assert (said["robots"], said["problem"]) == (
             [],
-            "this needs ROS 2 (rclpy); source your ROS setup, or, without a ROS 2 installation, "
-            "pip install '.[ros]' in the checkout of SmartTestudo",
+            "this needs ROS 2 (rclpy); source your ROS setup; without a ROS 2 installation, "
+            f"{how_to_install(Extra.ROS)}",
         )
         answer = page.post("/api/push", {"node": NODE, "text": RULES})
         assert (answer.status, answer.json["error"]["remedy"]) == (404, said["problem"])

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from smarttestudo.adapters.files.outputs import require_separate
-from smarttestudo.cli import bag_accuracy, bag_figures, bag_loss, bag_report
+from smarttestudo.cli import bag_figures
 from smarttestudo.cli.bag_options import (
     add_map,
     add_topics_and_form,
@@ -20,6 +20,7 @@ from smarttestudo.cli.bag_options import (
     print_tables,
     topic_mapping,
 )
+from smarttestudo.cli.command_parser import CommandParser, add_lazy
 from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.progress import progress
 from smarttestudo.visualizer import bag_tables, comparison_tables
@@ -29,6 +30,7 @@ from smarttestudo.visualizer.table import Table
 from smarttestudo.visualizer.topic_selection import select_topics
 
 if TYPE_CHECKING:
+    from smarttestudo.cli.command_parser import Subcommands
     from smarttestudo.visualizer.bag_summary import BagSummary
 
 _TABLES: Mapping[str, tuple[str, Callable[[BagSummary], Table]]] = {
@@ -37,17 +39,19 @@ _TABLES: Mapping[str, tuple[str, Callable[[BagSummary], Table]]] = {
     "bandwidth": ("the bandwidth of each topic, and the sum", bag_tables.bandwidth_table),
 }
 
+_LAZY = {
+    "loss": "what the operator lost: errors, ages, crossings, images",
+    "accuracy": "how far the operator's picture is off, at fixed rates and under your rules",
+    "report": "one HTML file: rates, bandwidth, decisions, path and loss, for any browser and for paper",
+}
+
 _DRAWN = {"rates": bag_figures.Drawn.RATES, "bandwidth": bag_figures.Drawn.BANDWIDTH}
 
 
-def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    """Add ``bag`` to the subcommands."""
-    parser = commands.add_parser(
-        "bag",
-        help="measure and compare recordings: rates, bandwidth, losses",
-        description="Measure and compare recordings. Only `loss`, `accuracy` and `report` read payloads.",
-    )
-    actions = parser.add_subparsers(title="actions", metavar="ACTION", required=True)
+def add_arguments(parser: CommandParser) -> None:
+    """Add the arguments of ``testudo bag``."""
+    parser.description = "Measure and compare recordings. Only `loss`, `accuracy` and `report` read payloads."
+    actions = parser.add_commands("actions")
     for name, (purpose, table) in _TABLES.items():
         action = actions.add_parser(name, help=purpose, description=f"Show {purpose}.")
         action.add_argument(
@@ -65,12 +69,11 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         if name in _DRAWN:
             bag_figures.add_figures(action, _DRAWN[name])
     _add_compare(actions)
-    bag_loss.add_action(actions)
-    bag_accuracy.add_action(actions)
-    bag_report.add_action(actions)
+    for name, purpose in _LAZY.items():
+        add_lazy(actions, name, f"smarttestudo.cli.bag_{name}", purpose)
 
 
-def _add_compare(actions: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+def _add_compare(actions: Subcommands) -> None:
     purpose = "the rates and the bandwidth of two recordings, and how much they differ"
     action = actions.add_parser(
         "compare",

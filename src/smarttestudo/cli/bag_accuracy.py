@@ -19,6 +19,7 @@ from smarttestudo.cli.bag_options import (
     print_notices,
     print_tables,
 )
+from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.finding_text import print_findings
 from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.progress import progress
@@ -34,15 +35,12 @@ if TYPE_CHECKING:
 EXIT_ERROR = 1
 
 
-def add_action(actions: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    """Add ``accuracy`` to the actions of ``bag``."""
-    purpose = "how far the operator's picture is off, at fixed rates and under your rules"
-    action = actions.add_parser(
-        "accuracy",
-        help=purpose,
-        description="Replay a recording under each of the rules, thin it to fixed rates with the bytes of "
+def add_arguments(action: CommandParser) -> None:
+    """Add the arguments of ``testudo bag accuracy``."""
+    action.description = (
+        "Replay a recording under each of the rules, thin it to fixed rates with the bytes of "
         "the first ones, and show how far the operator's picture of what the rules bound (KeepWithin) is "
-        "off. Without a bound: of poses, frames and joints. Images are left out.",
+        "off. Without a bound: of poses, frames and joints. Images are left out."
     )
     action.add_argument(
         "bag", metavar="BAG", type=file_path, help="a rosbag2 folder, a .db3 or an .mcap file"

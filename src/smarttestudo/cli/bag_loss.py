@@ -24,6 +24,7 @@ from smarttestudo.cli.bag_options import (
     require_bounded,
     topic_mapping,
 )
+from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.finding_text import print_findings
 from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.progress import progress
@@ -42,16 +43,13 @@ if TYPE_CHECKING:
 EXIT_ERROR = 1
 
 
-def add_action(actions: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    """Add ``loss`` to the actions of ``bag``."""
-    purpose = "what the operator lost: errors, ages, crossings, images"
-    action = actions.add_parser(
-        "loss",
-        help=purpose,
-        description="Show how far the operator's picture was from the robot: the error of each field, the "
+def add_arguments(action: CommandParser) -> None:
+    """Add the arguments of ``testudo bag loss``."""
+    action.description = (
+        "Show how far the operator's picture was from the robot: the error of each field, the "
         "age of each topic, threshold crossings seen late or not at all, and the same for the best fixed "
         "rates with the same bytes. With A alone: the error at rates of 0.1, 0.2, 0.5, 1 … Hz, with "
-        "proposed levels, and the messages that an accuracy needs, with hold and with dead reckoning.",
+        "proposed levels, and the messages that an accuracy needs, with hold and with dead reckoning."
     )
     action.add_argument("a", metavar="A", type=file_path, help="the recording of what the robot sent")
     action.add_argument(

@@ -30,6 +30,7 @@ from smarttestudo.cli.bag_options import (
     require_bounded,
     topic_mapping,
 )
+from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.finding_text import print_findings
 from smarttestudo.cli.paths import file_path, own_name
 from smarttestudo.cli.progress import progress
@@ -43,13 +44,11 @@ EXIT_ERROR = 1
 _DEFAULT_OUTPUT = Path("report.html")
 
 
-def add_action(actions: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    """Add ``report`` to the actions of ``bag``."""
-    action = actions.add_parser(
-        "report",
-        help="one HTML file: rates, bandwidth, decisions, path and loss, for any browser and for paper",
-        description="Write one HTML file that shows a recording, or two of one run beside each other: A as "
-        "sent, B as received. It needs no network and no other file.",
+def add_arguments(action: CommandParser) -> None:
+    """Add the arguments of ``testudo bag report``."""
+    action.description = (
+        "Write one HTML file that shows a recording, or two of one run beside each other: A as "
+        "sent, B as received. It needs no network and no other file."
     )
     action.add_argument("a", metavar="A", type=file_path, help="the recording, as the robot sent it")
     action.add_argument(

@@ -18,6 +18,7 @@ from smarttestudo.adapters.files.rule_files import find_rule_files, read_rule_te
 from smarttestudo.adapters.zenoh import open_link_robots
 from smarttestudo.adirf.checks import CheckContext
 from smarttestudo.adirf.parser import parse
+from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.finding_text import print_findings, summary, write_lines
 from smarttestudo.cli.link_options import add_connect, connect_options, warn
 from smarttestudo.cli.paths import file_path
@@ -32,13 +33,11 @@ _T = TypeVar("_T")
 EXIT_ERROR = 1
 
 
-def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    """Add ``check`` to the subcommands."""
-    parser = commands.add_parser(
-        "check",
-        help="report errors and doubtful rules in rule files",
-        description="Report errors and doubtful rules in rule files. Several files form one set. "
-        "Exits with 1 if there is an error; warnings and infos do not count.",
+def add_arguments(parser: CommandParser) -> None:
+    """Add the arguments of ``testudo check``."""
+    parser.description = (
+        "Report errors and doubtful rules in rule files. Several files form one set. "
+        "Exits with 1 if there is an error; warnings and infos do not count."
     )
     parser.add_argument(
         "files", metavar="FILE", nargs="+", type=file_path, help="a rule file or a folder of them"

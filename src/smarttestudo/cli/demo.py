@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 from smarttestudo.adapters.files.outputs import require_separate
 from smarttestudo.adapters.ros import open_robot
 from smarttestudo.adapters.ros.discovery import discovery_variables
+from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.loop_options import add_mission, add_simulation, add_when_slow, seconds
 from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.progress import progress
@@ -42,13 +43,11 @@ _BITS: Mapping[str, int] = {"": 1, "k": 1_000, "m": 1_000_000, "g": 1_000_000_00
 _LEAST_BIT_PER_S, _MOST_BIT_PER_S = 64_000, 100_000_000
 
 
-def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    """Add ``demo`` to the subcommands."""
-    parser = commands.add_parser(
-        "demo",
-        help="watch a simulated robot cross a warehouse, with and without adaptive monitoring",
-        description="Simulate a TurtleBot3 that patrols a warehouse with three security zones, record it, "
-        "replay the recording under rules, and compare the two. The same seed gives the same messages.",
+def add_arguments(parser: CommandParser) -> None:
+    """Add the arguments of ``testudo demo``."""
+    parser.description = (
+        "Simulate a TurtleBot3 that patrols a warehouse with three security zones, record it, "
+        "replay the recording under rules, and compare the two. The same seed gives the same messages."
     )
     parser.add_argument(
         "--out",

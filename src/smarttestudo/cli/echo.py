@@ -17,6 +17,7 @@ from typing import TextIO
 
 from smarttestudo.adapters.ros import open_robot
 from smarttestudo.adirf.properties import is_field_path
+from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.echo_text import echo_block, echo_json, echo_line, message_block
 from smarttestudo.cli.loop_options import add_ros_arguments
 from smarttestudo.cli.tables import write_text
@@ -31,13 +32,11 @@ _LOOK_PERIOD_S = 0.2
 _WAIT_S = 0.1
 
 
-def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    """Add ``echo`` to the subcommands."""
-    parser = commands.add_parser(
-        "echo",
-        help="subscribe to topics: their rates, bandwidth and last values",
-        description="Subscribe to topics, with the QoS of their publishers, and show once a second how fast "
-        "and how large their messages come, and what the last one holds. Ctrl-C ends it.",
+def add_arguments(parser: CommandParser) -> None:
+    """Add the arguments of ``testudo echo``."""
+    parser.description = (
+        "Subscribe to topics, with the QoS of their publishers, and show once a second how fast "
+        "and how large their messages come, and what the last one holds. Ctrl-C ends it."
     )
     parser.add_argument("topics", metavar="TOPIC", nargs="+", help="such as /testudo/odom")
     parser.add_argument(

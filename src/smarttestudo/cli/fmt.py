@@ -11,6 +11,7 @@ from pathlib import Path
 from smarttestudo.adapters.files.rule_files import find_rule_files, read_rule_text, write_rule_text
 from smarttestudo.adirf.formatter import first_line_end, format_file
 from smarttestudo.adirf.parser import parse
+from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.finding_text import print_findings
 from smarttestudo.cli.paths import file_path
 from smarttestudo.domain.errors import RuleFileError, TestudoError
@@ -18,13 +19,10 @@ from smarttestudo.domain.errors import RuleFileError, TestudoError
 EXIT_ERROR = 1
 
 
-def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    """Add ``fmt`` to the subcommands."""
-    parser = commands.add_parser(
-        "fmt",
-        help="format rule files in place",
-        description="Format rule files in place: comments, order and meaning stay. "
-        "A file with errors is left as it is.",
+def add_arguments(parser: CommandParser) -> None:
+    """Add the arguments of ``testudo fmt``."""
+    parser.description = (
+        "Format rule files in place: comments, order and meaning stay. A file with errors is left as it is."
     )
     parser.add_argument(
         "files", metavar="FILE", nargs="+", type=file_path, help="a rule file or a folder of them"

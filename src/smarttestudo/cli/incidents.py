@@ -6,9 +6,11 @@ from __future__ import annotations
 
 import argparse
 import sys
+from typing import TYPE_CHECKING
 
 from smarttestudo.adapters.files.incident_store import IncidentStore, StoredIncident
 from smarttestudo.adapters.json.incidents import incident_to_json
+from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.link_options import add_connect, connect_options
 from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.remote_incidents import fetch, incident_table, list_remote
@@ -20,18 +22,19 @@ from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S, counted, utc_time
 from smarttestudo.visualizer.incident_mark import missing_text, signal_texts
 from smarttestudo.visualizer.table import Align, Column, Number, Row, Table, Text
 
+if TYPE_CHECKING:
+    from smarttestudo.cli.command_parser import Subcommands
+
 EXIT_ERROR = 1
 
 
-def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    """Add ``incidents`` to the subcommands."""
-    parser = commands.add_parser(
-        "incidents",
-        help="list, show, fetch, export and delete what rules recorded",
-        description="What Record statements kept: a folder for each incident, that 'testudo bag' and "
-        "'ros2 bag' read, too.",
+def add_arguments(parser: CommandParser) -> None:
+    """Add the arguments of ``testudo incidents``."""
+    parser.description = (
+        "What Record statements kept: a folder for each incident, that 'testudo bag' and "
+        "'ros2 bag' read, too."
     )
-    actions = parser.add_subparsers(title="actions", metavar="ACTION", required=True)
+    actions = parser.add_commands("actions")
     listing = _action(
         actions, "list", "all incidents of a folder or a robot, oldest first", needs_folder=False
     )
@@ -64,7 +67,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 
 
 def _action(
-    actions: argparse._SubParsersAction[argparse.ArgumentParser],
+    actions: Subcommands,
     word: str,
     meaning: str,
     *,

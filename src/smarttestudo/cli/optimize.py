@@ -12,6 +12,7 @@ from typing import TextIO
 from smarttestudo.adapters.files.outputs import require_separate
 from smarttestudo.adapters.files.rule_files import write_rule_text
 from smarttestudo.adirf.formatter import number_text
+from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.tables import print_table
 from smarttestudo.domain.finding import Finding
@@ -32,13 +33,11 @@ from smarttestudo.visualizer.table import Align, Cell, Column, Number, Row, Tabl
 EXIT_ERROR = 1
 
 
-def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    """Add ``optimize`` to the subcommands."""
-    parser = commands.add_parser(
-        "optimize",
-        help="turn quality levels into rates within the budget",
-        description="Turn the quality levels of a rule file into rates that fit the profile's budget. "
-        "Without -o the new rule file goes to standard output.",
+def add_arguments(parser: CommandParser) -> None:
+    """Add the arguments of ``testudo optimize``."""
+    parser.description = (
+        "Turn the quality levels of a rule file into rates that fit the profile's budget. "
+        "Without -o the new rule file goes to standard output."
     )
     parser.add_argument("file", metavar="FILE", type=file_path, help="a rule file")
     parser.add_argument(

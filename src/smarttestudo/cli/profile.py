@@ -17,6 +17,7 @@ from smarttestudo.adapters.files.profile import load_profile
 from smarttestudo.adapters.files.whole_file import whole_file
 from smarttestudo.adapters.ros import open_robot
 from smarttestudo.cli.bag_options import topic_pattern
+from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.progress import progress
 from smarttestudo.cli.terminal import add_timeout, duration_s
@@ -28,13 +29,11 @@ if TYPE_CHECKING:
     from smarttestudo.optimizer.profiling import TierProposal
 
 
-def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    """Add ``profile`` to the subcommands."""
-    parser = commands.add_parser(
-        "profile",
-        help="measure sizes and rates, and propose levels",
-        description="Measure message sizes, rates and jitter in a recording or of a running robot, and write "
-        "them as a profile with proposed levels. Without -o it goes to standard output.",
+def add_arguments(parser: CommandParser) -> None:
+    """Add the arguments of ``testudo profile``."""
+    parser.description = (
+        "Measure message sizes, rates and jitter in a recording or of a running robot, and write "
+        "them as a profile with proposed levels. Without -o it goes to standard output."
     )
     measured = parser.add_mutually_exclusive_group(required=True)
     measured.add_argument(

@@ -16,11 +16,12 @@ from contextlib import ExitStack, closing, contextmanager
 from smarttestudo.adapters.foxglove import open_foxglove_sink
 from smarttestudo.adapters.ros import open_robot
 from smarttestudo.adapters.ros.graph_sink import GraphSink
-from smarttestudo.adapters.rosbag.recording_sink import RecordingSink
+from smarttestudo.adapters.ros.loading import has_rclpy
 from smarttestudo.adapters.zenoh import open_operator_end, suspended_too_ns
 from smarttestudo.adapters.zenoh.arrivals import LinkEvent
 from smarttestudo.adapters.zenoh.commanded import OutgoingCommands
 from smarttestudo.adapters.zenoh.security import LinkOptions
+from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.link_options import add_zenoh_config, warn
 from smarttestudo.cli.metrics_options import add_openmetrics, served_metrics
 from smarttestudo.cli.paths import file_path
@@ -28,7 +29,7 @@ from smarttestudo.cli.receive_table import reception_lines
 from smarttestudo.cli.terminal import stop_signals
 from smarttestudo.cli.top_table import open_screen
 from smarttestudo.domain.command import command_topics
-from smarttestudo.domain.errors import UsageError, said
+from smarttestudo.domain.errors import RosError, UsageError, said
 from smarttestudo.domain.link import Sink
 from smarttestudo.domain.names import STATUS_TOPIC, full_topic_names
 from smarttestudo.domain.units import NS_PER_S
@@ -45,16 +46,15 @@ DEFAULT_LISTEN = "tcp/127.0.0.1:7447"
 _WAIT_S = 0.05
 _LAST_PORT = 65_535
 _LOOK_PERIOD_S = 1.0
+_PLACES = "--record DIR, --incidents DIR, --foxglove PORT or --openmetrics PORT"
 
 
-def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    """Add ``receive`` to the subcommands."""
-    parser = commands.add_parser(
-        "receive",
-        help="receive what robots send with 'testudo run --link'",
-        description="Receive the relayed topics of robots over their links, the newest first, and publish "
+def add_arguments(parser: CommandParser) -> None:
+    """Add the arguments of ``testudo receive``."""
+    parser.description = (
+        "Receive the relayed topics of robots over their links, the newest first, and publish "
         "them on the ROS graph here, record them, or serve them to Foxglove. Ends on SIGINT (Ctrl-C) "
-        "and SIGTERM.",
+        "and SIGTERM."
     )
     parser.add_argument(
         "--listen",
@@ -76,7 +76,12 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         default="{topic}",
         help="names of the topics here, with {topic} and, for several robots, {robot} (default: {topic})",
     )
-    parser.add_argument("--no-ros", action="store_true", help="publish nothing on the ROS graph")
+    parser.add_argument(
+        "--no-ros",
+        action="store_true",
+        help="publish nothing on the ROS graph; needs --record, --incidents, --catch-up, --foxglove or "
+        "--openmetrics, and no ROS 2",
+    )
     parser.add_argument(
         "--record",
         metavar="DIR",
@@ -125,19 +130,9 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 
 def run(arguments: argparse.Namespace) -> int:
     """Receive until a signal comes."""
-    if arguments.no_ros and arguments.send:
-        raise UsageError(
-            "what is sent comes from the ROS graph here", place="--send", remedy="leave out --no-ros"
-        )
     folders = MirrorFolders(incidents=arguments.incidents, outages=arguments.catch_up)
     is_fetching = folders != MirrorFolders()
-    is_watched = arguments.foxglove is not None or arguments.openmetrics is not None or is_fetching
-    if arguments.no_ros and arguments.record is None and not is_watched:
-        raise UsageError(
-            "what arrives would go nowhere",
-            place="--no-ros",
-            remedy="add --record DIR, --incidents DIR, --foxglove PORT or --openmetrics PORT",
-        )
+    _settle_ros(arguments, is_fetching=is_fetching)
     options, predicts = _options(arguments), _predicted(arguments)
     with ExitStack() as opened:
         stopped = opened.enter_context(stop_signals())
@@ -159,6 +154,28 @@ def run(arguments: argparse.Namespace) -> int:
         looks = [] if arguments.openmetrics is None else [lambda: metrics.look(reception, end)]
         _receive(reception, end.wait, stopped, looks, (lambda: sending.routes) if sending else tuple)
     return 0
+
+
+def _settle_ros(arguments: argparse.Namespace, *, is_fetching: bool) -> None:
+    """Go without ROS where it is not here and what arrives has another place; refuse what does not fit."""
+    goes_elsewhere = is_fetching or any(
+        place is not None for place in (arguments.record, arguments.foxglove, arguments.openmetrics)
+    )
+    if arguments.no_ros and arguments.send:
+        raise UsageError(
+            "what is sent comes from the ROS graph here", place="--send", remedy="leave out --no-ros"
+        )
+    if arguments.no_ros and not goes_elsewhere:
+        raise UsageError("what arrives would go nowhere", place="--no-ros", remedy=f"add {_PLACES}")
+    if arguments.no_ros or arguments.send or has_rclpy():
+        return
+    if not goes_elsewhere:
+        raise RosError(
+            "publishing what arrives on a ROS graph needs ROS 2 (rclpy)",
+            remedy=f"source your ROS setup, or go without: --no-ros and {_PLACES}",
+        )
+    warn("ROS 2 (rclpy) is not here: nothing is published on a ROS graph, as with --no-ros")
+    arguments.no_ros = True
 
 
 @contextmanager
@@ -223,6 +240,8 @@ def _sinks(arguments: argparse.Namespace, opened: ExitStack) -> Iterator[Sink]:
         robot = opened.enter_context(open_robot(name=_receiving_node()))
         yield GraphSink(robot.data_path, warn, pattern=arguments.output_topic)
     if arguments.record is not None:
+        from smarttestudo.adapters.rosbag.recording_sink import RecordingSink  # noqa: PLC0415  needs rosbags
+
         yield RecordingSink(arguments.record, warn, time.time_ns, pattern=arguments.output_topic)
     if arguments.foxglove is not None:
         foxglove = open_foxglove_sink(arguments.foxglove, warn, time.time_ns)

@@ -17,6 +17,7 @@ from smarttestudo.adapters.files.profile import load_profile
 from smarttestudo.adapters.files.rule_files import rule_files_named
 from smarttestudo.adapters.files.whole_file import whole_file
 from smarttestudo.adirf.rule_set import RuleSet
+from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.finding_text import print_findings
 from smarttestudo.cli.loop_options import add_rules, memory_mb
 from smarttestudo.cli.paths import file_path
@@ -163,12 +164,10 @@ EXIT_ERROR = 1
 _OUTPUTS = ("--output", "--decisions", "--report", "--incidents")
 
 
-def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    """Add ``replay`` to the subcommands."""
-    parser = commands.add_parser(
-        "replay",
-        help="write the recording that an operator would have received under your rules",
-        description="Run the loop over a recording in virtual time, and write what it relays as a new one.",
+def add_arguments(parser: CommandParser) -> None:
+    """Add the arguments of ``testudo replay``."""
+    parser.description = (
+        "Run the loop over a recording in virtual time, and write what it relays as a new one."
     )
     parser.add_argument(
         "bag",

@@ -13,6 +13,7 @@ from pathlib import Path
 from smarttestudo.adapters.files.project_folder import ProjectFolder
 from smarttestudo.adapters.ros import open_graph_robots
 from smarttestudo.adapters.zenoh import open_link_incidents, open_link_robots
+from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.link_options import add_connect, connect_options, warn
 from smarttestudo.cli.paths import file_path
 from smarttestudo.domain.errors import RuleFileError
@@ -21,13 +22,11 @@ DEFAULT_PORT = 8750
 _MAX_PORT = 65535
 
 
-def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    """Add ``ruler`` to the subcommands."""
-    parser = commands.add_parser(
-        "ruler",
-        help="build, check and optimize rules on a web page",
-        description="Serve a page on which rules are built, checked, optimized and tried. It reads and "
-        "writes the files of one folder: that of FILE, or FOLDER. Ctrl-C ends it.",
+def add_arguments(parser: CommandParser) -> None:
+    """Add the arguments of ``testudo ruler``."""
+    parser.description = (
+        "Serve a page on which rules are built, checked, optimized and tried. It reads and "
+        "writes the files of one folder: that of FILE, or FOLDER. Ctrl-C ends it."
     )
     parser.add_argument(
         "path", metavar="FILE|FOLDER", nargs="?", type=file_path, default=Path(), help="default: this folder"

@@ -15,6 +15,7 @@ from smarttestudo.adapters.files.outputs import require_separate
 from smarttestudo.adapters.files.rule_files import rule_files_named
 from smarttestudo.adapters.ros import open_robot
 from smarttestudo.adapters.zenoh import open_robot_end
+from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.link_options import add_link, link_options, warn
 from smarttestudo.cli.loop_options import (
     add_output_domain,
@@ -40,13 +41,11 @@ from smarttestudo.use_cases.live.run_metrics import RunMetrics
 from smarttestudo.use_cases.live.run_parameters import RunParameters, RunRequest
 
 
-def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    """Add ``run`` to the subcommands."""
-    parser = commands.add_parser(
-        "run",
-        help="relay a running robot's topics at the rates that your rules give them now",
-        description="Relay the topics of a ROS 2 robot, each at the rate that your rules give it now. "
-        "Ends on SIGINT (Ctrl-C) and SIGTERM.",
+def add_arguments(parser: CommandParser) -> None:
+    """Add the arguments of ``testudo run``."""
+    parser.description = (
+        "Relay the topics of a ROS 2 robot, each at the rate that your rules give it now. "
+        "Ends on SIGINT (Ctrl-C) and SIGTERM."
     )
     add_rules(parser, required=False)
     _add_options(parser)

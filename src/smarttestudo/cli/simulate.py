@@ -7,19 +7,18 @@ from __future__ import annotations
 import argparse
 
 from smarttestudo.adapters.ros import open_robot
+from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.loop_options import add_mission, add_ros_arguments, add_simulation, seconds
 from smarttestudo.cli.terminal import stop_signals
 
 NODE = ("-r", "__node:=turtlebot3")
 
 
-def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    """Add ``simulate`` to the subcommands."""
-    parser = commands.add_parser(
-        "simulate",
-        help="publish the topics of a simulated robot on a real ROS graph",
-        description="Simulate a TurtleBot3 that patrols a warehouse in real time, as a ROS 2 node. "
-        "Ends on SIGINT (Ctrl-C) and SIGTERM.",
+def add_arguments(parser: CommandParser) -> None:
+    """Add the arguments of ``testudo simulate``."""
+    parser.description = (
+        "Simulate a TurtleBot3 that patrols a warehouse in real time, as a ROS 2 node. "
+        "Ends on SIGINT (Ctrl-C) and SIGTERM."
     )
     parser.add_argument("--seconds", metavar="S", type=seconds, help="length of the drive (default: endless)")
     add_simulation(

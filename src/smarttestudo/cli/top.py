@@ -14,6 +14,7 @@ from contextlib import ExitStack
 from smarttestudo.adapters.json.status import status_to_json
 from smarttestudo.adapters.ros import open_graph_robots
 from smarttestudo.adapters.zenoh import open_link_robots
+from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.link_options import add_connect, connect_options, warn
 from smarttestudo.cli.robots import wait_for_all
 from smarttestudo.cli.terminal import add_timeout, key_presses, stop_signals
@@ -35,13 +36,11 @@ _WAIT_S = 0.1
 _LOST_AFTER_S = 5.0
 
 
-def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    """Add ``top`` to the subcommands."""
-    parser = commands.add_parser(
-        "top",
-        help="show what running SmartTestudo nodes relay, and why",
-        description="Show the rates of every relayed topic, the rule that decided them and why a topic is "
-        "silent, for all running SmartTestudo nodes, once a second. q or Ctrl-C ends it.",
+def add_arguments(parser: CommandParser) -> None:
+    """Add the arguments of ``testudo top``."""
+    parser.description = (
+        "Show the rates of every relayed topic, the rule that decided them and why a topic is "
+        "silent, for all running SmartTestudo nodes, once a second. q or Ctrl-C ends it."
     )
     parser.add_argument(
         "--sort",

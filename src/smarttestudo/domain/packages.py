@@ -1,32 +1,35 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The packages that a laptop has and a robot may lack."""
+"""The packages that an installation may lack, and the commands that install them."""
 
 from __future__ import annotations
 
+import shlex
+import sys
+from enum import Enum
+
 from smarttestudo.domain.errors import TestudoError
 
-STUDIO_PACKAGES = frozenset(
-    {
-        "apsw",
-        "highspy",
-        "lz4",
-        "matplotlib",
-        "mcap",
-        "msgspec",
-        "numpy",
-        "PIL",
-        "rich",
-        "rosbags",
-        "ruamel",
-        "starlette",
-        "tomlkit",
-        "uvicorn",
-        "websockets",
-        "zstandard",
-    }
+
+class Extra(Enum):
+    """An extra of the distribution, by its name in pyproject.toml."""
+
+    STUDIO = "studio"
+    LINK = "link"
+    METRICS = "metrics"
+    ROS = "ros"
+
+
+_OF_STUDIO = (
+    *("apsw", "highspy", "lz4", "matplotlib", "mcap", "msgspec", "numpy", "PIL", "rich", "rosbags"),
+    *("ruamel", "starlette", "tomlkit", "uvicorn", "websockets"),
 )
-"""What the extra ``studio`` installs, by the names that are imported."""
+_EXTRAS = {
+    **dict.fromkeys(_OF_STUDIO, Extra.STUDIO),
+    **dict.fromkeys(("zenoh", "zstandard", "foxglove"), Extra.LINK),
+    "prometheus_client": Extra.METRICS,
+}
+"""The extra that installs a package, by the name that is imported; ``studio`` installs zstandard, too."""
 
 
 class MissingPackageError(TestudoError):
@@ -34,8 +37,26 @@ class MissingPackageError(TestudoError):
 
 
 def missing_package(error: ModuleNotFoundError, what: str) -> MissingPackageError | None:
-    """That ``what`` needs a package of the extra ``studio``; ``None`` where another one is missing."""
-    if (error.name or "").partition(".")[0] not in STUDIO_PACKAGES:
+    """That ``what`` needs a package of an extra; ``None`` where no extra is known to install it."""
+    package = (error.name or "").partition(".")[0]
+    extra = _EXTRAS.get(package)
+    if extra is None:
         return None
-    remedy = "pip install '.[studio]' in the checkout of SmartTestudo"
-    return MissingPackageError(f"{what} needs the package {error.name}", remedy=remedy)
+    return MissingPackageError(f"{what} needs the package {package}", remedy=how_to_install(extra))
+
+
+def how_to_install(extra: Extra) -> str:
+    """The command that installs ``extra`` into this Python's environment, or into one made for it.
+
+    Debian's and Ubuntu's own Python takes no packages (PEP 668): what it lacks goes into an environment that
+    sees the system's packages, ROS 2 among them.
+    """
+    if sys.prefix != sys.base_prefix:
+        return (
+            f"in the checkout of SmartTestudo, run: {shlex.quote(sys.executable)} -m pip install "
+            f"'.[{extra.value}]'"
+        )
+    return (
+        "in the checkout of SmartTestudo, run: python3 -m venv --system-site-packages testudo-venv && "
+        f"testudo-venv/bin/pip install '.[{extra.value}]'; then use testudo-venv/bin/testudo"
+    )

@@ -195,7 +195,7 @@ def test_without_the_sdk_one_line_says_what_to_install(monkeypatch: pytest.Monke
 
     monkeypatch.delitem(sys.modules, "smarttestudo.adapters.foxglove.sink", raising=False)
     monkeypatch.setattr(builtins, "__import__", without_foxglove)
-    with pytest.raises(MissingPackageError, match=r"foxglove-sdk; pip install 'smarttestudo\[link\]'"):
+    with pytest.raises(MissingPackageError, match=r"foxglove-sdk; .* -m pip install '\.\[link\]'"):
         open_foxglove_sink(0, pytest.fail, lambda: START_NS)
 
 

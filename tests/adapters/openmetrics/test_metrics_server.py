@@ -133,7 +133,5 @@ def test_without_the_package_it_says_what_to_install(monkeypatch: pytest.MonkeyP
 
     monkeypatch.delitem(sys.modules, "smarttestudo.adapters.openmetrics.server", raising=False)
     monkeypatch.setattr(builtins, "__import__", without_prometheus)
-    with pytest.raises(
-        MissingPackageError, match=r"prometheus-client; pip install 'smarttestudo\[metrics\]'"
-    ):
+    with pytest.raises(MissingPackageError, match=r"prometheus-client; .* -m pip install '\.\[metrics\]'"):
         open_metrics_server("127.0.0.1", 0, lambda: METRICS)

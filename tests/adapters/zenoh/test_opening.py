@@ -15,6 +15,7 @@ from smarttestudo.adapters.zenoh import open_operator_end, open_robot_end
 from smarttestudo.adapters.zenoh.keys import boot_of, new_boot
 from smarttestudo.adapters.zenoh.security import LinkOptions
 from smarttestudo.domain.errors import TestudoError, UsageError
+from smarttestudo.domain.packages import Extra, how_to_install
 
 
 @pytest.mark.parametrize("name", ["r1", "tb3_0", "unit-7", "v1.2", "x" * 64])
@@ -67,7 +68,7 @@ def test_without_the_extra_its_name_is_said(monkeypatch: pytest.MonkeyPatch, mod
     monkeypatch.setitem(sys.modules, module, None)
     said = refusal(LinkOptions(connect=(free_endpoint(),)))
     assert module in said
-    assert "pip install 'smarttestudo[link]'" in said
+    assert how_to_install(Extra.LINK) in said
 
 
 def test_a_link_without_an_endpoint_is_refused() -> None:

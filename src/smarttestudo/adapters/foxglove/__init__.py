@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from smarttestudo.domain.packages import MissingPackageError
+from smarttestudo.domain.packages import Extra, MissingPackageError, how_to_install
 
 if TYPE_CHECKING:
     from smarttestudo.adapters.foxglove.sink import FoxgloveSink
@@ -27,8 +27,6 @@ def open_foxglove_sink(
     except ModuleNotFoundError as error:
         if error.name != "foxglove":
             raise
-        remedy = "pip install 'smarttestudo[link]'"
-        raise MissingPackageError(
-            "serving the Foxglove app needs the package foxglove-sdk", remedy=remedy
-        ) from error
+        cause = "serving the Foxglove app needs the package foxglove-sdk"
+        raise MissingPackageError(cause, remedy=how_to_install(Extra.LINK)) from error
     return FoxgloveSink(port, warn, now_ns, host=host)

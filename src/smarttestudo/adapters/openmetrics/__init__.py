@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING
 
 from smarttestudo.domain.metric import Metric
-from smarttestudo.domain.packages import MissingPackageError
+from smarttestudo.domain.packages import Extra, MissingPackageError, how_to_install
 
 if TYPE_CHECKING:
     from smarttestudo.adapters.openmetrics.server import MetricsServer
@@ -25,5 +25,5 @@ def open_metrics_server(host: str, port: int, metrics: Callable[[], Iterable[Met
         if error.name != "prometheus_client":
             raise
         cause = "--openmetrics needs the package prometheus-client"
-        raise MissingPackageError(cause, remedy="pip install 'smarttestudo[metrics]'") from error
+        raise MissingPackageError(cause, remedy=how_to_install(Extra.METRICS)) from error
     return MetricsServer(host, port, metrics)

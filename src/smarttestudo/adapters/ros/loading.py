@@ -8,9 +8,15 @@ import signal
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib.util import find_spec
 from types import FrameType
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+
+
+def has_rclpy() -> bool:
+    """Whether rclpy is installed here, or its setup file was sourced; it may fail to load nevertheless."""
+    return find_spec("rclpy") is not None
 
 
 def load_rclpy() -> None:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from smarttestudo.adapters.zenoh.arrivals import MAX_WAITING_BYTES
 from smarttestudo.adapters.zenoh.security import LinkOptions
 from smarttestudo.domain.errors import LinkError
+from smarttestudo.domain.packages import Extra, how_to_install
 
 if TYPE_CHECKING:
     from smarttestudo.adapters.zenoh.link_incidents import LinkIncidents
@@ -135,4 +136,5 @@ def _require_zenoh() -> None:
         import zenoh  # noqa: F401, PLC0415  most robots and laptops have no link
         import zstandard  # noqa: F401, PLC0415
     except ImportError as error:
-        raise LinkError(f"a link needs {error.name}", remedy="pip install 'smarttestudo[link]'") from error
+        cause = f"a link needs the package {error.name}"
+        raise LinkError(cause, remedy=how_to_install(Extra.LINK)) from error

@@ -1,0 +1,76 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""A wrong command line costs one line; a command is imported when it is named."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+from smarttestudo.cli.commands import command_parser
+from smarttestudo.cli.main import main
+
+COMMANDS = (
+    *("demo", "check", "fmt", "run", "receive", "top", "echo", "replay"),
+    *("incidents", "bag", "profile", "optimize", "ruler", "simulate"),
+)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["check"], "error: the following arguments are required: FILE; see 'testudo check --help'\n"),
+        (
+            ["check", "a.adirf", "--profil", "p.toml"],
+            "error: unrecognized arguments: --profil p.toml; see 'testudo check --help'\n",
+        ),
+        (
+            ["bag", "rates", "a", "--nonsense"],
+            "error: unrecognized arguments: --nonsense; see 'testudo bag rates --help'\n",
+        ),
+        (
+            ["demo", "--seed", "x"],
+            "--seed: error: 'x' is not a whole number of 0 or more; see 'testudo demo --help'\n",
+        ),
+        (["demo", "--out"], "--out: error: expected one argument; see 'testudo demo --help'\n"),
+        ([], "error: the following arguments are required: COMMAND; see 'testudo --help'\n"),
+    ],
+)
+def test_a_wrong_command_line_is_one_line_that_names_its_help(
+    arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(arguments) == 2
+    assert capsys.readouterr() == ("", said)
+
+
+def test_a_command_that_is_not_there_is_refused_with_those_that_are(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert main(["chek"]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("COMMAND: error: invalid choice: 'chek'")
+    assert all(command in line for command in COMMANDS)
+    assert line.endswith("; see 'testudo --help'")
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_has_help_and_a_line_in_the_help_of_all(
+    command: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as left:
+        main([command, "--help"])
+    assert left.value.code == 0
+    assert capsys.readouterr().out.startswith(f"usage: testudo {command} ")
+    assert f"\n    {command}" in command_parser().format_help()
+
+
+def test_only_the_command_that_is_named_is_imported() -> None:
+    code = (
+        "import sys; from smarttestudo.cli.main import main; main(['fmt', '--check'])\n"
+        "print(*sorted(name for name in sys.modules if name.startswith('smarttestudo.cli.')))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    of_commands = {f"smarttestudo.cli.{command}" for command in COMMANDS}
+    assert set(done.stdout.split()) & of_commands == {"smarttestudo.cli.fmt"}
