@@ -1,0 +1,117 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Fresh environments, as the documentation says how to make them, and a checkout to install from."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+
+import tomli
+
+from ros.ros_processes import NOT_INHERITED
+
+ROOT = Path(__file__).resolve().parents[2]
+BUILT_PAGE = "src/smarttestudo/web/static"
+LIMIT_S = 300
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Environment:
+    """A virtual environment in ``folder``; its commands run in ``desk``, which holds the examples.
+
+    With a ``workspace`` ``testudo`` is what colcon built there, and the environment holds what that needs.
+    """
+
+    folder: Path
+    desk: Path
+    workspace: Path | None = None
+
+    @property
+    def python(self) -> str:
+        return str(self.folder / "bin" / "python")
+
+    @property
+    def variables(self) -> dict[str, str]:
+        """What the setup file of the workspace sets."""
+        if self.workspace is None:
+            return {}
+        (packages,) = self.workspace.glob("lib/python*/site-packages")
+        return {"PYTHONPATH": str(packages)}
+
+    def command(self, *arguments: str | Path) -> list[str]:
+        """The command line of ``testudo`` with ``arguments``."""
+        programs = self.folder / "bin" if self.workspace is None else self.workspace / "lib" / "smarttestudo"
+        return [self.python, str(programs / "testudo"), *map(str, arguments)]
+
+    def run(self, *arguments: str | Path) -> subprocess.CompletedProcess[str]:
+        """``testudo`` with ``arguments``, ended."""
+        return run(self.command(*arguments), cwd=self.desk, variables=self.variables)
+
+    def does(self, *arguments: str | Path) -> str:
+        """What ``testudo`` prints, which must succeed."""
+        done = self.run(*arguments)
+        assert done.returncode == 0, f"{' '.join(map(str, arguments))}: {done.stdout}{done.stderr}"
+        return done.stdout
+
+    def refuses(self, *arguments: str | Path) -> str:
+        """The one line in which ``testudo`` refuses."""
+        done = self.run(*arguments)
+        assert done.returncode == 1, f"{' '.join(map(str, arguments))}: {done.stdout}{done.stderr}"
+        (line,) = done.stderr.splitlines()
+        return line
+
+
+def clean_variables() -> Mapping[str, str]:
+    """The variables of a shell in which no environment is active."""
+    dropped = {*NOT_INHERITED, "PYTHONPATH", "VIRTUAL_ENV", "PYTHONHOME"}
+    return {name: value for name, value in os.environ.items() if name not in dropped}
+
+
+def run(
+    command: list[str], *, cwd: Path, variables: Mapping[str, str] = MappingProxyType({})
+) -> subprocess.CompletedProcess[str]:
+    """A command of a shell in which no environment is active, ended within some minutes."""
+    return subprocess.run(
+        command,
+        cwd=cwd,
+        env={**clean_variables(), **variables},
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=LIMIT_S,
+    )
+
+
+def copy_checkout(folder: Path) -> None:
+    """What a clone holds, and the page if it was built."""
+    files = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True, check=True)
+    for name in filter(None, files.stdout.split("\0")):
+        if (ROOT / name).is_file():
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(ROOT / name, folder / name)
+    if (ROOT / BUILT_PAGE).is_dir():
+        shutil.copytree(ROOT / BUILT_PAGE, folder / BUILT_PAGE)
+
+
+def make_environment(folder: Path, checkout: Path, *requirements: str) -> None:
+    """What ``python3 -m venv`` and ``pip install`` make; uv does it in a tenth of the time."""
+    uv = shutil.which("uv", path=str(Path(sys.executable).parent)) or "uv"
+    for command in (
+        [uv, "venv", "--quiet", "--python", sys.executable, str(folder)],
+        [uv, "pip", "install", "--quiet", "--python", str(folder / "bin" / "python"), *requirements],
+    ):
+        done = run(command, cwd=checkout)
+        assert done.returncode == 0, done.stderr
+
+
+def ros_packages() -> list[str]:
+    """What the extra ``ros`` installs of ROS 2: what a robot has."""
+    project = tomli.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    return [one for one in project["optional-dependencies"]["ros"] if one.startswith("ros-")]
