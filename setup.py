@@ -18,12 +18,19 @@ from pathlib import Path
 from typing import Any
 
 import setuptools
+from setuptools import Distribution
 from setuptools.command.build_py import build_py
+from setuptools.command.sdist import sdist
+
+# Below setuptools, which provides it where Python no longer does.
+from distutils.command.install_data import install_data  # isort: skip
 
 ROOT = Path(__file__).resolve().parent
 SHARE = "share/smarttestudo"
 SHARED_FOLDERS = ("launch", "worlds", "profiles", "examples", "examples/quality", "extras", "extras/grafana")
+SETUPTOOLS = int(setuptools.__version__.partition(".")[0])
 FIRST_TO_READ_PYPROJECT = 61
+FIRST_WITH_EXPRESSIONS = 77
 PAGE = ROOT / "src" / "smarttestudo" / "web" / "static" / "index.html"
 MAKE_PAGE = ROOT / "scripts" / "make_gui.sh"
 PAGE_WITHIN_S = 600
@@ -45,8 +52,12 @@ def files_in(folder: str) -> list[str]:
 
 def reads_pyproject() -> bool:
     """Whether setuptools finds and understands pyproject.toml."""
-    version = int(setuptools.__version__.partition(".")[0])
-    return version >= FIRST_TO_READ_PYPROJECT and Path("pyproject.toml").exists()
+    return SETUPTOOLS >= FIRST_TO_READ_PYPROJECT and Path("pyproject.toml").exists()
+
+
+def licence() -> dict[str, str]:
+    """The licence as setuptools wants it: Jazzy's refuses an expression, later ones all else."""
+    return {"license_expression" if SETUPTOOLS >= FIRST_WITH_EXPRESSIONS else "license": "Apache-2.0"}
 
 
 def from_pyproject() -> dict[str, Any]:
@@ -83,21 +94,47 @@ def toml_parser() -> Any:
     return tomllib
 
 
+def is_wheel(distribution: Distribution) -> bool:
+    """Whether a wheel is made, and not a robot's workspace or a link to a checkout."""
+    return "bdist_wheel" in distribution.commands
+
+
 class BuildWithPage(build_py):
     """Builds the Ruler's page into a wheel; a robot's colcon build, and a link to a checkout, go without."""
 
     def run(self) -> None:
         """Build the page where it is missing and can be built, then what is always built."""
-        if "bdist_wheel" in self.distribution.commands and not PAGE.exists() and MAKE_PAGE.exists():
+        if is_wheel(self.distribution) and not PAGE.exists() and MAKE_PAGE.exists():
             make_page()
         super().run()
 
 
+class ShareWithWorkspace(install_data):
+    """Installs the shared files into a workspace; a wheel holds the package, where ROS looks for none."""
+
+    def run(self) -> None:
+        """Install them, but not into a wheel."""
+        if not is_wheel(self.distribution):
+            super().run()
+
+
+class SourceWithPage(sdist):
+    """Puts the page into a source archive: the wheel of a release is built from that, often without Node."""
+
+    def run(self) -> None:
+        """Build the page where it is missing; without it there is no archive."""
+        if not PAGE.exists():
+            make_page()
+        if not PAGE.exists():
+            sys.exit("setup.py: error: a release needs the page of 'testudo ruler'; run 'make gui' first")
+        super().run()
+
+
 def make_page() -> None:
-    """Run scripts/make_gui.sh; what else the wheel holds does not depend on it."""
+    """Run scripts/make_gui.sh; a wheel that pip builds from a checkout goes without the page if it fails."""
     shell = shutil.which("sh")
     if shell is not None:
-        environment = {**os.environ, "PYTHON": sys.executable}
+        environment = {"PYTHON": sys.executable, **os.environ}
         try:
             # What it prints must not mix with what setuptools tells pip.
             command = [shell, str(MAKE_PAGE)]
@@ -113,16 +150,16 @@ def make_page() -> None:
 def install() -> None:
     """Do what pip or colcon asks."""
     if not reads_pyproject():
-        setuptools.setup(data_files=shared_files(), cmdclass=COMMANDS, **from_pyproject())
+        setuptools.setup(data_files=shared_files(), cmdclass=COMMANDS, **licence(), **from_pyproject())
         return
     # Who builds a workspace need not know that setuptools calls this part of pyproject.toml beta.
     warnings.filterwarnings("ignore", message=r"Support for `\[tool\.setuptools\]`")
-    distribution = setuptools.setup(data_files=shared_files(), cmdclass=COMMANDS)
+    distribution = setuptools.setup(data_files=shared_files(), cmdclass=COMMANDS, **licence())
     # colcon reads a distribution back as literals, and setuptools makes an object of requires-python.
     for owner in (distribution, distribution.metadata):
         owner.python_requires = str(owner.python_requires)
 
 
-COMMANDS = {"build_py": BuildWithPage}
+COMMANDS = {"build_py": BuildWithPage, "install_data": ShareWithWorkspace, "sdist": SourceWithPage}
 
 install()

@@ -9,42 +9,41 @@ from pathlib import Path
 
 import pytest
 
-from installations.environments import ROOT, Environment, copy_checkout, make_environment, ros_packages
+from installations.environments import ROOT, Environment, make_environment, make_wheel, ros_packages
 from made_once import made_once
-from ros.conftest import domain, endpoint, robot
+from ros.conftest import domain, robot
 from ros_package.conftest import installed
 
-__all__ = ["domain", "endpoint", "installed", "robot"]
+__all__ = ["domain", "installed", "robot"]
 
 MakeEnvironment = Callable[..., Environment]
 
 
 @pytest.fixture(scope="session")
-def checkout(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return made_once(tmp_path_factory, "checkout", copy_checkout)
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> str:
+    (built,) = made_once(tmp_path_factory, "wheel", make_wheel).glob("*.whl")
+    return str(built)
 
 
 @pytest.fixture
-def environment(checkout: Path, tmp_path_factory: pytest.TempPathFactory, tmp_path: Path) -> MakeEnvironment:
+def environment(tmp_path_factory: pytest.TempPathFactory, tmp_path: Path) -> MakeEnvironment:
     """Makes environments, each once for all tests; its commands run in a folder of the test's own."""
     desk = tmp_path / "desk"
     shutil.copytree(ROOT / "examples", desk)
 
     def make(name: str, *requirements: str) -> Environment:
-        folder = made_once(
-            tmp_path_factory,
-            f"with-{name}",
-            lambda path: make_environment(path, checkout, *requirements),
-        )
-        return Environment(folder=folder, desk=desk)
+        def fill(folder: Path) -> None:
+            make_environment(folder, *requirements)
+
+        return Environment(folder=made_once(tmp_path_factory, f"with-{name}", fill), desk=desk)
 
     return make
 
 
 @pytest.fixture
-def bare(environment: MakeEnvironment) -> Environment:
+def bare(environment: MakeEnvironment, wheel: str) -> Environment:
     """The standard library alone."""
-    return environment("nothing", ".")
+    return environment("nothing", wheel)
 
 
 @pytest.fixture
@@ -54,21 +53,21 @@ def with_rclpy(environment: MakeEnvironment, installed: Path) -> Environment:
 
 
 @pytest.fixture
-def with_link(environment: MakeEnvironment) -> Environment:
-    return environment("link", ".[link]")
+def with_link(environment: MakeEnvironment, wheel: str) -> Environment:
+    return environment("link", f"{wheel}[link]")
 
 
 @pytest.fixture
-def with_studio(environment: MakeEnvironment) -> Environment:
-    return environment("studio", ".[studio]")
+def with_studio(environment: MakeEnvironment, wheel: str) -> Environment:
+    return environment("studio", f"{wheel}[studio]")
 
 
 @pytest.fixture
-def with_metrics(environment: MakeEnvironment) -> Environment:
+def with_metrics(environment: MakeEnvironment, wheel: str) -> Environment:
     """A robot that Prometheus asks."""
-    return environment("metrics", ".[metrics]", *ros_packages())
+    return environment("metrics", f"{wheel}[metrics]", *ros_packages())
 
 
 @pytest.fixture
-def with_ros(environment: MakeEnvironment) -> Environment:
-    return environment("ros", ".[ros]")
+def with_ros(environment: MakeEnvironment, wheel: str) -> Environment:
+    return environment("ros", f"{wheel}[ros]")

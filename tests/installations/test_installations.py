@@ -7,6 +7,7 @@ from __future__ import annotations
 import json
 import re
 import signal
+import sys
 import time
 import urllib.request
 from collections.abc import Iterator
@@ -16,8 +17,9 @@ from pathlib import Path
 import pytest
 
 from adapters.zenoh.ends import free_endpoint
-from installations.environments import ROOT, Environment, clean_variables, run
+from installations.environments import ROOT, Environment, clean_variables, copy_checkout, does, run
 from ros.ros_processes import Process, SmallRobot
+from smarttestudo.domain.packages import Extra, how_to_install
 
 COMMANDS = (
     *("demo", "check", "fmt", "run", "receive", "top", "echo", "replay"),
@@ -191,3 +193,31 @@ def test_with_the_extra_ros_a_laptop_simulates_a_robot_and_hears_it(
     echo = robot.command(*with_ros.command("echo", "/odom", "--once"))
     assert echo.exit_code() == 0
     with_ros.does("bag", "--help")
+
+
+def test_the_lines_of_the_documentation_install_it_and_that_of_an_error_what_is_missing(
+    tmp_path: Path,
+) -> None:
+    checkout = tmp_path / "checkout"
+    copy_checkout(checkout)
+    lines = [line.partition("#")[0].strip() for line in (ROOT / "README.md").read_text().splitlines()]
+    assert "python3 -m venv testudo-venv" in lines
+    assert "testudo-venv/bin/pip install '.[studio]'" in lines
+    python = Path(sys.executable).resolve()
+    does([str(python), "-m", "venv", "testudo-venv"], cwd=checkout)
+    does(["sh", "-c", "testudo-venv/bin/pip install ."], cwd=checkout)
+    receive = ["testudo-venv/bin/testudo", "receive", "--no-ros", "--openmetrics", "0"]
+    (line,) = run(receive, cwd=checkout).stderr.splitlines()
+    cause, _, command = line.partition("; in the checkout of SmartTestudo, run: ")
+    assert cause == "error: --openmetrics needs the package prometheus-client"
+    does(["sh", "-c", command], cwd=checkout)
+    assert "error: a link needs the package zenoh" in run(receive, cwd=checkout).stderr
+
+
+def test_outside_an_environment_an_error_says_how_to_make_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    # As of a robot's own Python.
+    monkeypatch.setattr(sys, "prefix", sys.base_prefix)
+    assert how_to_install(Extra.LINK) == (
+        "in the checkout of SmartTestudo, run: python3 -m venv --system-site-packages testudo-venv && "
+        "testudo-venv/bin/pip install '.[link]'; then use testudo-venv/bin/testudo"
+    )

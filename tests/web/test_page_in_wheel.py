@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Who installs from a checkout gets the page where it can be built, and everything else in any case.
 
+A source archive, from which the wheel of a release is built, holds the page or is not made.
+
 Node is a stand-in here: the real one fetches what the page is made of from the network.
 """
 
@@ -11,6 +13,7 @@ import os
 import shutil
 import subprocess
 import sys
+import tarfile
 import zipfile
 from pathlib import Path
 
@@ -33,22 +36,26 @@ def checkout(tmp_path: Path) -> Path:
     return tmp_path / "checkout"
 
 
-def names_in_wheel(checkout: Path, npm: str) -> set[str]:
+def build(checkout: Path, npm: str, code: str) -> subprocess.CompletedProcess[str]:
+    """What setuptools makes there with this npm."""
     programs = checkout.parent / "bin"
     programs.mkdir()
     for name, text in {"node": "#!/bin/sh\necho v22.0.0\n", "npm": npm}.items():
         (programs / name).write_text(text)
         (programs / name).chmod(0o755)
     environment = {**os.environ, "PATH": f"{programs}{os.pathsep}{os.environ['PATH']}"}
-    code = "from setuptools import build_meta; print(build_meta.build_wheel('dist'))"
-    done = subprocess.run(
-        [sys.executable, "-c", code],
+    return subprocess.run(
+        [sys.executable, "-c", f"from setuptools import build_meta; build_meta.{code}"],
         cwd=checkout,
         env=environment,
         capture_output=True,
         text=True,
         check=False,
     )
+
+
+def names_in_wheel(checkout: Path, npm: str) -> set[str]:
+    done = build(checkout, npm, "build_wheel('dist')")
     assert done.returncode == 0, done.stderr
     (wheel,) = (checkout / "dist").glob("*.whl")
     with zipfile.ZipFile(wheel) as archive:
@@ -63,3 +70,21 @@ def test_a_wheel_is_built_without_the_page_where_that_cannot_be_built(checkout: 
     names = names_in_wheel(checkout, BROKEN_NPM)
     assert PAGE not in names
     assert "smarttestudo/cli/main.py" in names
+
+
+def test_a_source_archive_holds_the_page(checkout: Path) -> None:
+    done = build(checkout, NPM, "build_sdist('dist')")
+    assert done.returncode == 0, done.stderr
+    (archive,) = (checkout / "dist").glob("*.tar.gz")
+    with tarfile.open(archive) as opened:
+        names = {name.partition("/")[2] for name in opened.getnames()}
+    assert names >= {f"src/{PAGE}", "gui/package-lock.json", "scripts/make_gui.sh"}
+
+
+def test_no_source_archive_is_made_without_the_page(checkout: Path) -> None:
+    done = build(checkout, BROKEN_NPM, "build_sdist('dist')")
+    assert done.returncode == 1
+    assert done.stderr.endswith(
+        "setup.py: error: a release needs the page of 'testudo ruler'; run 'make gui' first\n"
+    )
+    assert not list((checkout / "dist").glob("*"))
