@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import ast
+import importlib.util
 import os
 import re
 import signal
@@ -110,4 +111,21 @@ def test_package_xml_says_what_pyproject_says() -> None:
     assert package.findtext("name") == project["name"]
     assert package.findtext("version") == __version__
     assert package.findtext("description") == project["description"]
-    assert package.findtext("license") == project["license"]["text"]
+    licence = package.find("license")
+    assert licence is not None
+    assert licence.text == "Apache-2.0"
+    assert (ROOT / licence.get("file", "")).is_file()
+    assert [package.findtext("author")] == [author["name"] for author in project["authors"]]
+
+
+def test_package_xml_names_what_the_tests_of_a_workspace_need() -> None:
+    package = ElementTree.parse(ROOT / "package.xml").getroot()
+    named = {one.text for kind in ("exec_depend", "test_depend") for one in package.findall(kind)}
+    types = {
+        match[1]
+        for path in (ROOT / "tests" / "ros").glob("*.py")
+        for match in re.finditer(r"\"(\w+_msgs)/msg/", path.read_text(encoding="utf-8"))
+    }
+    # Others are made up, to be unknown.
+    assert {name for name in types if importlib.util.find_spec(name)} <= named
+    assert {"python3-pytest", "python3-hypothesis"} <= named
