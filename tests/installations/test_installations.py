@@ -5,8 +5,10 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import signal
+import subprocess
 import sys
 import time
 import urllib.request
@@ -16,8 +18,8 @@ from pathlib import Path
 
 import pytest
 
-from adapters.zenoh.ends import free_endpoint
-from installations.environments import ROOT, Environment, clean_variables, copy_checkout, does, run
+from adapters.zenoh.ends import free_endpoint, until
+from installations.environments import LIMIT_S, ROOT, Environment, clean_variables, copy_checkout, does, run
 from ros.ros_processes import Process, SmallRobot
 from smarttestudo.domain.packages import Extra, how_to_install
 
@@ -195,17 +197,37 @@ def test_with_the_extra_ros_a_laptop_simulates_a_robot_and_hears_it(
     with_ros.does("bag", "--help")
 
 
-def test_the_lines_of_the_documentation_install_it_and_that_of_an_error_what_is_missing(
-    tmp_path: Path,
+def test_the_three_minutes_of_the_readme_lead_to_a_live_relay_and_its_errors_to_what_is_missing(
+    domain: int, tmp_path: Path
 ) -> None:
     checkout = tmp_path / "checkout"
     copy_checkout(checkout)
-    lines = [line.partition("#")[0].strip() for line in (ROOT / "README.md").read_text().splitlines()]
-    assert "python3 -m venv testudo-venv" in lines
-    assert "testudo-venv/bin/pip install '.[studio]'" in lines
-    python = Path(sys.executable).resolve()
-    does([str(python), "-m", "venv", "testudo-venv"], cwd=checkout)
-    does(["sh", "-c", "testudo-venv/bin/pip install ."], cwd=checkout)
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    block = re.search(r"^## Three minutes.*?^```sh\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
+    assert block is not None
+    *lines, top = [line.partition("#")[0].rstrip() for line in block[1].splitlines()]
+    script = "\n".join([*lines, f"{top} > top.txt &", "wait"])
+    python = Path(sys.executable).resolve().parent
+    variables = {
+        **clean_variables(),
+        "PATH": f"{python}{os.pathsep}{os.environ['PATH']}",
+        "PYTHONUNBUFFERED": "1",
+        "PIP_NO_COMPILE": "1",
+        "ROS_DOMAIN_ID": str(domain),
+        "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+    }
+    with subprocess.Popen(
+        ["sh", "-ec", script], cwd=checkout, env=variables, start_new_session=True, stdout=subprocess.PIPE
+    ) as shell:
+        try:
+            shown = checkout / "top.txt"
+            until(
+                lambda: shown.exists() and re.search(r"/odom +\d.* default", shown.read_text()) is not None,
+                within_s=LIMIT_S,
+            )
+        finally:
+            # What a shell starts in its background is not interrupted by Ctrl-C.
+            os.killpg(shell.pid, signal.SIGTERM)
     receive = ["testudo-venv/bin/testudo", "receive", "--no-ros", "--openmetrics", "0"]
     (line,) = run(receive, cwd=checkout).stderr.splitlines()
     cause, _, command = line.partition("; in the checkout of SmartTestudo, run: ")

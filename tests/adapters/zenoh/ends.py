@@ -59,9 +59,11 @@ def operator_end(endpoint: str, warn: Callable[[str], None] = refuse_warning) ->
         yield end
 
 
-def until(condition: Callable[[], bool], act: Callable[[], object] = lambda: None) -> None:
+def until(
+    condition: Callable[[], bool], act: Callable[[], object] = lambda: None, *, within_s: float = WITHIN_S
+) -> None:
     """Wait for ``condition``, and ``act`` again and again meanwhile."""
-    end_s = time.monotonic() + WITHIN_S
+    end_s = time.monotonic() + within_s
     while not condition():
         assert time.monotonic() < end_s, "it took too long"
         act()
