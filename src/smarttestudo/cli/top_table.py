@@ -14,7 +14,7 @@ from enum import Enum
 from pathlib import Path
 
 from smarttestudo.cli.tables import is_unicode, write_text
-from smarttestudo.domain.decision import Reason
+from smarttestudo.domain.decision import Reason, bound_texts
 from smarttestudo.domain.incident import IncidentState
 from smarttestudo.domain.link_state import AcceptedTopic, LinkState
 from smarttestudo.domain.status import DiagnosticLevel, RuntimeStatus, Silence, TopicStatus
@@ -235,9 +235,13 @@ def _target(target_hz: float) -> Cell:
 
 
 def _rule(topic: TopicStatus) -> str:
+    """What decides the rate, then the bounds."""
+    rate = f"{topic.reason.value}: {topic.rule}"
     if topic.rule is None:
-        return topic.reason.value
-    return topic.rule if topic.reason is Reason.BLOCK else f"{topic.reason.value}: {topic.rule}"
+        rate = topic.reason.value
+    elif topic.reason is Reason.BLOCK:
+        rate = topic.rule
+    return "; ".join([rate, *bound_texts(topic.within, topic.bound_reasons)])
 
 
 def _look(topic: TopicStatus) -> Look:

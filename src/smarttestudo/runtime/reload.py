@@ -17,7 +17,7 @@ from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.units import NS_PER_S, ns_from_s
 from smarttestudo.runtime.incidents.triggers import still_recording
-from smarttestudo.runtime.knowledge.knowledge import Knowledge, Settling, watched_topics
+from smarttestudo.runtime.knowledge.knowledge import Knowledge, watched_topics
 from smarttestudo.runtime.knowledge.watched_topic import WatchedTopic
 
 _GONE = -1

@@ -18,9 +18,10 @@ import pytest
 from smarttestudo.cli.main import main
 from smarttestudo.cli.terminal import key_presses
 from smarttestudo.cli.top_table import Line, Look, SortKey, cropped, print_lines, summary_lines, topic_lines
-from smarttestudo.domain.decision import Reason
+from smarttestudo.domain.decision import BoundReason, Reason
 from smarttestudo.domain.incident import IncidentState
 from smarttestudo.domain.link_state import AcceptedTopic
+from smarttestudo.domain.status import TopicStatus
 from use_cases.status.statuses import ONE_OF_EACH, RELAYED, STATUS
 
 GOLDEN = Path(__file__).parent / "golden"
@@ -41,6 +42,26 @@ def test_it_looks_like_this(width: int) -> None:
     shown = "".join(f"{line.text}\n" for line in lines)
     assert shown == (GOLDEN / f"top-{width}.txt").read_text(encoding="utf-8")
     assert all(len(line.text) <= width for line in lines)
+
+
+def test_the_rule_column_says_which_bound_holds_who_decided_it_and_what_is_in_doubt() -> None:
+    reasons = {
+        "position": BoundReason(reason=Reason.BLOCK, rule="Docking", line=7),
+        "orientation": BoundReason(reason=Reason.UNKNOWN, rule="Low battery", line=9),
+        "speed": BoundReason(reason=Reason.DEFAULT),
+    }
+    within = {"position": 0.05, "orientation": 2.0, "speed": 0.0}
+    assert "default; position 0.05: Docking; orientation 2, in doubt: Low battery; speed 0: default" in (
+        rule_of(replace(RELAYED, within=within, bound_reasons=reasons))
+    )
+    del reasons["position"], reasons["speed"]
+    assert "default; orientation not bound, in doubt: Low battery" in (
+        rule_of(replace(RELAYED, bound_reasons=reasons))
+    )
+
+
+def rule_of(topic: TopicStatus) -> str:
+    return topic_lines(replace(STATUS, topics={"/odom": topic}), SortKey.TOPIC)[-1].text
 
 
 def test_what_recording_costs_has_a_line() -> None:

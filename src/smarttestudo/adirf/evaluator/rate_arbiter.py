@@ -127,8 +127,8 @@ class BoundArbiter:
     def request(self, *, doubt_counts: bool) -> tuple[float | None, RuleBlock | None, Reason]:
         """The bound, the block that decides it, and why: priority, then the tightest.
 
-        In doubt the tightest, where ``doubt_counts``. The bound is ``None`` while nothing bounds the property;
-        a block beside it is one in doubt that would.
+        In doubt the tightest, where ``doubt_counts``. The bound is ``None`` while nothing bounds the
+        property; a block beside it is one in doubt that would.
         """
         known = self.ranking.known
         bound, reason = self._default, Reason.DEFAULT
@@ -167,9 +167,9 @@ class TopicArbiter:
     def request(self) -> RequestedRate:
         """The rate with its reason, and the bounds.
 
-        A topic without any bound passes all that its rate lets through, which is more than with one: so bounds
-        of unknown blocks count only where a known one bounds the topic. Where no block decides the rate, the
-        first that decides a bound stands for it.
+        A topic without any bound passes all that its rate lets through, which is more than with one: so
+        bounds of unknown blocks count only where a known one bounds the topic. Where no block decides the
+        rate, the first that decides a bound stands for it.
         """
         request = self._rate.request()
         if not self._bounds:
