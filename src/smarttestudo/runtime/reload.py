@@ -109,9 +109,8 @@ def _carry_on_settling(knowledge: Knowledge, before: RuleSet) -> None:
 def _blocks_by_topic(rule_set: RuleSet) -> dict[str, list[RuleBlock]]:
     blocks: dict[str, list[RuleBlock]] = {topic: [] for topic in rule_set.relayed}
     for block in rule_set.blocks:
-        for topic in dict.fromkeys([*block.rates, *block.bounds]):
-            if topic in blocks:
-                blocks[topic].append(block)
+        for topic in block.topics:
+            blocks[topic].append(block)
     return blocks
 
 
