@@ -98,7 +98,10 @@ def summary_lines(status: RuntimeStatus, *, silent_s: float | None = None) -> li
 
 
 def topic_lines(status: RuntimeStatus, sort: SortKey, width: int | None = None) -> list[Line]:
-    """Headings, a rule, and one line for each topic; at most ``width`` wide where that is possible."""
+    """Headings, a rule, and one line for each topic; at most ``width`` wide where that is possible.
+
+    Where nobody subscribes to any of them, a last line says how to.
+    """
     is_wide = width is None or width >= WIDE
     topics = _sorted(status, sort)
     has_link = status.link is not None
@@ -114,6 +117,17 @@ def topic_lines(status: RuntimeStatus, sort: SortKey, width: int | None = None) 
     return [
         *(Line(text, Look.HEADING) for text in lines[:heading_lines]),
         *(Line(text, _look(topic)) for text, (_, topic) in zip(lines[heading_lines:], topics, strict=True)),
+        *_how_to_subscribe(status, topics),
+    ]
+
+
+def _how_to_subscribe(status: RuntimeStatus, topics: Sequence[tuple[str, TopicStatus]]) -> list[Line]:
+    """Nothing for a robot with a link, whose operator's end is the subscriber."""
+    ready = [topic.output for _, topic in topics if topic.silence is Silence.NO_SUBSCRIBER]
+    if not ready or status.link is not None or any(topic.subscribers for _, topic in topics):
+        return []
+    return [
+        Line(printable(f"A relay runs while somebody subscribes to it, as testudo echo {ready[0]} does."))
     ]
 
 

@@ -20,8 +20,8 @@ from smarttestudo.cli.terminal import key_presses
 from smarttestudo.cli.top_table import Line, Look, SortKey, cropped, print_lines, summary_lines, topic_lines
 from smarttestudo.domain.decision import BoundReason, Reason
 from smarttestudo.domain.incident import IncidentState
-from smarttestudo.domain.link_state import AcceptedTopic
-from smarttestudo.domain.status import TopicStatus
+from smarttestudo.domain.link_state import AcceptedTopic, LinkState
+from smarttestudo.domain.status import Silence, TopicStatus
 from use_cases.status.statuses import ONE_OF_EACH, RELAYED, STATUS
 
 GOLDEN = Path(__file__).parent / "golden"
@@ -62,6 +62,17 @@ def test_the_rule_column_says_which_bound_holds_who_decided_it_and_what_is_in_do
 
 def rule_of(topic: TopicStatus) -> str:
     return topic_lines(replace(STATUS, topics={"/odom": topic}), SortKey.TOPIC)[-1].text
+
+
+def test_where_nobody_subscribes_to_anything_it_names_the_command_that_does() -> None:
+    idle = replace(RELAYED, silence=Silence.NO_SUBSCRIBER, subscribers=0)
+    gone = replace(idle, output="/testudo/estop", silence=Silence.NO_PUBLISHER)
+    status = replace(STATUS, topics={"/estop": gone, "/imu": idle})
+    line = Line("A relay runs while somebody subscribes to it, as testudo echo /testudo/imu does.")
+    assert topic_lines(status, SortKey.TOPIC)[-1] == line
+    assert line not in topic_lines(replace(status, topics={**status.topics, "/map": RELAYED}), SortKey.TOPIC)
+    assert line not in topic_lines(replace(status, link=LinkState(is_connected=False)), SortKey.TOPIC)
+    assert line not in topic_lines(replace(status, topics={"/estop": gone}), SortKey.TOPIC)
 
 
 def test_what_recording_costs_has_a_line() -> None:
