@@ -100,6 +100,14 @@ def test_the_screen_shows_both_tables_with_their_sum_and_where_to_look(
     assert (whole_demo.code, whole_demo.stderr) == (0, "")
 
 
+def test_the_screen_says_which_figures_count_declared_sizes(whole_demo: Ran) -> None:
+    assert (
+        "Declared sizes are counted for /camera/image_raw (6 220.9 KB a message) and "
+        "/camera/image_raw/compressed (420.0 KB a message): in their KB and KB/s, in sums"
+        in whole_demo.stdout
+    )
+
+
 def test_the_screen_and_the_report_show_what_fixed_rates_would_have_done(
     whole_demo: Ran, demo_out: Path
 ) -> None:
@@ -211,7 +219,8 @@ def test_full_images_are_recorded_whole_and_declare_nothing(tmp_path: Path) -> N
     images = messages_of(tmp_path / "out" / "baseline")["/camera/image_raw"]
 
     assert {len(payload) for _, payload in images} == {6_220_872}
-    assert "declared" not in ran.stdout
+    assert "No figure counts declared sizes: all are of messages as they are recorded." in ran.stdout
+    assert ran.stdout.count("declared") == 1
 
 
 def test_a_folder_that_no_demo_made_is_refused_in_one_line(tmp_path: Path) -> None:
