@@ -51,10 +51,11 @@ def run(
     more: str = "",
     budget: float = 10,
     extra: str = "",
+    rules_text: str = RULES,
 ) -> int:
     """A command on the two files, which come first."""
     rules, profile = tmp_path / "rules.adirf", tmp_path / "profile.toml"
-    rules.write_text(RULES.format(level=level, more=more), encoding="utf-8")
+    rules.write_text(rules_text.format(level=level, more=more), encoding="utf-8")
     profile.write_text(PROFILE.format(budget=budget, extra=extra), encoding="utf-8")
     command, *options = arguments
     return main([command, str(rules), "--profile", str(profile), *options])
@@ -77,6 +78,15 @@ def test_a_level_becomes_the_tightest_bound_of_its_accuracies_that_fits(
     assert run(tmp_path, "optimize", level=level, budget=budget) == 0
     _, *lines = capsys.readouterr().out.splitlines()
     assert lines == RULES.format(level=bound, more="").splitlines()
+
+
+def test_a_level_alone_gets_no_default_that_would_limit_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    rules = RULES.replace("    SetFrequency /odom Full\n", "")
+    assert run(tmp_path, "optimize", rules_text=rules) == 0
+    _, *lines = capsys.readouterr().out.splitlines()
+    assert lines == rules.format(level="0.1", more="").splitlines()
 
 
 def test_a_level_that_does_not_fit_is_refused_with_the_level_that_does(

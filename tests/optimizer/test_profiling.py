@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import statistics
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -13,8 +14,10 @@ from hypothesis import strategies as st
 
 from smarttestudo.adapters.files.profile import load_profile
 from smarttestudo.adapters.rosbag import create_recording
+from smarttestudo.adapters.rosbag.qos import stored_qos
 from smarttestudo.cli.main import main
 from smarttestudo.domain.recording import Channel, Storage
+from smarttestudo.domain.robot import Qos
 from smarttestudo.optimizer.profiling import TopicMeasure, proposed_tiers_hz
 
 S = 1_000_000_000
@@ -65,6 +68,21 @@ def test_of_a_topic_too_slow_for_tiers_and_of_empty_messages_the_profile_reads_b
     assert profile.topic("/map").source_hz == 0.01
     assert profile.topic("/map").tiers_hz is None
     assert profile.topic("/scan").message_kb is None
+
+
+def test_publishers_are_said_where_the_recording_lists_what_each_of_them_offered(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path, offered = tmp_path / "two", stored_qos(Qos(reliable=True, transient_local=False, depth=10))
+    with create_recording(path) as writer:
+        writer.write(replace(SCAN, qos=(offered, offered)), S, bytes(1000))
+        writer.write(replace(MAP, qos=(offered,)), S, bytes(1000))
+        writer.write(IMAGE, S, bytes(1000))
+    assert main(["profile", "--bag", str(path)]) == 0
+    printed = capsys.readouterr().out
+    (of_scan,) = (part for part in printed.split("\n\n") if part.startswith('[topics."/scan"]'))
+    assert "# 2 publishers, measured together; live, each of them has the topic's rate\n" in of_scan
+    assert printed.count("publishers") == 1
 
 
 def test_every_number_says_where_it_comes_from(bag: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -46,6 +46,15 @@ def test_rates_and_sizes_are_those_of_the_sources(tmp_path: Path) -> None:
     assert profile.topic("/imu").tiers_hz is not None
 
 
+def test_a_topic_with_two_publishers_says_so(tmp_path: Path) -> None:
+    sources = {"/tf": Source(hz=10, nodes=("/diff_drive", "/robot_state_publisher")), "/imu": Source(hz=10)}
+    profile = measured(VirtualRobot(sources=sources))
+    (line,) = (line for line in profile.text.splitlines() if "publishers" in line)
+    assert line == "# 2 publishers, measured together; live, each of them has the topic's rate"
+    assert profile.text.index('"/tf"') < profile.text.index(line)
+    assert set(profile_in(tmp_path, profile).topics) == {"/imu", "/tf"}
+
+
 def test_a_pose_that_does_not_move_needs_the_heartbeat_only(tmp_path: Path) -> None:
     robot = VirtualRobot(sources={"/pose": Source(type_name="geometry_msgs/msg/PoseStamped", hz=10)})
     found = profile_in(tmp_path, measured(robot, seconds=20)).topic("/pose")

@@ -56,6 +56,15 @@ class BoundLoop:
     def bounds(self) -> dict[str, float]:
         return dict(self.loop.knowledge.plan["/odom"].within)
 
+    @property
+    def reasons(self) -> dict[str, tuple[str, str | None]]:
+        decided = self.loop.knowledge.plan["/odom"].bound_reasons
+        return {name: (one.reason.value, one.rule) for name, one in decided.items()}
+
+    @property
+    def lines(self) -> dict[str, int | None]:
+        return {name: one.line for name, one in self.loop.knowledge.plan["/odom"].bound_reasons.items()}
+
     def odometry(self, at_ns: int, x: float) -> bool:
         self._wake_until(at_ns)
         payload = odometry(at_ns + 1, planar(x, 0, 0), NO_TWIST)
@@ -98,6 +107,54 @@ def test_the_tightest_bound_of_the_highest_priority_holds_and_in_doubt_the_tight
     loop.battery(4 * SECOND, 10)
     loop.battery(5 * SECOND, 10)
     assert loop.bounds == {"position": 0.2}
+
+
+IN_DOUBT = """
+begin
+    SetFrequency /odom Full
+    Rule "low battery" If CheckValue /battery level < 20 Then KeepWithin /odom position 0.05 EndIf
+end
+"""
+
+
+def test_a_block_in_doubt_bounds_nothing_that_has_no_bound() -> None:
+    loop = BoundLoop(IN_DOUBT)
+    assert loop.bounds == {}
+    assert all(loop.odometry(number * 20 * MS, 0.0) for number in range(20))
+    first = loop.decisions[0].to_json()
+    assert (first["reason"], first["rule"]) == ("default", None)
+    assert first["bound_reasons"] == {"position": {"reason": "unknown", "rule": "low battery", "line": 4}}
+    loop.battery(SECOND, 80)
+    assert (loop.bounds, loop.reasons) == ({}, {})
+
+
+def test_with_a_bound_of_one_property_the_doubt_about_another_counts_too() -> None:
+    loop = BoundLoop(IN_DOUBT.replace("Full", "Full KeepWithin /odom orientation 5", 1))
+    assert loop.bounds == {"position": 0.05, "orientation": 5}
+    assert loop.reasons == {"position": ("unknown", "low battery"), "orientation": ("default", None)}
+
+
+def test_the_first_bound_of_a_topic_waits_until_it_has_settled_and_its_end_does_not() -> None:
+    loop = BoundLoop(IN_DOUBT)
+    loop.battery(SECOND, 80)
+    loop.battery(2 * SECOND, 10)
+    loop._wake_until(2 * SECOND + 499 * MS)
+    assert loop.bounds == {}
+    loop._wake_until(2 * SECOND + 500 * MS)
+    assert (loop.bounds, loop.reasons) == ({"position": 0.05}, {"position": ("block", "low battery")})
+    loop.battery(3 * SECOND, 80)
+    assert loop.bounds == {}
+
+
+def test_a_bound_that_waits_goes_on_waiting_when_the_same_rules_come_again() -> None:
+    loop = BoundLoop(ZONES)
+    loop.battery(SECOND, 80)
+    loop.battery(2 * SECOND, 40)
+    loop.battery(3 * SECOND, 80)
+    loop.reload(f"\n{ZONES}")
+    assert (loop.bounds, loop.lines) == ({"position": 0.1}, {"position": 6})
+    loop._wake_until(3 * SECOND + 500 * MS)
+    assert loop.bounds == {"position": 0.5}
 
 
 def test_a_tighter_bound_holds_at_once_and_a_wider_one_when_it_has_settled() -> None:

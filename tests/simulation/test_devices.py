@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import defaultdict
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from smarttestudo.simulation.readings import (
     CameraInfo,
     Image,
     Imu,
+    JointStates,
     Odometry,
     Scan,
     TimedReading,
@@ -83,9 +85,10 @@ def test_the_imu_feels_gravity_and_the_turns_that_the_odometry_shows(
 
 
 def test_the_frames_form_one_tree_from_odom_to_the_sensors(patrol_readings: list[TimedReading]) -> None:
-    frames = of_topic(patrol_readings, Topic.TF)[0]
-    assert isinstance(frames, Transforms)
-    parents = {frame.child: frame.parent for frame in frames.frames}
+    (static,) = of_topic(patrol_readings, Topic.TF_STATIC)
+    moving = of_topic(patrol_readings, Topic.TF)
+    frames = [frame for one in (static, *moving) if isinstance(one, Transforms) for frame in one.frames]
+    parents = {frame.child: frame.parent for frame in frames}
 
     for sensor in (
         "base_scan",
@@ -98,9 +101,23 @@ def test_the_frames_form_one_tree_from_odom_to_the_sensors(patrol_readings: list
         while link in parents:
             link = parents[link]
         assert link == "odom"
-    for frame in frames.frames:
+    for frame in frames:
         q = frame.rotation
         assert math.hypot(q.x, q.y, q.z, q.w) == pytest.approx(1.0, abs=1e-12)
+
+
+def test_transforms_come_as_from_gazebo_and_a_robot_state_publisher(
+    patrol_readings: list[TimedReading],
+) -> None:
+    moving = [one for one in of_topic(patrol_readings, Topic.TF) if isinstance(one, Transforms)]
+    stamps_ns: dict[tuple[str, ...], set[int]] = defaultdict(set)
+    for one in moving:
+        stamps_ns[tuple(frame.child for frame in one.frames)].add(one.stamp_ns)
+    assert stamps_ns.keys() == {("base_footprint",), ("wheel_left_link", "wheel_right_link")}
+    odometry = [one for one in of_topic(patrol_readings, Topic.ODOM) if isinstance(one, Odometry)]
+    joints = [one for one in of_topic(patrol_readings, Topic.JOINT_STATES) if isinstance(one, JointStates)]
+    assert len(stamps_ns["base_footprint",] ^ {one.stamp_ns for one in odometry}) <= 1
+    assert len(stamps_ns["wheel_left_link", "wheel_right_link"] ^ {one.stamp_ns for one in joints}) <= 1
 
 
 def test_the_optical_frame_looks_along_the_robots_heading() -> None:

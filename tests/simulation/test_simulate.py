@@ -23,10 +23,11 @@ class WithoutWarnings(SmallGraph):
 @pytest.mark.parametrize(
     ("missing", "said"),
     [
-        (set(), "Driving the patrol with 8 topics"),
+        (set(), "Driving the patrol with 9 topics"),
         (
             {TRANSFORMS},
-            "Driving the patrol with 7 topics, without /tf (tf2_msgs/msg/TFMessage is not installed)",
+            "Driving the patrol with 7 topics, without /tf, /tf_static "
+            "(tf2_msgs/msg/TFMessage is not installed)",
         ),
     ],
 )

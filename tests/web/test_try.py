@@ -58,7 +58,7 @@ def page(project: Path) -> Iterator[Page]:
 
 def shown(decision: Decision) -> dict[str, object]:
     """What the page is told of a decision."""
-    record = {"start": False, **decision.to_json()}
+    record = {"start": False, "bounds": [], **decision.to_json()}
     return {key: value for key, value in record.items() if key not in {"stamp_ns", "values"}}
 
 
@@ -239,6 +239,18 @@ def test_many_decisions_are_cut_and_counted(project: Path) -> None:
     assert len(tried.decisions) == 1
     assert tried.decision_count > 1
     assert any("only the first 1 decisions are shown" in notice for notice in tried.notices)
+
+
+def test_decisions_say_which_bound_decides_and_whether_it_is_in_doubt(project: Path) -> None:
+    text = """begin
+        SetFrequency /odom Full
+        Rule "Far" If CheckValue /odom pose_y > 2 Then KeepWithin /odom position 0.05
+        Rule "Long" If CheckValue /odom pose_y > -9 For 60 min Then KeepWithin /odom position 0.01
+        end"""
+    tried = try_rules(Draft(name="rules.adirf", text=text), project / "monday", lambda _: None)
+    bounds = [one.bounds for one in tried.decisions if one.topic == "/odom"]
+    assert bounds[0] == ("position not bound, in doubt: Long",)
+    assert bounds[-1] == ("position 0.01, in doubt: Long",)
 
 
 def test_rules_that_turn_too_often_are_unknown_from_then_on(project: Path) -> None:

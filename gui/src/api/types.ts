@@ -647,7 +647,8 @@ export interface LiveTime {
 /**
  * A relayed topic now; `topic` is its full name, `reason` and `rule` are those of its rate.
  *
- * `silence` is why nothing is received, `problem` why it cannot be relayed.
+ * `silence` is why nothing is received, `problem` why it cannot be relayed. `bounds` say which bound of
+ * each property holds, what decided it, and whether that is in doubt.
  */
 export interface LiveTopic {
   topic: string;
@@ -666,6 +667,7 @@ export interface LiveTopic {
   silence: Silence | null;
   problem: string | null;
   link: TopicLinkView | null;
+  bounds: string[];
 }
 
 /**
@@ -1471,7 +1473,8 @@ export interface TryCrossing {
  * Another rate of a topic, or another deciding block, `t` seconds after the bag's start.
  *
  * `from_hz` and `to_hz` are null for Full; the first decision of a topic (`start`) has no `from_hz`.
- * `line` and `rule` are the deciding block's, null where none decided.
+ * `line` and `rule` are the deciding block's, null where none decided. `bounds` say which bound of each
+ * property holds then, what decided it, and whether that is in doubt.
  */
 export interface TryDecision {
   t: number;
@@ -1482,6 +1485,7 @@ export interface TryDecision {
   reason: Reason;
   rule: string | null;
   line: number | null;
+  bounds: string[];
 }
 
 /**

@@ -55,7 +55,7 @@ function cellsOf(topic: LiveTopic): string {
     target,
     rate(topic.actual_hz),
     fixed(topic.out_kb_per_s, 1),
-    topic.rule ?? REASONS[topic.reason] ?? topic.reason,
+    [topic.rule ?? REASONS[topic.reason] ?? topic.reason, ...topic.bounds].join("; "),
     topic.problem ?? topic.silence ?? relayed(topic),
     (topic.problem ?? topic.silence) ? "silent" : "",
   ].join("\n");

@@ -35,7 +35,7 @@ export function DecisionTable({ trial }: { trial: Trial }) {
                 <td>{decision.topic}</td>
                 <td class="number">{decision.start ? "–" : hz(decision.from_hz ?? null)}</td>
                 <td class="number">{hz(decision.to_hz)}</td>
-                <td>{decision.rule ?? decision.reason}</td>
+                <td>{[decision.rule ?? decision.reason, ...decision.bounds].join("; ")}</td>
               </tr>
             ))}
           </tbody>

@@ -126,8 +126,9 @@ class WrittenBlock:
 class RuleSet:
     """Defaults, floors in Hz, bounds of the receiver's picture and blocks; topics by full name.
 
-    ``bounds`` are those outside blocks, by topic and property. ``default_reason`` is what decisions give as
-    the reason of a default. ``written`` are the blocks as the files have them, an If and its Else once.
+    ``bounds`` are those outside blocks, by topic and property; a topic of a bound alone is relayed at
+    ``Full``, as is every other one without a default. ``default_reason`` is what decisions give as the reason
+    of a default. ``written`` are the blocks as the files have them, an If and its Else once.
     """
 
     defaults: Mapping[str, Rate]
@@ -140,10 +141,10 @@ class RuleSet:
 
     @property
     def relayed(self) -> tuple[str, ...]:
-        """The topics that are relayed, in order of first mention among defaults, floors, blocks."""
-        names = dict.fromkeys([*self.defaults, *self.floors_hz])
+        """The topics that are relayed, in order of first mention among defaults, floors, bounds, blocks."""
+        names = dict.fromkeys([*self.defaults, *self.floors_hz, *self.bounds])
         for block in self.blocks:
-            names.update(dict.fromkeys(block.rates))
+            names.update(dict.fromkeys(block.topics))
         return tuple(names)
 
     @property
@@ -252,9 +253,7 @@ class _Compiler:
         rules = self._without_topics()
         if not rules.has_recordings:
             return rules
-        bounds = (rules.bounds, *(block.bounds for block in rules.blocks))
-        others = {topic for of_topics in bounds for topic in of_topics} | rules.recorded
-        names = (*rules.relayed, *sorted(signal.topic for signal in rules.signals), *sorted(others))
+        names = (*rules.relayed, *sorted(signal.topic for signal in rules.signals), *sorted(rules.recorded))
         named = tuple(dict.fromkeys(names))
         return replace(rules, blocks=tuple(_recording_all(block, named) for block in rules.blocks))
 

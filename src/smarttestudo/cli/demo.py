@@ -148,6 +148,7 @@ def _recorder(opened: ExitStack) -> Robot:
 def _print(outcome: DemoOutcome, out: Path) -> None:
     from smarttestudo.use_cases.demo import demo  # noqa: PLC0415  see run
     from smarttestudo.use_cases.demo.rules import PREDICTED, RULES, WITHIN  # noqa: PLC0415
+    from smarttestudo.visualizer.summary import declared_sentence  # noqa: PLC0415
 
     for table in (frequency_table(outcome.comparison), bandwidth_table(outcome.comparison)):
         print_table(table)
@@ -158,6 +159,7 @@ def _print(outcome: DemoOutcome, out: Path) -> None:
         for table in (arrival_rates_table(outcome.arrivals), arrival_ages_table(outcome.arrivals)):
             print_table(table)
             print()  # noqa: T201
+    print(f"{declared_sentence(outcome.comparison)}\n")  # noqa: T201
     for notice in outcome.notices:
         print(f"note: {notice}", file=sys.stderr)  # noqa: T201
     bounding = {

@@ -14,7 +14,7 @@ from enum import Enum
 from pathlib import Path
 
 from smarttestudo.cli.tables import is_unicode, write_text
-from smarttestudo.domain.decision import Reason
+from smarttestudo.domain.decision import Reason, bound_texts
 from smarttestudo.domain.incident import IncidentState
 from smarttestudo.domain.link_state import AcceptedTopic, LinkState
 from smarttestudo.domain.status import DiagnosticLevel, RuntimeStatus, Silence, TopicStatus
@@ -98,7 +98,10 @@ def summary_lines(status: RuntimeStatus, *, silent_s: float | None = None) -> li
 
 
 def topic_lines(status: RuntimeStatus, sort: SortKey, width: int | None = None) -> list[Line]:
-    """Headings, a rule, and one line for each topic; at most ``width`` wide where that is possible."""
+    """Headings, a rule, and one line for each topic; at most ``width`` wide where that is possible.
+
+    Where nobody subscribes to any of them, a last line says how to.
+    """
     is_wide = width is None or width >= WIDE
     topics = _sorted(status, sort)
     has_link = status.link is not None
@@ -114,6 +117,17 @@ def topic_lines(status: RuntimeStatus, sort: SortKey, width: int | None = None) 
     return [
         *(Line(text, Look.HEADING) for text in lines[:heading_lines]),
         *(Line(text, _look(topic)) for text, (_, topic) in zip(lines[heading_lines:], topics, strict=True)),
+        *_how_to_subscribe(status, topics),
+    ]
+
+
+def _how_to_subscribe(status: RuntimeStatus, topics: Sequence[tuple[str, TopicStatus]]) -> list[Line]:
+    """Nothing for a robot with a link, whose operator's end is the subscriber."""
+    ready = [topic.output for _, topic in topics if topic.silence is Silence.NO_SUBSCRIBER]
+    if not ready or status.link is not None or any(topic.subscribers for _, topic in topics):
+        return []
+    return [
+        Line(printable(f"A relay runs while somebody subscribes to it, as testudo echo {ready[0]} does."))
     ]
 
 
@@ -235,9 +249,13 @@ def _target(target_hz: float) -> Cell:
 
 
 def _rule(topic: TopicStatus) -> str:
+    """What decides the rate, then the bounds."""
+    rate = f"{topic.reason.value}: {topic.rule}"
     if topic.rule is None:
-        return topic.reason.value
-    return topic.rule if topic.reason is Reason.BLOCK else f"{topic.reason.value}: {topic.rule}"
+        rate = topic.reason.value
+    elif topic.reason is Reason.BLOCK:
+        rate = topic.rule
+    return "; ".join([rate, *bound_texts(topic.within, topic.bound_reasons)])
 
 
 def _look(topic: TopicStatus) -> Look:

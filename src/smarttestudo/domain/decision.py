@@ -26,11 +26,52 @@ class Reason(Enum):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class BoundReason:
+    """What decided the bound of one property; ``rule`` and ``line`` name the block where one did.
+
+    ``UNKNOWN``: the block is in doubt. Its bound counts if the plan has one of the property, else every
+    message up to the rate passes because of the doubt.
+    """
+
+    reason: Reason
+    rule: str | None = None
+    line: int | None = None
+
+    def to_json(self) -> dict[str, object]:
+        """The object in decisions and statuses."""
+        return {"reason": self.reason.value, "rule": self.rule, "line": self.line}
+
+    @staticmethod
+    def from_json(record: Mapping[str, Any]) -> BoundReason:
+        """Raises ``ValueError`` or ``LookupError`` for what ``to_json`` never gives."""
+        return BoundReason(reason=Reason(record["reason"]), rule=record["rule"], line=record["line"])
+
+
+def bound_texts(within: Mapping[str, float], reasons: Mapping[str, BoundReason]) -> tuple[str, ...]:
+    """What bounds each property, and what decided it, as people read it.
+
+    ``position 0.05: Docking``, ``position 0.05, in doubt: Docking`` and, where a doubt lets everything pass,
+    ``position not bound, in doubt: Docking``.
+    """
+    return tuple(
+        f"{name} {f'{within[name]:g}' if name in within else 'not bound'}{_decider(reasons.get(name))}"
+        for name in dict.fromkeys([*within, *reasons])
+    )
+
+
+def _decider(decided: BoundReason | None) -> str:
+    if decided is None:
+        return ""
+    return f"{', in doubt' * (decided.reason is Reason.UNKNOWN)}: {decided.rule or decided.reason.value}"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class PlannedRate:
     """The rate of one topic in a plan, with its reason.
 
     ``rule`` and ``line`` name the deciding block; both are ``None`` where no block decided. ``within`` are
-    the bounds of the receiver's picture, by property.
+    the bounds of the receiver's picture, by property; ``bound_reasons`` say of each what decided it, and of
+    properties without a bound which block in doubt has one.
     """
 
     rate: Rate
@@ -38,6 +79,7 @@ class PlannedRate:
     rule: str | None = None
     line: int | None = None
     within: Mapping[str, float] = field(default_factory=dict)
+    bound_reasons: Mapping[str, BoundReason] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -79,6 +121,10 @@ class Decision:
         if self.from_within != self.planned.within:
             record["from_within"] = dict(self.from_within)
             record["to_within"] = dict(self.planned.within)
+        if self.planned.bound_reasons:
+            record["bound_reasons"] = {
+                name: one.to_json() for name, one in self.planned.bound_reasons.items()
+            }
         return record
 
     @staticmethod
@@ -99,6 +145,10 @@ class Decision:
                 rule=record["rule"],
                 line=record["line"],
                 within=_bounds(record.get("to_within", {})),
+                bound_reasons={
+                    str(name): BoundReason.from_json(one)
+                    for name, one in record.get("bound_reasons", {}).items()
+                },
             ),
             values={
                 str(name): None if value is None else float(value) for name, value in record["values"].items()

@@ -5,10 +5,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum, IntEnum
 
-from smarttestudo.domain.decision import Reason
+from smarttestudo.domain.decision import BoundReason, Reason
 from smarttestudo.domain.incident import IncidentState
 from smarttestudo.domain.link_state import AcceptedTopic, LinkState, TopicOnLink
 from smarttestudo.domain.signal import Truth
@@ -155,7 +155,8 @@ class TopicStatus:
     rate by the messages' own header stamps and ``delay_ms`` how old the last one was when it was relayed.
     ``incompatible`` are nodes that subscribe to the output with a QoS it cannot serve, ``problem`` says why
     the topic cannot be relayed. ``frames`` counts the child frames of a topic of transforms, whose rates are
-    means over them. A number that the messages do not determine is ``None``.
+    means over them. ``within`` are the bounds of the receiver's picture with their ``bound_reasons``, as in
+    the plan. A number that the messages do not determine is ``None``.
     """
 
     output: str
@@ -181,6 +182,8 @@ class TopicStatus:
     counts: TopicCounts
     frames: int | None = None
     on_link: TopicOnLink | None = None
+    within: Mapping[str, float] = field(default_factory=dict)
+    bound_reasons: Mapping[str, BoundReason] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

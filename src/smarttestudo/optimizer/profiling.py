@@ -31,7 +31,7 @@ class TopicMeasure:
     """Sizes and intervals of one topic's messages, counted one by one in constant memory.
 
     ``is_declared`` says that the sizes are not those of the messages but what the recording declares.
-    ``known`` are accuracies that the engineer chose.
+    ``known`` are accuracies that the engineer chose, ``publishers`` how many the topic is known to have.
     """
 
     __slots__ = (
@@ -40,6 +40,7 @@ class TopicMeasure:
         "_intervals",
         "is_declared",
         "largest_bytes",
+        "publishers",
         "type_name",
     )
 
@@ -48,11 +49,13 @@ class TopicMeasure:
         type_name: str,
         *,
         is_declared: bool = False,
+        publishers: int = 1,
         known: Mapping[LevelledProperty, AccuracyTiers] = MappingProxyType({}),
     ) -> None:
         self.type_name = type_name
         self._accuracy = AccuracyMeasure(type_name, known) if levelled_properties(type_name) else None
         self.is_declared = is_declared
+        self.publishers = publishers
         self.largest_bytes = 0
         self._flow = Flow()
         self._intervals = Intervals()
@@ -151,6 +154,8 @@ def profile_text(
 
 def _entries(measure: TopicMeasure, proposal: TierProposal | None) -> Iterator[str]:
     yield f"type = {json.dumps(measure.type_name)}"
+    if measure.publishers > 1:
+        yield f"# {measure.publishers} publishers, measured together; live, each of them has the topic's rate"
     if not measure.message_kb:
         yield "# no messages, or empty ones: no size, no rate"
         return

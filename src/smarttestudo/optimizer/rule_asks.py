@@ -127,8 +127,8 @@ class _Collector:
                 topic = resolve(statement.topic.text)
                 self._floors_hz[topic] = max(self._floors_hz.get(topic, 0.0), statement.rate.value)
         self._needs: dict[str, TopicNeeds] = {}
-        self._rates = self._default_rates()
         self._bounds = self._by_topic(one for _, one in self._statements() if isinstance(one, KeepWithin))
+        self._rates = self._default_rates()
 
     def asks(self) -> RuleAsks:
         defaults, appended = self._defaults()
@@ -149,8 +149,9 @@ class _Collector:
         written = [one for one in statements if isinstance(one, SetFrequency)]
         rates = {self._resolve(one.topic.text): one.rate.value for one in written}
         blocks = [one for one in statements if isinstance(one, Block)]
-        sets = [one for block in blocks for one in sets_in((*block.then, *block.otherwise))]
-        for topic in (*self._floors_hz, *(self._resolve(one.topic.text) for one in sets)):
+        actions = [one for block in blocks for one in (*block.then, *block.otherwise)]
+        named = [one.topic.text for one in sets_in(actions)] + [one.topic.text for one in bounds_in(actions)]
+        for topic in (*self._floors_hz, *self._bounds, *map(self._resolve, named)):
             rates.setdefault(topic, RateWord.FULL)
         return rates
 
@@ -160,8 +161,9 @@ class _Collector:
         ]
         sets = [(path, one) for path, one in written if isinstance(one, SetFrequency)]
         named = dict.fromkeys(self._resolve(one.topic.text) for _, one in sets)
+        decided = {*named, *self._bounds}
         appended = tuple(
-            topic for topic in self._profile.topics if topic not in named and self._appends(topic)
+            topic for topic in self._profile.topics if topic not in decided and self._appends(topic)
         )
         draft = _Draft()
         for topic in named:
@@ -191,8 +193,7 @@ class _Collector:
             own = self._by_topic(bounds)
             draft = _Draft()
             for topic in dict.fromkeys([*rates, *own]):
-                if topic in self._rates:
-                    self._add_in_block(draft, topic, rates.get(topic), own.get(topic, {}), defaults)
+                self._add_in_block(draft, topic, rates.get(topic), own.get(topic, {}), defaults)
             if draft.asks or draft.kept or any(isinstance(one.bound, Tier) for one in bounds):
                 written: list[SetFrequency | KeepWithin] = [*sets, *bounds]
                 yield self._part(draft, label, path, block.span, ((path, one) for one in written))

@@ -37,22 +37,23 @@ def _take_request(knowledge: Knowledge, topic: str, now_ns: int) -> None:
         knowledge.settling[topic] = Settling(request, knowledge.settle_ns)
     else:
         settling.take(request, now_ns)
-    within, settling_bounds = request.planned.within, knowledge.settling_bounds.get(topic)
-    if settling_bounds is not None:
-        settling_bounds.take(within, now_ns)
-    elif within:
-        knowledge.settling_bounds[topic] = SettlingBounds(within, knowledge.settle_ns)
+    bounds = knowledge.settling_bounds.get(topic)
+    if bounds is None:
+        knowledge.settling_bounds[topic] = SettlingBounds(request.planned, knowledge.settle_ns)
+    else:
+        bounds.take(request.planned, now_ns)
 
 
 def _settle(knowledge: Knowledge, topic: str, now_ns: int) -> bool:
     """Whether another rate, or other bounds, have settled for ``topic``."""
     settling = knowledge.settling[topic]
     before, after = knowledge.settled.get(topic), settling.effective(now_ns)
-    next_ns, bounds = settling.next_change_ns, knowledge.settling_bounds.get(topic)
-    if bounds is not None:
-        after = replace(after, planned=replace(after.planned, within=bounds.effective(now_ns)))
-        times_ns = (next_ns, bounds.next_change_ns)
-        next_ns = min((at_ns for at_ns in times_ns if at_ns is not None), default=None)
+    bounds = knowledge.settling_bounds[topic]
+    planned = bounds.effective(after.planned, now_ns)
+    if planned is not after.planned:
+        after = replace(after, planned=planned)
+    times_ns = (settling.next_change_ns, bounds.next_change_ns)
+    next_ns = min((at_ns for at_ns in times_ns if at_ns is not None), default=None)
     knowledge.settle_alarms.set(topic, next_ns)
     knowledge.settled[topic] = after
     if before is None:

@@ -17,7 +17,7 @@ from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.units import NS_PER_S, ns_from_s
 from smarttestudo.runtime.incidents.triggers import still_recording
-from smarttestudo.runtime.knowledge.knowledge import Knowledge, Settling, watched_topics
+from smarttestudo.runtime.knowledge.knowledge import Knowledge, watched_topics
 from smarttestudo.runtime.knowledge.watched_topic import WatchedTopic
 
 _GONE = -1
@@ -48,8 +48,7 @@ def exchange_rules(
     knowledge.watch_alarms = AlarmClock()
     for topic in knowledge.watched:
         knowledge.watch_alarms.set(topic, now_ns)
-    knowledge.settling = _settling(knowledge, before)
-    knowledge.settling_bounds = {}
+    _carry_on_settling(knowledge, before)
     knowledge.settle_alarms = AlarmClock()
     _keep_plan(knowledge, before)
     knowledge.unheard &= order_of.keys()
@@ -91,24 +90,27 @@ def _watched(
     return watched
 
 
-def _settling(knowledge: Knowledge, before: RuleSet) -> dict[str, Settling]:
-    """The requests that wait, for the topics whose rules stay the same."""
-    settling = {}
+def _carry_on_settling(knowledge: Knowledge, before: RuleSet) -> None:
+    """Keep the requests that wait, of the topics whose rules stay the same."""
+    settling, settling_bounds = {}, {}
     old_blocks, new_blocks = _blocks_by_topic(before), _blocks_by_topic(knowledge.rule_set)
     for topic, waiting in knowledge.settling.items():
         old, new = old_blocks[topic], new_blocks.get(topic)
         if new is not None and _stance(before, topic, old) == _stance(knowledge.rule_set, topic, new):
             renamed = {one.order: other for one, other in zip(old, new, strict=True)}
             settling[topic] = waiting.carried_on(partial(_renamed, renamed), knowledge.settle_ns)
-    return settling
+            lines = {(one.label, one.line): other.line for one, other in zip(old, new, strict=True)}
+            settling_bounds[topic] = knowledge.settling_bounds[topic].carried_on(
+                partial(_with_lines, lines), knowledge.settle_ns
+            )
+    knowledge.settling, knowledge.settling_bounds = settling, settling_bounds
 
 
 def _blocks_by_topic(rule_set: RuleSet) -> dict[str, list[RuleBlock]]:
     blocks: dict[str, list[RuleBlock]] = {topic: [] for topic in rule_set.relayed}
     for block in rule_set.blocks:
-        for topic in dict.fromkeys([*block.rates, *block.bounds]):
-            if topic in blocks:
-                blocks[topic].append(block)
+        for topic in block.topics:
+            blocks[topic].append(block)
     return blocks
 
 
@@ -127,6 +129,15 @@ def _renamed(new_blocks: Mapping[int, RuleBlock], request: RequestedRate) -> Req
         return request
     block = new_blocks[request.block]
     return replace(request, block=block.order, planned=replace(request.planned, line=block.line))
+
+
+def _with_lines(lines: Mapping[tuple[str, int], int], planned: PlannedRate) -> PlannedRate:
+    """``planned``, its bounds decided by the blocks at their new lines."""
+    reasons = {
+        name: one if one.rule is None or one.line is None else replace(one, line=lines[one.rule, one.line])
+        for name, one in planned.bound_reasons.items()
+    }
+    return replace(planned, bound_reasons=reasons)
 
 
 def _keep_plan(knowledge: Knowledge, before: RuleSet) -> None:

@@ -17,8 +17,6 @@ from smarttestudo.simulation.robot import (
     BASE_FRAME,
     ODOM_FRAME,
     DifferentialDrive,
-    DriveModel,
-    fixed_frames,
     wheel_frames,
 )
 
@@ -104,19 +102,26 @@ class WheelEncoders:
         return [(Topic.JOINT_STATES, reading)]
 
 
-class FrameBroadcaster:
-    """All frames of the robot in one message, fixed ones included."""
+class OdometryFrame:
+    """Where the robot is in the odometry frame, as the drive of Gazebo publishes it beside its odometry."""
 
-    rate_hz = 30.0
-
-    def __init__(self, model: DriveModel) -> None:
-        self._fixed = fixed_frames(model)
+    rate_hz = Odometer.rate_hz
 
     def sample(self, drive: DifferentialDrive) -> Sequence[tuple[Topic, Reading]]:
-        """Every frame now."""
+        """The one transform now."""
         pose = drive.pose
         base = FrameTransform(
             ODOM_FRAME, BASE_FRAME, Vector(pose.x_m, pose.y_m, 0.0), Quaternion.from_yaw(pose.yaw_rad)
         )
+        return [(Topic.TF, Transforms(stamp_ns=drive.now_ns, frames=(base,)))]
+
+
+class WheelFrames:
+    """Both wheels, as robot_state_publisher makes them of each message with the wheels' angles."""
+
+    rate_hz = WheelEncoders.rate_hz
+
+    def sample(self, drive: DifferentialDrive) -> Sequence[tuple[Topic, Reading]]:
+        """Both transforms now."""
         wheels = wheel_frames(drive.model, drive.angles_rad)
-        return [(Topic.TF, Transforms(stamp_ns=drive.now_ns, frames=(base, *self._fixed, *wheels)))]
+        return [(Topic.TF, Transforms(stamp_ns=drive.now_ns, frames=wheels))]

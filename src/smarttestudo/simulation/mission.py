@@ -12,16 +12,24 @@ import numpy as np
 
 from smarttestudo.domain.floor_plan import FloorPlan
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.simulation.body_sensors import FrameBroadcaster, InertialUnit, Odometer, WheelEncoders
+from smarttestudo.simulation.body_sensors import (
+    InertialUnit,
+    Odometer,
+    OdometryFrame,
+    WheelEncoders,
+    WheelFrames,
+)
 from smarttestudo.simulation.camera import Camera, FrameSize, raspberry_pi_lens
 from smarttestudo.simulation.geometry import BodyVelocity
 from smarttestudo.simulation.lidar import Lidar, RayCaster
-from smarttestudo.simulation.readings import Device, TimedReading
-from smarttestudo.simulation.robot import DifferentialDrive, DriveModel
+from smarttestudo.simulation.readings import Device, TimedReading, Topic, Transforms
+from smarttestudo.simulation.robot import DifferentialDrive, DriveModel, fixed_frames
 from smarttestudo.simulation.route import Navigator, PurePursuit, Route
 from smarttestudo.simulation.tour import Tour, WaypointFollower
 
 _TRANSPORT_NS = 500_000
+_DISCOVERY_NS = 20_000_000
+"""After which a latched message arrives: its publisher must be found first."""
 _JITTER = 0.02
 _MAX_JITTER = 0.1
 
@@ -47,13 +55,13 @@ def drive_mission(request: MissionRequest) -> Iterator[TimedReading]:
     """
     model = DriveModel()
     drive = DifferentialDrive(model, pose=request.route.start, now_ns=request.start_ns)
-    clocks = [
-        _DeviceClock(device, request.start_ns, np.random.default_rng([request.seed, order, 1]))
-        for order, device in enumerate(_devices(request, model))
-    ]
+    clocks = _clocks(request, model)
     due = [(clock.next_ns, order) for order, clock in enumerate(clocks)]
     heapq.heapify(due)
-    under_way: list[tuple[int, int, TimedReading]] = []
+    latched = Transforms(stamp_ns=request.start_ns, frames=fixed_frames(model))
+    found_ns = request.start_ns + _DISCOVERY_NS
+    static = TimedReading(time_ns=found_ns, topic=Topic.TF_STATIC, reading=latched)
+    under_way: list[tuple[int, int, TimedReading]] = [(found_ns, 0, static)]
     serial = 0
     while True:
         now_ns, order = due[0]
@@ -75,11 +83,11 @@ class _DeviceClock:
 
     __slots__ = ("_count", "_device", "_first_ns", "_noise", "_period_ns", "next_ns")
 
-    def __init__(self, device: Device, start_ns: int, noise: np.random.Generator) -> None:
+    def __init__(self, device: Device, start_ns: int, phase: float, noise: np.random.Generator) -> None:
         self._device = device
         self._noise = noise
         self._period_ns = NS_PER_S / device.rate_hz
-        self._first_ns = start_ns + round(noise.random() * self._period_ns)
+        self._first_ns = start_ns + round(phase * self._period_ns)
         self._count = 0
         self.next_ns = self._first_ns
 
@@ -94,19 +102,32 @@ class _DeviceClock:
             yield TimedReading(time_ns=arrival_ns, topic=topic, reading=reading)
 
 
-def _devices(request: MissionRequest, model: DriveModel) -> Sequence[Device]:
-    """What the robot carries; each has noise of its own, so that none depends on another."""
+def _clocks(request: MissionRequest, model: DriveModel) -> Sequence[_DeviceClock]:
+    """What the robot carries; each has noise of its own, so that none depends on another.
+
+    A frame is sampled when its sensor is, and so has its stamp.
+    """
     noises = [np.random.default_rng([request.seed, index, 0]) for index in range(4)]
     caster = RayCaster(request.plan)
-    return (
+    devices: Sequence[Device] = (
         Navigator(_steering(request.route, model)),
         Odometer(noises[0]),
         InertialUnit(noises[1]),
         WheelEncoders(),
         Lidar(caster, noises[2]),
-        FrameBroadcaster(model),
+        OdometryFrame(),
         Camera(request.plan, caster, raspberry_pi_lens(request.frames), noises[3]),
+        WheelFrames(),
     )
+    timing = [np.random.default_rng([request.seed, order, 1]) for order in range(len(devices))]
+    phases = [noise.random() for noise in timing]
+    kinds = [type(device) for device in devices]
+    for frame, sensor in ((OdometryFrame, Odometer), (WheelFrames, WheelEncoders)):
+        phases[kinds.index(frame)] = phases[kinds.index(sensor)]
+    return [
+        _DeviceClock(device, request.start_ns, phase, noise)
+        for device, phase, noise in zip(devices, phases, timing, strict=True)
+    ]
 
 
 def _steering(route: Route | Tour, model: DriveModel) -> Callable[[DifferentialDrive], BodyVelocity]:

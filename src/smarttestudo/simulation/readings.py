@@ -42,6 +42,7 @@ class Topic(Enum):
     JOINT_STATES = "/joint_states"
     SCAN = "/scan"
     TF = "/tf"
+    TF_STATIC = "/tf_static"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -16,7 +16,8 @@ _CHANGE = Column(heading="Change", unit="%")
 _RATE_NOTE = "Hz: mean count of the 1 s bins from first to last message."
 _TARGET_NOTE = (
     " Target: planned rate, weighted by time. "
-    "Error: mean rate (n − 1) / (last − first) against the target, or the source where that is slower."
+    "Error: mean rate (n − 1) / (last − first) against the target, or the source where that is slower; "
+    "none of transforms, whose target is that of each frame."
 )
 BANDWIDTH_NOTE = "1 KB is 1000 bytes; 1 KB/s is 8 kbit/s."
 DECLARED_NOTE = "declared: the size that the recording declares for its messages, not the one it holds."

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from smarttestudo.domain.units import counted, grouped
+from smarttestudo.domain.units import BYTES_PER_KB, counted, grouped
 from smarttestudo.visualizer.comparison import Comparison
 from smarttestudo.visualizer.loss.report import LossReport
 from smarttestudo.visualizer.table import MISSING, format_number
@@ -32,6 +32,22 @@ def summary_sentence(comparison: Comparison, decisions: int, loss: LossReport | 
     if error is not None:
         parts.append(f"{error.topic} error {length_text(error.received_m)}")
     return ", ".join(parts)
+
+
+def declared_sentence(comparison: Comparison) -> str:
+    """Which figures of a comparison count sizes that the recording declares, and not those that it holds."""
+    sizes_kb = {
+        pair.topic: pair.before.size_bytes / pair.before.messages / BYTES_PER_KB
+        for pair in comparison.topics
+        if pair.before is not None and pair.before.declared and pair.before.messages
+    }
+    if not sizes_kb:
+        return "No figure counts declared sizes: all are of messages as they are recorded."
+    topics = " and ".join(f"{topic} ({grouped(kb, 1)} KB a message)" for topic, kb in sizes_kb.items())
+    return (
+        f"Declared sizes are counted for {topics}: in their KB and KB/s, in sums over all topics and in "
+        '"the same bytes". Rates, errors and all other sizes are of messages as they are recorded.'
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

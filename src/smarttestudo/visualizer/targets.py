@@ -25,11 +25,12 @@ class Target:
     """Time-weighted means of a topic's planned rate, in Hz.
 
     ``planned_hz`` is that of the rates as planned, Full counting as the source's; ``attainable_hz`` that of
-    the lesser of planned rate and source's at each time, which is what a relay can reach.
+    the lesser of planned rate and source's at each time, which is what a relay can reach. It is ``None`` of
+    transforms, whose planned rate is that of each frame.
     """
 
     planned_hz: float
-    attainable_hz: float
+    attainable_hz: float | None
 
 
 def target_spans(decisions: Iterable[Decision], end_s: float) -> tuple[TargetSpan, ...]:

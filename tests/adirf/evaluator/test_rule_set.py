@@ -39,17 +39,18 @@ def test_the_last_default_and_the_highest_floor_of_a_topic_count_across_files() 
     assert rule_set.floors_hz == {"/a": 3.0}
 
 
-def test_topics_of_defaults_floors_and_blocks_are_relayed_and_those_of_checks_only_read() -> None:
+def test_topics_of_defaults_floors_bounds_and_blocks_are_relayed_and_those_of_checks_only_read() -> None:
     rule_set = rules(
         """
         begin
+        KeepWithin /bound position 0.1
         KeepAtLeast /floor 1
         SetFrequency /default 3
-        If CheckValue /read x > 1 Then SetFrequency /set 2
+        If CheckValue /read x > 1 Then SetFrequency /set 2 KeepWithin /kept position 0.1
         end
         """
     )
-    assert rule_set.relayed == ("/default", "/floor", "/set")
+    assert rule_set.relayed == ("/default", "/floor", "/bound", "/set", "/kept")
     assert rule_set.signals == {Signal("/read", "x")}
 
 

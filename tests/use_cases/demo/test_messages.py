@@ -54,11 +54,23 @@ def test_messages_are_as_large_as_on_the_real_robot(topic: Topic, second: list[T
     assert sizes.pop() == pytest.approx(THESIS_BYTES[topic], rel=0.015)
 
 
+def test_transforms_are_as_large_as_one_of_gazebo_and_two_of_a_robot_state_publisher(
+    second: list[TimedReading],
+) -> None:
+    messages = RobotMessages()
+    sizes = {
+        len(one.reading.frames): len(messages.payload(one.topic, one.reading))
+        for one in second
+        if one.topic is Topic.TF and isinstance(one.reading, Transforms)
+    }
+    assert sizes == {1: 108, 2: 212}
+
+
 def test_every_message_decodes_with_its_stamp_and_frame(second: list[TimedReading]) -> None:
     for reading, message in _decoded(second, RobotMessages()):
         if isinstance(reading.reading, Command):
             continue
-        header = message.transforms[0].header if reading.topic is Topic.TF else message.header
+        header = message.transforms[0].header if "transforms" in dir(message) else message.header
         assert header.stamp.sec * 10**9 + header.stamp.nanosec == reading.reading.stamp_ns
         assert header.frame_id
 

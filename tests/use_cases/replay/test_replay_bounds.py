@@ -76,6 +76,23 @@ def test_odometry_is_within_its_bound_after_every_message(tmp_path: Path) -> Non
     assert 90 <= len(run.on("/odom")) <= 110
 
 
+def test_a_bound_alone_relays_whatever_it_needs(tmp_path: Path) -> None:
+    source, bound = recorded("/odom", ODOMETRY, 50, 20, driven), "KeepWithin /odom position 0.1"
+    run = replay_content(source, bound, tmp_path / "alone")
+    assert run.on("/odom") == replay_content(source, f"SetFrequency /odom Full {bound}", tmp_path).on("/odom")
+    assert [(one.planned.rate.is_full, one.planned.within) for one in run.decisions] == [
+        (True, {"position": 0.1})
+    ]
+
+
+def test_a_block_that_is_never_known_leaves_a_topic_its_rate(tmp_path: Path) -> None:
+    source, alone = recorded("/odom", ODOMETRY, 50, 20, driven), "SetFrequency /odom 10"
+    block = "If CheckValue /battery_state level < 20 Then KeepWithin /odom position 0.5"
+    run = replay_content(source, f"{alone} {block}", tmp_path / "doubt")
+    assert run.on("/odom") == replay_content(source, alone, tmp_path / "alone").on("/odom")
+    assert bounds_of(run, "/odom") == {}
+
+
 def test_a_robot_that_is_reckoned_sends_a_heartbeat_and_what_is_recorded_was_sent(
     tmp_path: Path,
 ) -> None:

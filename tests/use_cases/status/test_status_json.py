@@ -7,6 +7,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 
 import pytest
@@ -14,11 +15,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from smarttestudo.adapters.json.status import status_from_text, status_to_json
-from smarttestudo.domain.decision import Reason
+from smarttestudo.domain.decision import BoundReason, Reason
 from smarttestudo.domain.incident import IncidentState
 from smarttestudo.domain.link_state import AcceptedTopic
 from smarttestudo.domain.status import RulesOrigin, Silence, TopicStatus
-from use_cases.status.statuses import STATUS
+from use_cases.status.statuses import RELAYED, STATUS
 
 TEXT = json.dumps(status_to_json(STATUS))
 RECORD = json.loads(TEXT)
@@ -127,6 +128,25 @@ def test_what_is_accepted_of_operators_is_read_and_left_out_where_nothing_is() -
     status = replace(STATUS, accepted=ACCEPTED)
     assert status_from_text(json.dumps(status_to_json(status))) == status
     assert "accepted" not in RECORD
+
+
+def test_bounds_and_what_decided_them_are_read_and_left_out_where_there_are_none() -> None:
+    reasons = {
+        "position": BoundReason(reason=Reason.DEFAULT),
+        "orientation": BoundReason(reason=Reason.UNKNOWN, rule="Docking", line=7),
+    }
+    topics = {"/imu": replace(RELAYED, within={"position": 0.05}, bound_reasons=reasons)}
+    status = replace(STATUS, topics=topics)
+    assert status_from_text(json.dumps(status_to_json(status))) == status
+    assert not {"within", "bound_reasons"} & RECORD["topics"]["/imu"].keys()
+
+
+@given(value=json_values)
+def test_bounds_are_read_or_refused_whatever_they_are(value: object) -> None:
+    for name in ("within", "bound_reasons"):
+        for entry in (value, {"position": value}, {"position": {"reason": value, "rule": value}}):
+            with suppress(ValueError):
+                status_from_text(json.dumps({**SMALL_RECORD, "topics": {"/imu": {**TOPIC, name: entry}}}))
 
 
 def test_what_recording_costs_is_read_and_left_out_where_nothing_is_recorded() -> None:

@@ -18,9 +18,10 @@ import pytest
 from smarttestudo.cli.main import main
 from smarttestudo.cli.terminal import key_presses
 from smarttestudo.cli.top_table import Line, Look, SortKey, cropped, print_lines, summary_lines, topic_lines
-from smarttestudo.domain.decision import Reason
+from smarttestudo.domain.decision import BoundReason, Reason
 from smarttestudo.domain.incident import IncidentState
-from smarttestudo.domain.link_state import AcceptedTopic
+from smarttestudo.domain.link_state import AcceptedTopic, LinkState
+from smarttestudo.domain.status import Silence, TopicStatus
 from use_cases.status.statuses import ONE_OF_EACH, RELAYED, STATUS
 
 GOLDEN = Path(__file__).parent / "golden"
@@ -41,6 +42,37 @@ def test_it_looks_like_this(width: int) -> None:
     shown = "".join(f"{line.text}\n" for line in lines)
     assert shown == (GOLDEN / f"top-{width}.txt").read_text(encoding="utf-8")
     assert all(len(line.text) <= width for line in lines)
+
+
+def test_the_rule_column_says_which_bound_holds_who_decided_it_and_what_is_in_doubt() -> None:
+    reasons = {
+        "position": BoundReason(reason=Reason.BLOCK, rule="Docking", line=7),
+        "orientation": BoundReason(reason=Reason.UNKNOWN, rule="Low battery", line=9),
+        "speed": BoundReason(reason=Reason.DEFAULT),
+    }
+    within = {"position": 0.05, "orientation": 2.0, "speed": 0.0}
+    assert "default; position 0.05: Docking; orientation 2, in doubt: Low battery; speed 0: default" in (
+        rule_of(replace(RELAYED, within=within, bound_reasons=reasons))
+    )
+    del reasons["position"], reasons["speed"]
+    assert "default; orientation not bound, in doubt: Low battery" in (
+        rule_of(replace(RELAYED, bound_reasons=reasons))
+    )
+
+
+def rule_of(topic: TopicStatus) -> str:
+    return topic_lines(replace(STATUS, topics={"/odom": topic}), SortKey.TOPIC)[-1].text
+
+
+def test_where_nobody_subscribes_to_anything_it_names_the_command_that_does() -> None:
+    idle = replace(RELAYED, silence=Silence.NO_SUBSCRIBER, subscribers=0)
+    gone = replace(idle, output="/testudo/estop", silence=Silence.NO_PUBLISHER)
+    status = replace(STATUS, topics={"/estop": gone, "/imu": idle})
+    line = Line("A relay runs while somebody subscribes to it, as testudo echo /testudo/imu does.")
+    assert topic_lines(status, SortKey.TOPIC)[-1] == line
+    assert line not in topic_lines(replace(status, topics={**status.topics, "/map": RELAYED}), SortKey.TOPIC)
+    assert line not in topic_lines(replace(status, link=LinkState(is_connected=False)), SortKey.TOPIC)
+    assert line not in topic_lines(replace(status, topics={"/estop": gone}), SortKey.TOPIC)
 
 
 def test_what_recording_costs_has_a_line() -> None:

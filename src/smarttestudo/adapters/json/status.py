@@ -9,7 +9,7 @@ import math
 
 from smarttestudo.adapters.json.block_status import block_to_json, blocks_from_json
 from smarttestudo.adapters.json.json_record import JsonRecord
-from smarttestudo.domain.decision import Reason
+from smarttestudo.domain.decision import BoundReason, Reason
 from smarttestudo.domain.incident import IncidentState
 from smarttestudo.domain.link_state import AcceptedTopic, LinkState, StreamCounts, TopicOnLink
 from smarttestudo.domain.status import (
@@ -231,7 +231,14 @@ def _topic_to_json(topic: TopicStatus) -> dict[str, object]:
         "undecodable": counts.undecodable,
         **({} if topic.frames is None else {"frames": topic.frames}),
         **({} if topic.on_link is None else {"link": _on_link_to_json(topic.on_link)}),
+        **({"within": dict(topic.within)} if topic.within else {}),
+        **_bound_reasons_to_json(topic),
     }
+
+
+def _bound_reasons_to_json(topic: TopicStatus) -> dict[str, object]:
+    reasons = {name: one.to_json() for name, one in topic.bound_reasons.items()}
+    return {"bound_reasons": reasons} if reasons else {}
 
 
 def _rounded(number: float | None) -> float | None:
@@ -283,4 +290,24 @@ def _topic(record: JsonRecord) -> TopicStatus:
         ),
         frames=record.optional(record.integer, "frames"),
         on_link=_on_link(record.optional(record.record, "link")),
+        within=_within(record.optional(record.record, "within")),
+        bound_reasons=_bound_reasons(record.optional(record.record, "bound_reasons")),
+    )
+
+
+def _within(record: JsonRecord | None) -> dict[str, float]:
+    return {} if record is None else {name: record.number(name) for name in record.entries}
+
+
+def _bound_reasons(record: JsonRecord | None) -> dict[str, BoundReason]:
+    if record is None:
+        return {}
+    return {name: _bound_reason(record.record(name)) for name in record.entries}
+
+
+def _bound_reason(record: JsonRecord) -> BoundReason:
+    return BoundReason(
+        reason=Reason(record.text("reason")),
+        rule=record.optional(record.text, "rule"),
+        line=record.optional(record.integer, "line"),
     )

@@ -25,8 +25,15 @@ _TYPE_NAMES: Mapping[Topic, str] = {
     Topic.JOINT_STATES: "sensor_msgs/msg/JointState",
     Topic.SCAN: "sensor_msgs/msg/LaserScan",
     Topic.TF: "tf2_msgs/msg/TFMessage",
+    Topic.TF_STATIC: "tf2_msgs/msg/TFMessage",
 }
 _TURTLEBOT3_QOS = Qos(reliable=True, transient_local=False, depth=10)
+_LATCHED_QOS = Qos(reliable=True, transient_local=True, depth=1)
+
+
+def qos_of(topic: Topic) -> Qos:
+    """What the robot offers on ``topic``."""
+    return _LATCHED_QOS if topic is Topic.TF_STATIC else _TURTLEBOT3_QOS
 
 
 class RobotMessages:
@@ -49,6 +56,7 @@ class RobotMessages:
             Topic.JOINT_STATES: motion.joint_states,
             Topic.SCAN: sensing.scan,
             Topic.TF: motion.transforms,
+            Topic.TF_STATIC: motion.transforms,
         }
         self.channels: Mapping[Topic, Channel] = {topic: self._channel(topic) for topic in Topic}
 
@@ -68,6 +76,7 @@ class RobotMessages:
             type_name=type_name,
             definition=definition,
             digest=self._types.hash_rihs01(type_name),
-            qos=(stored_qos(_TURTLEBOT3_QOS),),
+            qos=(stored_qos(qos_of(topic)),),
             serialization_format="cdr",
+            transient_local=qos_of(topic).transient_local,
         )

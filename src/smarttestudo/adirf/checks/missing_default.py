@@ -15,17 +15,25 @@ from smarttestudo.domain.finding import Severity
 
 
 def _find(book: RuleModel) -> Iterator[Found]:
-    return (_found(gap, book) for gap in book.analysis.gaps)
+    yield from (_without_rate(gap, book) for gap in book.analysis.gaps)
+    rated = {topic for branch in book.branches for topic in branch.settings}.union(book.defaults)
+    yield from (
+        _found(topic, "no block bounds it", book) for topic in book.bound_in_rules_only if topic not in rated
+    )
 
 
-def _found(gap: Gap, book: RuleModel) -> Found:
-    first = book.relayed[gap.topic]
+def _without_rate(gap: Gap, book: RuleModel) -> Found:
     state = wording.state(gap.state or {})
+    return _found(gap.topic, f"no block sets it{f', for example at {state},' if state else ''}", book)
+
+
+def _found(topic: str, where: str, book: RuleModel) -> Found:
+    first = book.relayed[topic]
     return Found(
         path=first.path,
         span=first.statement.topic.span,
-        message=f"{gap.topic} has no default: it is Full{_cost(gap.topic, book)} where no block sets it"
-        f"{f', for example at {state},' if state else ''} and while values are unknown",
+        message=f"{topic} has no default: it is Full{_cost(topic, book)} where {where} and while values are "
+        "unknown",
         hint=f"add a default: SetFrequency {first.statement.topic.text} and a rate",
         fix=new_default(book.files.get(first.path), first.statement.topic.text),
     )
@@ -42,9 +50,9 @@ def _cost(topic: str, book: RuleModel) -> str:
 CHECK = RuleCheck(
     code="missing-default",
     severity=Severity.WARNING,
-    meaning="A block sets a topic that has neither a default nor a block for every case.",
-    why="Where no block sets it, and while the values that the blocks read are unknown, the topic is Full: "
-    "every message travels. For a camera that can be more than the whole link.",
+    meaning="A block sets or bounds a topic that has neither a default nor a block for every case.",
+    why="Where no block sets it, or bounds it, and while the values that the blocks read are unknown, the "
+    "topic is Full: every message travels. For a camera that can be more than the whole link.",
     bad=Example(
         rules="""\
 begin

@@ -58,10 +58,10 @@ class RuleModel:
 
     ``settings`` is every SetFrequency, ``written_defaults`` the unconditional ones and ``defaults`` those of
     them that count; ``floors`` are the KeepAtLeast that count, ``bounds`` every KeepWithin; ``relayed`` has
-    the first SetFrequency or KeepAtLeast of each relayed topic, ``mentions`` the first mention of each topic
-    at all; ``glued`` are, by file, the words that follow a keyword without a blank between. A branch that
-    sets no rate is not among ``branches``, and ``recordings`` is every Record. Of disabled blocks, only
-    ``mentions`` and ``disabled`` tell. ``files`` are by their path.
+    the first SetFrequency or KeepAtLeast of each relayed topic, else the first KeepWithin, ``mentions`` the
+    first mention of each topic at all; ``glued`` are, by file, the words that follow a keyword without a
+    blank between. A branch that sets no rate is not among ``branches``, and ``recordings`` is every Record.
+    Of disabled blocks, only ``mentions`` and ``disabled`` tell. ``files`` are by their path.
     """
 
     context: CheckContext
@@ -69,7 +69,7 @@ class RuleModel:
     written_defaults: tuple[WrittenRate, ...]
     defaults: Mapping[str, WrittenRate]
     floors: Mapping[str, WrittenRate]
-    relayed: Mapping[str, WrittenRate]
+    relayed: Mapping[str, WrittenRate | WrittenBound]
     mentions: Mapping[str, Mention]
     checks: tuple[CheckSite, ...]
     blocks: tuple[BlockSite, ...]
@@ -80,6 +80,12 @@ class RuleModel:
     recordings: tuple[WrittenRecord, ...]
     disabled: DisabledParts
     files: Mapping[str, RuleFile]
+
+    @property
+    def bound_in_rules_only(self) -> Sequence[str]:
+        """The topics that have bounds in blocks, and none that holds without a block."""
+        always = {one.topic for one in self.bounds if one.branch is None}
+        return tuple(dict.fromkeys(one.topic for one in self.bounds if one.topic not in always))
 
 
 def read_rule_model(files: Sequence[RuleFile], context: CheckContext) -> RuleModel:
@@ -140,7 +146,7 @@ class _Reader:
             written_defaults=tuple(self._defaults),
             defaults=defaults,
             floors=self._floors,
-            relayed=self._relayed,
+            relayed={**self._first_bounds(), **self._relayed},
             mentions=self._mentions,
             checks=tuple(self._checks),
             blocks=tuple(self._blocks),
@@ -156,6 +162,9 @@ class _Reader:
             ),
             files=self.files,
         )
+
+    def _first_bounds(self) -> Mapping[str, WrittenBound]:
+        return {one.topic: one for one in reversed(self._bounds)}
 
     def _add_disabled(self, path: str, block: Block) -> None:
         self._disabled_blocks.append(DisabledBlock(path=path, block=block))

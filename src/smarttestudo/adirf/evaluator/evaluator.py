@@ -34,7 +34,6 @@ class Evaluator:
             [
                 (topic, *ranking)
                 for topic in block.topics
-                if topic in self._arbiters
                 for ranking in self._arbiters[topic].rankings_of(block.order)
             ]
             for block in rule_set.blocks
@@ -178,6 +177,5 @@ def _arbiters(rule_set: RuleSet) -> dict[str, TopicArbiter]:
     blocks: dict[str, list[RuleBlock]] = {topic: [] for topic in rule_set.relayed}
     for block in rule_set.blocks:
         for topic in block.topics:
-            if topic in blocks:
-                blocks[topic].append(block)
+            blocks[topic].append(block)
     return {topic: TopicArbiter(topic, setting, rule_set) for topic, setting in blocks.items()}

@@ -11,7 +11,7 @@ from typing import Any
 
 from smarttestudo.adirf.evaluator.literal import TRUE, UNKNOWN
 from smarttestudo.adirf.rule_set import RuleBlock, RuleSet
-from smarttestudo.domain.decision import PlannedRate, Reason
+from smarttestudo.domain.decision import BoundReason, PlannedRate, Reason
 from smarttestudo.domain.rate import Rate
 
 
@@ -119,10 +119,16 @@ class BoundArbiter:
         self._default = rule_set.bounds.get(topic, {}).get(name)
         self.ranking = Ranking(blocks, lambda block: -block.bounds[topic][name])
 
-    def request(self) -> tuple[float | None, RuleBlock | None, Reason]:
-        """The bound, the block that decides it, and why: priority, then the tightest; in doubt the tightest.
+    @property
+    def is_known(self) -> bool:
+        """Whether the property is bound whatever the unknown blocks turn out to be."""
+        return self._default is not None or self.ranking.known is not None
 
-        ``None`` while nothing bounds the property.
+    def request(self, *, doubt_counts: bool) -> tuple[float | None, RuleBlock | None, Reason]:
+        """The bound, the block that decides it, and why: priority, then the tightest.
+
+        In doubt the tightest, where ``doubt_counts``. The bound is ``None`` while nothing bounds the
+        property; a block beside it is one in doubt that would.
         """
         known = self.ranking.known
         bound, reason = self._default, Reason.DEFAULT
@@ -132,7 +138,7 @@ class BoundArbiter:
         if doubt is not None:
             feared = doubt.bounds[self._topic][self.property]
             if bound is None or feared < bound:
-                return feared, doubt, Reason.UNKNOWN
+                return feared if doubt_counts else None, doubt, Reason.UNKNOWN
         return bound, known, reason
 
 
@@ -161,18 +167,26 @@ class TopicArbiter:
     def request(self) -> RequestedRate:
         """The rate with its reason, and the bounds.
 
-        Where no block decides the rate, the first that decides a bound stands for it.
+        A topic without any bound passes all that its rate lets through, which is more than with one: so
+        bounds of unknown blocks count only where a known one bounds the topic. Where no block decides the
+        rate, the first that decides a bound stands for it.
         """
         request = self._rate.request()
         if not self._bounds:
             return request
+        is_bound = any(arbiter.is_known for arbiter in self._bounds)
         within: dict[str, float] = {}
+        reasons: dict[str, BoundReason] = {}
         for arbiter in self._bounds:
-            bound, block, reason = arbiter.request()
+            bound, block, reason = arbiter.request(doubt_counts=is_bound)
+            if bound is None and block is None:
+                continue
+            label, line = (None, None) if block is None else (block.label, block.line)
+            reasons[arbiter.property] = BoundReason(reason=reason, rule=label, line=line)
             if bound is None:
                 continue
             within[arbiter.property] = bound
             if block is not None and request.block is None and request.planned.reason is Reason.DEFAULT:
-                planned = replace(request.planned, reason=reason, rule=block.label, line=block.line)
+                planned = replace(request.planned, reason=reason, rule=label, line=line)
                 request = RequestedRate(planned=planned, block=block.order)
-        return replace(request, planned=replace(request.planned, within=within))
+        return replace(request, planned=replace(request.planned, within=within, bound_reasons=reasons))

@@ -4,11 +4,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.pacing.sample import StreamKind
 from smarttestudo.use_cases.bags.measure import MeasuredRun
 from smarttestudo.visualizer.bag_comparison import compare_bags
 from smarttestudo.visualizer.comparison import Comparison, TopicComparison, compare
@@ -20,17 +21,29 @@ from smarttestudo.visualizer.targets import mean_target, target_spans
 from smarttestudo.visualizer.topic_selection import select_topics
 
 
-def with_targets(comparison: Comparison, decisions: Sequence[Decision], *, end_s: float) -> Comparison:
-    """``comparison`` with what ``decisions`` planned for its topics until ``end_s``, by the first's names."""
+def with_targets(
+    comparison: Comparison, decisions: Sequence[Decision], *, end_s: float, transforms: Collection[str]
+) -> Comparison:
+    """``comparison`` with what ``decisions`` planned for its topics until ``end_s``, by the first's names.
+
+    ``transforms`` are topics whose planned rates are those of each frame in their messages.
+    """
     planned = by_topic(decisions)
 
     def targeted(pair: TopicComparison) -> TopicComparison:
         own = planned.get(pair.topic)
         if own is None or pair.before is None:
             return pair
-        return replace(pair, target=mean_target(target_spans(own, end_s), pair.before.mean_hz))
+        target = mean_target(target_spans(own, end_s), pair.before.mean_hz)
+        if target is not None and pair.topic in transforms:
+            target = replace(target, attainable_hz=None)
+        return replace(pair, target=target)
 
     return Comparison(topics=tuple(map(targeted, comparison.topics)))
+
+
+def _is_transforms(type_name: str) -> bool:
+    return StreamKind.of(type_name=type_name, transient_local=False) is StreamKind.TRANSFORMS
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -67,7 +80,9 @@ class PairedRuns:
 
     def comparison(self, decisions: Sequence[Decision]) -> Comparison:
         """The numbers of the topics, against what ``decisions`` planned."""
-        return with_targets(Comparison(topics=self.pairs), decisions, end_s=self.a.summary.span.duration_s)
+        end_s = self.a.summary.span.duration_s
+        transforms = [topic.name for topic in self.a.summary.topics if _is_transforms(topic.type_name)]
+        return with_targets(Comparison(topics=self.pairs), decisions, end_s=end_s, transforms=transforms)
 
     def series(self) -> tuple[TopicSeries, ...]:
         """The topics over time."""

@@ -38,6 +38,8 @@ def profile_of_recording(
         channel.topic: TopicMeasure(
             channel.type_name,
             is_declared=channel.topic in declared_bytes,
+            # rosbag2 stores what each publisher offered that was there when recording began.
+            publishers=len(channel.qos),
             known=levels.topic(channel.topic).accuracies if levels else {},
         )
         for channel in recording.channels

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from smarttestudo.adapters.rosbag import create_recording
@@ -54,7 +54,8 @@ def _heard(robot: Robot, channel: Channel, topic: str, recording: RecordingWrite
     def receive(payload: Payload, _publisher: Hashable) -> None:
         recording.write(channel, robot.now_ns(), payload[:])
 
-    return robot.data_path.subscribe(topic, channel.type_name, _QOS, receive)
+    qos = replace(_QOS, transient_local=channel.transient_local)
+    return robot.data_path.subscribe(topic, channel.type_name, qos, receive)
 
 
 LOGS = ("runtime.log", "robot.log")

@@ -8,8 +8,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from smarttestudo.adapters.simulated_robot.messages import RobotMessages
-from smarttestudo.domain.robot import Publisher, Qos, Robot
+from smarttestudo.adapters.simulated_robot.messages import RobotMessages, qos_of
+from smarttestudo.domain.robot import Publisher, Robot
 from smarttestudo.domain.units import ns_from_s
 from smarttestudo.simulation.camera import FrameSize
 from smarttestudo.simulation.mission import MissionRequest, drive_mission
@@ -17,7 +17,6 @@ from smarttestudo.simulation.readings import TimedReading, Topic
 from smarttestudo.simulation.warehouse import warehouse
 from smarttestudo.use_cases.demo.mission import JPEG_BYTES, route_of
 
-_QOS = Qos(reliable=True, transient_local=False)
 _LONGEST_WAIT_S = 0.2
 
 
@@ -77,7 +76,7 @@ def _publishers(robot: Robot, messages: RobotMessages, frames: FrameSize) -> Map
         if topic is Topic.IMAGE and frames is not FrameSize.FULL:
             continue
         if robot.data_path.knows(channel.type_name):
-            publishers[topic] = robot.data_path.advertise(topic.value, channel.type_name, _QOS)
+            publishers[topic] = robot.data_path.advertise(topic.value, channel.type_name, qos_of(topic))
     return publishers
 
 

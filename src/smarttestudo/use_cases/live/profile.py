@@ -110,10 +110,14 @@ class _TopicSampler:
         self._patterns = patterns
         self._levels = levels
         self._latched: set[str] = set()
+        self._publishers: dict[str, int] = {}
 
     def look(self) -> None:
-        """Subscribe to what is new."""
+        """Subscribe to what is new, and count the publishers that are there at once."""
         for topic, publishers in visible_topics(self._robot).items():
+            source = live_source(publishers, None)
+            count = 0 if source is None else source.publishers
+            self._publishers[topic] = max(count, self._publishers.get(topic, 0))
             if topic not in self.seen:
                 self.seen.add(topic)
                 if not self._patterns or is_selected(topic, self._patterns):
@@ -127,6 +131,8 @@ class _TopicSampler:
 
     def finish(self) -> None:
         """Drop the topics of a SmartTestudo node: publishers may be discovered later than the topic."""
+        for topic, measure in self.measures.items():
+            measure.publishers = self._publishers[topic]
         visible = visible_topics(self._robot)
         for topic in self.measures.keys() - visible.keys():
             if self._robot.publishers(topic):

@@ -261,6 +261,8 @@ def _topic_status(link: TopicLink, planned: PlannedRate, meters: _Meters, counts
         silence=_silence(link, meters),
         counts=counts,
         frames=len(meters.frames) or None,
+        within=planned.within,
+        bound_reasons=planned.bound_reasons,
     )
 
 

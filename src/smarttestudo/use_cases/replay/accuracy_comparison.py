@@ -23,6 +23,7 @@ from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.recording import Channel
 from smarttestudo.pacing.bound import BoundRecord
+from smarttestudo.pacing.sample import StreamKind
 from smarttestudo.reckoning.picture import Picture
 from smarttestudo.use_cases.bags.samples import SampleTaker, TopicReading
 from smarttestudo.use_cases.replay.replay import ReplayRequest, replay
@@ -40,6 +41,7 @@ from smarttestudo.visualizer.loss.samples import IMAGE_TYPES, TopicSamples
 
 FIXED = "fixed rates"
 _MESSAGES_PER_REPORT = 4096
+_HALVINGS = 16
 Progress = Callable[[str], AbstractContextManager[Callable[[float], None]]]
 
 
@@ -240,8 +242,26 @@ def _fixed_rates(source: _Source, first: _Run) -> dict[str, float]:
     for topic, samples in source.samples.items():
         share = first.sizes[topic] / samples.size_bytes if samples.size_bytes else 1.0
         source_hz = samples.mean_hz
-        rates_hz[topic] = math.inf if share >= 1 or not source_hz else share * source_hz
+        if share >= 1 or not source_hz:
+            rates_hz[topic] = math.inf
+        elif samples.kind is StreamKind.TRANSFORMS:
+            rates_hz[topic] = _rate_of_frames(samples, first.sizes[topic], source_hz, source.end_ns)
+        else:
+            rates_hz[topic] = share * source_hz
     return rates_hz
+
+
+def _rate_of_frames(samples: TopicSamples, size_bytes: int, source_hz: float, end_ns: int) -> float:
+    """The rate of each frame at which about so many bytes pass, which is found by halving.
+
+    Slow frames pass whole, so that bytes are not in proportion to rates; none is faster than ``source_hz``.
+    """
+    low_hz, high_hz = 0.0, source_hz
+    for _ in range(_HALVINGS):
+        rate_hz = (low_hz + high_hz) / 2
+        passed_bytes = sum(samples.sizes[index] for index in samples.at_rate(rate_hz, end_ns).indices)
+        low_hz, high_hz = (rate_hz, high_hz) if passed_bytes <= size_bytes else (low_hz, rate_hz)
+    return low_hz
 
 
 def _thinned(source: _Source, rates_hz: Mapping[str, float], measured: Measured) -> _Run:

@@ -14,7 +14,7 @@ from collections.abc import Iterable, Iterator
 
 from msgspec import Struct
 
-from smarttestudo.domain.decision import Reason
+from smarttestudo.domain.decision import Reason, bound_texts
 from smarttestudo.domain.link_state import LinkState, TopicOnLink
 from smarttestudo.domain.status import BlockStatus, RulesOrigin, RuntimeStatus, Silence, TopicStatus
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
@@ -77,7 +77,8 @@ class RobotSummary(Struct, frozen=True, kw_only=True):
 class LiveTopic(Struct, frozen=True, kw_only=True):
     """A relayed topic now; ``topic`` is its full name, ``reason`` and ``rule`` are those of its rate.
 
-    ``silence`` is why nothing is received, ``problem`` why it cannot be relayed.
+    ``silence`` is why nothing is received, ``problem`` why it cannot be relayed. ``bounds`` say which bound
+    of each property holds, what decided it, and whether that is in doubt.
     """
 
     topic: str
@@ -96,6 +97,7 @@ class LiveTopic(Struct, frozen=True, kw_only=True):
     silence: Silence | None
     problem: str | None
     link: TopicLinkView | None
+    bounds: tuple[str, ...]
 
 
 class LiveTime(Struct, frozen=True, kw_only=True):
@@ -272,6 +274,7 @@ def _topic(name: str, topic: TopicStatus) -> LiveTopic:
         silence=topic.silence,
         problem=topic.problem,
         link=_on_link(topic.on_link),
+        bounds=bound_texts(topic.within, topic.bound_reasons),
     )
 
 

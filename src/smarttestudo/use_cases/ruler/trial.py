@@ -14,7 +14,7 @@ from smarttestudo.adapters.rosbag import RosbagDecoder, open_recording
 from smarttestudo.adirf.checks import CheckContext, check_rules
 from smarttestudo.adirf.document import read_document
 from smarttestudo.adirf.rule_set import RuleSet, compile_rules
-from smarttestudo.domain.decision import Decision, Reason
+from smarttestudo.domain.decision import Decision, Reason, bound_texts
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.recording import RecordingReader
@@ -67,7 +67,8 @@ class TryDecision(Struct, frozen=True, kw_only=True):
     """Another rate of a topic, or another deciding block, ``t`` seconds after the bag's start.
 
     ``from_hz`` and ``to_hz`` are null for Full; the first decision of a topic (``start``) has no ``from_hz``.
-    ``line`` and ``rule`` are the deciding block's, null where none decided.
+    ``line`` and ``rule`` are the deciding block's, null where none decided. ``bounds`` say which bound of
+    each property holds then, what decided it, and whether that is in doubt.
     """
 
     t: float
@@ -78,6 +79,7 @@ class TryDecision(Struct, frozen=True, kw_only=True):
     reason: Reason
     rule: str | None
     line: int | None
+    bounds: tuple[str, ...]
 
 
 class TryAnswer(Struct, frozen=True, kw_only=True):
@@ -219,6 +221,7 @@ def _decision(one: Decision) -> TryDecision:
         reason=one.planned.reason,
         rule=one.planned.rule,
         line=one.planned.line,
+        bounds=bound_texts(one.planned.within, one.planned.bound_reasons),
     )
 
 
