@@ -117,9 +117,7 @@ class FrameReader:
             transforms.append(Transform(frame, child_frame, at_ns, numbers.unpack_from(payload, numbers_at)))
         return transforms
 
-    def moved(
-        self, payload: bytes, transforms: Mapping[str, tuple[int, Sequence[float]]]
-    ) -> bytes | None:
+    def moved(self, payload: bytes, transforms: Mapping[str, tuple[int, Sequence[float]]]) -> bytes | None:
         """The transforms of ``payload`` to these child frames, each with another time and other numbers."""
         order = _byte_order(payload)
         places = [place for place in self._read(payload).places if place[1] in transforms]

@@ -182,6 +182,10 @@ class BoundStreams(Streams[BoundStream]):
         sample = stream.held
         if sample is None:
             return ()
+        if not stream.overdue and self._picture.is_taken_over(sample.readings, sample.publisher):
+            # Else the last word of a node that was restarted came after the first one of its successor.
+            stream.held = None
+            return ()
         for other in {stream, *self._streams_of(sample, now_ns)}:
             other.grid.charge(now_ns)
             other.ceiling.charge(now_ns)

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from smarttestudo.domain.units import NS_PER_S
@@ -91,9 +91,7 @@ class Picture:
                         errors[name] = math.inf if math.isnan(error) else error
         return errors
 
-    def show(
-        self, readings: Sequence[Reading | None], publisher: Hashable, message: Hashable = None
-    ) -> None:
+    def show(self, readings: Sequence[Reading | None], publisher: Hashable, message: Hashable = None) -> None:
         """The receiver got what was read, in ``message``."""
         for gauge, known, parts in zip(self._gauges, self._shown, readings, strict=True):
             if parts is None:
@@ -109,6 +107,15 @@ class Picture:
                 if before is None or before.part.frames != part.frames:
                     self._make_room(gauge, known, part)
                 known[key] = Shown(part, motion, moves, publisher, message)
+
+    def is_taken_over(self, readings: Sequence[Reading | None], publisher: Hashable) -> bool:
+        """Whether all that was read is reckoned from what another publisher said since."""
+        taken_over = [
+            any(one.moves and one.publisher != publisher for one in _same(gauge, known, part))
+            for gauge, known, parts in zip(self._gauges, self._shown, readings, strict=True)
+            for part in parts or ()
+        ]
+        return bool(taken_over) and all(taken_over)
 
     def moving(self) -> Mapping[Hashable, list[Shown]]:
         """By message, those of its parts that are moved on and that no newer message holds."""
@@ -159,3 +166,11 @@ class Picture:
                 del known[key]
         if len(known) >= MAX_PARTS:
             del known[next(iter(known))]
+
+
+def _same(gauge: Gauge, known: Mapping[Hashable, Shown], part: MovingPart) -> Iterator[Shown]:
+    """What is shown of the thing that ``part`` is of, whoever said it."""
+    if gauge.is_shared:
+        shown = known.get(part.name)
+        return iter(() if shown is None else (shown,))
+    return (one for one in known.values() if part.frames is not None and one.part.frames == part.frames)

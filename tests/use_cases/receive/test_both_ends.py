@@ -65,12 +65,13 @@ class Source:
     crowd: int | None = None
     """With a crowd, every second message is of a part that nobody heard of before."""
     shift: float = 0.0
+    stands: bool = False
     frames: tuple[str, str] = field(default=("odom", "base"))
 
     def write(self, number: int, now_ns: int) -> bytes:
-        at_s = now_ns / S
+        at_s = 0.0 if self.stands else now_ns / S
         x = self.shift + math.sin(at_s) + 0.2 * math.sin(5 * at_s)
-        speed = math.cos(at_s) + math.cos(5 * at_s)
+        speed = 0.0 if self.stands else math.cos(at_s) + math.cos(5 * at_s)
         stamp_ns = START_NS + now_ns + self.offset_ns if self.has_stamps else 0
         if self.topic == "/odom":
             twist = Twist(Vector3(speed, 0, 0), Vector3(0, 0, 0))
@@ -212,26 +213,109 @@ def test_a_restarted_publisher_is_shown_where_it_is_and_nothing_of_the_one_befor
     assert min(x for one in after for x in one.values()) > 1.5
 
 
-def test_where_the_stamps_jump_what_is_predicted_has_the_new_ones_at_once() -> None:
-    bench = Bench("/odom", bound=50.0)
+def predicted_names(bench: Bench, from_s: float, to_s: float = math.inf) -> set[str]:
+    return {
+        name
+        for at_ns, payload in bench.operator.predicted
+        if from_s <= at_ns / S < to_s
+        for name in read(bench.source.topic, payload)
+    }
+
+
+@pytest.mark.parametrize("topic", ["/odom", "/joint_states"])
+def test_the_last_word_of_a_publisher_that_was_restarted_does_not_come_after_the_next_ones(
+    topic: str,
+) -> None:
+    bench = Bench(topic)
+    bench.drive(END_S)
+
+    def restart() -> None:
+        bench.source.shift = 3.0
+        bench.run.restart_source()
+
+    bench.run.at(4 * S + MS, restart)
+    bench.run.run(END_S * S)
+    after = [read(topic, payload) for at_ns, payload in bench.run.robot.relays if at_ns > 4 * S + MS]
+    assert min(x for one in after for x in one.values()) > 1.5
+
+
+@pytest.mark.parametrize("topic", ["/tf", "/joint_states"])
+def test_nothing_is_predicted_of_a_publisher_that_is_gone(topic: str) -> None:
+    bench = Bench(topic)
+    bench.source.names = ["base"]
+    bench.drive(6)
+
+    def restart() -> None:
+        bench.source.names = ["hand"]
+        bench.run.restart_source()
+
+    bench.run.at(3 * S, restart)
+    bench.run.run(7 * S)
+    assert predicted_names(bench, 2, 3) == {"base"}
+    # That it is gone is noticed 0.4 s later; its last word, which is a heartbeat, comes all the same.
+    last_s = next(
+        (
+            at_ns / S
+            for at_ns, payload in bench.run.robot.relays
+            if at_ns > 3 * S and "base" in read(topic, payload)
+        ),
+        7,
+    )
+    assert last_s > 4
+    assert predicted_names(bench, 3.6, last_s) == {"hand"}
+
+
+def test_nothing_is_predicted_of_an_earlier_run_of_the_robots_end() -> None:
+    bench = Bench("/tf")
+    bench.source.names = ["base"]
+    bench.drive(6)
+
+    def restart() -> None:
+        bench.source.names = ["hand"]
+        bench.run.restart_robot()
+
+    bench.run.at(3 * S + MS, restart)
+    bench.run.run(7 * S)
+    assert predicted_names(bench, 2, 3) == {"base"}
+    assert predicted_names(bench, 3.1) == {"hand"}
+
+
+@pytest.mark.parametrize("topic", TYPES)
+def test_where_stamps_jump_what_is_predicted_has_the_new_ones_at_once_also_if_nothing_moves(
+    topic: str,
+) -> None:
+    bench = Bench(topic)
+    bench.source.stands = True
     bench.drive()
 
     def jump() -> None:
         bench.source.offset_ns = -900 * S
 
-    bench.run.at(4 * S + MS, jump)
+    # A heartbeat went out shortly before.
+    bench.run.at(int(4.3 * S), jump)
     bench.run.run(END_S * S)
     stamps_s = [
         (at_ns / S, part.at_ns / S)
         for at_ns, payload in bench.operator.predicted
         for part in bench.operator.picture._gauges[0].read(payload, None, 0) or ()  # type: ignore[union-attr]
     ]
-    before = [stamp_s for at_s, stamp_s in stamps_s if at_s < 4]
-    after = [stamp_s for at_s, stamp_s in stamps_s if at_s > 4.3]
+    before = [stamp_s for at_s, stamp_s in stamps_s if at_s < 4.3]
+    after = [stamp_s for at_s, stamp_s in stamps_s if at_s > 4.6]
     assert before
     assert after
     assert min(before) > 1_000
     assert max(after) < 110
+
+
+def test_another_heartbeat_begins_another_picture_as_it_says_which_stamps_have_jumped() -> None:
+    bench = Bench("/odom")
+    bench.drive()
+    numbers = []
+    for at_s, heartbeat_hz in ((3, 0.5), (4, 0.5), (5, 2.0)):
+        bench.run.run(at_s * S)
+        bench.run.reload(rules("/odom", heartbeat_hz=heartbeat_hz))
+        numbers.append(bench.run.robot.loop.relays.pictures["/odom"].number)
+    assert numbers[0] == numbers[1] < numbers[2]
 
 
 # The law.
@@ -241,6 +325,10 @@ Happening = Callable[[Bench], None]
 
 def _set(name: str, value: object) -> Happening:
     return lambda bench: setattr(bench.source, name, value)
+
+
+def _join(bench: Bench) -> None:
+    bench.run.join(source_hz=SOURCE_HZ)
 
 
 def _jump(jump_s: float) -> Happening:
@@ -253,7 +341,7 @@ def _jump(jump_s: float) -> Happening:
 HAPPENINGS: Mapping[str, Happening] = {
     "the source restarts": lambda bench: bench.run.restart_source(),
     "the robot's end restarts": lambda bench: bench.run.restart_robot(),
-    "another operator comes": lambda bench: bench.run.join(source_hz=SOURCE_HZ) and None,
+    "another operator comes": _join,
     "no stamps": _set("has_stamps", value=False),
     "stamps": _set("has_stamps", value=True),
     "an hour on": _jump(3_600),

@@ -225,6 +225,31 @@ def test_nothing_is_predicted_where_the_robot_does_not_reckon_has_left_or_is_sil
     assert list(predictor.predicted(6 * S)) == []
 
 
+def test_earlier_runs_of_a_robots_end_are_forgotten() -> None:
+    predictor = predicting()
+    for number in range(100):
+        boot = str(number)
+        predictor.take(RobotPresence(robot="ada", boot=boot, is_present=True), 0)
+        predictor.take(StreamSaid(robot="ada", boot=boot, number=1, info=TOLD), 0)
+        predictor.take(replace(arrived(7 * S), boot=boot), 0)
+        predictor.take(RobotPresence(robot="ada", boot=boot, is_present=False), 0)
+    predictor.take(RobotPresence(robot="ada", boot="last", is_present=True), 0)
+    assert [boot for _, boot, _ in predictor._streams] == [""]
+    assert predictor._absent == set()
+
+
+def test_a_stamp_or_a_twist_beyond_all_numbers_is_not_predicted_and_stops_nothing() -> None:
+    for stamp_ns, speed in ((2**31 * S - 1, 0.5), (7 * S, 1e150), (7 * S, math.inf)):
+        predictor = predicting()
+        whirl = Twist(Vector3(speed, 0, 0), Vector3(0, 0, speed))
+        payload = odometry(stamp_ns, planar(1, 0, 0), whirl)
+        predictor.take(replace(arrived(7 * S), payload=payload), 0)
+        for message in predictor.predicted(S):
+            pose = PoseReader(2, has_twist=True).read(message.payload)
+            assert pose is not None
+            assert math.isnan(pose[1][0])
+
+
 def test_a_message_without_a_stamp_does_not_say_when_the_robot_is_there() -> None:
     predictor = predicting()
     predictor.take(arrived(0), 0)

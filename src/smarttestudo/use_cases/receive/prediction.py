@@ -76,8 +76,8 @@ class Predictor:
             case RobotPresence(robot=robot, boot=boot, is_present=True):
                 self._absent.discard((robot, boot))
                 self._forget_earlier(robot)
-                for topic in self._topics.values():
-                    topic.due_ns = 0
+                for known in self._topics.values():
+                    known.due_ns = 0
             case RobotPresence(robot=robot, boot=boot):
                 # It may come back, and go on as before.
                 self._absent.add((robot, boot))
@@ -117,13 +117,12 @@ class Predictor:
                 topic.due_ns = _earlier(topic.due_ns, arrived.due_ns)
 
     def _follow(self, robot: str, boot: str, number: int, info: StreamInfo | None) -> None:
-        """A robot has a stream, or has it no more: what its publisher said is void then."""
+        """A robot has a stream, or has it no more: nothing of its publisher is predicted then."""
         key = (robot, boot, number)
         before = self._streams.pop(key, None)
         if before is not None and (info is None or replace(info, prediction=before.prediction) != before):
-            closed, source = self._topics[robot, before.topic], _Source(boot, before.publisher)
-            closed.predictions.pop(source, None)
-            closed.picture.forget_publisher(source)
+            closed = self._topics[robot, before.topic]
+            closed.predictions.pop(_Source(boot, before.publisher), None)
         if info is None or info.topic not in self._names:
             return
         properties = [spec.name for spec in properties_for_bounds().get(info.type_name, ())]
