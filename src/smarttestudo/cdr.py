@@ -29,6 +29,8 @@ _TRANSFORM_BYTES = 7 * 8
 _STAMP = MappingProxyType({order: struct.Struct(f"{order}iI") for order in "<>"})
 _TRANSFORM = MappingProxyType({order: struct.Struct(f"{order}7d") for order in "<>"})
 _POSE_BYTES = 7 * 8
+_SECONDS = 2**31
+"""What the seconds of a stamp, an int32, stay below."""
 _COVARIANCE = MappingProxyType({order: struct.Struct(f"{order}36d") for order in "<>"})
 _POSE_AND_TWIST = MappingProxyType({order: struct.Struct(f"{order}7d288x6d") for order in "<>"})
 
@@ -109,22 +111,27 @@ class FrameReader:
             return []
         stamp, numbers = _STAMP[order], _TRANSFORM[order]
         transforms = []
-        for frame, child_frame, stamp_at, numbers_at in self._read(payload).places:
+        for frame, child_frame, stamp_at, _, numbers_at in self._read(payload).places:
             sec, nanosec = stamp.unpack_from(payload, stamp_at)
             at_ns = sec * NS_PER_S + nanosec
             transforms.append(Transform(frame, child_frame, at_ns, numbers.unpack_from(payload, numbers_at)))
         return transforms
 
-    def moved(self, payload: bytes, at_ns: int, numbers: Mapping[str, Sequence[float]]) -> bytes | None:
-        """``payload`` at another time, with these translations and rotations by child frame."""
+    def moved(self, payload: bytes, transforms: Mapping[str, tuple[int, Sequence[float]]]) -> bytes | None:
+        """The transforms of ``payload`` to these child frames, each with another time and other numbers."""
         order = _byte_order(payload)
-        places = self._read(payload).places
-        if order is None or not all(place[1] in numbers for place in places):
+        places = [place for place in self._read(payload).places if place[1] in transforms]
+        if order is None or not all(_can_be_stamp(at_ns) for at_ns, _ in transforms.values()):
             return None
-        data = bytearray(payload)
-        for _, child_frame, stamp_at, numbers_at in places:
-            _STAMP[order].pack_into(data, stamp_at, *divmod(at_ns, NS_PER_S))
-            _TRANSFORM[order].pack_into(data, numbers_at, *numbers[child_frame])
+        data = bytearray(payload[:HEADER_BYTES]) + struct.pack(f"{order}I", len(places))
+        for _, child_frame, stamp_at, names_end, _ in places:
+            at_ns, numbers = transforms[child_frame]
+            _pad(data, 4)
+            data += _STAMP[order].pack(*divmod(at_ns, NS_PER_S))
+            # A stamp begins at a multiple of 4, so what is between the two names is as it was.
+            data += payload[stamp_at + STAMP_BYTES : names_end]
+            _pad(data, 8)
+            data += _TRANSFORM[order].pack(*numbers)
         return bytes(data)
 
     def _read(self, payload: Payload) -> _Transforms:
@@ -142,13 +149,14 @@ class FrameReader:
 class _Transforms(NamedTuple):
     """The frames of a TFMessage, and the bytes that decide them: ``constant``, as ``layout`` unpacks them.
 
-    ``places`` are, by transform, its frames and the offsets of its stamp and of its numbers.
+    ``places`` are, by transform, its frames and the offsets of its stamp, of what follows the frames' names,
+    and of its numbers.
     """
 
     frames: tuple[str, ...]
     layout: struct.Struct
     constant: tuple[bytes, ...]
-    places: tuple[tuple[str, str, int, int], ...] = ()
+    places: tuple[tuple[str, str, int, int, int], ...] = ()
 
 
 class PoseReader:
@@ -189,7 +197,7 @@ class PoseReader:
         The ``variances`` of x, y, z and of the rotations about them, in m² and rad², come on top of its own.
         """
         order = _byte_order(payload)
-        if order is None or self.read(payload) is None:
+        if order is None or self.read(payload) is None or not _can_be_stamp(at_ns):
             return None
         data, pose_at = bytearray(payload), _aligned(self._end, 8)
         _STAMP[order].pack_into(data, HEADER_BYTES, *divmod(at_ns, NS_PER_S))
@@ -225,15 +233,32 @@ class JointReader:
             return self._names, positions, velocities
         return None
 
-    def moved(self, payload: bytes, at_ns: int, positions: Sequence[float]) -> bytes | None:
-        """``payload`` at another time, with so many other positions as it has."""
+    def moved(self, payload: bytes, at_ns: int, positions: Mapping[str, float]) -> bytes | None:
+        """The joints of ``payload`` that ``positions`` has, at another time and there."""
         order, found = _byte_order(payload), self.read(payload)
-        if order is None or found is None or len(found[1]) != len(positions):
+        if order is None or found is None or not _can_be_stamp(at_ns):
             return None
-        data, at = bytearray(payload), _aligned(_aligned(self._end, 4) + 4, 8)
-        _STAMP[order].pack_into(data, HEADER_BYTES, *divmod(at_ns, NS_PER_S))
-        struct.pack_into(f"{order}{len(positions)}d", data, at, *positions)
-        return bytes(data)
+        names, uint32 = found[0], struct.Struct(f"{order}I")
+        with suppress(struct.error):
+            _, end = _doubles(payload, self._end, uint32, order)
+            velocities, end = _doubles(payload, end, uint32, order)
+            efforts, _ = _doubles(payload, end, uint32, order)
+            kept = [place for place, name in enumerate(names) if name in positions]
+            data = bytearray(payload[: _string_end(payload, STAMPED_BYTES, uint32)])
+            _STAMP[order].pack_into(data, HEADER_BYTES, *divmod(at_ns, NS_PER_S))
+            _put_count(data, len(kept), uint32)
+            for place in kept:
+                name = names[place].encode("utf-8", "surrogateescape") + b"\0"
+                _put_count(data, len(name), uint32)
+                data += name
+            for values in ([positions.get(name, 0.0) for name in names], velocities, efforts):
+                numbers = [values[place] for place in kept] if len(values) == len(names) else []
+                _put_count(data, len(numbers), uint32)
+                if numbers:
+                    _pad(data, 8)
+                data += struct.pack(f"{order}{len(numbers)}d", *numbers)
+            return bytes(data)
+        return None
 
     def _read_names(self, payload: bytes, uint32: struct.Struct) -> None:
         self._end = -1
@@ -253,6 +278,20 @@ def _doubles(payload: bytes, end: int, uint32: struct.Struct, order: str) -> tup
     (count,) = uint32.unpack_from(payload, at)
     start = _aligned(at + uint32.size, 8) if count else at + uint32.size
     return struct.unpack_from(f"{order}{min(count, MAX_TRANSFORMS)}d", payload, start), start + 8 * count
+
+
+def _put_count(data: bytearray, count: int, uint32: struct.Struct) -> None:
+    _pad(data, 4)
+    data += uint32.pack(count)
+
+
+def _pad(data: bytearray, size: int) -> None:
+    """Have what follows begin at a multiple of ``size``."""
+    data += bytes(_aligned(len(data), size) - len(data))
+
+
+def _can_be_stamp(at_ns: int) -> bool:
+    return -_SECONDS <= at_ns // NS_PER_S < _SECONDS
 
 
 def _header_stamp(payload: Payload) -> tuple[int, int] | None:
@@ -297,7 +336,7 @@ def _transforms(payload: Payload, uint32: struct.Struct) -> _Transforms:
         frame = _text(payload, frame_id_at + uint32.size, _string_end(payload, frame_id_at, uint32))
         child_frame = _text(payload, child_at + uint32.size, child_end)
         frames[child_frame] = None
-        places.append((frame, child_frame, stamp_at, _aligned(child_end, 8)))
+        places.append((frame, child_frame, stamp_at, child_end, _aligned(child_end, 8)))
         fields.append(f"{frame_id_at - end}x{child_end - frame_id_at}s")
         end = _aligned(child_end, 8) + _TRANSFORM_BYTES
         fields.append(f"{end - child_end}x")

@@ -149,7 +149,7 @@ def run(arguments: argparse.Namespace) -> int:
             sending = opened.enter_context(_sending(end.commands, arguments.output_topic))
             sinks.append(sending)
         _say_where(options)
-        predictor = Predictor(predicts, statuses.source_hz) if predicts else None
+        predictor = Predictor(predicts, statuses.source_hz, warn) if predicts else None
         reception = Reception([*sinks, statuses], predictor)
         looks = [] if arguments.openmetrics is None else [lambda: metrics.look(reception, end)]
         _receive(reception, end.wait, stopped, looks, (lambda: sending.routes) if sending else tuple)

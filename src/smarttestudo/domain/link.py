@@ -63,7 +63,7 @@ class ReceivedMessage:
     ``offered_ns`` is the robot's clock when its loop relayed the message, ``age_ns`` how long ago that was
     when it arrived, as far as the clocks of both ends can be compared. One that ``begins_anew`` does not
     follow directly on the one before, so what was reckoned of it is void. One that ``is_predicted`` was made
-    at this end.
+    at this end. ``boot`` tells the runs of the robot's end apart.
     """
 
     robot: str
@@ -73,6 +73,7 @@ class ReceivedMessage:
     age_ns: int | None
     begins_anew: bool = True
     is_predicted: bool = False
+    boot: str = ""
 
 
 class OutgoingLink(Protocol):

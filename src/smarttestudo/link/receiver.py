@@ -49,10 +49,20 @@ class LinkReceiver:
     """
 
     def __init__(
-        self, robot: str, receiver: int, decompress: Decompress, predicts: frozenset[str] = frozenset()
+        self,
+        robot: str,
+        receiver: int,
+        decompress: Decompress,
+        predicts: frozenset[str] = frozenset(),
+        *,
+        boot: str = "",
     ) -> None:
-        """``predicts`` are the topics that this end reckons where the robot's does so too."""
+        """``predicts`` are the topics that this end reckons where the robot's does so too.
+
+        ``boot`` is the run of the robot's end.
+        """
         self.robot = robot
+        self.boot = boot
         self.counts = ReceiverCounts()
         self.streams: dict[int, StreamInfo] = {}
         self._receiver = receiver
@@ -163,4 +173,5 @@ class LinkReceiver:
             offered_ns=chunk.offered_ns,
             age_ns=max(age_ns, 0),
             begins_anew=before is None or chunk.number != before + 1,
+            boot=self.boot,
         )

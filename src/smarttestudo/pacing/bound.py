@@ -101,6 +101,7 @@ class BoundStreams(Streams[BoundStream]):
     ) -> None:
         super().__init__(lambda pace, now_ns: BoundStream(self._heartbeat, pace, now_ns), ceiling)
         self._picture = picture
+        picture.expect_heartbeat(heartbeat_hz)
         self._heartbeat = Pace.at(heartbeat_hz)
         self.bounds = bounds
         self.records = records
@@ -133,6 +134,7 @@ class BoundStreams(Streams[BoundStream]):
     def change_bounds(self, bounds: Mapping[str, float], heartbeat_hz: float, now_ns: int) -> None:
         """Keep the picture within other ``bounds`` of the same properties from now on."""
         self.bounds = bounds
+        self._picture.expect_heartbeat(heartbeat_hz)
         pace = Pace.at(heartbeat_hz)
         for stream in self._streams.values():
             if pace != self._heartbeat:
@@ -179,6 +181,10 @@ class BoundStreams(Streams[BoundStream]):
     def _release(self, stream: BoundStream, now_ns: int) -> Sequence[Pass]:
         sample = stream.held
         if sample is None:
+            return ()
+        if not stream.overdue and self._picture.is_taken_over(sample.readings, sample.publisher):
+            # Else the last word of a node that was restarted came after the first one of its successor.
+            stream.held = None
             return ()
         for other in {stream, *self._streams_of(sample, now_ns)}:
             other.grid.charge(now_ns)

@@ -20,16 +20,27 @@ class MovingPart(NamedTuple):
     """What a message says of one thing: ``state`` at ``at_ns``.
 
     ``name`` is that of a child frame or joint, or empty where a message says one thing. States of different
-    ``frames`` cannot be compared.
+    ``frames`` cannot be compared. Where the message ``has_stamp``, that is ``at_ns``, else its arrival.
     """
 
     name: str
     at_ns: int
     frames: Hashable
     state: Any
+    has_stamp: bool
 
 
 Reading = Sequence[MovingPart]
+
+
+def can_be_reckoned(reading: Reading | None) -> bool:
+    """Whether what a message says can be moved on, which both ends ask here: all its parts have stamps.
+
+    Without one, a message does not say when the robot is there, and its arrival is another one at each end.
+    """
+    return bool(reading) and all(part.has_stamp for part in reading or ())
+
+
 UNKNOWN_M = 1000.0
 """What stands for the bound of a position that has none."""
 HALF_TURN = 180.0
@@ -43,7 +54,10 @@ class Gauge(Protocol):
 
     @property
     def is_shared(self) -> bool:
-        """Whether the publishers of a topic speak of the same parts, which are told apart by name."""
+        """Whether the publishers of a topic speak of the same parts, which are told apart by name.
+
+        Else each publisher speaks of one thing.
+        """
 
     @property
     def needs_every_message(self) -> bool:
@@ -58,10 +72,8 @@ class Gauge(Protocol):
     def after(self, state: Any, motion: Any, elapsed_s: float) -> Any:
         """What a receiver that reckons shows ``elapsed_s`` after ``state``."""
 
-    def written(
-        self, payload: bytes, parts: Reading, at_ns: int, within: Mapping[str, float]
-    ) -> bytes | None:
-        """``payload`` at ``at_ns`` with these parts in the place of its own; ``None`` if its type stays.
+    def written(self, payload: bytes, parts: Reading, within: Mapping[str, float]) -> bytes | None:
+        """``payload`` with these of its parts, moved on, and no others; ``None`` if its type stays.
 
         Bounds of properties, by which the parts may be off, become covariance where the type has one.
         """
@@ -92,8 +104,8 @@ class PoseGauge:
             return None
         frames, numbers = found
         twist = Twist(Vector3(*numbers[7:10]), Vector3(*numbers[10:13])) if len(numbers) > 7 else None
-        state = PoseState(_pose(numbers), twist)
-        return (MovingPart("", header_stamp_ns(payload) or now_ns, frames, state),)
+        state, stamp_ns = PoseState(_pose(numbers), twist), header_stamp_ns(payload)
+        return (MovingPart("", stamp_ns or now_ns, frames, state, stamp_ns is not None),)
 
     def motion(self, _before: MovingPart | None, part: MovingPart) -> Twist | None:
         """The twist that the message holds."""
@@ -104,9 +116,7 @@ class PoseGauge:
         """The pose moved by its twist."""
         return state if motion is None else PoseState(moved(state.pose, motion, elapsed_s), state.twist)
 
-    def written(
-        self, payload: bytes, parts: Reading, at_ns: int, within: Mapping[str, float]
-    ) -> bytes | None:
+    def written(self, payload: bytes, parts: Reading, within: Mapping[str, float]) -> bytes | None:
         """An Odometry at another pose; the squares of the bounds come on top of its covariance."""
         if not self._has_twist:
             return None
@@ -114,7 +124,7 @@ class PoseGauge:
         bound_m = within.get("position", UNKNOWN_M)
         bound_rad = math.radians(within.get("orientation", HALF_TURN))
         variances = (*(bound_m**2,) * 3, *(bound_rad**2,) * 3)
-        return self._reader.moved(payload, at_ns, _numbers(part.state), variances)
+        return self._reader.moved(payload, part.at_ns, _numbers(part.state), variances)
 
 
 class FrameGauge:
@@ -131,7 +141,11 @@ class FrameGauge:
         """A part for each transform."""
         parts = [
             MovingPart(
-                one.child_frame, one.stamp_ns or now_ns, one.frame, PoseState(_pose(one.numbers), None)
+                one.child_frame,
+                one.stamp_ns or now_ns,
+                one.frame,
+                PoseState(_pose(one.numbers), None),
+                one.stamp_ns != 0,
             )
             for one in self._reader.transforms(payload)
         ]
@@ -147,11 +161,9 @@ class FrameGauge:
         """The frame moved by its twist."""
         return state if motion is None else PoseState(moved(state.pose, motion, elapsed_s), None)
 
-    def written(
-        self, payload: bytes, parts: Reading, at_ns: int, _within: Mapping[str, float]
-    ) -> bytes | None:
-        """The same frames elsewhere."""
-        return self._reader.moved(payload, at_ns, {part.name: _numbers(part.state) for part in parts})
+    def written(self, payload: bytes, parts: Reading, _within: Mapping[str, float]) -> bytes | None:
+        """These frames elsewhere."""
+        return self._reader.moved(payload, {part.name: (part.at_ns, _numbers(part.state)) for part in parts})
 
 
 class JointGauge:
@@ -175,9 +187,10 @@ class JointGauge:
         names, positions, velocities = found
         if len(velocities) != len(names):
             velocities = (math.nan,) * len(names)
-        at_ns = header_stamp_ns(payload) or now_ns
+        stamp_ns = header_stamp_ns(payload)
+        at_ns, has_stamp = stamp_ns or now_ns, stamp_ns is not None
         return [
-            MovingPart(name, at_ns, None, (position, velocity))
+            MovingPart(name, at_ns, None, (position, velocity), has_stamp)
             for name, position, velocity in zip(names, positions, velocities)  # noqa: B905 - as long as each is
         ]
 
@@ -194,11 +207,9 @@ class JointGauge:
         """The joint moved by its velocity."""
         return state[0] + motion * elapsed_s, state[1]
 
-    def written(
-        self, payload: bytes, parts: Reading, at_ns: int, _within: Mapping[str, float]
-    ) -> bytes | None:
-        """The same joints at other positions."""
-        return self._reader.moved(payload, at_ns, [part.state[0] for part in parts])
+    def written(self, payload: bytes, parts: Reading, _within: Mapping[str, float]) -> bytes | None:
+        """These joints at other positions."""
+        return self._reader.moved(payload, parts[0].at_ns, {part.name: part.state[0] for part in parts})
 
 
 class FieldGauge:
@@ -218,7 +229,7 @@ class FieldGauge:
         if message is None:
             return None
         values = {name: read(message) for name, read in self._readers.items()}
-        return (MovingPart("", now_ns, None, values),)
+        return (MovingPart("", now_ns, None, values, has_stamp=False),)
 
     def motion(self, _before: MovingPart | None, _part: MovingPart) -> None:
         """None is known."""
@@ -227,9 +238,7 @@ class FieldGauge:
         """The same."""
         return state
 
-    def written(
-        self, _payload: bytes, _parts: Reading, _at_ns: int, _within: Mapping[str, float]
-    ) -> bytes | None:
+    def written(self, _payload: bytes, _parts: Reading, _within: Mapping[str, float]) -> bytes | None:
         """None, as nothing moves."""
         return None
 

@@ -13,6 +13,8 @@ from typing import NamedTuple
 
 SMALL_ANGLE = 1e-6
 """Below it, in rad, the series of the coefficients are as exact as a double can be."""
+LARGE_ANGLE = 1e100
+"""From it on, in rad, a turn says nothing, and its cube is beyond all numbers."""
 
 
 class Vector3(NamedTuple):
@@ -50,7 +52,7 @@ def moved(pose: SpatialPose, twist: Twist, elapsed_s: float) -> SpatialPose:
     """Where ``pose`` is after ``elapsed_s`` of a constant ``twist``; NaN where that is beyond all numbers."""
     turned = _scaled(twist.angular, elapsed_s)
     angle = _length(turned)
-    if not math.isfinite(angle):
+    if not angle < LARGE_ANGLE:
         return _NOWHERE
     if angle < SMALL_ANGLE:
         first, second = 0.5, 1 / 6

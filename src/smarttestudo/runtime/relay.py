@@ -127,9 +127,13 @@ class Relay:
     def set_floor(self, floor_hz: float, now_ns: int) -> None:
         """The topic's KeepAtLeast, the heartbeat where its picture has bounds; 0 where there is none."""
         self._floor_hz = floor_hz
-        if self._accuracy is not None:
-            self._accuracy = replace(self._accuracy, heartbeat_hz=floor_hz or HEARTBEAT_HZ)
+        heartbeat_hz = floor_hz or HEARTBEAT_HZ
+        if self._accuracy is not None and self._accuracy.heartbeat_hz != heartbeat_hz:
+            self._accuracy = replace(self._accuracy, heartbeat_hz=heartbeat_hz)
             self._apply_accuracy(now_ns)
+            if self._is_reckoned:
+                # The heartbeat says which stamps have jumped, so no picture goes on from one to another.
+                self.begin_picture(now_ns)
 
     def set_within(self, within: Mapping[str, float], now_ns: int) -> Sequence[Relayed]:
         """Keep the receiver's picture within these bounds, by property; what was held may pass then."""
@@ -152,8 +156,8 @@ class Relay:
         self.needs_decoded = self.needs_decoded and self._accuracy is not None
         return self._apply_accuracy(now_ns)
 
-    def greet_receiver(self, now_ns: int) -> None:
-        """A receiver came that has got nothing yet, so the newest message is due where there are bounds."""
+    def begin_picture(self, now_ns: int) -> None:
+        """What receivers show begins anew: the newest message is due where there are bounds."""
         self._picture_number += 1
         if isinstance(self.pacer, TopicPacer):
             self.pacer.forget_receivers(now_ns)

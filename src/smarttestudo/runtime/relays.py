@@ -107,7 +107,7 @@ class Relays:
         """A receiver of ``topic`` came that has got nothing yet."""
         relay = self._relays.get(topic)
         if relay is not None:
-            relay.greet_receiver(now_ns)
+            relay.begin_picture(now_ns)
             self._arm(relay)
 
     def change_topics(

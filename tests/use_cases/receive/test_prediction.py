@@ -123,7 +123,7 @@ def test_after_every_message_of_the_source_what_an_operator_shows_is_within_the_
         run.at(int(at_s * S), lambda what=what: happen(run, what))  # type: ignore[misc]
     run.run(13 * S)
     # Nobody is left behind: what was relayed last came to all, and was judged.
-    assert all(operator.newest == run.relayed for operator in run.operators)
+    assert all(operator.newest == run.robot.relayed for operator in run.operators)
     assert {operator.number for operator, sent, _ in run.judged if sent.at_ns > 8 * S} >= {
         operator.number for operator in run.operators
     }
@@ -140,7 +140,7 @@ def test_dead_reckoning_takes_fewer_messages_than_hold(topic: str) -> None:
         for number in range(200):
             run.at(S + number * PERIOD_NS, run.publish)
         run.run(12 * S)
-        passed[predicts] = run.passed
+        passed[predicts] = run.robot.passed
         assert operator.is_told is predicts
     assert passed[True] < passed[False]
 
@@ -155,13 +155,13 @@ def test_an_operator_who_only_looks_on_has_all_shown_as_it_is_until_it_leaves() 
     looking = run.join(predicts=False)
     run.run(10 * S)
     assert not predicting.is_told
-    assert run.loop.relays.pictures == {}
+    assert run.robot.picture is None
     looking.hears = False
     run.run(15 * S)
     assert predicting.is_told
     predicting.hears = False
     run.run(20 * S)
-    assert run.loop.relays.pictures == {}
+    assert run.robot.picture is None
 
 
 TOLD = StreamInfo(
@@ -180,8 +180,8 @@ def arrived(stamp_ns: int, x: float = 1.0, age_ns: int = 100 * MS) -> ReceivedMe
 
 
 def predicting(stream: StreamInfo = TOLD, source_hz: float | None = 20.0) -> Predictor:
-    predictor = Predictor(frozenset({"/odom"}), lambda _robot, _topic: source_hz)
-    predictor.open("ada", stream)
+    predictor = Predictor(frozenset({"/odom"}), lambda _robot, _topic: source_hz, lambda _warning: None)
+    predictor.take(StreamSaid(robot="ada", boot="", number=1, info=stream), 0)
     return predictor
 
 
@@ -216,12 +216,38 @@ def test_nothing_is_predicted_where_the_robot_does_not_reckon_has_left_or_is_sil
         assert list(predictor.predicted(S)) == []
     predictor = predicting()
     predictor.take(arrived(7 * S), 0)
-    predictor.leave("ada")
+    predictor.take(RobotPresence(robot="ada", boot="", is_present=False), 0)
     assert list(predictor.predicted(S)) == []
+    predictor.take(RobotPresence(robot="ada", boot="", is_present=True), S)
     predictor.take(arrived(7 * S), S)
     # A heartbeat comes each two seconds.
     assert list(predictor.predicted(4 * S))
     assert list(predictor.predicted(6 * S)) == []
+
+
+def test_earlier_runs_of_a_robots_end_are_forgotten() -> None:
+    predictor = predicting()
+    for number in range(100):
+        boot = str(number)
+        predictor.take(RobotPresence(robot="ada", boot=boot, is_present=True), 0)
+        predictor.take(StreamSaid(robot="ada", boot=boot, number=1, info=TOLD), 0)
+        predictor.take(replace(arrived(7 * S), boot=boot), 0)
+        predictor.take(RobotPresence(robot="ada", boot=boot, is_present=False), 0)
+    predictor.take(RobotPresence(robot="ada", boot="last", is_present=True), 0)
+    assert [boot for _, boot, _ in predictor._streams] == [""]
+    assert predictor._absent == set()
+
+
+def test_a_stamp_or_a_twist_beyond_all_numbers_is_not_predicted_and_stops_nothing() -> None:
+    for stamp_ns, speed in ((2**31 * S - 1, 0.5), (7 * S, 1e150), (7 * S, math.inf)):
+        predictor = predicting()
+        whirl = Twist(Vector3(speed, 0, 0), Vector3(0, 0, speed))
+        payload = odometry(stamp_ns, planar(1, 0, 0), whirl)
+        predictor.take(replace(arrived(7 * S), payload=payload), 0)
+        for message in predictor.predicted(S):
+            pose = PoseReader(2, has_twist=True).read(message.payload)
+            assert pose is not None
+            assert math.isnan(pose[1][0])
 
 
 def test_a_message_without_a_stamp_does_not_say_when_the_robot_is_there() -> None:
@@ -233,8 +259,8 @@ def test_a_message_without_a_stamp_does_not_say_when_the_robot_is_there() -> Non
 def test_what_is_predicted_is_given_to_sinks_shown_and_counted_apart() -> None:
     sink = Notes()
     reception = Reception([sink], predicting(PLAIN))
-    reception.take(RobotPresence(robot="ada", boot="0", is_present=True), 0)
-    reception.take(StreamSaid(robot="ada", boot="0", number=1, info=TOLD), 0)
+    reception.take(RobotPresence(robot="ada", boot="", is_present=True), 0)
+    reception.take(StreamSaid(robot="ada", boot="", number=1, info=TOLD), 0)
     reception.take(arrived(7 * S), 0)
     for number in range(1, 11):
         assert reception.predict(number * 50 * MS) == (number + 1) * 50 * MS

@@ -142,6 +142,7 @@ class OperatorEnd:
             payload=string_message(text),
             offered_ns=0,
             age_ns=None,
+            boot=number,
         )
         self._arrivals.put(message)
 
@@ -177,7 +178,7 @@ class OperatorEnd:
                     self._warn(f"{boot.robot} is not received: there are {MAX_ROBOTS} robots already")
                 return None
             del self._robots[gone]
-        receiver = LinkReceiver(boot.robot, self._receiver, decompress, self._predicts)
+        receiver = LinkReceiver(boot.robot, self._receiver, decompress, self._predicts, boot=boot.number)
         robot = self._robots[boot.key] = _Robot(boot, receiver)
         return robot
 

@@ -88,11 +88,18 @@ class LinkWatch:
             ]
         return changes
 
-    def tell_pictures(self, rules: LiveRules, pictures: Mapping[str, ReckonedPicture]) -> None:
+    def tell_pictures(
+        self,
+        rules: LiveRules,
+        plan: Mapping[str, PlannedRate],
+        pictures: Mapping[str, ReckonedPicture],
+    ) -> None:
         """Have receivers reckon these topics; to be called before what is made from them goes out."""
         before, self._pictures = self._pictures, pictures
         if before == pictures:
             return
+        # From its first message on, none of a picture that needs every message may give way to a newer one.
+        self.follow(rules, plan)
         outputs = rules.output_topics
         predictions = {
             outputs[topic]: Prediction(within=bounds, heartbeat_hz=picture.heartbeat_hz)

@@ -175,10 +175,13 @@ class LiveRun:
         assert self._link is not None
         if self._outages is not None:
             self._outages.look(self._rules.rules_hash, self._link.state)
+        now_ns = self._robot.now_ns()
+        # What is due goes out before a picture begins anew, of which it is no part.
+        self._take(WakeInput(stamp_ns=now_ns))
         plan = self._loop.knowledge.plan
         for change in self._link.changed_receivers(self._rules, plan, self._topics.heard_here()):
-            self._take(ChangeInput(stamp_ns=self._robot.now_ns(), change=change))
-        self._link.tell_pictures(self._rules, self._loop.relays.pictures)
+            self._take(ChangeInput(stamp_ns=now_ns, change=change))
+        self._link.tell_pictures(self._rules, plan, self._loop.relays.pictures)
         self._link.follow(self._rules, plan)
         budget = self._link.changed_budget(self._robot.steady_ns())
         if budget is not None:
@@ -188,7 +191,8 @@ class LiveRun:
         self._inputs.record(given, self._rules)
         relayed = self._loop.take(given)
         if relayed and self._link is not None:
-            self._link.tell_pictures(self._rules, self._loop.relays.pictures)
+            loop = self._loop
+            self._link.tell_pictures(self._rules, loop.knowledge.plan, loop.relays.pictures)
         for one in relayed:
             self._topics.publish(one)
             if self._outages is not None:

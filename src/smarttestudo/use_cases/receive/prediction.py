@@ -4,120 +4,176 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
+from smarttestudo.adapters.zenoh.arrivals import LinkEvent, RobotPresence, StreamSaid
 from smarttestudo.adirf.properties import gauges_for, properties_for_bounds
 from smarttestudo.domain.link import Prediction, ReceivedMessage, StreamInfo
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.reckoning.picture import Picture
+from smarttestudo.reckoning.gauges import can_be_reckoned
+from smarttestudo.reckoning.picture import Picture, silent_after_ns
 
 SOURCE_HZ = 10.0
 """What counts for a source's rate while the robot has not told it."""
 MOST_HZ = 100.0
 """Faster sources are predicted so often."""
-MISSED_HEARTBEATS = 2
-"""After so many there is nothing to predict from: the source, or the link, is silent."""
-MOST_TEMPLATES = 64
 
 SourceHz = Callable[[str, str], float | None]
 """The rate of the source of a robot's topic, by the names of both; ``None`` while it is not known."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Template:
-    """A message that arrived; the robot is where it says at ``stamp_ns``, which was ``age_ns`` before."""
+class _Source(NamedTuple):
+    """A publisher of a topic, as a run of the robot's end numbers them."""
+
+    boot: str
+    publisher: int
+
+
+@dataclass(slots=True, kw_only=True, eq=False)
+class _Arrived:
+    """A message that left the robot's loop at ``at_ns``, and when to predict from it next."""
 
     message: ReceivedMessage
-    stamp_ns: int
-    arrived_ns: int
+    at_ns: int
+    due_ns: int
 
 
 @dataclass(slots=True)
-class _Stream:
-    """``templates`` has the last message of each set of parts."""
+class _Topic:
+    """A topic of a robot; ``predictions`` are those that the robot's end keeps, by publisher.
 
+    Nothing is predicted before ``due_ns``, at no time where there is none.
+    """
+
+    type_name: str
     picture: Picture
-    prediction: Prediction | None = None
-    templates: dict[Hashable, _Template] = field(default_factory=dict)
-    due_ns: int = 0
+    predictions: dict[_Source, Prediction | None] = field(default_factory=dict)
+    due_ns: int | None = None
 
 
 class Predictor:
     """Reckons ``topics``, by the robots' names, where the robot's end says that it does so too.
 
     Its picture is made of the same messages in the same order as the robot's, by the same function, and
-    forgets where the robot's does. Times are ns of a clock that never jumps.
+    forgets where the robot's does. What cannot be reckoned is held at both ends, which ``warn`` is told once
+    a topic. Times are ns of a clock that never jumps.
     """
 
-    def __init__(self, topics: frozenset[str], source_hz: SourceHz) -> None:
-        self._topics = topics
+    def __init__(self, topics: frozenset[str], source_hz: SourceHz, warn: Callable[[str], None]) -> None:
+        self._names = topics
         self._source_hz = source_hz
-        self._streams: dict[tuple[str, str, int], _Stream] = {}
+        self._warn = warn
+        self._topics: dict[tuple[str, str], _Topic] = {}
+        self._streams: dict[tuple[str, str, int], StreamInfo] = {}
+        self._absent: set[tuple[str, str]] = set()
+        self._said: set[tuple[str, str]] = set()
 
-    def open(self, robot: str, stream: StreamInfo) -> None:
-        """A robot has this stream."""
-        if stream.topic not in self._topics:
-            return
-        properties = [spec.name for spec in properties_for_bounds().get(stream.type_name, ())]
-        if not properties:
-            return
-        key = (robot, stream.topic, stream.publisher)
-        known = self._streams.get(key)
-        if known is None:
-            picture = Picture(gauges_for(stream.type_name, properties), reckons=True)
-            known = self._streams[key] = _Stream(picture)
-        known.prediction = stream.prediction
-
-    def take(self, message: ReceivedMessage, now_ns: int) -> None:
-        """A message arrived."""
-        known = self._streams.get((message.robot, message.stream.topic, message.stream.publisher))
-        if known is None:
-            return
-        if message.begins_anew:
-            known.picture.forget()
-            known.templates.clear()
-        # Without a stamp of its own, a message does not say when the robot is there.
-        readings = known.picture.read(message.payload, None, 0)
-        known.picture.show(readings, None)
-        parts = readings[0] or ()
-        names = tuple(part.name for part in parts)
-        stamps_ns = [part.at_ns for part in parts]
-        known.templates.pop(names, None)
-        if stamps_ns and min(stamps_ns) > 0 and len(known.templates) < MOST_TEMPLATES:
-            arrived_ns = now_ns - (message.age_ns or 0)
-            template = _Template(message=message, stamp_ns=max(stamps_ns), arrived_ns=arrived_ns)
-            known.templates[names] = template
-        known.due_ns = now_ns + self._period_ns(message.robot, message.stream.topic)
-
-    def leave(self, robot: str) -> None:
-        """A robot is gone: nothing of it is predicted until something of it comes."""
-        for (name, _, _), stream in self._streams.items():
-            if name == robot:
-                stream.templates.clear()
+    def take(self, event: LinkEvent, now_ns: int) -> None:
+        """Something arrived."""
+        match event:
+            case RobotPresence(robot=robot, boot=boot, is_present=True):
+                self._absent.discard((robot, boot))
+                self._forget_earlier(robot)
+                for known in self._topics.values():
+                    known.due_ns = 0
+            case RobotPresence(robot=robot, boot=boot):
+                # It may come back, and go on as before.
+                self._absent.add((robot, boot))
+            case StreamSaid(robot=robot, boot=boot, number=number, info=info):
+                self._follow(robot, boot, number, info)
+            case ReceivedMessage(robot=robot, stream=stream):
+                topic = self._topics.get((robot, stream.topic))
+                if topic is not None:
+                    self._show(topic, event, now_ns)
 
     @property
     def due_ns(self) -> int | None:
         """When ``predicted`` may have something."""
-        return min((one.due_ns for one in self._streams.values() if one.prediction), default=None)
+        due_ns = (topic.due_ns for topic in self._topics.values())
+        return min((one for one in due_ns if one is not None), default=None)
 
     def predicted(self, now_ns: int) -> Iterator[ReceivedMessage]:
         """What is due, at the time at which the robot is now."""
-        for (robot, topic, _), stream in self._streams.items():
-            prediction = stream.prediction
-            if prediction is None or now_ns < stream.due_ns:
+        for (robot, name), topic in self._topics.items():
+            if topic.due_ns is None or now_ns < topic.due_ns:
                 continue
-            stream.due_ns = now_ns + self._period_ns(robot, topic)
-            silent_ns = MISSED_HEARTBEATS * NS_PER_S / prediction.heartbeat_hz
-            for template in stream.templates.values():
-                elapsed_ns = now_ns - template.arrived_ns
-                if elapsed_ns > silent_ns:
+            topic.due_ns = None
+            period_ns = self._period_ns(robot, name)
+            for arrived, parts in topic.picture.moving().items():
+                assert isinstance(arrived, _Arrived)
+                message, elapsed_ns = arrived.message, now_ns - arrived.at_ns
+                prediction = topic.predictions.get(_source_of(message))
+                if prediction is None or (robot, message.boot) in self._absent:
                     continue
-                at_ns = template.stamp_ns + elapsed_ns
-                message = template.message
-                payload = stream.picture.reckoned(message.payload, None, at_ns, prediction.within)
-                if payload is not None:
-                    yield replace(message, payload=payload, age_ns=0, is_predicted=True)
+                if elapsed_ns > silent_after_ns(prediction.heartbeat_hz):
+                    continue
+                if now_ns >= arrived.due_ns:
+                    arrived.due_ns = now_ns + period_ns
+                    payload = topic.picture.written(message.payload, parts, elapsed_ns, prediction.within)
+                    if payload is not None:
+                        yield replace(message, payload=payload, age_ns=0, is_predicted=True)
+                topic.due_ns = _earlier(topic.due_ns, arrived.due_ns)
+
+    def _follow(self, robot: str, boot: str, number: int, info: StreamInfo | None) -> None:
+        """A robot has a stream, or has it no more: nothing of its publisher is predicted then."""
+        key = (robot, boot, number)
+        before = self._streams.pop(key, None)
+        if before is not None and (info is None or replace(info, prediction=before.prediction) != before):
+            closed = self._topics[robot, before.topic]
+            closed.predictions.pop(_Source(boot, before.publisher), None)
+        if info is None or info.topic not in self._names:
+            return
+        properties = [spec.name for spec in properties_for_bounds().get(info.type_name, ())]
+        if not properties:
+            return
+        topic = self._topics.get((robot, info.topic))
+        if topic is None or topic.type_name != info.type_name:
+            picture = Picture(gauges_for(info.type_name, properties), reckons=True)
+            topic = self._topics[robot, info.topic] = _Topic(info.type_name, picture)
+        self._streams[key] = info
+        topic.predictions[_Source(boot, info.publisher)] = info.prediction
+        if info.prediction is not None:
+            topic.picture.expect_heartbeat(info.prediction.heartbeat_hz)
+            topic.due_ns = 0
+
+    def _forget_earlier(self, robot: str) -> None:
+        """A robot is there: the runs of its end that are gone do not come back."""
+        for key in [key for key in self._streams if key[:2] in self._absent and key[0] == robot]:
+            self._follow(*key, None)
+        self._absent = {one for one in self._absent if one[0] != robot}
+
+    def _show(self, topic: _Topic, message: ReceivedMessage, now_ns: int) -> None:
+        source = _source_of(message)
+        if source not in topic.predictions:
+            return
+        if message.begins_anew:
+            topic.picture.forget_publisher(source)
+        robot, name = message.robot, message.stream.topic
+        readings = topic.picture.read(message.payload, None, now_ns)
+        due_ns = now_ns + self._period_ns(robot, name)
+        arrived = _Arrived(message=message, at_ns=now_ns - (message.age_ns or 0), due_ns=due_ns)
+        topic.picture.show(readings, source, arrived)
+        topic.due_ns = _earlier(topic.due_ns, due_ns)
+        if topic.predictions[source] and readings[0] and not can_be_reckoned(readings[0]):
+            self._say_held(robot, name)
+
+    def _say_held(self, robot: str, topic: str) -> None:
+        if (robot, topic) not in self._said:
+            self._said.add((robot, topic))
+            self._warn(
+                f"{topic} of {robot} is not predicted: its messages do not say when the robot is there, as "
+                "their stamp is 0; the last one is shown, and more are sent; have its node set the stamp"
+            )
 
     def _period_ns(self, robot: str, topic: str) -> int:
         return round(NS_PER_S / min(self._source_hz(robot, topic) or SOURCE_HZ, MOST_HZ))
+
+
+def _earlier(due_ns: int | None, other_ns: int) -> int:
+    return other_ns if due_ns is None else min(due_ns, other_ns)
+
+
+def _source_of(message: ReceivedMessage) -> _Source:
+    return _Source(message.boot, message.stream.publisher)

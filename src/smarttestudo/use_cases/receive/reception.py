@@ -56,22 +56,18 @@ class Reception:
                 known.boots.add(boot)
             case RobotPresence(boot=boot):
                 known.boots.discard(boot)
-                if self._predictor is not None and not known.boots:
-                    self._predictor.leave(robot)
             case StreamSaid(info=StreamInfo() as stream):
                 _topic(known, stream).type_name = stream.type_name
-                if self._predictor is not None:
-                    self._predictor.open(robot, stream)
                 for sink in self._sinks:
                     sink.open(robot, stream)
             case ReceivedMessage(stream=stream, age_ns=age_ns):
                 topic = _topic(known, stream)
                 topic.age_ms = None if age_ns is None else age_ns / NS_PER_MS
                 topic.flow.record(now_ns, len(event.payload))
-                if self._predictor is not None:
-                    self._predictor.take(event, now_ns)
                 for sink in self._sinks:
                     sink.take(event)
+        if self._predictor is not None:
+            self._predictor.take(event, now_ns)
 
     def predict(self, now_ns: int) -> int | None:
         """Give ``sinks`` what is predicted and due; when there is more."""
