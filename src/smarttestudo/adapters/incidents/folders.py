@@ -5,18 +5,23 @@
 from __future__ import annotations
 
 import heapq
-import shutil
 import struct
-import tempfile
 from collections import Counter
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from operator import attrgetter
 from pathlib import Path
 
-from smarttestudo.adapters.files.incident_store import PARTIAL_SUFFIX, RECORD_NAME
+from smarttestudo.adapters.files.incident_store import (
+    METADATA_NAME,
+    PARTIAL_SUFFIX,
+    RECORD_NAME,
+    remove_incident,
+)
+from smarttestudo.adapters.files.removal import temporary_folder
 from smarttestudo.adapters.files.whole_file import not_written, whole_file
-from smarttestudo.adapters.incidents.bag_metadata import METADATA_NAME, metadata_text
+from smarttestudo.adapters.incidents.bag_metadata import metadata_text
 from smarttestudo.adapters.incidents.mcap_records import StoredChannel
 from smarttestudo.adapters.incidents.mcap_writer import FileContent
 from smarttestudo.adapters.incidents.ring_files import RingFiles
@@ -133,7 +138,8 @@ class IncidentFolders:
         for found in self._open.values():
             found.shared.abandon()
         for found in self._open.values():
-            shutil.rmtree(found.bag.path, ignore_errors=True)
+            with suppress(OSError, TestudoError):
+                remove_incident(found.bag.path)
         self._open.clear()
 
     def _begin(
@@ -228,11 +234,11 @@ class IncidentFolders:
 
 def _has_hard_links(folder: Path) -> bool:
     """Whether files in ``folder`` can have several names. Raises ``OSError`` where none can be made."""
-    with tempfile.TemporaryDirectory(prefix=".", suffix=PARTIAL_SUFFIX, dir=folder) as workshop:
-        file = Path(workshop, "file")
+    with temporary_folder(folder, suffix=PARTIAL_SUFFIX) as workshop:
+        file = workshop / "file"
         file.touch()
         try:
-            Path(workshop, "link").hardlink_to(file)
+            (workshop / "link").hardlink_to(file)
         except OSError:
             return False
     return True
