@@ -37,7 +37,8 @@ from smarttestudo.domain.incident import (
     incident_folder_name,
 )
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.runtime.incidents.recorder import Incident, missing_for_memory
+from smarttestudo.runtime.incidents.missing import missing_for_memory
+from smarttestudo.runtime.incidents.recorder import Incident
 from smarttestudo.runtime.incidents.topic_ring import IncidentMessage, SourceMessage
 
 SEGMENTS_OF_A_WINDOW = 10
@@ -95,7 +96,7 @@ class IncidentFolders:
     def begin(
         self, incident: Incident, latched: Sequence[SourceMessage], messages: Iterable[IncidentMessage]
     ) -> None:
-        """Write what came before; ``latched`` with the stamp of the window's start."""
+        """Write what came already; ``latched`` as from the window's start."""
         shared = self._shared_of(incident)
         name = unused_name(self._folder, incident.recording.name, incident.trigger.stamp_ns)
         bag = BagFolder(path=self._folder / f".{name}{PARTIAL_SUFFIX}", name=name)
@@ -164,11 +165,7 @@ class IncidentFolders:
             topics={
                 topic: IncidentTopic(type_name="", messages=0, size_bytes=0) for topic in recording.topics
             },
-            latched=tuple(
-                LatchedSample(topic=one.topic, stamp_ns=one.stamp_ns)
-                for one in latched
-                if one.stamp_ns < incident.from_ns
-            ),
+            latched=tuple(LatchedSample(topic=one.topic, stamp_ns=one.stamp_ns) for one in latched),
         )
         found = _OpenFolder(bag=bag, shared=shared, record=record, last_stamp_ns=trigger.stamp_ns)
         self._open[incident] = found
