@@ -22,6 +22,7 @@ DEFAULT_INCIDENT_RING_MAX_GB = 5
 INCIDENT_VERSION = 1
 _MAX_NAME_CHARACTERS = 60
 _NOT_IN_NAMES = re.compile(r"[^A-Za-z0-9_-]+")
+_FOLDER_NAME = re.compile(r"(\d+T\d{9}Z|-?\d+ns)-[A-Za-z0-9_-]+\Z", re.ASCII)
 _EPOCH = datetime(1970, 1, 1, tzinfo=timezone.utc)
 
 
@@ -118,6 +119,11 @@ def incident_folder_name(name: str, stamp_ns: int) -> str:
     except OverflowError:
         time = f"{stamp_ns}ns"
     return f"{time}-{slug or 'incident'}"
+
+
+def is_incident_folder_name(name: str) -> bool:
+    """Whether ``incident_folder_name`` gives such names."""
+    return _FOLDER_NAME.match(name) is not None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

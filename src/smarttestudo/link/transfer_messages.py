@@ -269,6 +269,11 @@ def is_incident_name(name: str) -> bool:
     return _INCIDENT_NAME.match(name) is not None
 
 
+def is_incident_file_name(name: str) -> bool:
+    """Whether it can be the name of a file in an incident's folder."""
+    return _FILE_NAME.match(name) is not None
+
+
 def _part_to_bytes(part: RangePart) -> bytes:
     whole = part.whole
     is_copy = whole.copy_of is not None
@@ -349,7 +354,7 @@ def _listed(record: Mapping[str, object], robot: str) -> RemoteIncident:
 
 def _file(name: object, size_bytes: object, sha256: object) -> PlannedFile:
     size, digest = _whole(size_bytes), _text(sha256)
-    if not isinstance(name, str) or not _FILE_NAME.match(name):
+    if not isinstance(name, str) or not is_incident_file_name(name):
         raise ValueError("no name of a file")
     if not 0 <= size <= MAX_FILE_BYTES or len(bytes.fromhex(digest)) != 32:
         raise ValueError("no size or digest of a file")

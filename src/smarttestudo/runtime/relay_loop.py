@@ -39,8 +39,7 @@ class RelayLoop:
     The clock may jump back: for the plan it then stood still (``SteadyTime``), and the pacers begin anew.
     Of topics in ``reckoned``, receivers show dead reckoning in the place of the last value, until a
     ``ReceiversReckon`` says otherwise. ``knowledge`` and
-    ``relays`` are there to be looked at; only the loop changes them. ``triggered`` may be set, and is told at
-    once of each block that begins to record.
+    ``relays`` are there to be looked at; only the loop changes them.
     """
 
     def __init__(
@@ -67,10 +66,24 @@ class RelayLoop:
         self._watched = self.knowledge.watched.keys()
         self._sources: dict[str, SourceChanged] = {}
         self._decisions: list[Decision] = []
-        self.triggered: Callable[[Trigger], None] | None = None
+        self._first_triggers: list[Trigger] = []
+        self._triggered: Callable[[Trigger], None] | None = self._first_triggers.append
         self._now_ns = start_ns
         self._step_ns: int | None = None
         self._step((), start_ns)
+        self._triggered = None
+
+    @property
+    def triggered(self) -> Callable[[Trigger], None] | None:
+        """What is told of each block that begins to record, at once, and of those that do from the start."""
+        return self._triggered
+
+    @triggered.setter
+    def triggered(self, told: Callable[[Trigger], None]) -> None:
+        self._triggered = told
+        first, self._first_triggers = self._first_triggers, []
+        for trigger in first:
+            told(trigger)
 
     @property
     def next_wake_ns(self) -> int | None:
@@ -197,9 +210,9 @@ class RelayLoop:
     ) -> None:
         result = step(self.knowledge, observations, now_ns)
         self._step_ns = result.next_wake_ns
-        if result.triggers and self.triggered is not None:
+        if self._triggered is not None:
             for trigger in result.triggers:
-                self.triggered(trigger)
+                self._triggered(trigger)
         if result.decisions:
             self._decisions += map(told, result.decisions) if told else result.decisions
             self._freed += self.relays.apply(result.decisions, now_ns)

@@ -6,11 +6,12 @@ from __future__ import annotations
 
 import asyncio
 import math
-import secrets
-import shutil
 import sys
 from asyncio.subprocess import DEVNULL, PIPE, Process
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TypeAlias
 
 import msgspec
@@ -20,6 +21,8 @@ from starlette.requests import Request
 from starlette.responses import Response
 
 from smarttestudo.adapters.files.project_folder import ProjectFolder
+from smarttestudo.adapters.files.removal import temporary_folder
+from smarttestudo.adapters.files.whole_file import not_written
 from smarttestudo.domain.errors import TestudoError, UsageError
 from smarttestudo.domain.names import is_topic_name, resolve_topic
 from smarttestudo.use_cases.ruler.accuracy_curve import AccuracyCurveRequest
@@ -28,7 +31,7 @@ from smarttestudo.use_cases.ruler.child_messages import Done, Failure, Share
 from smarttestudo.use_cases.ruler.child_process import ChildWork, MeasureOrder
 from smarttestudo.use_cases.ruler.curve import CurveRequest
 from smarttestudo.use_cases.ruler.incident_course import IncidentCourseRequest
-from smarttestudo.use_cases.ruler.incident_keeping import KeepOrder, KeepRequest
+from smarttestudo.use_cases.ruler.incident_keeping import INCIDENTS_FOLDER, KeepOrder, KeepRequest
 from smarttestudo.use_cases.ruler.incidents import KnownIncidents
 from smarttestudo.use_cases.ruler.profiles import MeasureLiveRequest
 from smarttestudo.use_cases.ruler.trial import TryRequest
@@ -147,16 +150,25 @@ class KeepApi:
         """Write one; who leaves ends it, and no part of it stays."""
         bag = await run_in_threadpool(self._folder.bag, asked.bag)
         await run_in_threadpool(require_usable, asked)
-        workshop = self._folder.path(f".keeping-{secrets.token_hex(8)}")
-        order = KeepOrder(
-            **{**msgspec.structs.asdict(asked), "bag": str(bag)},
-            project=str(workshop.parent),
-            workshop=str(workshop),
-        )
-        try:
+        project = self._folder.path(".keeping").parent
+        with _workshop(project) as workshop:
+            order = KeepOrder(
+                **{**msgspec.structs.asdict(asked), "bag": str(bag)},
+                project=str(project),
+                workshop=str(workshop),
+            )
             return await self._work.answer(request, _order(ChildWork.KEEP, order, asked.bag))
-        finally:
-            shutil.rmtree(workshop, ignore_errors=True)
+
+
+@contextmanager
+def _workshop(project: Path) -> Iterator[Path]:
+    """Where an incident is written. Raises ``OutputFileError`` where nothing can be."""
+    with ExitStack() as opened:
+        try:
+            workshop = opened.enter_context(temporary_folder(project, prefix=".keeping-"))
+        except OSError as error:
+            raise not_written(Path(INCIDENTS_FOLDER), "an incident", error) from error
+        yield workshop
 
 
 class CurveApi:

@@ -15,12 +15,16 @@ from smarttestudo.adapters.files.incident_space import RemovedIncident, make_roo
 FILE_BYTES = 8192
 
 
+def named(number: int) -> str:
+    return f"20260102T03040567{number}Z-near_miss"
+
+
 def add(folder: Path, name: str, *, files: int = 1, is_read: bool = False) -> Path:
     path = folder / name
     path.mkdir(parents=True)
     (path / "incident.json").touch()
     for number in range(files):
-        (path / f"{number}.mcap").write_bytes(bytes(FILE_BYTES))
+        (path / f"{name}_{number}.mcap").write_bytes(bytes(FILE_BYTES))
     if is_read:
         (path / "read").touch()
     return path
@@ -32,31 +36,31 @@ def removed(folder: Path, files: float) -> list[str]:
 
 def test_those_that_were_read_go_first_and_then_the_oldest(tmp_path: Path) -> None:
     for number in range(6):
-        add(tmp_path, f"2026-{number}", is_read=number in {2, 3})
+        add(tmp_path, named(number), is_read=number in {2, 3})
     assert removed(tmp_path, 6) == []
-    assert list(make_room(tmp_path, 5 * FILE_BYTES)) == [RemovedIncident(name="2026-2", was_read=True)]
-    assert removed(tmp_path, 3) == ["2026-3", "2026-0"]
+    assert list(make_room(tmp_path, 5 * FILE_BYTES)) == [RemovedIncident(name=named(2), was_read=True)]
+    assert removed(tmp_path, 3) == [named(3), named(0)]
 
 
 def test_the_newest_and_what_is_no_whole_incident_stay(tmp_path: Path) -> None:
-    add(tmp_path, "2026-0", is_read=True)
-    add(tmp_path, "2026-1")
-    add(tmp_path, ".2026-2.partial")
+    add(tmp_path, named(0), is_read=True)
+    add(tmp_path, named(1))
+    add(tmp_path, f".{named(2)}.partial")
     (tmp_path / "notes").mkdir()
     (tmp_path / "notes" / "text").write_bytes(bytes(FILE_BYTES))
     (tmp_path / "linked").symlink_to(tmp_path / "notes")
-    assert removed(tmp_path, 0) == ["2026-0"]
-    assert {path.name for path in tmp_path.iterdir()} == {"2026-1", ".2026-2.partial", "notes", "linked"}
+    assert removed(tmp_path, 0) == [named(0)]
+    assert {path.name for path in tmp_path.iterdir()} == {named(1), f".{named(2)}.partial", "notes", "linked"}
 
 
 def test_a_shared_file_is_freed_with_the_last_that_has_it(tmp_path: Path) -> None:
-    first = add(tmp_path, "2026-0", files=1)
-    second = add(tmp_path, "2026-1", files=0)
-    (second / "0.mcap").hardlink_to(first / "0.mcap")
-    add(tmp_path, "2026-2")
-    add(tmp_path, "2026-3")
+    first = add(tmp_path, named(0), files=1)
+    second = add(tmp_path, named(1), files=0)
+    (second / f"{second.name}_0.mcap").hardlink_to(first / f"{first.name}_0.mcap")
+    add(tmp_path, named(2))
+    add(tmp_path, named(3))
     assert removed(tmp_path, 3) == []
-    assert removed(tmp_path, 2) == ["2026-0", "2026-1"]
+    assert removed(tmp_path, 2) == [named(0), named(1)]
 
 
 @given(st.lists(st.tuples(st.integers(0, 3), st.booleans()), max_size=8), st.integers(0, 20))
@@ -66,7 +70,7 @@ def test_an_unread_one_never_goes_before_one_that_was_read(
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for number, (count, is_read) in enumerate(incidents):
-            add(folder, f"2026-{number}", files=count, is_read=is_read)
+            add(folder, named(number), files=count, is_read=is_read)
         gone = list(make_room(folder, files * FILE_BYTES))
         assert [one.was_read for one in gone] == sorted((one.was_read for one in gone), reverse=True)
         if any(not one.was_read for one in gone):

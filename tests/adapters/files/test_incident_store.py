@@ -36,6 +36,7 @@ RECORD = IncidentRecord(
     ),
 )
 NAME = "19700101T000030000Z-near_miss"
+FILE = f"{NAME}_0.mcap"
 
 
 @pytest.fixture
@@ -43,7 +44,7 @@ def folder(tmp_path: Path) -> Path:
     path = tmp_path / "incidents"
     (path / NAME).mkdir(parents=True)
     (path / NAME / "incident.json").write_text(incident_text(RECORD))
-    (path / NAME / "bag.mcap").write_bytes(b"messages")
+    (path / NAME / FILE).write_bytes(b"messages")
     return path
 
 
@@ -76,7 +77,7 @@ def test_one_is_shown(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
 def test_one_is_exported_and_deleted(folder: Path, tmp_path: Path) -> None:
     target = tmp_path / "taken" / "away"
     assert main(["incidents", "export", str(folder), NAME, "--output", str(target)]) == 0
-    assert {one.name for one in target.iterdir()} == {"incident.json", "bag.mcap"}
+    assert {one.name for one in target.iterdir()} == {"incident.json", FILE}
     assert main(["incidents", "export", str(folder), NAME, "--output", str(target)]) == 1
     assert main(["incidents", "delete", str(folder), NAME]) == 0
     assert list(folder.iterdir()) == []
@@ -127,8 +128,8 @@ def test_links_in_an_incident_are_not_followed(
 ) -> None:
     secret = tmp_path / "secret"
     secret.write_text("secret")
-    (folder / NAME / "bag.mcap").unlink()
-    (folder / NAME / "bag.mcap").symlink_to(secret)
+    (folder / NAME / FILE).unlink()
+    (folder / NAME / FILE).symlink_to(secret)
     assert main(["incidents", "export", str(folder), NAME, "--output", str(tmp_path / "copy")]) == 0
     assert {one.name for one in (tmp_path / "copy").iterdir()} == {"incident.json"}
     (folder / NAME / "incident.json").unlink()
@@ -150,9 +151,14 @@ def test_one_that_was_shown_or_exported_counts_as_read(
     assert main(["incidents", "show", str(folder), NAME]) == 0
     assert is_read()
     assert main(["incidents", "export", str(folder), NAME, "--output", str(tmp_path / "copy")]) == 0
-    assert {one.name for one in (tmp_path / "copy").iterdir()} == {"incident.json", "bag.mcap"}
+    assert {one.name for one in (tmp_path / "copy").iterdir()} == {"incident.json", FILE}
 
 
-def test_a_folder_that_is_none_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["incidents", "list", str(tmp_path / "nowhere")]) == 1
-    assert "nowhere: error: is not a folder of incidents" in capsys.readouterr().err
+def test_a_folder_that_is_none_is_named_with_the_command_that_writes_one(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "file").touch()
+    for name, said in (("nowhere", "no such folder"), ("file", "is not a folder")):
+        assert main(["incidents", "list", str(tmp_path / name)]) == 1
+        remedy = "name the one that 'testudo run --incidents DIR' wrote into"
+        assert capsys.readouterr().err == f"{tmp_path / name}: error: {said}; {remedy}\n"

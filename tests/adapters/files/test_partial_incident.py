@@ -11,7 +11,7 @@ import pytest
 
 from smarttestudo.adapters.files.partial_incident import STATE_NAME, PartialIncident
 from smarttestudo.adapters.files.whole_file import OutputFileError
-from smarttestudo.domain.errors import LinkError
+from smarttestudo.domain.errors import LinkError, TestudoError
 from smarttestudo.link.transfer_messages import PlannedFile, TransferPiece, TransferPlan
 from smarttestudo.link.transfer_order import ByteRange, RangePart
 
@@ -19,11 +19,9 @@ NAME = "20260102T030405678Z-near_miss"
 DATA = bytes(range(200))
 
 
-def plan(token: int = 1, data: bytes = DATA) -> TransferPlan:
+def plan(token: int = 1, data: bytes = DATA, *, name: str = "a.mcap") -> TransferPlan:
     sha256 = hashlib.sha256(data).hexdigest()
-    return TransferPlan(
-        token=bytes([token] * 16), files=(PlannedFile("a.mcap", len(data), sha256),), levels=()
-    )
+    return TransferPlan(token=bytes([token] * 16), files=(PlannedFile(name, len(data), sha256),), levels=())
 
 
 def piece(start: int, end: int) -> TransferPiece:
@@ -58,13 +56,16 @@ def test_a_state_that_was_edited_begins_anew(tmp_path: Path, state: bytes) -> No
         assert partial.cursor == 0
 
 
-def test_what_is_there_of_other_files_is_deleted(tmp_path: Path) -> None:
+def test_what_is_there_of_another_plan_is_deleted_and_nothing_else(tmp_path: Path) -> None:
     path = begin(tmp_path)
-    (path / "other.mcap").touch()
-    with PartialIncident(tmp_path, NAME, plan(token=2)) as partial:
+    (path / "mine.mcap").write_bytes(b"mine")
+    (path / "folder").mkdir()
+    with PartialIncident(tmp_path, NAME, plan(token=2, name="b.mcap")) as partial:
         assert partial.cursor == 0
-        assert not (path / "other.mcap").exists()
-        assert (path / "a.mcap").read_bytes() == bytes(len(DATA))
+    names = {one.name for one in path.iterdir() if not one.name.startswith(".")}
+    assert names == {"b.mcap", "mine.mcap", "folder"}
+    assert (path / "b.mcap").read_bytes() == bytes(len(DATA))
+    assert (path / "mine.mcap").read_bytes() == b"mine"
 
 
 def test_a_file_that_was_cut_begins_anew(tmp_path: Path) -> None:
@@ -82,19 +83,30 @@ def test_what_is_not_what_the_robot_has_is_said_and_deleted(tmp_path: Path) -> N
     assert not (tmp_path / NAME).exists()
 
 
-def test_links_lead_nowhere(tmp_path: Path) -> None:
+@pytest.mark.parametrize("name", ["", "a.mcap", STATE_NAME, ".fetch.lock"])
+@pytest.mark.parametrize("is_there", [True, False])
+def test_links_lead_nowhere_and_are_named(tmp_path: Path, name: str, is_there: bool) -> None:
     outside = tmp_path / "outside"
-    outside.mkdir()
-    (outside / "a.mcap").write_bytes(b"mine")
+    if is_there and name:
+        outside.write_bytes(b"{}")
+    elif is_there:
+        outside.mkdir()
+        (outside / "a.mcap").write_bytes(b"mine")
     folder = tmp_path / "folder"
-    folder.mkdir()
-    (folder / f".{NAME}.partial").symlink_to(outside)
-    path = begin(folder)
-    (path / "a.mcap").unlink()
-    (path / "a.mcap").symlink_to(outside / "a.mcap")
-    with PartialIncident(folder, NAME, plan()) as partial:
-        assert partial.cursor == 0
-    assert (outside / "a.mcap").read_bytes() == b"mine"
+    place = folder / f".{NAME}.partial" / name
+    place.parent.mkdir(parents=True)
+    place.symlink_to(outside)
+    before = sorted(tmp_path.rglob("*"))
+    with pytest.raises(TestudoError, match=name or "is a link"):
+        begin(folder)
+    for path in before:
+        assert path == place or path.is_symlink() or path.exists()
+    assert place.is_symlink()
+    if name:
+        assert not is_there or outside.read_bytes() == b"{}"
+        assert outside.exists() == is_there
+    else:
+        assert not is_there or [one.name for one in outside.iterdir()] == ["a.mcap"]
 
 
 def test_one_process_at_a_time_fetches_an_incident(tmp_path: Path) -> None:

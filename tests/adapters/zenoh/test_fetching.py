@@ -21,7 +21,8 @@ from adapters.zenoh.ends import (
     robot_end,
     until,
 )
-from smarttestudo.adapters.incidents.bag_metadata import METADATA_NAME, metadata_text
+from smarttestudo.adapters.files.incident_store import METADATA_NAME
+from smarttestudo.adapters.incidents.bag_metadata import metadata_text
 from smarttestudo.adapters.incidents.mcap_records import StoredChannel
 from smarttestudo.adapters.incidents.mcap_writer import FileContent, McapWriter
 from smarttestudo.adapters.json.incidents import incident_text

@@ -48,6 +48,21 @@ def test_each_side_of_a_block_begins_when_it_begins_to_hold() -> None:
     assert driver.triggers[1].values == {"/odom x": 7}
 
 
+def test_what_holds_from_the_start_begins_with_whoever_asks_and_once() -> None:
+    driver = Driver("""\
+Rule "Dead" If CheckValue /scan rate < 1 Then
+Record "dead lidar" /odom Before 1 s After 1 s
+EndIf""")
+    assert driver.labels == ["Dead"]
+    assert (driver.triggers[0].stamp_ns, driver.triggers[0].values) == (0, {"/scan rate": 0})
+    others: list[Trigger] = []
+    driver.loop.triggered = others.append
+    for _ in range(50):
+        driver.odom(1)
+    assert others == []
+    assert driver.labels == ["Dead"]
+
+
 def test_a_value_that_was_in_doubt_for_a_while_does_not_begin_again() -> None:
     driver = Driver()
     for _ in range(6):

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from adapters.rosbag.bag_factory import small_mission, write_bag
 from smarttestudo.pacing.sample import WhenSlow
 from smarttestudo.use_cases.demo.demo import DemoRequest, run_demo
 from smarttestudo.use_cases.demo.folder import MARKER, DemoFolderError, demo_folder
@@ -59,6 +60,69 @@ def test_a_former_demo_and_an_empty_folder_are_replaced_and_what_others_put_ther
     assert {path.name for path in out.iterdir()} == {MARKER, "mine"}
     assert (out / MARKER).read_text() == "second"
     assert (out / "mine" / "notes.txt").read_text() == "mine"
+    assert [path.name for path in tmp_path.iterdir()] == ["demo-out"]
+
+
+def _make_with_bag(out: Path, text: str) -> None:
+    with demo_folder(out, needed_bytes=0, made={MARKER, "bag", "old.log"}) as work:
+        write_bag(work / "bag", small_mission(1))
+        (work / MARKER).write_text(text)
+
+
+@pytest.mark.parametrize("foreign", ["bag/notes.txt", "bag/cut.mcap", "bag/more/notes.txt"])
+def test_what_others_put_into_a_recording_of_the_demo_is_named_and_stays(
+    foreign: str, tmp_path: Path
+) -> None:
+    out = tmp_path / "demo-out"
+    _make_with_bag(out, "first")
+    (out / foreign).parent.mkdir(exist_ok=True)
+    (out / foreign).write_text("mine")
+    before = sorted(tmp_path.rglob("*"))
+
+    with pytest.raises(DemoFolderError, match=rf"{foreign[:8]}.*move that elsewhere, or name another folder"):
+        _make_with_bag(out, "second")
+
+    assert (out / foreign).read_text() == "mine"
+    assert (out / MARKER).read_text() == "first"
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+def test_what_a_former_demo_made_goes_and_links_lead_nowhere(tmp_path: Path) -> None:
+    out = tmp_path / "demo-out"
+    _make_with_bag(out, "first")
+    (out / "old.log").write_text("old")
+    (tmp_path / "theirs").mkdir()
+    (tmp_path / "theirs" / "notes.txt").write_text("mine")
+    (out / "link").symlink_to(tmp_path / "theirs")
+
+    _make_with_bag(out, "second")
+
+    assert {path.name for path in out.iterdir()} == {MARKER, "bag", "link"}
+    assert (out / "link" / "notes.txt").read_text() == "mine"
+    assert {path.name for path in tmp_path.iterdir()} == {"demo-out", "theirs"}
+
+    (out / "link").rename(out / "old.log")
+    with pytest.raises(DemoFolderError, match=r"old\.log"):
+        _make_with_bag(out, "third")
+    assert (tmp_path / "theirs" / "notes.txt").read_text() == "mine"
+
+
+def test_what_cannot_be_put_in_place_leaves_the_former_demo_as_it_was(tmp_path: Path) -> None:
+    out = tmp_path / "demo-out"
+    _make_with_bag(out, "first")
+    (out / "report").write_text("mine")
+
+    def not_announced() -> None:
+        with demo_folder(out, needed_bytes=0, made={MARKER, "bag"}) as work:
+            write_bag(work / "bag", small_mission(1))
+            (work / "report").write_text("the demo's")
+            (work / MARKER).write_text("second")
+
+    with pytest.raises(DemoFolderError, match=r"File exists \(.*report\)"):
+        not_announced()
+    assert (out / MARKER).read_text() == "first"
+    assert (out / "report").read_text() == "mine"
+    assert len(list((out / "bag").iterdir())) == 2
     assert [path.name for path in tmp_path.iterdir()] == ["demo-out"]
 
 

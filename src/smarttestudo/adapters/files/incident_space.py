@@ -5,25 +5,30 @@
 from __future__ import annotations
 
 import os
-import shutil
 import stat
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from smarttestudo.adapters.files.incident_store import READ_NAME, RECORD_NAME
+from smarttestudo.adapters.files.incident_store import READ_NAME, RECORD_NAME, remove_incident
 from smarttestudo.adapters.files.whole_file import not_written
+from smarttestudo.domain.errors import RecordingError
+from smarttestudo.domain.incident import is_incident_folder_name
 
 _FileKey = tuple[int, int]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RemovedIncident:
-    """An incident that was deleted to make room, and whether somebody had read it."""
+    """An incident that was deleted to make room, and whether somebody had read it.
+
+    One with a ``problem`` could not be, and stays.
+    """
 
     name: str
     was_read: bool
+    problem: RecordingError | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -37,8 +42,9 @@ def make_room(folder: Path, max_bytes: int) -> Iterator[RemovedIncident]:
     """Delete incidents until all of ``folder`` takes at most ``max_bytes`` on disk, or one is left.
 
     Those that were read go first, then the others, the oldest first; what several share counts once, and is
-    freed with the last of them. What is not an incident, or not whole, counts and stays. Each is told when it
-    is gone. Raises ``OutputFileError`` where one cannot be deleted.
+    freed with the last of them. What is not an incident, not whole, or renamed counts and stays, and so does
+    an incident with something else in its folder. Each is told when it is gone, or stays though it is its
+    turn. Raises ``OutputFileError`` where one cannot be deleted.
     """
     holders: Counter[_FileKey] = Counter()
     sizes: dict[_FileKey, int] = {}
@@ -48,14 +54,23 @@ def make_room(folder: Path, max_bytes: int) -> Iterator[RemovedIncident]:
             files = _files(path)
             holders.update(files.keys())
             sizes |= files
-            if not path.name.startswith(".") and not path.is_symlink() and (path / RECORD_NAME).is_file():
+            # What was given another name is somebody's by now.
+            if (
+                is_incident_folder_name(path.name)
+                and (path / RECORD_NAME).is_file()
+                and not path.is_symlink()
+            ):
                 incidents.append(_Folder(path=path, is_read=(path / READ_NAME).exists(), files=files))
         taken = sum(sizes.values())
         # The newest stays: it is what just happened.
         for one in sorted(incidents[:-1], key=lambda one: not one.is_read):
             if taken <= max_bytes:
                 return
-            shutil.rmtree(one.path)
+            try:
+                remove_incident(one.path)
+            except RecordingError as error:
+                yield RemovedIncident(name=one.path.name, was_read=one.is_read, problem=error)
+                continue
             holders.subtract(one.files.keys())
             taken -= sum(size for key, size in one.files.items() if not holders[key])
             yield RemovedIncident(name=one.path.name, was_read=one.is_read)

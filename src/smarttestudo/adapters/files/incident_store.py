@@ -7,23 +7,30 @@ from __future__ import annotations
 import re
 import shutil
 import stat
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+from smarttestudo.adapters.files.removal import ForeignFilesError, remove
 from smarttestudo.adapters.json.incidents import MAX_RECORD_BYTES, read_incident
 from smarttestudo.domain.errors import RecordingError
-from smarttestudo.domain.incident import IncidentRecord
+from smarttestudo.domain.incident import IncidentRecord, incident_folder_name, is_incident_folder_name
 from smarttestudo.domain.remote_incidents import RemoteIncident
 
 RECORD_NAME = "incident.json"
+METADATA_NAME = "metadata.yaml"
 READ_NAME = "read"
 """An empty file in the folder of an incident that somebody looked at."""
 PARTIAL_SUFFIX = ".partial"
 """How the folder of an incident ends that is not whole; it begins with a point."""
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,99}\Z")
 _MAX_LISTED = 100_000
+_INCIDENTS_ARE_LISTED = "'testudo incidents list' names them"
+_RECORDING = re.compile(r"((.+?)(?:-\d+)?)_\d+\.mcap\Z", re.ASCII)
+"""A recording begins with the name that its folder had first, with a number where others had that name."""
+_UNFINISHED = re.compile(r"\.(incident\.json|metadata\.yaml)-\w{8}\.partial\Z", re.ASCII)
+"""What ``whole_file`` leaves where a run was killed."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -65,7 +72,11 @@ class IncidentStore:
     def __init__(self, folder: Path) -> None:
         self._folder = folder
         if not folder.is_dir():
-            raise RecordingError("is not a folder of incidents", place=str(folder), remedy="see --incidents")
+            raise RecordingError(
+                "is not a folder" if folder.exists() else "no such folder",
+                place=str(folder),
+                remedy="name the one that 'testudo run --incidents DIR' wrote into",
+            )
 
     def incidents(self) -> Iterator[StoredIncident | RecordingError]:
         """All incidents, oldest first; for one whose record cannot be read, why."""
@@ -100,13 +111,6 @@ class IncidentStore:
         with _errors_at(path):
             return list(_files(path))
 
-    def others(self, name: str, known: re.Pattern[str]) -> list[Path]:
-        """What is in the folder of an incident and is none of its files, whose names match ``known``."""
-        path = self._path(name)
-        with _errors_at(path):
-            files = {one for one in _files(path) if known.match(one.name)} | {path / READ_NAME}
-            return sorted(one for one in path.iterdir() if one not in files)
-
     def mark_read(self, name: str) -> None:
         """Somebody looked at the incident: it is among those that give way first. No error if that fails."""
         with suppress(OSError):
@@ -124,10 +128,10 @@ class IncidentStore:
         return len(files)
 
     def delete(self, name: str) -> None:
-        """Delete the folder of an incident, whether its record can be read or not."""
+        """Delete an incident as ``remove_incident``. Raises ``RecordingError`` where it stays."""
         path = self._path(name)
         with _errors_at(path):
-            shutil.rmtree(path)
+            remove_incident(path)
 
     def _path(self, name: str) -> Path:
         path = self._folder / name
@@ -135,7 +139,7 @@ class IncidentStore:
             raise RecordingError(
                 f"there is no incident {name!r:.80}",
                 place=str(self._folder),
-                remedy="'testudo incidents list' names them",
+                remedy=_INCIDENTS_ARE_LISTED,
             )
         return path
 
@@ -153,9 +157,54 @@ def read_record(folder: Path) -> IncidentRecord:
     return read_incident(text, str(place))
 
 
+def remove_incident(folder: Path) -> None:
+    """Remove the folder of an incident with its files, if it holds nothing else.
+
+    These are its record, what names its recordings, the mark that somebody looked at it, and the recordings
+    that are called as the record says. Where that cannot be read, they are called as the folder is.
+
+    Raises ``RecordingError`` for a folder without the record of an incident or with other things, which stays
+    as it was, and ``OSError`` where something cannot be removed.
+    """
+    if not stat.S_ISREG(_mode(folder / RECORD_NAME)):
+        raise RecordingError(
+            f"is no incident: it has no {RECORD_NAME}", place=str(folder), remedy=_INCIDENTS_ARE_LISTED
+        )
+    stems = [folder.name] if is_incident_folder_name(folder.name) else []
+    try:
+        record = read_record(folder)
+        stems.append(incident_folder_name(record.name, record.triggered_ns))
+    except RecordingError as error:
+        if not stems:
+            remedy = "look at what the folder is, and remove it yourself"
+            raise RecordingError(error.cause, place=error.place, remedy=remedy) from error
+    names = sorted(one.name for one in folder.iterdir())
+    ours = [name for name in names if _is_of_incident(name, stems)]
+    try:
+        # As long as something is there, it is the folder of an incident, and can be removed once more.
+        remove(folder, sorted(ours, key=lambda name: name == RECORD_NAME), with_folder=True)
+    except ForeignFilesError as error:
+        raise RecordingError(error.cause, place=error.place, remedy=error.remedy) from error
+
+
 def record_beside(recording: Path) -> IncidentRecord | None:
     """The record of a recording that is an incident. Raises ``RecordingError`` where it cannot be read."""
     return read_record(recording) if (recording / RECORD_NAME).is_file() else None
+
+
+def _is_of_incident(name: str, stems: Iterable[str]) -> bool:
+    """Whether it is the name of a file of an incident whose recordings begin with one of ``stems``."""
+    if name in {RECORD_NAME, METADATA_NAME, READ_NAME} or _UNFINISHED.match(name):
+        return True
+    stem = _RECORDING.match(name)
+    return stem is not None and any(stem[1] == one or stem[2] == one for one in stems)
+
+
+def _mode(path: Path) -> int:
+    try:
+        return path.lstat().st_mode
+    except FileNotFoundError:
+        return 0
 
 
 def _is_folder(path: Path) -> bool:

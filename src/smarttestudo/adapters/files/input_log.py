@@ -10,9 +10,10 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TextIO
 
+from smarttestudo.adapters.files.removal import remove
 from smarttestudo.adapters.files.whole_file import OutputFileError, not_written
 from smarttestudo.adapters.json.inputs import input_from_json, input_to_json
-from smarttestudo.domain.errors import RecordingError
+from smarttestudo.domain.errors import RecordingError, TestudoError
 from smarttestudo.domain.json_text import json_text
 from smarttestudo.runtime.inputs import RecordedInput
 
@@ -54,9 +55,9 @@ def input_log(folder: Path) -> Iterator[Callable[[RecordedInput], None]]:
             with suppress(OSError):
                 file.close()
     except BaseException:
-        with suppress(OSError):
+        with suppress(OSError, TestudoError):
             if not path.stat().st_size:
-                path.unlink()
+                remove(folder, [INPUTS_FILE])
         raise
 
 

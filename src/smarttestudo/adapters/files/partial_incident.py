@@ -9,30 +9,37 @@ import hashlib
 import json
 import os
 import shutil
-from collections.abc import Sequence
-from contextlib import suppress
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
 
 from smarttestudo.adapters.files.incident_store import PARTIAL_SUFFIX
+from smarttestudo.adapters.files.removal import remove
 from smarttestudo.adapters.files.whole_file import OutputFileError, not_written, whole_file
-from smarttestudo.domain.errors import LinkError
+from smarttestudo.domain.errors import LinkError, TestudoError
 from smarttestudo.domain.json_text import json_text
-from smarttestudo.link.transfer_messages import TransferPiece, TransferPlan, is_incident_name
+from smarttestudo.link.transfer_messages import (
+    TransferPiece,
+    TransferPlan,
+    is_incident_file_name,
+    is_incident_name,
+)
 
 STATE_NAME = ".fetch.json"
 _LOCK_NAME = ".fetch.lock"
 _SPARE_BYTES = 50_000_000
 _READ_BYTES = 1 << 20
 _CONTENT = "what is fetched"
+_OPENED = os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW
 
 
 class PartialIncident:
     """The folder ``.NAME.partial`` in ``folder``; ``cursor`` says how far its order is there.
 
-    What is there of another plan is deleted first. Nothing is written outside the folder, and no more than
-    the plan says. Raises ``OutputFileError``: something cannot be written, another process fetches the same,
-    or there is no room for it; ``LinkError`` for a name that is none.
+    What is there of another plan is deleted first, and nothing else that may be there. Nothing is written
+    outside the folder, and no more than the plan says. Raises ``OutputFileError``: something cannot be
+    written, another process fetches the same, or there is no room for it; ``LinkError`` for a name that is
+    none; ``ForeignFilesError`` where something else has the name of a file of the plan.
     """
 
     def __init__(self, folder: Path, name: str, plan: TransferPlan) -> None:
@@ -44,25 +51,27 @@ class PartialIncident:
         self._files: list[int] = []
         self._lock = -1
         try:
-            if self.path.is_symlink():
-                self.path.unlink()
+            for path in (self.path, self.path / STATE_NAME, self.path / _LOCK_NAME):
+                if path.is_symlink():
+                    raise OutputFileError("is a link", place=str(path), remedy="remove it")
             self.path.mkdir(parents=True, exist_ok=True)
             self._take_lock()
-            self.cursor = self._known_cursor()
+            state = self._read_state()
+            self.cursor = self._known_cursor(state)
             self._require_room()
             if not self.cursor:
-                self._clear()
-            flags = os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW
+                self._clear(state)
+                # Whatever happens from here on, the next fetch knows what is of this one.
+                self.save()
             for one in plan.files:
-                self._files.append(os.open(self.path / one.name, flags, 0o644))
+                self._files.append(os.open(self.path / one.name, _OPENED, 0o644))
                 os.ftruncate(self._files[-1], one.size_bytes)
         except OSError as error:
             self.close()
             raise not_written(self.path, _CONTENT, error) from error
-        except OutputFileError:
+        except TestudoError:
             self.close()
             raise
-        self.save()
 
     def __enter__(self) -> PartialIncident:
         return self
@@ -96,7 +105,8 @@ class PartialIncident:
 
     def save(self) -> None:
         """Have another fetch go on from here, whatever happens to this process."""
-        state = {"token": self._plan.token.hex(), "cursor": self.cursor}
+        files = [one.name for one in self._plan.files]
+        state = {"token": self._plan.token.hex(), "cursor": self.cursor, "files": files}
         with whole_file(self.path / STATE_NAME, "the state of a fetch") as write:
             write(json_text(state))
 
@@ -112,7 +122,7 @@ class PartialIncident:
         ]
         try:
             if wrong:
-                self._clear()
+                self._clear({})
                 raise LinkError(
                     f"{', '.join(wrong[:3])} is not what the robot has; what was fetched is deleted",
                     place=self._target.name,
@@ -120,8 +130,7 @@ class PartialIncident:
                 )
             for file in self._files:
                 os.fsync(file)
-            for name in (STATE_NAME, _LOCK_NAME):
-                (self.path / name).unlink(missing_ok=True)
+            remove(self.path, (STATE_NAME, _LOCK_NAME))
             return self.path.rename(self._target)
         except OSError as error:
             raise not_written(self._target, _CONTENT, error) from error
@@ -138,7 +147,7 @@ class PartialIncident:
             raise LinkError("the robot sends what is in no file of the incident", place=self._target.name)
 
     def _take_lock(self) -> None:
-        self._lock = os.open(self.path / _LOCK_NAME, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
+        self._lock = os.open(self.path / _LOCK_NAME, _OPENED, 0o644)
         try:
             fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError as error:
@@ -149,14 +158,21 @@ class PartialIncident:
             # A disk that knows no locks.
             return
 
-    def _known_cursor(self) -> int:
-        """How far an earlier fetch of the same plan came; 0 where there was none."""
+    def _read_state(self) -> Mapping[str, object]:
+        """What an earlier fetch saved; nothing where there was none, or that cannot be read."""
         try:
             state = json.loads((self.path / STATE_NAME).read_bytes())
-            cursor = int(state["cursor"])
+        except (OSError, ValueError, RecursionError):
+            return {}
+        return state if isinstance(state, dict) else {}
+
+    def _known_cursor(self, state: Mapping[str, object]) -> int:
+        """How far an earlier fetch of the same plan came; 0 where there was none."""
+        try:
+            cursor = int(str(state["cursor"]))
             is_same = state["token"] == self._plan.token.hex() and 0 <= cursor <= self._plan.size_bytes
             sizes = [(self.path / one.name).lstat().st_size for one in self._plan.files]
-        except (OSError, ValueError, TypeError, LookupError, RecursionError):
+        except (OSError, ValueError, LookupError):
             return 0
         return cursor if is_same and sizes == [one.size_bytes for one in self._plan.files] else 0
 
@@ -169,11 +185,13 @@ class PartialIncident:
                 remedy="free some space or write to another disk",
             )
 
-    def _clear(self) -> None:
-        for one in self.path.iterdir():
-            if one.name != _LOCK_NAME:
-                with suppress(IsADirectoryError, PermissionError):
-                    one.unlink()
+    def _clear(self, state: Mapping[str, object]) -> None:
+        """Remove the files of the plan and of the one in ``state``."""
+        former = state.get("files")
+        names = [one.name for one in self._plan.files]
+        if isinstance(former, list):
+            names += [one for one in former if isinstance(one, str) and is_incident_file_name(one)]
+        remove(self.path, dict.fromkeys((*names, STATE_NAME)))
 
 
 def incident_there(folder: Path, name: str, files: Sequence[str]) -> Path | None:

@@ -21,6 +21,7 @@ from smarttestudo.adapters.files.project_folder import (
     MissingFileError,
     ProjectFolder,
 )
+from smarttestudo.adapters.files.removal import remove
 from smarttestudo.adapters.files.whole_file import not_written, whole_file
 from smarttestudo.domain.errors import TestudoError
 
@@ -99,8 +100,8 @@ class VersionStore:
             beyond = known[MAX_VERSIONS - 1 + len(joined) :]
             for one in (*joined, *beyond):
                 # What cannot be removed now is removed after the next save.
-                with suppress(OSError):
-                    (place / f"{one.id}{_SUFFIX}").unlink()
+                with suppress(OSError, TestudoError):
+                    remove(place, [f"{one.id}{_SUFFIX}"])
 
     def _place(self, name: str) -> Path:
         """The folder of the versions of ``name``; ``ForbiddenPathError`` outside the project."""

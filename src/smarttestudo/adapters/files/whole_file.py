@@ -14,6 +14,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO
 
+from smarttestudo.adapters.files.removal import remove
 from smarttestudo.domain.errors import TestudoError
 
 _FULL = (errno.ENOSPC, errno.EDQUOT)
@@ -68,8 +69,8 @@ def whole_binary_file(
                 workshop.replace(target)
     finally:
         if workshop is not None:
-            with suppress(OSError):
-                workshop.unlink(missing_ok=True)
+            with suppress(OSError, TestudoError):
+                remove(workshop.parent, [workshop.name])
 
 
 def not_written(path: Path, content: str, error: OSError) -> OutputFileError:

@@ -11,7 +11,6 @@ from smarttestudo.adapters.incidents.mcap_records import StoredChannel
 from smarttestudo.adapters.incidents.mcap_writer import FileContent
 from smarttestudo.domain.robot import Qos
 
-METADATA_NAME = "metadata.yaml"
 _UNLIMITED = "{sec: 9223372036, nsec: 854775807}"
 _KEEP_LAST, _AUTOMATIC = 1, 1
 _RELIABLE, _BEST_EFFORT = 1, 2

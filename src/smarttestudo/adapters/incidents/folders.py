@@ -5,18 +5,23 @@
 from __future__ import annotations
 
 import heapq
-import shutil
 import struct
-import tempfile
 from collections import Counter
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from operator import attrgetter
 from pathlib import Path
 
-from smarttestudo.adapters.files.incident_store import PARTIAL_SUFFIX, RECORD_NAME
+from smarttestudo.adapters.files.incident_store import (
+    METADATA_NAME,
+    PARTIAL_SUFFIX,
+    RECORD_NAME,
+    remove_incident,
+)
+from smarttestudo.adapters.files.removal import temporary_folder
 from smarttestudo.adapters.files.whole_file import not_written, whole_file
-from smarttestudo.adapters.incidents.bag_metadata import METADATA_NAME, metadata_text
+from smarttestudo.adapters.incidents.bag_metadata import metadata_text
 from smarttestudo.adapters.incidents.mcap_records import StoredChannel
 from smarttestudo.adapters.incidents.mcap_writer import FileContent
 from smarttestudo.adapters.incidents.ring_files import RingFiles
@@ -32,7 +37,8 @@ from smarttestudo.domain.incident import (
     incident_folder_name,
 )
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.runtime.incidents.recorder import Incident, missing_for_memory
+from smarttestudo.runtime.incidents.missing import missing_for_memory
+from smarttestudo.runtime.incidents.recorder import Incident
 from smarttestudo.runtime.incidents.topic_ring import IncidentMessage, SourceMessage
 
 SEGMENTS_OF_A_WINDOW = 10
@@ -90,7 +96,7 @@ class IncidentFolders:
     def begin(
         self, incident: Incident, latched: Sequence[SourceMessage], messages: Iterable[IncidentMessage]
     ) -> None:
-        """Write what came before; ``latched`` with the stamp of the window's start."""
+        """Write what came already; ``latched`` as from the window's start."""
         shared = self._shared_of(incident)
         name = unused_name(self._folder, incident.recording.name, incident.trigger.stamp_ns)
         bag = BagFolder(path=self._folder / f".{name}{PARTIAL_SUFFIX}", name=name)
@@ -133,7 +139,8 @@ class IncidentFolders:
         for found in self._open.values():
             found.shared.abandon()
         for found in self._open.values():
-            shutil.rmtree(found.bag.path, ignore_errors=True)
+            with suppress(OSError, TestudoError):
+                remove_incident(found.bag.path)
         self._open.clear()
 
     def _begin(
@@ -158,11 +165,7 @@ class IncidentFolders:
             topics={
                 topic: IncidentTopic(type_name="", messages=0, size_bytes=0) for topic in recording.topics
             },
-            latched=tuple(
-                LatchedSample(topic=one.topic, stamp_ns=one.stamp_ns)
-                for one in latched
-                if one.stamp_ns < incident.from_ns
-            ),
+            latched=tuple(LatchedSample(topic=one.topic, stamp_ns=one.stamp_ns) for one in latched),
         )
         found = _OpenFolder(bag=bag, shared=shared, record=record, last_stamp_ns=trigger.stamp_ns)
         self._open[incident] = found
@@ -228,11 +231,11 @@ class IncidentFolders:
 
 def _has_hard_links(folder: Path) -> bool:
     """Whether files in ``folder`` can have several names. Raises ``OSError`` where none can be made."""
-    with tempfile.TemporaryDirectory(prefix=".", suffix=PARTIAL_SUFFIX, dir=folder) as workshop:
-        file = Path(workshop, "file")
+    with temporary_folder(folder, suffix=PARTIAL_SUFFIX) as workshop:
+        file = workshop / "file"
         file.touch()
         try:
-            Path(workshop, "link").hardlink_to(file)
+            (workshop / "link").hardlink_to(file)
         except OSError:
             return False
     return True

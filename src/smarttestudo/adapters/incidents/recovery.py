@@ -59,7 +59,9 @@ def _completed(path: Path, target: Path) -> CompletedIncident:
         if not file.is_symlink():
             files[file.name], found = complete_file(file)
             channels.update(found)
-    ordered = dict(sorted(files.items(), key=lambda entry: entry[1].first_ns))
+    # The file of latched messages was written after those that begin when it does.
+    latest_first = reversed(list(files.items()))
+    ordered = dict(sorted(latest_first, key=lambda entry: (entry[1].first_ns, entry[1].last_ns)))
     last_ns = max((content.last_ns for content in files.values()), default=record.triggered_ns)
     missing = [
         Missing(topic=topic, reason=MissingReason.KILLED, messages=None, from_ns=last_ns, to_ns=record.to_ns)

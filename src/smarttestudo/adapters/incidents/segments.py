@@ -38,13 +38,21 @@ class BagFolder:
         """Whether ``segment`` is one of its files."""
         return any(one is segment for _, one in self.files)
 
+    @property
+    def first_stamp_ns(self) -> int | None:
+        """The earliest stamp that a file begins with."""
+        stamps = (segment.first_stamp_ns for _, segment in self.files)
+        return min((one for one in stamps if one is not None), default=None)
+
     def put_last_first(self) -> None:
         """Have the file that was added last before all others."""
         self.files.insert(0, self.files.pop())
 
     def contents(self) -> dict[str, FileContent]:
-        """What is in its files by name; all of them are closed."""
-        return {name: segment.content for name, segment in self.files if segment.content is not None}
+        """What is in its files by name, in the order of time; all of them are closed."""
+        contents = [(name, segment.content) for name, segment in self.files if segment.content is not None]
+        # Some readers go through one file after the other.
+        return dict(sorted(contents, key=lambda entry: entry[1].first_ns))
 
     def holds(self, number: int) -> bool:
         """Whether the message of that number is in it."""
@@ -160,27 +168,29 @@ class SharedMessages:
         ]
 
     def add_latched(self, folder: BagFolder, latched: Sequence[IncidentMessage], from_ns: int) -> None:
-        """Have ``latched`` in ``folder``, those from before its window with the stamp of its beginning.
+        """Have ``latched``, from before its window, in ``folder``, with the stamp of its beginning.
 
-        Raises ``OSError``.
+        That is earlier where a shared file begins before: what is in that came later. Raises ``OSError``.
         """
         latched = [message for message in latched if message.topic in self._channels]
         if not latched:
             return
+        first_ns = folder.first_stamp_ns
+        start_ns = from_ns if first_ns is None else min(from_ns, first_ns)
         numbers = [message.number for message in latched]
         if self._latched is not None:
             known, stamp_ns, segment = self._latched
-            if known == numbers and 0 <= from_ns - stamp_ns <= LATCHED_SHARED_NS:
+            if known == numbers and 0 <= start_ns - stamp_ns <= LATCHED_SHARED_NS:
                 with suppress(OSError):
                     segment.link_to(folder)
                     folder.put_last_first()
                     return
         segment = Segment(folder)
         for message in latched:
-            self._write(segment, message, max(message.stamp_ns, from_ns))
+            self._write(segment, message, start_ns)
         segment.close()
         folder.put_last_first()
-        self._latched = (numbers, from_ns, segment)
+        self._latched = (numbers, start_ns, segment)
 
     def take(self, message: IncidentMessage) -> None:
         """One more message for all members. Raises ``OSError``."""

@@ -8,8 +8,9 @@ from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
-from tempfile import TemporaryDirectory, gettempdir
+from tempfile import gettempdir
 
+from smarttestudo.adapters.files.removal import temporary_folder
 from smarttestudo.adapters.rosbag import zstd_files
 from smarttestudo.adapters.rosbag.bag_files import BagFiles, find_bag_files, is_packed, require_bag_file
 from smarttestudo.adapters.rosbag.metadata import BagMetadata, embedded_metadata
@@ -70,8 +71,8 @@ def _open_part(path: Path, opened: ExitStack, notices: list[str]) -> RecordingPa
 
 def _unpacked(path: Path, opened: ExitStack, notices: list[str]) -> Path:
     try:
-        folder = opened.enter_context(TemporaryDirectory(prefix="testudo-"))
-        target = Path(folder, path.with_suffix("").name)
+        folder = opened.enter_context(temporary_folder(prefix="testudo-"))
+        target = folder / path.with_suffix("").name
         is_whole = zstd_files.unpack(path, target)
     except OSError as error:
         cause = f"it cannot be decompressed into {gettempdir()}: {error.strerror}"

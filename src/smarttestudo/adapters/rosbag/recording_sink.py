@@ -10,6 +10,7 @@ from contextlib import ExitStack, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from smarttestudo.adapters.files.removal import remove
 from smarttestudo.adapters.rosbag.qos import stored_qos
 from smarttestudo.adapters.rosbag.writer import create_recording, require_new, write_error
 from smarttestudo.domain.errors import RecordingError, TestudoError
@@ -109,8 +110,8 @@ class RecordingSink:
                 except RecordingError as error:
                     self._say(error)
         self._recordings.clear()
-        with suppress(OSError):
-            self._folder.rmdir()
+        with suppress(OSError, TestudoError):
+            remove(self._folder, (), with_folder=True)
 
     def _create(self, robot: str) -> _RobotRecording | None:
         opened = ExitStack()

@@ -5,11 +5,9 @@
 from __future__ import annotations
 
 import errno
-import shutil
 import sqlite3
-import tempfile
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, cast
 
@@ -18,6 +16,7 @@ from rosbags.rosbag2 import CompressionMode, StoragePlugin, Writer, WriterError
 from rosbags.rosbag2.storage_mcap import McapWriter, Schema, write_schema
 from rosbags.rosbag2.storage_sqlite3 import Sqlite3Writer
 
+from smarttestudo.adapters.files.removal import temporary_folder
 from smarttestudo.adapters.rosbag.definitions import TypeLibrary
 from smarttestudo.adapters.rosbag.recording import ChannelKey, key_of, with_declared_bytes
 from smarttestudo.domain.errors import RecordingError
@@ -51,11 +50,11 @@ def create_recording(
         RecordingError: ``path`` exists, cannot be written, or the disk is full.
     """
     require_new(path)
-    with _errors_at(path):
-        path.parent.mkdir(parents=True, exist_ok=True)
-        workshop = Path(tempfile.mkdtemp(prefix=f".{path.name}-", suffix=".partial", dir=path.parent))
-    try:
+    with ExitStack() as opened:
         with _errors_at(path):
+            path.parent.mkdir(parents=True, exist_ok=True)
+            made = temporary_folder(path.parent, prefix=f".{path.name}-", suffix=".partial")
+            workshop = opened.enter_context(made)
             writer = RosbagWriter(workshop / path.name, version=version, storage_plugin=_PLUGINS[storage])
             for key, value in with_declared_bytes(custom_data or {}, declared_bytes or {}).items():
                 writer.set_custom_data(key, value)
@@ -74,8 +73,6 @@ def create_recording(
                     require_new(path)
                     (workshop / path.name).rename(path)
             raise
-    finally:
-        shutil.rmtree(workshop, ignore_errors=True)
 
 
 class _RosbagRecordingWriter:

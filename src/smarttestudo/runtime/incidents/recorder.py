@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import heapq
 import mmap
-from array import array
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from operator import attrgetter
@@ -15,10 +14,10 @@ from typing import Protocol
 from smarttestudo.adirf.rule_set import Recording, RuleSet
 from smarttestudo.domain.incident import Missing, MissingReason
 from smarttestudo.runtime.incidents.latched import LatchedSamples, holds_static_frames
+from smarttestudo.runtime.incidents.missing import missing_for_memory, unheard
 from smarttestudo.runtime.incidents.topic_ring import (
     BlockPool,
     GivenUp,
-    HeldMessages,
     IncidentMessage,
     SourceMessage,
     TopicRing,
@@ -63,7 +62,7 @@ class IncidentSink(Protocol):
     def begin(
         self, incident: Incident, latched: Sequence[SourceMessage], messages: Iterable[IncidentMessage]
     ) -> None:
-        """A window opened, ``messages`` of which came before; ``latched`` came before it and still count.
+        """A window opened, ``messages`` of which came already; ``latched`` came before it and counted then.
 
         Both are in the order of their numbers.
         """
@@ -91,7 +90,7 @@ class IncidentRecorder:
     Each topic is kept for as long as some recording of it asks for. When memory is short, the topic that
     takes the most gives up its oldest message, so that small topics stay whole; what a window lacks of it
     is counted, for which 24 bytes of each message are kept. What is given up goes to ``store``, if there is
-    one. Latched messages are never given up. A message of the window is in the incident once.
+    one. Latched messages that count are never given up. A message of the window is in the incident once.
 
     A clock that jumps back counts as one that stood still, so that a window keeps its length. ``refused``
     counts incidents that were not begun, because ``MAX_OPEN_INCIDENTS`` were open.
@@ -113,6 +112,7 @@ class IncidentRecorder:
         self._memory_bytes = memory_bytes - uncounted_bytes - min(uncounted_bytes, _MOST_TO_WRITE_BYTES)
         self._pool = BlockPool(_block_bytes(memory_bytes), _FREE_BLOCKS)
         self._time = SteadyTime(start_ns)
+        self._start_ns = self._time.now_ns
         self._number = 0
         self._rings: dict[str, TopicRing] = {}
         self._latched: dict[str, LatchedSamples] = {}
@@ -158,6 +158,7 @@ class IncidentRecorder:
             for recording in block.recordings:
                 for topic in recording.topics:
                     horizons[topic] = max(horizons.get(topic, 0), recording.before_ns)
+        self._longest_ns = max(horizons.values(), default=0)
         known, self._rings = self._rings, {}
         for topic, horizon_ns in horizons.items():
             ring = known[topic] if topic in known else TopicRing(topic, horizon_ns, self._pool)
@@ -194,7 +195,8 @@ class IncidentRecorder:
         message = SourceMessage(self._number, topic, stamp_ns, payload)
         samples = self._latched.get(topic)
         if samples is not None:
-            samples.add(message, publisher)
+            samples.add(message, publisher, now_ns)
+            samples.forget_before(now_ns - self._longest_ns)
             self._latched_bytes[topic] = samples.held_bytes
         ring = self._rings.get(topic)
         if ring is not None:
@@ -265,14 +267,20 @@ class IncidentRecorder:
         rings = [(topic, self._rings[topic]) for topic in recording.topics if topic in self._rings]
         held = {topic: ring.held_since(from_ns) for topic, ring in rings}
         gone = {topic: ring.given_up_since(from_ns) for topic, ring in rings}
-        latched = sorted(
-            message
-            for samples in self._latched.values()
-            for message in samples
-            if message.topic not in held or not held[message.topic].holds(message.number)
+        latched = sorted(one for samples in self._latched.values() for one in samples.counting_at(from_ns))
+        # Latched ones of the window that no ring holds.
+        inside = sorted(
+            one
+            for topic, samples in self._latched.items()
+            for one in samples.since(from_ns)
+            if topic not in held or not held[topic].holds(one.number)
         )
-        firsts = [gone[topic][0].number if gone[topic] else held[topic].first_number for topic in held]
-        given_up = {topic: _given_up(topic, messages, latched) for topic, messages in gone.items()}
+        given_up = self._given_up(gone, inside, from_ns)
+        firsts = [
+            *(one.first_number for one in held.values()),
+            *(next((one.number for one in each if one.at_ns >= from_ns), None) for each in given_up.values()),
+            *(one.number for one in inside[:1]),
+        ]
         incident = Incident(
             trigger=trigger,
             recording=recording,
@@ -283,11 +291,11 @@ class IncidentRecorder:
             given_up=given_up,
         )
         missing = [
-            *(one for topic, ring in rings for one in _unheard(topic, ring, from_ns, incident)),
+            *self._unheard(incident, rings, from_ns),
             *(one for _, ring in rings for one in ring.lost_since(from_ns)),
             *missing_for_memory(given_up),
         ]
-        self._sink.begin(incident, latched, _InOrder(tuple(held.values())))
+        self._sink.begin(incident, latched, _InOrder((*held.values(), inside)))
         self._open.append(
             _OpenIncident(
                 incident=incident,
@@ -297,27 +305,70 @@ class IncidentRecorder:
             )
         )
 
+    def _unheard(
+        self, incident: Incident, rings: Sequence[tuple[str, TopicRing]], from_ns: int
+    ) -> Iterator[Missing]:
+        """What nobody heard in the window before its trigger, by topic."""
+        window_ns = incident.from_ns, incident.trigger.stamp_ns
+        for topic, ring in rings:
+            if ring.since is not None:
+                if ring.since[0] > from_ns:
+                    yield unheard(topic, window_ns[0], ring.since[1])
+            elif self._time.now_ns == self._start_ns:
+                yield unheard(topic, *window_ns)
+            else:
+                yield unheard(topic, *window_ns, MissingReason.UNPUBLISHED)
+        for topic, samples in self._latched.items():
+            complete_ns = samples.complete_since_ns
+            if topic not in self._rings and complete_ns is not None and complete_ns > from_ns:
+                yield unheard(topic, window_ns[0], self._time.on_clock(complete_ns))
+
+    def _given_up(
+        self, gone: Mapping[str, Sequence[GivenUp]], inside: Sequence[SourceMessage], from_ns: int
+    ) -> dict[str, Sequence[GivenUp]]:
+        """What memory gave up of a window, by topic: ``gone`` from the rings, but for what is ``inside``."""
+        found = {topic: _without(each, topic, inside) for topic, each in gone.items()}
+        for topic, samples in self._latched.items():
+            # A ring knows what came in the window.
+            lacking = [
+                one for one in samples.given_up_of(from_ns) if one.at_ns < from_ns or topic not in gone
+            ]
+            if lacking:
+                found[topic] = (*lacking, *found.get(topic, ()))
+        return found
+
     def _make_room(self, now_ns: int) -> None:
         for ring in self._rings.values():
             ring.forget_before(now_ns - ring.horizon_ns)
         self._ring_bytes = sum(ring.held_bytes for ring in self._rings.values())
         while self.held_bytes > self._memory_bytes:
-            rings = [ring for ring in self._rings.values() if ring]
-            if not rings:
+            largest = max(self._rings.values(), key=lambda ring: len(ring) and ring.held_bytes, default=None)
+            topic = max(self._latched, key=lambda topic: self._latched[topic].replaced_bytes, default="")
+            if topic and self._latched[topic].replaced_bytes > (largest.held_bytes if largest else 0):
+                self._give_up_latched(topic, now_ns)
+            elif largest:
+                before = largest.held_bytes
+                at_ns, message = largest.give_up_oldest()
+                if self._store is not None:
+                    self._store(message, at_ns + largest.horizon_ns, now_ns)
+                self._ring_bytes += largest.held_bytes - before
+            else:
                 break
-            largest = max(rings, key=lambda ring: ring.held_bytes)
-            before = largest.held_bytes
-            at_ns, message = largest.give_up_oldest()
-            if self._store is not None:
-                self._store(message, at_ns + largest.horizon_ns, now_ns)
-            self._ring_bytes += largest.held_bytes - before
+
+    def _give_up_latched(self, topic: str, now_ns: int) -> None:
+        samples = self._latched[topic]
+        replaced_ns, message = samples.give_up_oldest()
+        self._latched_bytes[topic] = samples.held_bytes
+        # What is in a ring goes to the store from there.
+        if self._store is not None and topic not in self._rings:
+            self._store(message, replaced_ns + self._longest_ns, now_ns)
 
 
 @dataclass(frozen=True, slots=True)
 class _InOrder(Iterable[IncidentMessage]):
     """The messages of several topics in the order of their numbers."""
 
-    topics: Sequence[HeldMessages]
+    topics: Sequence[Iterable[IncidentMessage]]
 
     def __iter__(self) -> Iterator[IncidentMessage]:
         return heapq.merge(*self.topics, key=attrgetter("number"))
@@ -329,48 +380,7 @@ def _block_bytes(memory_bytes: int) -> int:
     return pages * mmap.PAGESIZE
 
 
-def _given_up(topic: str, given_up: Sequence[GivenUp], latched: Sequence[SourceMessage]) -> Sequence[GivenUp]:
-    """``given_up`` of ``topic``, without what is latched."""
-    found = {message.number for message in latched if message.topic == topic}
+def _without(given_up: Sequence[GivenUp], topic: str, messages: Sequence[SourceMessage]) -> Sequence[GivenUp]:
+    """``given_up`` of ``topic``, without what is in ``messages``."""
+    found = {message.number for message in messages if message.topic == topic}
     return [one for one in given_up if one.number not in found] if found else given_up
-
-
-def _unheard(topic: str, ring: TopicRing, from_ns: int, incident: Incident) -> Iterator[Missing]:
-    """From when to when, before the trigger, nobody heard a topic."""
-    if ring.since is None:
-        yield Missing(
-            topic=topic,
-            reason=MissingReason.UNPUBLISHED,
-            messages=None,
-            from_ns=incident.from_ns,
-            to_ns=incident.trigger.stamp_ns,
-        )
-        return
-    since_ns, clock_ns = ring.since
-    if since_ns > from_ns:
-        yield Missing(
-            topic=topic,
-            reason=MissingReason.LATE,
-            messages=None,
-            from_ns=incident.from_ns,
-            to_ns=clock_ns,
-        )
-
-
-def missing_for_memory(
-    given_up: Mapping[str, Sequence[GivenUp]], is_held: Callable[[int], bool] | None = None
-) -> Iterator[Missing]:
-    """What memory did not hold of each topic; messages whose number ``is_held`` are there all the same."""
-    for topic, messages in given_up.items():
-        lacking: Sequence[int] = range(len(messages))
-        if is_held is not None:
-            # A list of the messages would take more memory than all that is kept of them.
-            lacking = array("q", (at for at, one in enumerate(messages) if not is_held(one.number)))
-        if lacking:
-            yield Missing(
-                topic=topic,
-                reason=MissingReason.MEMORY,
-                messages=len(lacking),
-                from_ns=messages[lacking[0]].stamp_ns,
-                to_ns=messages[lacking[-1]].stamp_ns,
-            )

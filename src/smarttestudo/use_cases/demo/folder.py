@@ -4,14 +4,17 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import shutil
 import tempfile
 from collections.abc import Collection, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
-from smarttestudo.domain.errors import TestudoError
+from smarttestudo.adapters.files.removal import remove, temporary_folder
+from smarttestudo.adapters.rosbag.metadata import FILE_NAME, read_metadata
+from smarttestudo.domain.errors import RecordingError, TestudoError
 from smarttestudo.domain.units import grouped
 
 MARKER = "demo.json"
@@ -25,45 +28,61 @@ class DemoFolderError(TestudoError):
 def demo_folder(out: Path, *, needed_bytes: int, made: Collection[str]) -> Iterator[Path]:
     """A new folder next to ``out`` that takes its place when the block ends well, and is removed when not.
 
-    The block must write ``MARKER``, by which a later demo knows that it may replace ``out``. Whatever lies in
-    a former demo's folder beside the names in ``made`` moves along.
+    The block must write ``MARKER``, by which a later demo knows that it may replace what is in ``out`` under
+    the names in ``made``. Whatever else lies there stays where it is.
 
     Raises:
-        DemoFolderError: ``out`` is something else than a former demo's folder, cannot be written, or the
-            disk has less than ``needed_bytes`` left.
+        DemoFolderError: ``out`` is something else than a former demo's folder, one of the folders that a
+            demo made there holds something else, ``out`` cannot be written, or the disk has less than
+            ``needed_bytes`` left.
     """
     out = Path(os.path.realpath(out))
-    _refuse_foreign(out)
-    try:
-        out.parent.mkdir(parents=True, exist_ok=True)
-        _refuse_small_disk(out.parent, needed_bytes)
-        workshop = Path(tempfile.mkdtemp(prefix=f".{out.name}-", suffix=".partial", dir=out.parent))
-    except OSError as error:
-        raise _not_written(out, error) from error
-    try:
-        # mkdtemp makes folders for the user alone; what the demo leaves is as open as its other files.
-        work = workshop / out.name
-        work.mkdir()
-        yield work
-        _replace(out, work, made)
-    except OSError as error:
-        raise _not_written(out, error) from error
-    finally:
-        shutil.rmtree(workshop, ignore_errors=True)
+    with ExitStack() as opened:
+        try:
+            _refuse_foreign(out, made)
+            out.parent.mkdir(parents=True, exist_ok=True)
+            _refuse_small_disk(out.parent, needed_bytes)
+            workshop = opened.enter_context(
+                temporary_folder(out.parent, prefix=f".{out.name}-", suffix=".partial")
+            )
+            # A temporary folder is for the user alone; what the demo leaves is as open as its other files.
+            work = workshop / out.name
+            work.mkdir()
+            yield work
+            _refuse_foreign(out, made)
+            _put(out, work, made)
+        except OSError as error:
+            raise _not_written(out, error) from error
 
 
-def _refuse_foreign(out: Path) -> None:
-    try:
-        empty = out.is_dir() and not any(out.iterdir())
-        replaceable = empty or not os.path.lexists(out) or (out / MARKER).is_file()
-    except OSError as error:
-        raise _not_written(out, error) from error
-    if not replaceable:
+def _refuse_foreign(out: Path, made: Collection[str]) -> None:
+    if not os.path.lexists(out) or (out.is_dir() and not any(out.iterdir())):
+        return
+    if not (out / MARKER).is_file():
         raise DemoFolderError(
             "exists and was not made by 'testudo demo'",
             place=str(out),
             remedy="name another folder with --out",
         )
+    foreign = next((one for name in sorted(made) for one in _foreign(out / name)), None)
+    if foreign is not None:
+        raise DemoFolderError(
+            f"holds what was not made by 'testudo demo': {foreign.relative_to(out)}",
+            place=str(out),
+            remedy="move that elsewhere, or name another folder with --out",
+        )
+
+
+def _foreign(made: Path) -> Iterator[Path]:
+    """What a demo does not make: anything but a file, or a folder with the files of a recording."""
+    if made.is_symlink():
+        yield made
+    elif made.is_dir():
+        try:
+            files = {FILE_NAME, *read_metadata(made).file_names}
+        except RecordingError:
+            files = {FILE_NAME}
+        yield from (one for one in sorted(made.iterdir()) if one.is_symlink() or one.name not in files)
 
 
 def _refuse_small_disk(parent: Path, needed_bytes: int) -> None:
@@ -77,24 +96,43 @@ def _refuse_small_disk(parent: Path, needed_bytes: int) -> None:
         )
 
 
-def _replace(out: Path, work: Path, made: Collection[str]) -> None:
-    """Put ``work`` where ``out`` was, with all of it that is not ``made``; or leave ``out`` as it was."""
-    former = work.parent / "former"
-    foreign = [one.name for one in out.iterdir() if one.name not in made] if out.exists() else []
-    moved: list[str] = []
-    try:
-        for name in foreign:
-            (out / name).rename(work / name)
-            moved.append(name)
-        if out.exists():
-            out.rename(former)
+def _put(out: Path, work: Path, made: Collection[str]) -> None:
+    """Have all of ``work`` in ``out`` in place of what is ``made`` there, or leave ``out`` as it was."""
+    if not os.path.lexists(out):
         work.rename(out)
+        return
+    former = Path(tempfile.mkdtemp(prefix=f".{out.name}-", suffix=".former", dir=out.parent))
+    # With the marker last, a later demo may replace what a killed one leaves.
+    names = sorted({*made, *(one.name for one in work.iterdir())}, key=lambda name: (name == MARKER, name))
+    moves = [
+        (folder / name, target / name)
+        for name in names
+        for folder, target in ((out, former), (work, out))
+        if folder == work or name in made
+    ]
+    moved: list[tuple[Path, Path]] = []
+    try:
+        for source, target in moves:
+            if os.path.lexists(source):
+                _move(source, target)
+                moved.append((source, target))
     except BaseException:
-        if former.exists():
-            former.rename(out)
-        for name in moved:
-            (work / name).rename(out / name)
+        for source, target in reversed(moved):
+            _move(target, source)
+        remove(former, (), with_folder=True)
         raise
+    # What cannot be removed is hidden beside it.
+    with suppress(OSError, TestudoError):
+        for one in former.iterdir():
+            if one.is_dir():
+                remove(one, [file.name for file in one.iterdir()], with_folder=True)
+        remove(former, made, with_folder=True)
+
+
+def _move(source: Path, target: Path) -> None:
+    if os.path.lexists(target):
+        raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST), str(target))
+    source.rename(target)
 
 
 def _not_written(out: Path, error: OSError) -> DemoFolderError:

@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import hashlib
-import shutil
 import zlib
 from collections import defaultdict
 from collections.abc import Mapping
@@ -13,6 +12,7 @@ from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
 
+from smarttestudo.adapters.files.removal import temporary_folder
 from smarttestudo.adapters.network_namespaces import ThinLink, require_links, thin_link
 from smarttestudo.adapters.rosbag import open_recording
 from smarttestudo.domain.errors import TestudoError
@@ -56,16 +56,14 @@ def compare_over_link(request: LinkDemoRequest) -> tuple[tuple[LinkArrivals, ...
     require_links()
     found, notices = [], []
     for contender in Contender:
-        folder = request.workshop / contender.name.lower()
-        folder.mkdir()
-        try:
-            with thin_link() as link:
-                found.append(_drive(request, contender, link, folder))
-        except TestudoError as error:
-            if contender is Contender.TESTUDO:
-                raise
-            notices.append(f"{contender.value} was not measured: {error}")
-        shutil.rmtree(folder)
+        with temporary_folder(request.workshop, prefix=f"{contender.name.lower()}-") as folder:
+            try:
+                with thin_link() as link:
+                    found.append(_drive(request, contender, link, folder))
+            except TestudoError as error:
+                if contender is Contender.TESTUDO:
+                    raise
+                notices.append(f"{contender.value} was not measured: {error}")
     return tuple(found), tuple(notices)
 
 

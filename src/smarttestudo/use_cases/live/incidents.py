@@ -236,6 +236,9 @@ def delete_for_room(robot: Robot, options: IncidentOptions) -> None:
         return
     try:
         for one in make_room(folder, max_bytes):
+            if one.problem is not None:
+                robot.log.warning(f"incident {one.name}: stays, though room is needed: {one.problem}")
+                continue
             read = "read" if one.was_read else "not read by anyone"
             robot.log.warning(f"incident {one.name}: deleted to make room, {read}")
     except TestudoError as error:

@@ -36,7 +36,7 @@ class KeepRequest(TryRequest, frozen=True, kw_only=True):
 
 
 class KeepOrder(KeepRequest, frozen=True, kw_only=True):
-    """``bag`` is a path; the folder is made in ``workshop``, an unused path in the project in ``project``."""
+    """``bag`` is a path; the incident is made in the empty folder ``workshop`` of the project ``project``."""
 
     project: str
     workshop: str

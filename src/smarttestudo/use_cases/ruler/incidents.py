@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path, PurePosixPath
@@ -22,7 +21,6 @@ from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_MS, NS_PER_S
 from smarttestudo.use_cases.ruler.missing_messages import MissingMessages, missing_messages
 
 MAX_INCIDENTS = 500
-_FILES_OF_INCIDENTS = re.compile(r"(incident\.json|metadata\.yaml|.*\.(mcap|db3)(\.zstd)?)\Z")
 _REASONS = frozenset(reason.value for reason in MissingReason)
 
 
@@ -136,11 +134,6 @@ class KnownIncidents:
         """Delete one; what is left. Raises ``RecordingError`` where its folder holds something else, too."""
         with self._placed():
             store, last = self._store(request.name)
-            others = [one.name for one in store.others(last, _FILES_OF_INCIDENTS)]
-            if others:
-                cause = f"its folder holds something else, too: {others[0]}"
-                remedy = "move that elsewhere first"
-                raise RecordingError(cause, place=request.name, remedy=remedy)
             store.delete(last)
         return self.incidents()
 
