@@ -39,11 +39,9 @@ def create_recording(
     declared_bytes: Mapping[str, int] | None = None,
     custom_data: Mapping[str, str] | None = None,
     version: Literal[8, 9] = 8,
-    keeps_incomplete: bool = False,
 ) -> Iterator[RecordingWriter]:
     """A new rosbag2 folder at ``path``, in place once the block ends well, and gone if it does not.
 
-    With ``keeps_incomplete`` it is in place then, too, with what was written until then and no metadata.
     ``declared_bytes`` are the sizes that messages of a topic stand for, and go into ``custom_data``.
     Version 8 of the metadata is what ``ros2 bag play`` reads from Humble on.
 
@@ -69,10 +67,6 @@ def create_recording(
         except BaseException:
             with suppress(Exception):
                 writer.abort()
-            if keeps_incomplete:
-                with suppress(OSError, RecordingError):
-                    require_new(path)
-                    (workshop / path.name).rename(path)
             raise
     finally:
         shutil.rmtree(workshop, ignore_errors=True)
