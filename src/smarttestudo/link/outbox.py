@@ -17,6 +17,8 @@ from smarttestudo.link.chunks import CONTROL_STREAM, Chunk
 
 MAX_QUEUED_BYTES = 1_000_000
 """What may wait in the queue of a topic that is sent whole."""
+LOSING_NS = 60 * NS_PER_S
+"""For how long a topic that lost a message is said to lose some."""
 MAX_LANES = 1024
 """How many messages of one stream may wait at once where each replaces only those of its own kind."""
 
@@ -69,6 +71,7 @@ class _Stream:
     sent: int = 0
     replaced: int = 0
     overflowed: int = 0
+    overflowed_ns: int | None = None
 
     @property
     def has_work(self) -> bool:
@@ -106,14 +109,14 @@ class _Stream:
             self.floor_due_ns = max(self.floor_due_ns, now_ns - period_ns) + period_ns
         return message
 
-    @property
-    def counts(self) -> StreamCounts:
+    def counts(self, now_ns: int) -> StreamCounts:
         waiting = sum(len(message.payload) for message in self.slots.values())
         return StreamCounts(
             sent=self.sent,
             replaced=self.replaced,
             overflowed=self.overflowed,
             queued_bytes=self.queued_bytes + waiting,
+            is_losing=self.overflowed_ns is not None and now_ns - self.overflowed_ns < LOSING_NS,
         )
 
 
@@ -122,13 +125,14 @@ class Outbox:
 
     A message that has not begun is replaced by a newer one of its stream and lane; one that has begun is
     finished. Latched messages and those of topics that are sent whole queue instead, up to
-    ``MAX_QUEUED_BYTES`` a stream; what overflows is counted.
+    ``MAX_QUEUED_BYTES`` a stream; what overflows is counted, once there was a session.
     """
 
     def __init__(self, encode: Encode) -> None:
         self._encode = encode
         self._streams: dict[int, _Stream] = {}
         self._active: dict[int, _Stream] = {}
+        self._had_session = False
 
     def open(self, stream: int, *, depth: int | None = None) -> None:
         """Have a stream; one with ``depth`` is latched and keeps so many messages for another session."""
@@ -210,22 +214,25 @@ class Outbox:
 
     def restart(self) -> None:
         """Another session begins: latched messages go again, and kept ones that may not have arrived."""
+        self._had_session = True
         for stream in self._streams.values():
             self._restart(stream)
             if stream.has_work:
                 self._active[stream.number] = stream
 
-    def counts(self) -> Iterator[tuple[int, StreamCounts]]:
+    def counts(self, now_ns: int) -> Iterator[tuple[int, StreamCounts]]:
         """The counts of each stream."""
         for number, stream in self._streams.items():
-            yield number, stream.counts
+            yield number, stream.counts(now_ns)
 
     def _queue(self, stream: _Stream, message: _Message) -> None:
         most_bytes = math.inf if stream.number == CONTROL_STREAM else MAX_QUEUED_BYTES
         while stream.queue and stream.queued_bytes + len(message.payload) > most_bytes:
             # The oldest gives way, as in a DDS history with KEEP_LAST.
             stream.queued_bytes -= len(stream.queue.popleft().payload)
-            stream.overflowed += 1
+            if self._had_session:
+                stream.overflowed += 1
+                stream.overflowed_ns = message.offered_ns
         stream.queue.append(message)
         stream.queued_bytes += len(message.payload)
 
@@ -233,7 +240,7 @@ class Outbox:
         before = stream.slots.pop(message.lane, None)
         if before is None and len(stream.slots) >= MAX_LANES:
             before = stream.slots.pop(next(iter(stream.slots)))
-        stream.replaced += before is not None
+        stream.replaced += self._had_session and before is not None
         stream.slots[message.lane] = message
 
     def _finish(self, stream: _Stream, message: _Message) -> None:

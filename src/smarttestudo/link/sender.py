@@ -8,6 +8,7 @@ from collections.abc import Collection, Hashable, Mapping
 from dataclasses import replace
 from typing import Generic, TypeVar
 
+from smarttestudo.domain.budget import UNLIMITED_KB_PER_S
 from smarttestudo.domain.link import LinkNeeds, Prediction, StreamInfo
 from smarttestudo.domain.link_state import LinkState, StreamCounts
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_MS, NS_PER_S
@@ -33,7 +34,7 @@ _USABLE = 0.95
 """The share of the capacity that is planned with; the rest carries what nobody planned."""
 _GROWTH = ((0.5, 1.4), (0.15, 1.07), (0.05, 1.0))
 """Shares of a period in which nothing waited to be sent, and by how much the budget grows after it."""
-_MOST_BYTES_PER_S = 1e10
+_MOST_BYTES_PER_S = UNLIMITED_KB_PER_S * BYTES_PER_KB
 _Request = TypeVar("_Request")
 
 
@@ -224,15 +225,21 @@ class LinkSender(Generic[_Request]):
 
     @property
     def budget_kb_per_s(self) -> float | None:
-        """What relayed topics may take together now, before compression; ``None`` while it is not known."""
+        """What relayed topics may take together now, before compression; ``None`` while it is not known.
+
+        ``UNLIMITED_KB_PER_S`` where the link is no limit.
+        """
         if self._budget_bytes_per_s is None:
             return None
-        return self._budget_bytes_per_s * self._payload_bytes / self._wire_bytes / BYTES_PER_KB
+        if self._budget_bytes_per_s >= _MOST_BYTES_PER_S:
+            return UNLIMITED_KB_PER_S
+        budget_kb_per_s = self._budget_bytes_per_s * self._payload_bytes / self._wire_bytes / BYTES_PER_KB
+        return min(budget_kb_per_s, UNLIMITED_KB_PER_S)
 
-    def counts(self) -> dict[str, StreamCounts]:
+    def counts(self, now_ns: int) -> dict[str, StreamCounts]:
         """Messages by topic."""
         counts: dict[str, StreamCounts] = {}
-        for number, one in self._outbox.counts():
+        for number, one in self._outbox.counts(now_ns):
             info = self._infos.get(number)
             if info is None:
                 continue
@@ -243,6 +250,7 @@ class LinkSender(Generic[_Request]):
                 replaced=had.replaced + one.replaced,
                 overflowed=had.overflowed + one.overflowed,
                 queued_bytes=had.queued_bytes + one.queued_bytes,
+                is_losing=had.is_losing or one.is_losing,
             )
         return counts
 

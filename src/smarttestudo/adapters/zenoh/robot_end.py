@@ -141,7 +141,7 @@ class RobotEnd:
         """Messages by topic."""
         if self._lock.acquire(blocking=False):
             try:
-                self._counts = self._sender.counts()
+                self._counts = self._sender.counts(self._clock())
             finally:
                 self._lock.release()
         return self._counts
