@@ -240,7 +240,7 @@ class Outbox:
         before = stream.slots.pop(message.lane, None)
         if before is None and len(stream.slots) >= MAX_LANES:
             before = stream.slots.pop(next(iter(stream.slots)))
-        stream.replaced += self._had_session and before is not None
+        stream.replaced += before is not None
         stream.slots[message.lane] = message
 
     def _finish(self, stream: _Stream, message: _Message) -> None:

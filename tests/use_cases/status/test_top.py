@@ -20,7 +20,7 @@ from smarttestudo.cli.terminal import key_presses
 from smarttestudo.cli.top_table import Line, Look, SortKey, cropped, print_lines, summary_lines, topic_lines
 from smarttestudo.domain.decision import Reason
 from smarttestudo.domain.incident import IncidentState
-from smarttestudo.domain.link_state import AcceptedTopic
+from smarttestudo.domain.link_state import AcceptedTopic, LinkState
 from use_cases.status.statuses import ONE_OF_EACH, RELAYED, STATUS
 
 GOLDEN = Path(__file__).parent / "golden"
