@@ -41,9 +41,9 @@ ODD = StreamInfo(topic="/odd", type_name="acme_msgs/msg/Odd", qos=BEST_EFFORT)
 HELD = cdr(CUSTOM_TYPE, message_of(CUSTOM_TYPE, opening=0.5, holds=True))
 
 
-def sink_into(folder: Path, **options: str) -> RecordingSink:
+def sink_into(folder: Path, pattern: str = "{topic}") -> RecordingSink:
     """One that says nothing, by a clock that goes on by a nanosecond a message."""
-    return RecordingSink(folder, pytest.fail, itertools.count(START_NS).__next__, **options)
+    return RecordingSink(folder, pytest.fail, itertools.count(START_NS).__next__, pattern=pattern)
 
 
 def take(sink: RecordingSink, stream: StreamInfo, payload: bytes, robot: str = "ada") -> None:

@@ -31,7 +31,8 @@ class RecordingSink:
     Messages are stamped with ``now_ns`` as they arrive, and topics named by ``pattern``, in which ``{robot}``
     may stand beside ``{topic}``. A recording appears under its name at the end; one that cannot go on appears
     at once with what was written until then. Until then it is ``folder/.<robot>.partial``, which is a bag,
-    too: what was taken is in it though the process is killed. What goes wrong is said to ``warn`` once.
+    too: what was taken is in it though the process is killed. ``say`` is told where each begins, and ``warn``
+    once what goes wrong.
 
     Raises:
         UsageError: the pattern makes no names.
@@ -45,6 +46,7 @@ class RecordingSink:
         now_ns: Callable[[], int],
         *,
         pattern: str = TOPIC_PLACEHOLDER,
+        say: Callable[[str], None] = lambda _: None,
     ) -> None:
         output_name("/topic", pattern, "robot")
         require_new(folder)
@@ -54,6 +56,7 @@ class RecordingSink:
             raise write_error(folder, error) from error
         self._folder = folder
         self._warn = warn
+        self._say_begun = say
         self._now_ns = now_ns
         self._pattern = pattern
         self._types = TypeLibrary()
@@ -101,10 +104,14 @@ class RecordingSink:
 
     def _create(self, robot: str) -> _RobotRecording | None:
         try:
-            return _RobotRecording(self._folder, robot)
+            recording = _RobotRecording(self._folder, robot)
         except RecordingError as error:
             self._say(error)
             return None
+        self._say_begun(
+            f"{robot}: recording into {recording.path} until the end, then {self._folder / robot}"
+        )
+        return recording
 
     def _channel(self, robot: str, stream: StreamInfo) -> StoredChannel:
         topic = output_name(stream.topic, self._pattern, robot)
@@ -141,13 +148,13 @@ class _RobotRecording:
                 remedy="give it a name of letters, digits, _, - and .",
             )
         self._target = folder / robot
-        self._path = folder / f".{robot}{PARTIAL_SUFFIX}"
+        self.path = folder / f".{robot}{PARTIAL_SUFFIX}"
         self._file_name = f"{robot}.mcap"
         self._of_streams: dict[tuple[str, int], StoredChannel] = {}
         self._channels: dict[tuple[str, str], StoredChannel] = {}
         try:
-            self._path.mkdir()
-            self._writer = McapWriter(self._path / self._file_name)
+            self.path.mkdir()
+            self._writer = McapWriter(self.path / self._file_name)
         except OSError as error:
             raise write_error(self._target, error) from error
 
@@ -175,7 +182,7 @@ class _RobotRecording:
         try:
             content = self._writer.close()
             text = metadata_text({self._file_name: content}, list(self._channels.values()))
-            (self._path / METADATA_NAME).write_text(text, encoding="utf-8")
+            (self.path / METADATA_NAME).write_text(text, encoding="utf-8")
             self._appear()
         except _WRITE_ERRORS as error:
             raise write_error(self._target, error) from error
@@ -188,4 +195,4 @@ class _RobotRecording:
 
     def _appear(self) -> None:
         require_new(self._target)
-        self._path.rename(self._target)
+        self.path.rename(self._target)
