@@ -19,7 +19,14 @@ from pathlib import Path
 
 from link.simulated_link import MS, Link, S
 from runtime.loop_driver import rule_set_of
-from smarttestudo.domain.link import LinkNeeds, Prediction, ReceivedMessage, StreamInfo
+from smarttestudo.domain.link import (
+    LinkNeeds,
+    MessageOrigin,
+    MissedMessage,
+    Prediction,
+    ReceivedMessage,
+    StreamInfo,
+)
 from smarttestudo.domain.link_state import LinkState, StreamCounts
 from smarttestudo.domain.observation import SourceChanged
 from smarttestudo.domain.profile import Profile
@@ -67,6 +74,12 @@ class VirtualEnd:
         raise NotImplementedError
 
     def tell(self, status: RuntimeStatus) -> None:
+        raise NotImplementedError
+
+    def keep_missed(self, origin: Callable[[], MessageOrigin | None]) -> None:
+        raise NotImplementedError
+
+    def take_missed(self, *, is_last: bool = False) -> list[MissedMessage]:
         raise NotImplementedError
 
     def take_question(self) -> Asked | None:

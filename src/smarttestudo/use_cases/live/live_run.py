@@ -174,7 +174,7 @@ class LiveRun:
     def _look_at_link(self) -> None:
         assert self._link is not None
         if self._outages is not None:
-            self._outages.look(self._rules.rules_hash, self._link.state)
+            self._outages.look(self._rules.rules_hash, is_connected=self._link.state.is_connected)
         plan = self._loop.knowledge.plan
         for change in self._link.changed_receivers(self._rules, plan, self._topics.heard_here()):
             self._take(ChangeInput(stamp_ns=self._robot.now_ns(), change=change))
@@ -190,9 +190,10 @@ class LiveRun:
         if relayed and self._link is not None:
             self._link.tell_pictures(self._rules, self._loop.relays.pictures)
         for one in relayed:
-            self._topics.publish(one)
-            if self._outages is not None:
-                self._outages.take(one)
+            if self._outages is None:
+                self._topics.publish(one)
+            else:
+                self._outages.publish(one, self._topics.publish)
             self._status.note(one)
 
     def _tell(self) -> float:
