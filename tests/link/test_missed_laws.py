@@ -17,6 +17,7 @@ from smarttestudo.link.reports import Report
 
 MS = S // 1000
 END_S = 16.0
+END_NS = int(END_S) * S
 # The first operator's end is there by then; what comes at the end has time to arrive.
 SOURCES = (
     Source(topic="/odom", size_bytes=720, rate_hz=20, from_s=0.5, to_s=END_S - 2),
@@ -98,7 +99,7 @@ def numbers(payloads: Iterable[bytes]) -> frozenset[int]:
 def run(ends: Ends) -> dict[str, Fate]:
     ends.sender.follow(NEEDS)
     ends.run(END_S)
-    return fates(ends, ends.sender.take_missed())
+    return fates(ends, ends.sender.take_missed(END_NS))
 
 
 def cut_for(lengths_ms: Sequence[int]) -> tuple[tuple[int, int], ...]:
@@ -166,9 +167,16 @@ def test_a_link_that_is_never_cut_misses_nothing_though_it_carries_half() -> Non
 def test_before_the_first_operator_nothing_is_missed_and_at_the_end_what_waits_is() -> None:
     alone = CutEnds(Link(((0, 1_000_000),)), SOURCES, cuts=((0, int(END_S) * S),))
     alone.run(END_S)
-    assert alone.sender.take_missed(is_last=True) == []
+    assert alone.sender.take_missed(END_NS, is_last=True) == []
     left = CutEnds(Link(((0, 1_000_000),)), SMALL, cuts=((2 * S, int(END_S) * S),))
     left.sender.follow(NEEDS)
     left.run(END_S)
-    found = fates(left, [*left.sender.take_missed(), *left.sender.take_missed(is_last=True)])
+    found = fates(left, left.sender.take_missed(END_NS, is_last=True))
     assert {topic: fate.gave_way for topic, fate in found.items() if fate.gave_way} == {}
+
+
+def test_at_the_end_nothing_is_missed_of_what_is_on_its_way_to_somebody() -> None:
+    ends = Ends(Link(((0, 1_000_000),)), SOURCES)
+    ends.sender.follow(NEEDS)
+    ends.run(6.0)
+    assert ends.sender.take_missed(6 * S, is_last=True) == []

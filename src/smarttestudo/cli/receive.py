@@ -118,7 +118,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         "--catch-up",
         metavar="DIR",
         type=file_path,
-        help="fetch what robots with --catch-up could not send during outages into DIR/ROBOT likewise",
+        help="fetch what was missed here in outages, of robots with --catch-up, into DIR/ROBOT likewise",
     )
     add_openmetrics(parser)
     add_zenoh_config(parser)

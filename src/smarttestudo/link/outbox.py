@@ -152,6 +152,7 @@ class Outbox:
         self._active: dict[int, _Stream] = {}
         self._had_session = False
         self.missed: deque[MissedMessage] = deque()
+        """What was missed and has an origin, to be taken from here."""
         self._given_up: deque[_Message] = deque()
         self._given_up_bytes = 0
         self._is_cut = False
@@ -261,7 +262,7 @@ class Outbox:
         """What gave way since the last acknowledgement was missed, and what does until the next is, too."""
         if self._had_session:
             self._is_cut = True
-            self._miss_given_up(0)
+            self._miss_given_up()
 
     def give_up_all(self) -> None:
         """Nothing is sent any more."""
@@ -270,7 +271,7 @@ class Outbox:
 
     def restart(self, now_ns: int) -> None:
         """Another session begins: latched messages go again, and kept ones that may not have arrived."""
-        self._miss_given_up(0)
+        self._miss_given_up()
         # What waited in the outage, and gives way because so much did, was missed as well.
         self._waited_before_ns = now_ns if self._had_session else 0
         self._had_session, self._is_cut = True, False
@@ -348,7 +349,8 @@ class Outbox:
             self._given_up_bytes += len(message.payload)
         self._miss_given_up(MAX_GIVEN_UP_BYTES)
 
-    def _miss_given_up(self, most_bytes: int) -> None:
+    def _miss_given_up(self, most_bytes: int = -1) -> None:
+        """The oldest beyond so many bytes were missed, or all."""
         while self._given_up and self._given_up_bytes > most_bytes:
             message = self._given_up.popleft()
             self._given_up_bytes -= len(message.payload)

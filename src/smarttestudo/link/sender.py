@@ -129,9 +129,9 @@ class LinkSender(Generic[_Request]):
         if stream in self._infos:
             self._outbox.offer(stream, payload, now_ns, lane, origin)
 
-    def take_missed(self, *, is_last: bool = False) -> list[MissedMessage]:
+    def take_missed(self, now_ns: int, *, is_last: bool = False) -> list[MissedMessage]:
         """What was missed since the last call; if it ``is_last``, what waits for nobody, too."""
-        if is_last:
+        if is_last and not self.is_connected(now_ns):
             self._outbox.give_up_all()
             self._outbox.cut()
         missed = self._outbox.missed

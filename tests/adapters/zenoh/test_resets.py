@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""A connection that is reset again and again, as a radio does it: what was missed, and nothing else, is kept."""
+"""A connection that is reset again and again: what was missed, and nothing else, is kept."""
 
 from __future__ import annotations
 

@@ -118,7 +118,7 @@ class RobotEnd:
             return []
         try:
             self._empty_inbox()
-            return self._sender.take_missed(is_last=is_last)
+            return self._sender.take_missed(self._clock(), is_last=is_last)
         finally:
             self._lock.release()
 
