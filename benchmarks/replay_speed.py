@@ -22,7 +22,7 @@ from pathlib import Path
 
 from rosbags.rosbag2 import Reader, Writer
 
-from smarttestudo.adapters.rosbag import open_recording
+from smarttestudo.adapters.rosbag.reader import open_recording
 from smarttestudo.use_cases.demo.mission import record_mission
 from smarttestudo.use_cases.replay.replay import ReplayRequest, replay
 from smarttestudo.use_cases.rules.rule_sets import load_rules

@@ -17,7 +17,7 @@ from smarttestudo.adapters.files import decision_log
 from smarttestudo.adapters.files.outputs import require_separate
 from smarttestudo.adapters.files.profile import load_profile
 from smarttestudo.adapters.files.rule_files import find_rule_files, read_rule_text
-from smarttestudo.adapters.rosbag import open_recording
+from smarttestudo.adapters.rosbag.reader import open_recording
 from smarttestudo.adirf.checks import CheckContext
 from smarttestudo.adirf.parser import parse
 from smarttestudo.adirf.rule_set import RuleSet

@@ -16,7 +16,8 @@ from adapters.rosbag.bag_factory import CUSTOM_DEFINITION, CUSTOM_TYPE, START_NS
 from ros.small_graph import SmallGraph
 from smarttestudo.adapters.foxglove import open_foxglove_sink
 from smarttestudo.adapters.ros.graph_sink import GraphSink
-from smarttestudo.adapters.rosbag import RecordingSink, open_recording
+from smarttestudo.adapters.rosbag.reader import open_recording
+from smarttestudo.adapters.rosbag.recording_sink import RecordingSink
 from smarttestudo.domain import link
 from smarttestudo.domain.link import ReceivedMessage, StreamInfo
 from smarttestudo.domain.robot import Qos

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
-from smarttestudo.domain.link import ReceivedMessage, StreamInfo
+from smarttestudo.domain.link import MessageOrigin, ReceivedMessage, StreamInfo
 from smarttestudo.domain.robot import Qos
 from smarttestudo.link.receiver import LinkReceiver
 from smarttestudo.link.reports import Announcement, Report
@@ -108,7 +108,8 @@ class Ends:
         count = len(self.payloads[source.topic])
         payload = count.to_bytes(8, "little") + bytes(source.size_bytes - 8)
         self.payloads[source.topic].append(payload)
-        self.sender.offer(self._streams[source.topic], payload, now_ns)
+        origin = MessageOrigin(topic=source.topic, stamp_ns=now_ns)
+        self.sender.offer(self._streams[source.topic], payload, now_ns, origin=origin)
         next_ns = now_ns + int(S / source.rate_hz)
         if next_ns < source.to_s * S:
             self.at(next_ns, partial(self._publish, source))

@@ -57,7 +57,7 @@ def test_all_that_arrives_was_sent_and_in_order_and_the_newest_arrives(
         assert got
         assert got[-1] == len(payloads) - 1
         is_kept = source.transient_local or needs[source.topic].is_full
-        counts = ends.sender.counts()[source.topic]
+        counts = ends.sender.counts(0)[source.topic]
         if is_kept and not counts.overflowed and not source.transient_local:
             assert got == list(range(len(payloads)))
     assert ends.receiver.counts.garbage == 0
@@ -131,8 +131,8 @@ def test_a_sender_that_nobody_hears_keeps_the_newest_only() -> None:
     sender: LinkSender[None] = LinkSender()
     ends = Ends(Link(((0.0, 0.0),)), (Source(topic="/a", size_bytes=5_000, rate_hz=50),), sender)
     ends.run(20)
-    assert sender.counts()["/a"].queued_bytes == 5_000
-    assert sender.counts()["/a"].replaced == len(ends.payloads["/a"]) - 1
+    assert sender.counts(0)["/a"].queued_bytes == 5_000
+    assert sender.counts(0)["/a"].replaced == len(ends.payloads["/a"]) - 1
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,13 @@ from itertools import pairwise
 import pytest
 
 from link.simulated_link import Ends, Link, S, Source, quantile
-from smarttestudo.domain.link import LinkNeeds
+from smarttestudo.domain.budget import UNLIMITED_KB_PER_S
+from smarttestudo.domain.link import LinkNeeds, StreamInfo
+from smarttestudo.domain.link_state import StreamCounts
+from smarttestudo.domain.robot import Qos
+from smarttestudo.link.outbox import MAX_QUEUED_BYTES
+from smarttestudo.link.reports import Report
+from smarttestudo.link.sender import LinkSender
 
 # 5 Mbit/s are offered.
 SOURCES = (
@@ -117,13 +123,56 @@ def test_what_overflows_a_queue_is_counted() -> None:
     both = ends((0, 10_000), sources=(Source(topic="/camera", size_bytes=60_000, rate_hz=10),))
     both.sender.follow({"/camera": LinkNeeds(is_full=True)})
     both.run(20)
-    counts = both.sender.counts()["/camera"]
+    counts = both.sender.counts(20 * S)["/camera"]
     assert counts.overflowed > 0
     assert counts.queued_bytes <= 1_000_000
     # One may be on its way.
     assert counts.sent + counts.overflowed + counts.queued_bytes // 60_000 + 1 >= len(
         both.payloads["/camera"]
     )
+
+
+def filled_queue(sender: LinkSender[None]) -> int:
+    """The stream of a topic that is sent whole, with three messages more than its queue takes, at 0."""
+    sender.follow({"/camera": LinkNeeds(is_full=True)})
+    info = StreamInfo(
+        topic="/camera", type_name="a/msg/A", qos=Qos(reliable=True, transient_local=False, depth=1)
+    )
+    stream = sender.open(info, 0)
+    assert stream is not None
+    for _ in range(MAX_QUEUED_BYTES // 100_000 + 3):
+        sender.offer(stream, bytes(100_000), 0)
+    return stream
+
+
+def test_what_overflows_while_nobody_was_ever_there_is_not_lost_on_the_link() -> None:
+    sender = LinkSender[None]()
+    stream = filled_queue(sender)
+    assert sender.counts(0)["/camera"] == StreamCounts(queued_bytes=MAX_QUEUED_BYTES)
+    sender.take_report(Report(receiver=1, session=0, received_bytes=0), 0)
+    assert sender.counts(0)["/camera"] == StreamCounts(queued_bytes=MAX_QUEUED_BYTES)
+    sender.disconnect()
+    sender.offer(stream, bytes(100_000), 5 * S)
+    assert sender.counts(5 * S)["/camera"] == StreamCounts(
+        overflowed=1, queued_bytes=MAX_QUEUED_BYTES, is_losing=True
+    )
+
+
+def test_a_topic_that_has_lost_nothing_for_a_minute_is_not_losing_any_more() -> None:
+    sender = LinkSender[None]()
+    sender.take_report(Report(receiver=1, session=0, received_bytes=0), 0)
+    stream = filled_queue(sender)
+    sender.offer(stream, bytes(100_000), 7 * S)
+    told = [sender.counts(now_ns)["/camera"] for now_ns in (7 * S, 67 * S - 1, 67 * S)]
+    assert [(counts.overflowed, counts.is_losing) for counts in told] == [(4, True), (4, True), (4, False)]
+
+
+def test_a_link_that_topics_do_not_fill_is_in_the_end_no_limit() -> None:
+    # It was measured in its first second.
+    both = ends((0, 50_000), (1, 1_000_000), sources=(Source(topic="/image", size_bytes=20_000, rate_hz=5),))
+    both.run(60)
+    assert UNLIMITED_KB_PER_S in {budget for _, budget in both.budgets}
+    assert max(budget for _, budget in both.budgets if budget is not None) == UNLIMITED_KB_PER_S
 
 
 def test_ages_are_told_right_whatever_the_clocks_say() -> None:

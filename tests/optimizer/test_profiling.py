@@ -13,8 +13,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from smarttestudo.adapters.files.profile import load_profile
-from smarttestudo.adapters.rosbag import create_recording
 from smarttestudo.adapters.rosbag.qos import stored_qos
+from smarttestudo.adapters.rosbag.writer import create_recording
 from smarttestudo.cli.main import main
 from smarttestudo.domain.recording import Channel, Storage
 from smarttestudo.domain.robot import Qos

@@ -14,7 +14,7 @@ import pytest
 from ros.ros_processes import LINE_TIMEOUT_S, Process, SmallRobot
 from ros.test_demo_live import LIVE_TOPICS, messages_of
 from smarttestudo.adapters.network_namespaces import ThinLink
-from smarttestudo.adapters.rosbag import open_recording
+from smarttestudo.adapters.rosbag.reader import open_recording
 from smarttestudo.cli.commands import command_parser
 from smarttestudo.cli.demo import link_bit_per_s, run
 from smarttestudo.domain.errors import UsageError

@@ -8,7 +8,7 @@ import json
 from pathlib import Path
 
 from ros.ros_processes import SmallRobot
-from smarttestudo.adapters.rosbag import open_recording
+from smarttestudo.adapters.rosbag.reader import open_recording
 
 LIVE_TOPICS = {
     "/cmd_vel",

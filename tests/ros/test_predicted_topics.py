@@ -12,7 +12,7 @@ from typing import NamedTuple
 import pytest
 
 from ros.ros_processes import SmallRobot
-from smarttestudo.adapters.rosbag import open_recording
+from smarttestudo.adapters.rosbag.reader import open_recording
 from smarttestudo.cdr import PoseReader, header_stamp_ns
 
 TWIST = (0.4, 0.2)

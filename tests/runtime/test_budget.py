@@ -12,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from runtime.loop_driver import SECOND, LoopDriver
+from smarttestudo.domain.budget import UNLIMITED_KB_PER_S
 from smarttestudo.domain.decision import Reason
 from smarttestudo.domain.observation import Arrival
 from smarttestudo.domain.profile import Profile, TopicProfile
@@ -318,3 +319,16 @@ def test_what_no_check_reads_is_metered_with_the_decisions_of_a_step_for_each_me
             decisions[0] += step(metered, (), now_ns).decisions
         decisions[1] += step(stepped, (arrival,), now_ns).decisions
         assert decisions[0] == decisions[1]
+
+
+def test_a_link_that_is_no_limit_is_no_budget_but_one_that_was_set_is() -> None:
+    robot = LoopDriver("begin SetFrequency /a 10 end", Profile())
+    assert robot.loop.knowledge.budget_kb_per_s is None
+    robot.budget(2 * UNLIMITED_KB_PER_S, is_measured=False)
+    assert robot.loop.knowledge.budget_kb_per_s == 2 * UNLIMITED_KB_PER_S
+    robot.budget(UNLIMITED_KB_PER_S, is_measured=True)
+    assert robot.loop.knowledge.budget_kb_per_s is None
+    robot.budget(500.0, is_measured=False)
+    assert robot.loop.knowledge.budget_kb_per_s == 500.0
+    robot.budget(200.0, is_measured=True)
+    assert robot.loop.knowledge.budget_kb_per_s == 200.0

@@ -16,7 +16,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from smarttestudo.adapters.json.status import status_to_json
-from smarttestudo.adapters.rosbag import create_recording
+from smarttestudo.adapters.rosbag.writer import create_recording
 from smarttestudo.domain.link_state import LinkState, StreamCounts, TopicOnLink
 from smarttestudo.domain.names import STATUS_TOPIC
 from smarttestudo.domain.recording import Channel

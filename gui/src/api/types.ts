@@ -1184,7 +1184,8 @@ export interface RobotIncidentsAnswer {
  *
  * `label` is what people call it. `waits_s` is how long pushed rules still hold unless they are
  * confirmed. `is_heard` is false once it has been silent for longer than it should be; `heard_s_ago` is
- * the time since its last status. `lost` counts messages that overflowed on the link, of all topics.
+ * the time since its last status. `lost` counts messages that overflowed on the link, of all topics that
+ * lost some within the last minute.
  */
 export interface RobotSummary {
   node: string;
@@ -1410,7 +1411,8 @@ export interface TopicArm {
 /**
  * A topic on a link: the age of its last message at the operator, and its messages since the start.
  *
- * `replaced` gave way to newer ones, `overflowed` are lost though none may be.
+ * `replaced` gave way to newer ones, `overflowed` are lost though none may be; 0 once none was for a
+ * minute.
  */
 export interface TopicLinkView {
   age_ms: number | null;

@@ -109,7 +109,7 @@ def _topics(arguments: argparse.Namespace) -> Mapping[str, str] | None:
 
 
 def _topics_of(bag: Path) -> dict[str, str]:
-    from smarttestudo.adapters.rosbag import open_recording  # noqa: PLC0415  needs packages a robot lacks
+    from smarttestudo.adapters.rosbag.reader import open_recording  # noqa: PLC0415  needs packages a robot lacks
 
     with open_recording(bag) as recording:
         return {channel.topic: channel.type_name for channel in recording.channels}

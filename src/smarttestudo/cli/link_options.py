@@ -22,7 +22,7 @@ def add_link(parser: argparse.ArgumentParser) -> None:
         metavar="ENDPOINT",
         action="append",
         default=[],
-        help="send what is relayed to 'testudo receive' there, as in tcp/192.168.1.5:7447; the ROS graph "
+        help="send what is relayed to 'testudo receive' there, as in tls/192.168.1.5:7447; the ROS graph "
         "gets it too only with --output-topic or --output-domain",
     )
     group.add_argument(
@@ -57,7 +57,7 @@ def add_zenoh_config(parser: argparse._ActionsContainer) -> None:
     parser.add_argument(
         "--insecure",
         action="store_true",
-        help="allow endpoints that other machines reach, without certificates or a password",
+        help="allow endpoints that other machines reach without TLS: others can read and change what is sent",
     )
 
 
@@ -87,7 +87,7 @@ def add_connect(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         help="where 'testudo receive', a Zenoh router or a robot (--link-listen) listens, as in "
-        "tcp/192.168.1.5:7447",
+        "tls/192.168.1.5:7447",
     )
     add_zenoh_config(group)
 

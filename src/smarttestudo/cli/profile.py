@@ -92,7 +92,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _of_recording(arguments: argparse.Namespace, levels: Profile | None) -> str:
-    from smarttestudo.adapters.rosbag import open_recording  # noqa: PLC0415  needs packages a robot lacks
+    from smarttestudo.adapters.rosbag.reader import open_recording  # noqa: PLC0415  needs packages a robot lacks
     from smarttestudo.use_cases.bags.profile import profile_of_recording  # noqa: PLC0415
 
     proposals = _breakpoints(arguments.bag) if arguments.from_curve else None

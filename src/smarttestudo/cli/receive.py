@@ -17,7 +17,7 @@ from smarttestudo.adapters.foxglove import open_foxglove_sink
 from smarttestudo.adapters.ros import open_robot
 from smarttestudo.adapters.ros.graph_sink import GraphSink
 from smarttestudo.adapters.ros.loading import has_rclpy
-from smarttestudo.adapters.zenoh import open_operator_end, suspended_too_ns
+from smarttestudo.adapters.zenoh import open_operator_end, require_zenoh, suspended_too_ns
 from smarttestudo.adapters.zenoh.arrivals import LinkEvent
 from smarttestudo.adapters.zenoh.commanded import OutgoingCommands
 from smarttestudo.adapters.zenoh.security import LinkOptions
@@ -32,15 +32,17 @@ from smarttestudo.domain.command import command_topics
 from smarttestudo.domain.errors import RosError, UsageError, said
 from smarttestudo.domain.link import Sink
 from smarttestudo.domain.names import STATUS_TOPIC, full_topic_names
-from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.domain.units import NS_PER_S, utc_time
 from smarttestudo.domain.visible_topics import testudo_nodes
 from smarttestudo.link.reports import MAX_PREDICTED
+from smarttestudo.use_cases.receive.arrival_log import ArrivalLog
 from smarttestudo.use_cases.receive.incident_mirror import IncidentMirror, MirrorFolders
 from smarttestudo.use_cases.receive.prediction import Predictor
 from smarttestudo.use_cases.receive.reception import Reception
 from smarttestudo.use_cases.receive.reception_metrics import ReceptionMetrics
 from smarttestudo.use_cases.receive.sending import CommandRoute, Sending
 from smarttestudo.use_cases.receive.status_sink import StatusSink
+from smarttestudo.visualizer.table import printable
 
 DEFAULT_LISTEN = "tcp/127.0.0.1:7447"
 _WAIT_S = 0.05
@@ -121,7 +123,7 @@ def add_arguments(parser: CommandParser) -> None:
         "--catch-up",
         metavar="DIR",
         type=file_path,
-        help="fetch what robots with --catch-up could not send during outages into DIR/ROBOT likewise",
+        help="fetch what was missed here in outages, of robots with --catch-up, into DIR/ROBOT likewise",
     )
     add_openmetrics(parser)
     add_zenoh_config(parser)
@@ -130,6 +132,7 @@ def add_arguments(parser: CommandParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Receive until a signal comes."""
+    require_zenoh()
     folders = MirrorFolders(incidents=arguments.incidents, outages=arguments.catch_up)
     is_fetching = folders != MirrorFolders()
     _settle_ros(arguments, is_fetching=is_fetching)
@@ -242,7 +245,8 @@ def _sinks(arguments: argparse.Namespace, opened: ExitStack) -> Iterator[Sink]:
     if arguments.record is not None:
         from smarttestudo.adapters.rosbag.recording_sink import RecordingSink  # noqa: PLC0415  needs rosbags
 
-        yield RecordingSink(arguments.record, warn, time.time_ns, pattern=arguments.output_topic)
+        say = (lambda _: None) if sys.stdout.isatty() else _say
+        yield RecordingSink(arguments.record, warn, time.time_ns, pattern=arguments.output_topic, say=say)
     if arguments.foxglove is not None:
         foxglove = open_foxglove_sink(arguments.foxglove, warn, time.time_ns)
         sys.stdout.write(f"Foxglove: open the connection ws://127.0.0.1:{foxglove.port}\n")
@@ -250,7 +254,9 @@ def _sinks(arguments: argparse.Namespace, opened: ExitStack) -> Iterator[Sink]:
 
 
 def _say(sentence: str) -> None:
-    sys.stdout.write(f"{sentence}\n")
+    """Say it on standard output, in a file with the time, which a terminal needs not and a journal has."""
+    has_time = sys.stdout.isatty() or "JOURNAL_STREAM" in os.environ
+    sys.stdout.write(f"{'' if has_time else utc_time(time.time_ns()) + '  '}{printable(sentence)}\n")
     sys.stdout.flush()
 
 
@@ -268,8 +274,12 @@ def _receive(
     looks: list[Callable[[], None]],
     routes: Callable[[], Sequence[CommandRoute]],
 ) -> None:
-    """Receive until ``stopped``; once a second, call ``looks`` and show what arrives on a terminal."""
+    """Receive until ``stopped``; once a second, call ``looks``.
+
+    What arrives is shown on a terminal; elsewhere who comes, leaves and changes is said.
+    """
     with ExitStack() as opened:
+        noted = None if sys.stdout.isatty() else ArrivalLog(_say)
         if sys.stdout.isatty():
             show = opened.enter_context(open_screen())
             looks.append(
@@ -279,6 +289,8 @@ def _receive(
         wait_s = _WAIT_S
         while not stopped():
             for event in wait(wait_s):
+                if noted is not None:
+                    noted.take(event)
                 reception.take(event, time.monotonic_ns())
             due_ns, now_ns = reception.predict(time.monotonic_ns()), time.monotonic_ns()
             wait_s = _WAIT_S if due_ns is None else min(max(due_ns - now_ns, 0) / NS_PER_S, _WAIT_S)

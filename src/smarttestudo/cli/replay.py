@@ -234,7 +234,7 @@ def run(arguments: argparse.Namespace) -> int:
     for option in ("rules", "output"):
         if getattr(arguments, option) is None:
             raise UsageError("needed to replay a recording", place=f"--{option}", remedy="see --help")
-    from smarttestudo.adapters.rosbag import open_recording  # noqa: PLC0415  needs packages a robot lacks
+    from smarttestudo.adapters.rosbag.reader import open_recording  # noqa: PLC0415  needs packages a robot lacks
 
     profile = None if arguments.profile is None else load_profile(arguments.profile)
     with open_recording(arguments.bag) as recording:

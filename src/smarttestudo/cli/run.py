@@ -120,8 +120,8 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--catch-up",
         action="store_true",
-        help="with --link and --incidents: while no operator is connected, keep what the rules let pass "
-        "there, too, for 'testudo receive --catch-up'",
+        help="with --link and --incidents: keep there, too, what operators miss in outages of the link, for "
+        "'testudo receive --catch-up'",
     )
     add_openmetrics(parser)
     add_link(parser)

@@ -145,7 +145,8 @@ def _link(status: RuntimeStatus) -> str:
     )
     budget_kb_per_s = status.budget_kb_per_s
     if budget_kb_per_s is None:
-        return f"{text}, no budget{_capacity(status.link)}"
+        limit = "no budget" if status.link is None else "not limited"
+        return f"{text}, {limit}{_capacity(status.link)}"
     share = f" ({100 * status.out_kb_per_s / budget_kb_per_s:.0f} %)" if budget_kb_per_s else ""
     floors = "   the floors alone exceed it" if status.floors_break_budget else ""
     return f"{text} of {format_number(budget_kb_per_s, 1)}{share}{floors}{_capacity(status.link)}"

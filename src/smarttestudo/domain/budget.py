@@ -7,6 +7,8 @@ from __future__ import annotations
 import math
 
 MAX_BUDGET_KB_PER_S = 1e9
+UNLIMITED_KB_PER_S = 1e7
+"""What a link is said to carry that topics do not come near to fill: it is no limit."""
 
 
 def budget_kb_per_s(value: object) -> float:

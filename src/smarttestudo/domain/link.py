@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
@@ -57,6 +57,22 @@ class LinkNeeds:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class MessageOrigin:
+    """A message by the name of its source and the robot's clock when the rules let it pass."""
+
+    topic: str
+    stamp_ns: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MissedMessage:
+    """A message that an operator's end would have received, had there been no outage."""
+
+    origin: MessageOrigin
+    payload: bytes
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class ReceivedMessage:
     """A whole message at the operator's end.
 
@@ -90,6 +106,18 @@ class OutgoingLink(Protocol):
 
     def tell(self, status: RuntimeStatus) -> None:
         """Have everyone who watches receive this status."""
+
+    def keep_missed(self, origin: Callable[[], MessageOrigin | None]) -> None:
+        """Keep from now on what operators' ends miss. ``origin`` is asked of each message as it is sent.
+
+        Those without one are not kept.
+        """
+
+    def take_missed(self, *, is_last: bool = False) -> Sequence[MissedMessage]:
+        """What operators' ends have missed since the last call.
+
+        With ``is_last``, what waits for them in vain is missed, too.
+        """
 
     def offer_incidents(self, folder: Path) -> None:
         """Let operators list and fetch the incidents in ``folder`` from now on."""

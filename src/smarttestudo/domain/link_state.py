@@ -12,13 +12,15 @@ class StreamCounts:
     """Messages of one topic at the robot's end of a link, since the start.
 
     ``sent`` went out whole. ``replaced`` gave way to newer ones before their first byte was sent;
-    ``overflowed`` were dropped because the queue of the topic was full. ``queued_bytes`` wait now.
+    ``overflowed`` were dropped because the queue of the topic was full, once an operator's end had been
+    there; where it ``is_losing``, some of these within the last minute. ``queued_bytes`` wait now.
     """
 
     sent: int = 0
     replaced: int = 0
     overflowed: int = 0
     queued_bytes: int = 0
+    is_losing: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

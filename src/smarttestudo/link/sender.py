@@ -8,7 +8,8 @@ from collections.abc import Collection, Hashable, Mapping
 from dataclasses import replace
 from typing import Generic, TypeVar
 
-from smarttestudo.domain.link import LinkNeeds, Prediction, StreamInfo
+from smarttestudo.domain.budget import UNLIMITED_KB_PER_S
+from smarttestudo.domain.link import LinkNeeds, MessageOrigin, MissedMessage, Prediction, StreamInfo
 from smarttestudo.domain.link_state import LinkState, StreamCounts
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_MS, NS_PER_S
 from smarttestudo.link.background import BackgroundAnswer, BackgroundAnswers
@@ -33,7 +34,7 @@ _USABLE = 0.95
 """The share of the capacity that is planned with; the rest carries what nobody planned."""
 _GROWTH = ((0.5, 1.4), (0.15, 1.07), (0.05, 1.0))
 """Shares of a period in which nothing waited to be sent, and by how much the budget grows after it."""
-_MOST_BYTES_PER_S = 1e10
+_MOST_BYTES_PER_S = UNLIMITED_KB_PER_S * BYTES_PER_KB
 _Request = TypeVar("_Request")
 
 
@@ -60,6 +61,7 @@ class LinkSender(Generic[_Request]):
         self._anew: set[str] = set()
         self._receivers = Receivers(LOST_AFTER_NS)
         self._receiver: int | None = None
+        self._left_receiver: int | None = None
         self._heard_ns = 0
         self._outages = 0
         self._ages_ms: dict[str, float] = {}
@@ -110,10 +112,30 @@ class LinkSender(Generic[_Request]):
             if info.topic in anew:
                 self._outbox.skip(number)
 
-    def offer(self, stream: int, payload: bytes, now_ns: int, lane: Hashable = None) -> None:
-        """Have a message sent; it replaces one of its ``lane`` that has not begun."""
+    def offer(
+        self,
+        stream: int,
+        payload: bytes,
+        now_ns: int,
+        lane: Hashable = None,
+        origin: MessageOrigin | None = None,
+    ) -> None:
+        """Have a message sent; it replaces one of its ``lane`` that has not begun.
+
+        One that has an ``origin`` is kept where an operator's end misses it.
+        """
+        if not self.is_connected(now_ns):
+            self._outbox.cut()
         if stream in self._infos:
-            self._outbox.offer(stream, payload, now_ns, lane)
+            self._outbox.offer(stream, payload, now_ns, lane, origin)
+
+    def take_missed(self, now_ns: int, *, is_last: bool = False) -> list[MissedMessage]:
+        """What was missed since the last call; if it ``is_last``, what waits for nobody, too."""
+        if is_last and not self.is_connected(now_ns):
+            self._outbox.give_up_all()
+            self._outbox.cut()
+        missed = self._outbox.missed
+        return [missed.popleft() for _ in range(len(missed))]
 
     def take_report(self, report: Report, now_ns: int) -> None:
         """An operator's end says what it has."""
@@ -123,16 +145,14 @@ class LinkSender(Generic[_Request]):
         if report.receiver != self._receiver and not is_silent:
             return
         must_restart = report.receiver != self._receiver or report.session == 0
+        if must_restart and report.receiver == self._left_receiver:
+            self._learn_of_cut(report)
         self._receiver, self._heard_ns = report.receiver, now_ns
         if self._session < report.session < _LAST_SESSION:
             # Somebody else's chunks were taken for ours; ours count again from the next session on.
             self._session, must_restart = report.session, True
         if not must_restart and report.session == self._session:
-            is_stalled = self.is_stalled(now_ns)
-            if self._window.acknowledge(report.received_bytes, now_ns):
-                self._outbox.acknowledge(report.received_bytes)
-            must_restart = is_stalled and self._window.in_flight_bytes > 0
-            self._outages += is_stalled
+            must_restart = self._acknowledge(report.received_bytes, now_ns)
         if must_restart:
             self._restart(now_ns)
         for number, age_ms in report.ages_ms.items():
@@ -207,8 +227,11 @@ class LinkSender(Generic[_Request]):
 
     def disconnect(self) -> None:
         """The operator's end is gone; the next that reports gets a new session."""
+        if self._receiver is not None:
+            self._left_receiver = self._receiver
         self._receiver = None
         self._receivers = Receivers(LOST_AFTER_NS)
+        self._outbox.cut()
 
     def state(self, now_ns: int) -> LinkState:
         """What is known of the link."""
@@ -224,15 +247,21 @@ class LinkSender(Generic[_Request]):
 
     @property
     def budget_kb_per_s(self) -> float | None:
-        """What relayed topics may take together now, before compression; ``None`` while it is not known."""
+        """What relayed topics may take together now, before compression; ``None`` while it is not known.
+
+        ``UNLIMITED_KB_PER_S`` where the link is no limit.
+        """
         if self._budget_bytes_per_s is None:
             return None
-        return self._budget_bytes_per_s * self._payload_bytes / self._wire_bytes / BYTES_PER_KB
+        if self._budget_bytes_per_s >= _MOST_BYTES_PER_S:
+            return UNLIMITED_KB_PER_S
+        budget_kb_per_s = self._budget_bytes_per_s * self._payload_bytes / self._wire_bytes / BYTES_PER_KB
+        return min(budget_kb_per_s, UNLIMITED_KB_PER_S)
 
-    def counts(self) -> dict[str, StreamCounts]:
+    def counts(self, now_ns: int) -> dict[str, StreamCounts]:
         """Messages by topic."""
         counts: dict[str, StreamCounts] = {}
-        for number, one in self._outbox.counts():
+        for number, one in self._outbox.counts(now_ns):
             info = self._infos.get(number)
             if info is None:
                 continue
@@ -243,6 +272,7 @@ class LinkSender(Generic[_Request]):
                 replaced=had.replaced + one.replaced,
                 overflowed=had.overflowed + one.overflowed,
                 queued_bytes=had.queued_bytes + one.queued_bytes,
+                is_losing=had.is_losing or one.is_losing,
             )
         return counts
 
@@ -254,13 +284,30 @@ class LinkSender(Generic[_Request]):
         """The window of the topics, while anybody receives them."""
         return self._window if self.is_connected(now_ns) else None
 
+    def _learn_of_cut(self, report: Report) -> None:
+        """A receiver whose connection was cut is back, and knows what had arrived by then."""
+        if report.session == self._session and report.received_bytes <= self._window.sent_bytes:
+            self._outbox.acknowledge(report.received_bytes)
+
+    def _acknowledge(self, received_bytes: int, now_ns: int) -> bool:
+        """The receiver has so much of this session; whether another is to begin: the rest is lost."""
+        is_stalled = self.is_stalled(now_ns)
+        if is_stalled:
+            self._outbox.cut()
+        if self._window.acknowledge(received_bytes, now_ns):
+            # The receiver drops what is so late.
+            late_ns = STALLED_AFTER_NS + 4 * (self._window.round_trip_ns or 0)
+            self._outbox.acknowledge(received_bytes, now_ns - late_ns if is_stalled else None)
+        self._outages += is_stalled
+        return is_stalled and self._window.in_flight_bytes > 0
+
     def _restart(self, now_ns: int) -> None:
         self._session += 1
         before, self._window = self._window, Window(self._window.capacity_bytes_per_s)
         self._window.is_measured = before.is_measured
         self._outbox.close(CONTROL_STREAM)
         self._outbox.open(CONTROL_STREAM)
-        self._outbox.restart()
+        self._outbox.restart(now_ns)
         self._introduce(now_ns)
 
     def _introduce(self, now_ns: int) -> None:

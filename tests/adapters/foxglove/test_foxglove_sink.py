@@ -18,6 +18,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from websockets.exceptions import InvalidStatus
+from websockets.sync.client import connect
+from websockets.typing import Subprotocol
 
 from adapters.foxglove.foxglove_client import TIMEOUT_S, foxglove_client
 from adapters.rosbag.bag_factory import (
@@ -30,6 +33,7 @@ from adapters.rosbag.bag_factory import (
     message_of,
     odometry,
 )
+from adapters.zenoh.ends import until
 from smarttestudo.adapters.foxglove import open_foxglove_sink
 from smarttestudo.adapters.foxglove.sink import FoxgloveSink
 from smarttestudo.domain.errors import PortError
@@ -227,3 +231,30 @@ def test_foxgloves_own_packages_decode_odometry_and_an_image(sink: FoxgloveSink)
     assert (shown["height"], shown["width"], shown["encoding"]) == (2, 4, "rgb8")
     assert shown["data"] == pixels.tolist()
     assert decoded["/image"]["schemaEncoding"] == "ros2msg"
+
+
+@pytest.mark.parametrize("protocols", [["foxglove.websocket.v1"], []])
+def test_a_client_of_the_old_protocol_is_refused_and_it_is_said_once_which_clients_work(
+    protocols: list[str], caplog: pytest.LogCaptureFixture
+) -> None:
+    said: list[str] = []
+    sink = open_foxglove_sink(0, said.append, itertools.count(START_NS).__next__)
+    offered = [Subprotocol(name) for name in protocols] or None
+    for _ in range(2):
+        with pytest.raises(InvalidStatus), connect(f"ws://127.0.0.1:{sink.port}", subprotocols=offered):
+            pass
+        until(lambda: bool(said))
+    sink.close()
+    assert said == [
+        "Foxglove: a client was refused, as it does not offer the protocol foxglove.sdk.v1; "
+        "use the current Foxglove app, or Lichtblick 1.22 or newer"
+    ]
+    assert "handshake" not in caplog.text
+
+
+def test_a_client_that_offers_the_old_protocol_beside_the_new_one_is_served() -> None:
+    sink = open_foxglove_sink(0, pytest.fail, itertools.count(START_NS).__next__)
+    offered = [Subprotocol("foxglove.websocket.v1"), Subprotocol("foxglove.sdk.v1")]
+    with connect(f"ws://127.0.0.1:{sink.port}", subprotocols=offered) as connection:
+        assert connection.subprotocol == "foxglove.sdk.v1"
+    sink.close()

@@ -29,7 +29,7 @@ from adapters.rosbag.bag_factory import (
     write_split_bag,
 )
 from adapters.rosbag.bag_reading import ReadBag, read_bag
-from smarttestudo.adapters.rosbag import open_recording
+from smarttestudo.adapters.rosbag.reader import open_recording
 from smarttestudo.domain.errors import RecordingError
 
 MISSION = small_mission()

@@ -26,7 +26,8 @@ from adapters.rosbag.bag_factory import (
     write_split_bag,
 )
 from adapters.rosbag.bag_reading import read_bag
-from smarttestudo.adapters.rosbag import RosbagDecoder, open_recording
+from smarttestudo.adapters.rosbag.definitions import RosbagDecoder
+from smarttestudo.adapters.rosbag.reader import open_recording
 
 MISSION = small_mission()
 

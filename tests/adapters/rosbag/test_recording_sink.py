@@ -8,6 +8,7 @@ import itertools
 import json
 import resource
 import signal
+import tracemalloc
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -26,7 +27,9 @@ from adapters.rosbag.bag_factory import (
     odometry,
 )
 from adapters.rosbag.bag_reading import read_bag, read_with_mcap, read_with_rosbags
-from smarttestudo.adapters.rosbag import RecordingSink, open_recording, qos_in_words
+from smarttestudo.adapters.rosbag.qos import qos_in_words
+from smarttestudo.adapters.rosbag.reader import open_recording
+from smarttestudo.adapters.rosbag.recording_sink import RecordingSink
 from smarttestudo.cli.main import main
 from smarttestudo.domain.errors import RecordingError, UsageError
 from smarttestudo.domain.link import ReceivedMessage, StreamInfo
@@ -40,9 +43,9 @@ ODD = StreamInfo(topic="/odd", type_name="acme_msgs/msg/Odd", qos=BEST_EFFORT)
 HELD = cdr(CUSTOM_TYPE, message_of(CUSTOM_TYPE, opening=0.5, holds=True))
 
 
-def sink_into(folder: Path, **options: str) -> RecordingSink:
+def sink_into(folder: Path, pattern: str = "{topic}") -> RecordingSink:
     """One that says nothing, by a clock that goes on by a nanosecond a message."""
-    return RecordingSink(folder, pytest.fail, itertools.count(START_NS).__next__, **options)
+    return RecordingSink(folder, pytest.fail, itertools.count(START_NS).__next__, pattern=pattern)
 
 
 def take(sink: RecordingSink, stream: StreamInfo, payload: bytes, robot: str = "ada") -> None:
@@ -61,13 +64,42 @@ def test_a_recording_holds_what_arrived_when_it_arrived_for_our_reader_and_for_o
         sink.open("ada", stream)
     for stream, payload in sent:
         take(sink, stream, payload)
-    assert not (tmp_path / "drive" / "ada").exists()
+    assert [path.name for path in (tmp_path / "drive").iterdir()] == [".ada.partial"]
     sink.close()
     bag = tmp_path / "drive" / "ada"
     expected = [BagMessage(of.topic, START_NS + number, data) for number, (of, data) in enumerate(sent)]
     assert read_bag(bag).messages == expected
     assert read_with_rosbags(bag) == expected
     assert read_with_mcap(bag / "ada.mcap") == expected
+
+
+def test_each_message_can_be_read_as_soon_as_it_was_taken(tmp_path: Path) -> None:
+    sink = sink_into(tmp_path / "drive")
+    for stream in (ODOM, GRIPPER):
+        sink.open("ada", stream)
+    expected = []
+    for number in range(30):
+        stream, payload = (GRIPPER, HELD) if number % 3 else (ODOM, odometry(float(number), 0.0))
+        take(sink, stream, payload)
+        expected.append(BagMessage(stream.topic, START_NS + number, payload))
+        assert read_bag(tmp_path / "drive" / ".ada.partial").messages == expected
+    sink.close()
+    assert read_bag(tmp_path / "drive" / "ada").notices == []
+
+
+def test_memory_does_not_grow_with_the_length_of_a_recording(tmp_path: Path) -> None:
+    sink = sink_into(tmp_path / "drive")
+    sink.open("ada", ODD)
+    held_bytes = []
+    tracemalloc.start()
+    for number in range(40_000):
+        take(sink, ODD, bytes(100))
+        if number % 10_000 == 9_999:
+            held_bytes.append(tracemalloc.get_traced_memory()[0])
+    tracemalloc.stop()
+    sink.close()
+    # Of the chunk that is open, a megabyte of the file, the place of each message is known.
+    assert held_bytes[-1] < held_bytes[0] + 1_500_000
 
 
 def test_types_are_defined_by_the_robot_or_known_and_the_qos_is_the_robots(tmp_path: Path) -> None:

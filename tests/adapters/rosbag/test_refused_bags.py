@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from adapters.rosbag.bag_factory import small_mission, write_bag
-from smarttestudo.adapters.rosbag import open_recording
+from smarttestudo.adapters.rosbag.reader import open_recording
 from smarttestudo.domain.errors import RecordingError
 
 EXPECTED = "give a rosbag2 folder, a .db3 or an .mcap file"

@@ -27,7 +27,7 @@ from adapters.rosbag.bag_factory import (
     write_humble_file,
     write_mcap_file,
 )
-from smarttestudo.adapters.rosbag import open_recording
+from smarttestudo.adapters.rosbag.reader import open_recording
 from smarttestudo.domain.errors import RecordingError
 
 MISSION = small_mission()

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 
 from adapters.rosbag.bag_factory import BagContent, small_mission, write_bag, write_humble_file
 from adapters.rosbag.bag_reading import read_bag
-from smarttestudo.adapters.rosbag import open_recording
+from smarttestudo.adapters.rosbag.reader import open_recording
 from smarttestudo.adapters.rosbag.sqlite.log import LogChecksum, read_log
 from smarttestudo.domain.units import grouped
 

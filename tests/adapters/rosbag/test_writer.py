@@ -31,8 +31,9 @@ from adapters.rosbag.bag_factory import (
     write_humble_file,
 )
 from adapters.rosbag.bag_reading import read_bag, read_with_mcap, read_with_rosbags
-from smarttestudo.adapters.rosbag import create_recording, open_recording
-from smarttestudo.adapters.rosbag.writer import write_error
+from smarttestudo.adapters.files.outputs import write_error
+from smarttestudo.adapters.rosbag.reader import open_recording
+from smarttestudo.adapters.rosbag.writer import create_recording
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import Channel, Storage
 
@@ -282,7 +283,7 @@ def test_a_full_disk_is_told_in_one_line(tmp_path: Path) -> None:
 WRITE_TOO_MUCH = """
 import resource, sys
 from pathlib import Path
-from smarttestudo.adapters.rosbag import create_recording
+from smarttestudo.adapters.rosbag.writer import create_recording
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import Channel, Storage
 resource.setrlimit(resource.RLIMIT_FSIZE, (300_000, 300_000))

@@ -117,16 +117,24 @@ def test_others_are_not_let_in_and_are_told_why(
         assert len([warning for warning in warnings if "--insecure" not in warning]) == 1
 
 
+@pytest.mark.parametrize("protocol", ["tcp", "tls"])
 @pytest.mark.parametrize(("password", "is_right"), [("right", True), ("wrong", False)])
-def test_a_user_is_let_in_by_the_password(tmp_path: Path, password: str, *, is_right: bool) -> None:
-    endpoint, warnings = free_endpoint(), list[str]()
+def test_a_user_is_let_in_by_the_password(
+    certificates: Path, tmp_path: Path, protocol: str, password: str, *, is_right: bool
+) -> None:
+    endpoint, warnings = free_endpoint(protocol), list[str]()
     users = tmp_path / "users.txt"
     users.write_text("r1:right\n")
+    at_listener = settings(certificates, "listen", "operator", "ours") | {"enable_mtls": False}
+    at_connector = {"root_ca_certificate": at_listener["root_ca_certificate"]}
     files = [tmp_path / "operator.json5", tmp_path / "robot.json5"]
-    for path, known in zip(
-        files, ({"dictionary_file": str(users)}, {"user": "r1", "password": password}), strict=True
+    for path, tls, known in zip(
+        files,
+        (at_listener, at_connector),
+        ({"dictionary_file": str(users)}, {"user": "r1", "password": password}),
+        strict=True,
     ):
-        path.write_text(json.dumps({"transport": {"auth": {"usrpwd": known}}}))
+        path.write_text(json.dumps({"transport": {"link": {"tls": tls}, "auth": {"usrpwd": known}}}))
     with (
         open_operator_end(LinkOptions(listen=(endpoint,), config_file=files[0]), refuse_warning) as operator,
         open_robot_end(

@@ -7,7 +7,7 @@ from __future__ import annotations
 import pytest
 
 from smarttestudo.adapters.zenoh.security import LinkOptions, admit
-from smarttestudo.domain.errors import LinkError
+from smarttestudo.domain.errors import LinkError, UsageError
 
 TLS = {"root_ca_certificate": "ca.pem", "enable_mtls": True}
 AT_LISTENER = {"listen_certificate": "cert.pem", "listen_private_key": "key.pem"}
@@ -20,9 +20,9 @@ def tls(**settings: object) -> dict[str, object]:
     return {"transport": {"link": {"tls": {**unset, **settings}}, "auth": {"usrpwd": {"user": None}}}}
 
 
-def user(**settings: object) -> dict[str, object]:
-    """A Zenoh configuration with these settings of users and passwords."""
-    return {"transport": {"link": {"tls": {}}, "auth": {"usrpwd": settings}}}
+def user(tls: dict[str, object], **settings: object) -> dict[str, object]:
+    """A Zenoh configuration with these settings of TLS, users and passwords."""
+    return {"transport": {"link": {"tls": tls}, "auth": {"usrpwd": settings}}}
 
 
 @pytest.mark.parametrize(
@@ -91,18 +91,45 @@ def test_tls_without_any_certificate_is_refused_even_where_anybody_may() -> None
         admit(LinkOptions(listen=("tls/robot:7447",), insecure=True), {})
 
 
-def test_user_and_password_let_others_in() -> None:
-    endpoint = "tcp/192.168.1.5:7447"
+AUTHORITY: dict[str, object] = {"root_ca_certificate": "ca.pem"}
+
+
+@pytest.mark.parametrize("protocol", ["tls", "quic"])
+def test_user_and_password_let_others_in_over_tls(protocol: str) -> None:
+    endpoint = f"{protocol}/192.168.1.5:7447"
     listens, connects = LinkOptions(listen=(endpoint,)), LinkOptions(connect=(endpoint,))
-    assert admit(listens, user(dictionary_file="users.txt")) is None
-    assert admit(connects, user(user="r1", password="secret")) is None
+    assert admit(listens, user(dict(AT_LISTENER), dictionary_file="users.txt")) is None
+    assert admit(connects, user(AUTHORITY, user="r1", password="secret")) is None
     for options, config in (
-        (listens, user(user="r1", password="secret")),
-        (connects, user(dictionary_file="users.txt")),
-        (connects, user(user="r1", password=None)),
+        (listens, user(dict(AT_LISTENER), user="r1", password="secret")),
+        (listens, user(AUTHORITY, dictionary_file="users.txt")),
+        (connects, user(AUTHORITY, dictionary_file="users.txt")),
+        (connects, user(AUTHORITY, user="r1", password=None)),
+        (connects, user(dict(AT_CONNECTOR), user="r1", password="secret")),
     ):
-        with pytest.raises(LinkError, match="others could read"):
+        with pytest.raises(LinkError, match="send what they like"):
             admit(options, config)
+
+
+@pytest.mark.parametrize("protocol", ["tcp", "udp", "ws"])
+def test_user_and_password_alone_encrypt_nothing_and_are_not_enough(protocol: str) -> None:
+    endpoint = f"{protocol}/192.168.1.5:7447"
+    for options, config in (
+        ({"listen": (endpoint,)}, user(dict(AT_LISTENER), dictionary_file="users.txt")),
+        ({"connect": (endpoint,)}, user(AUTHORITY, user="r1", password="secret")),
+    ):
+        with pytest.raises(LinkError) as refused:
+            admit(LinkOptions(**options), config)  # type: ignore[arg-type]
+        assert str(refused.value).startswith(
+            f"{endpoint}: error: others could read what is sent there: user and password encrypt nothing; "
+            "use an endpoint tls/…"
+        )
+        assert admit(LinkOptions(**options, insecure=True), config) == (  # type: ignore[arg-type]
+            f"--insecure: whoever is between both ends of {endpoint} can read and change all that is sent, "
+            "as user and password encrypt nothing"
+        )
+        with pytest.raises(UsageError, match="could drive the robot with /joy"):
+            admit(LinkOptions(**options, insecure=True, commands=("/joy",)), config)  # type: ignore[arg-type]
 
 
 def test_one_open_endpoint_among_protected_ones_is_refused() -> None:

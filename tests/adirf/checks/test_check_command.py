@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from smarttestudo.adapters.rosbag import create_recording
+from smarttestudo.adapters.rosbag.writer import create_recording
 from smarttestudo.cli import check
 from smarttestudo.cli.commands import command_parser
 from smarttestudo.cli.finding_text import finding_lines, print_findings, summary, write_lines

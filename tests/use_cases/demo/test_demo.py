@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from smarttestudo.adapters.rosbag import open_recording
+from smarttestudo.adapters.rosbag.reader import open_recording
 from use_cases.demo.demo_runs import Messages, Ran, binned_hz, messages_of, run_testudo
 
 THESIS_CHANGE_PERCENT = {

@@ -4,10 +4,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
 
-from smarttestudo.domain.link import LinkNeeds, Prediction, StreamInfo
+from smarttestudo.domain.link import LinkNeeds, MessageOrigin, MissedMessage, Prediction, StreamInfo
 from smarttestudo.domain.link_state import LinkState, StreamCounts
 from smarttestudo.domain.questions import Asked
 from smarttestudo.domain.robot import Publisher
@@ -22,6 +22,8 @@ class MemoryLink:
         self.budget_kb_per_s: float | None = None
         self.robot = "ada"
         self.is_watched = False
+        self.missed: list[MissedMessage] = []
+        self.origin: Callable[[], MessageOrigin | None] = lambda: None
         self.told: list[RuntimeStatus] = []
         self.followed: list[Mapping[str, LinkNeeds]] = []
         self.predicted: list[tuple[Mapping[str, Prediction], Collection[str]]] = []
@@ -37,6 +39,13 @@ class MemoryLink:
 
     def tell(self, status: RuntimeStatus) -> None:
         self.told.append(status)
+
+    def keep_missed(self, origin: Callable[[], MessageOrigin | None]) -> None:
+        self.origin = origin
+
+    def take_missed(self, *, is_last: bool = False) -> list[MissedMessage]:
+        missed, self.missed = self.missed, []
+        return missed
 
     def take_question(self) -> Asked | None:
         raise NotImplementedError

@@ -21,7 +21,14 @@ from link.simulated_link import MS, Link, S
 from runtime.loop_driver import rule_set_of
 from smarttestudo.adapters.zenoh.arrivals import RobotPresence, StreamSaid
 from smarttestudo.cdr import child_frames
-from smarttestudo.domain.link import LinkNeeds, Prediction, ReceivedMessage, StreamInfo
+from smarttestudo.domain.link import (
+    LinkNeeds,
+    MessageOrigin,
+    MissedMessage,
+    Prediction,
+    ReceivedMessage,
+    StreamInfo,
+)
 from smarttestudo.domain.link_state import LinkState, StreamCounts
 from smarttestudo.domain.observation import SourceChanged
 from smarttestudo.domain.payload import Payload
@@ -73,6 +80,12 @@ class VirtualEnd:
         return VirtualPublisher(self, stream)
 
     def tell(self, status: RuntimeStatus) -> None:
+        raise NotImplementedError
+
+    def keep_missed(self, origin: Callable[[], MessageOrigin | None]) -> None:
+        raise NotImplementedError
+
+    def take_missed(self, *, is_last: bool = False) -> list[MissedMessage]:
         raise NotImplementedError
 
     def take_question(self) -> Asked | None:

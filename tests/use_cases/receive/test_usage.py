@@ -91,7 +91,7 @@ def test_a_name_that_no_robot_can_have_is_a_wrong_usage(capsys: pytest.CaptureFi
 @pytest.mark.parametrize(
     ("endpoint", "remedy"),
     [
-        ("nonsense", "tcp/192.168.1.5:7447"),
+        ("nonsense", "tls/192.168.1.5:7447"),
         ("tcp/192.0.2.1:7447", "--insecure"),
         ("tcp/0.0.0.0:0", "--insecure"),
     ],
@@ -106,7 +106,7 @@ def test_a_robot_s_endpoint_that_cannot_be_used_is_said_in_one_line(
 
 @pytest.mark.parametrize("side", ["--listen", "--connect"])
 @pytest.mark.parametrize(
-    ("endpoint", "remedy"), [("nonsense", "tcp/192.168.1.5:7447"), ("tcp/192.0.2.1:7447", "--insecure")]
+    ("endpoint", "remedy"), [("nonsense", "tls/192.168.1.5:7447"), ("tcp/192.0.2.1:7447", "--insecure")]
 )
 def test_an_operator_s_endpoint_that_cannot_be_used_leaves_no_recording(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, side: str, endpoint: str, remedy: str

@@ -10,7 +10,7 @@ from typing import Any
 
 from adapters.rosbag.bag_factory import BagContent, BagMessage, write_bag
 from adapters.rosbag.bag_reading import read_bag
-from smarttestudo.adapters.rosbag import open_recording
+from smarttestudo.adapters.rosbag.reader import open_recording
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.profile import Profile
 from smarttestudo.use_cases.replay.outcome import ReplayOutcome

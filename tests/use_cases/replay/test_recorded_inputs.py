@@ -11,7 +11,7 @@ import pytest
 
 from adapters.rosbag.bag_factory import ODOM, odometry
 from smarttestudo.adapters.files.input_log import input_log
-from smarttestudo.adapters.rosbag import RosbagDecoder
+from smarttestudo.adapters.rosbag.definitions import RosbagDecoder
 from smarttestudo.cli.main import main
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.observation import LinkBudget, ListenersChanged, SourceChanged, Undecodable

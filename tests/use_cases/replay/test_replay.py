@@ -27,7 +27,8 @@ from adapters.rosbag.bag_factory import (
     write_split_bag,
 )
 from adapters.rosbag.bag_reading import read_with_mcap, read_with_rosbags
-from smarttestudo.adapters.rosbag import create_recording, open_recording
+from smarttestudo.adapters.rosbag.reader import open_recording
+from smarttestudo.adapters.rosbag.writer import create_recording
 from smarttestudo.domain.decision import Reason
 from smarttestudo.domain.errors import RecordingError, UsageError
 from smarttestudo.domain.profile import Profile, TopicProfile

@@ -20,7 +20,7 @@ from adapters.rosbag.bag_factory import (
     write_bag,
 )
 from adapters.rosbag.bag_reading import read_bag, read_with_rosbags
-from smarttestudo.adapters.rosbag import create_recording
+from smarttestudo.adapters.rosbag.writer import create_recording
 from smarttestudo.cli.main import main
 from smarttestudo.domain.recording import Channel
 

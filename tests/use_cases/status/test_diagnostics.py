@@ -147,12 +147,14 @@ def test_a_topic_says_how_it_does_on_the_link() -> None:
 
 
 def test_lost_messages_of_a_topic_that_must_not_lose_any_are_a_warning_of_the_topic() -> None:
-    lost = replace(ON_LINK, counts=replace(ON_LINK.counts, overflowed=3))
-    imu = named("/testudo/imu", replace(LINKED, topics={"/imu": replace(RELAYED, on_link=lost)}))
-    assert (imu.level, imu.message) == (
-        DiagnosticLevel.WARN,
-        "lost on the link: 3 messages since the start",
-    )
+    for is_losing, said in (
+        (True, (DiagnosticLevel.WARN, "lost on the link: 3 messages since the start")),
+        (False, (DiagnosticLevel.OK, "OK")),
+    ):
+        lost = replace(ON_LINK, counts=replace(ON_LINK.counts, overflowed=3, is_losing=is_losing))
+        imu = named("/testudo/imu", replace(LINKED, topics={"/imu": replace(RELAYED, on_link=lost)}))
+        assert (imu.level, imu.message) == said
+        assert imu.values["link_overflowed"] == "3"
 
 
 def test_a_robot_without_a_link_says_nothing_of_one() -> None:

@@ -123,6 +123,8 @@ def test_the_budget_and_its_trouble_are_said() -> None:
     tight = summary_lines(replace(STATUS, floors_break_budget=True))[1]
     assert (tight.look, tight.text.endswith("the floors alone exceed it")) == (Look.ERROR, True)
     assert "no budget" in summary_lines(replace(STATUS, budget_kb_per_s=None))[1].text
+    linked = replace(STATUS, budget_kb_per_s=None, link=LinkState(is_connected=True))
+    assert "out 946.0 KB/s, not limited   link: not the limit" in summary_lines(linked)[1].text
     assert "of 0.0" in summary_lines(replace(STATUS, budget_kb_per_s=0.0))[1].text
 
 

@@ -108,7 +108,7 @@ def test_twenty_robots_are_ordered_by_trouble_and_stay_in_place_under_the_keyboa
     page: RulerPage, fleet: Process
 ) -> None:
     late = status(7, age_ms=2500.0)
-    lost = replace(late.topics["/scan"].on_link, counts=StreamCounts(overflowed=3))  # type: ignore[type-var]
+    lost = replace(late.topics["/scan"].on_link, counts=StreamCounts(overflowed=3, is_losing=True))  # type: ignore[type-var]
     robots = [status(number) for number in range(20)]
     robots[7] = late
     robots[3] = replace(robots[3], link=replace(LINK, is_connected=False))

@@ -1,19 +1,21 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Whether an output of a command would overwrite an input or a recording."""
+"""Outputs of commands: what they may not overwrite, and what is said where they cannot be written."""
 
 from __future__ import annotations
 
+import errno
 import os
 import stat
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-from smarttestudo.domain.errors import UsageError
+from smarttestudo.domain.errors import RecordingError, UsageError
 
 _METADATA = "metadata.yaml"
 _METADATA_ROOT = b"rosbag2_bagfile_information"
 _HEAD_BYTES = 4096
+_SQLITE_FULL = "database or disk is full"
 _LOG_SUFFIXES = ("-wal", "-shm", "-journal")
 
 
@@ -83,3 +85,21 @@ def _is_recording(folder: Path) -> bool:
 
 def _refused(option: str, path: Path, cause: str) -> UsageError:
     return UsageError(f"{path} {cause}", place=option, remedy="name another output")
+
+
+def require_new(path: Path) -> None:
+    """Raise ``RecordingError`` where there is something at ``path``."""
+    if path.exists() or path.is_symlink():
+        raise RecordingError("exists already", place=str(path), remedy="remove it or name another output")
+
+
+def write_error(path: Path, error: Exception) -> RecordingError:
+    """``error``, raised while writing a recording at ``path``, as one line."""
+    if isinstance(error, OSError):
+        is_full, cause = error.errno in (errno.ENOSPC, errno.EDQUOT), error.strerror or str(error)
+    else:
+        is_full, cause = _SQLITE_FULL in str(error), str(error)
+    if is_full:
+        remedy = "free some space or write to another disk"
+        return RecordingError("the disk is full", place=str(path), remedy=remedy)
+    return RecordingError(f"cannot be written: {cause}", place=str(path))

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import logging
 import threading
 from collections import deque
 from collections.abc import Callable
@@ -23,6 +24,12 @@ BACKLOG = 128
 """Messages that wait for one client; the oldest gives way. The SDK lets a client go that does not even take
 so many announcements of topics."""
 _SDK_PREFIX = "FoxgloveError: "
+_SERVER_LOG = "foxglove.websocket.server"
+_HANDSHAKE_FAILED = "handshake failed"
+_REFUSED = (
+    "Foxglove: a client was refused, as it does not offer the protocol foxglove.sdk.v1; "
+    "use the current Foxglove app, or Lichtblick 1.22 or newer"
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -45,7 +52,8 @@ class FoxgloveSink:
 
     Messages are stamped with ``now_ns`` as they arrive. Who subscribes late gets the last messages of latched
     topics, and so does, once more, who was there before: the SDK sends to all. A topic whose type nobody
-    defines is not served, which ``warn`` is told once. Raises ``PortError`` where it cannot listen.
+    defines is not served, which ``warn`` is told once, and so it is of clients that are refused. Raises
+    ``PortError`` where it cannot listen.
     """
 
     def __init__(
@@ -60,6 +68,7 @@ class FoxgloveSink:
         # Clients subscribe in the SDK's thread. It is never held where the SDK might wait for that thread.
         self._lock = threading.Lock()
         self._context = Context()
+        self._log, self._refusals = logging.getLogger(_SERVER_LOG), _Refusals(lambda: self._say(_REFUSED))
         try:
             self._server = start_server(
                 name="SmartTestudo",
@@ -73,6 +82,7 @@ class FoxgloveSink:
             cause = f"the Foxglove server cannot listen there: {str(error).removeprefix(_SDK_PREFIX)}"
             remedy = "give another port, or end what listens there"
             raise PortError(cause, place=f"{host}:{port}", remedy=remedy) from error
+        self._log.addFilter(self._refusals)
 
     @property
     def port(self) -> int:
@@ -113,6 +123,7 @@ class FoxgloveSink:
     def close(self) -> None:
         """Let all clients go."""
         self._server.stop()
+        self._log.removeFilter(self._refusals)
         for topic in list(self._topics.values()):
             self._close(topic)
 
@@ -170,6 +181,21 @@ def _send_latched(topic: _Topic) -> None:
     kept = (message for messages in topic.latched.values() for message in messages)
     for payload, stamp_ns in sorted(kept, key=lambda message: message[1]):
         topic.channel.log(payload, log_time=stamp_ns)
+
+
+class _Refusals(logging.Filter):
+    """Says in the place of the SDK's own line that a client was refused: that one does not say why."""
+
+    def __init__(self, refused: Callable[[], None]) -> None:
+        super().__init__()
+        self._refused = refused
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        """Whether the line is logged."""
+        if not record.getMessage().endswith(_HANDSHAKE_FAILED):
+            return True
+        self._refused()
+        return False
 
 
 class _Listener(ServerListener):

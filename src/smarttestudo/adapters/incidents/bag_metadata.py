@@ -77,7 +77,8 @@ def _span(indent: str, first_ns: int, last_ns: int, messages: int) -> list[str]:
 
 
 def _channel(channel: StoredChannel, files: Iterable[FileContent]) -> list[str]:
-    messages = sum(content.messages.get(channel.topic, 0) for content in files)
+    key = channel.topic, channel.type_name
+    messages = sum(content.of_types.get(key, 0) for content in files)
     return [
         "    - topic_metadata:",
         f"        name: {_quoted(channel.topic)}",

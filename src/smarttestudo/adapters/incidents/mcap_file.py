@@ -59,9 +59,7 @@ class _Walk:
         end = self._records(len(MAGIC), self._file_bytes)
         state = self.state
         if is_whole:
-            if state.chunk is not None:
-                state.chunks.append(state.chunk)
-                state.chunk = None
+            state.close_chunk()
         elif state.chunk is not None:
             state.size_bytes = state.chunk.start + CHUNK_START.size + state.chunk.record_bytes
         else:
@@ -87,10 +85,8 @@ class _Walk:
         return start
 
     def _begin_chunk(self, start: int) -> None:
-        state = self.state
-        if state.chunk is not None:
-            state.chunks.append(state.chunk)
-        state.chunk = ChunkPlace(start=start, record_bytes=0, stamps={}, indexes={})
+        self.state.close_chunk()
+        self.state.chunk = ChunkPlace(start=start)
 
     def _take(self, op: int, start: int, content: int, size: int) -> None:
         state, chunk = self.state, self.state.chunk

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import IntEnum
 
 MAGIC = b"\x89MCAP0\r\n"
@@ -55,25 +55,33 @@ class StoredChannel:
 class ChunkPlace:
     """A chunk in its file: stamps in ns, offsets and sizes in bytes.
 
-    ``stamps`` has, for each channel by number, stamp and offset within the chunk of each of its messages.
-    ``indexes`` are the offsets of their indexes in the file, ``index_bytes`` is what all of these take.
+    ``stamps`` has, for each channel by number, stamp and offset within the chunk of each of its messages,
+    until their indexes are written. ``indexes`` are the offsets of these in the file, ``index_bytes`` is what
+    all of them take. ``span_ns`` is from the least to the greatest stamp, once there is a message.
     """
 
     start: int
-    record_bytes: int
-    stamps: dict[int, list[tuple[int, int]]]
-    indexes: dict[int, int]
+    record_bytes: int = 0
+    stamps: dict[int, list[tuple[int, int]]] = field(default_factory=dict)
+    indexes: dict[int, int] = field(default_factory=dict)
     index_bytes: int = 0
+    span_ns: tuple[int, int] | None = None
+
+    def note(self, channel: int, stamp_ns: int, within: int) -> None:
+        """A message of the channel stands at byte ``within``."""
+        self.stamps.setdefault(channel, []).append((stamp_ns, within))
+        first_ns, last_ns = self.span_ns or (stamp_ns, stamp_ns)
+        self.span_ns = min(first_ns, stamp_ns), max(last_ns, stamp_ns)
 
     @property
     def first_ns(self) -> int:
         """The least stamp in it."""
-        return min((stamp_ns for column in self.stamps.values() for stamp_ns, _ in column), default=0)
+        return 0 if self.span_ns is None else self.span_ns[0]
 
     @property
     def last_ns(self) -> int:
         """The greatest stamp in it."""
-        return max((stamp_ns for column in self.stamps.values() for stamp_ns, _ in column), default=0)
+        return 0 if self.span_ns is None else self.span_ns[1]
 
 
 def record(op: Op, content: bytes) -> bytes:
@@ -127,7 +135,7 @@ def chunk_index(chunk: ChunkPlace) -> bytes:
 
 def statistics(counts: Mapping[int, int], *, schemas: int, chunks: Sequence[ChunkPlace]) -> bytes:
     """How much there is of everything; ``counts`` are messages by channel."""
-    filled = [chunk for chunk in chunks if chunk.stamps]
+    filled = [chunk for chunk in chunks if chunk.span_ns]
     first_ns = min((chunk.first_ns for chunk in filled), default=0)
     last_ns = max((chunk.last_ns for chunk in filled), default=0)
     content = struct.pack(

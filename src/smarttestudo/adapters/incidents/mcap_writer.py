@@ -33,9 +33,13 @@ CHUNK_BYTES = 1 << 20
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FileContent:
-    """What a file holds: stamps in ns, messages and bytes of payload by topic."""
+    """What a file holds: stamps in ns, messages and bytes of payload by topic.
+
+    ``of_types`` are the messages by topic and type, as a topic may have had several types.
+    """
 
     messages: Mapping[str, int]
+    of_types: Mapping[tuple[str, str], int]
     size_bytes: Mapping[str, int]
     first_ns: int
     last_ns: int
@@ -64,19 +68,30 @@ class McapState:
 
     def note(self, chunk: ChunkPlace, number: int, stamp_ns: int, within: int, payload_bytes: int) -> None:
         """A message of the channel ``number`` stands at byte ``within`` of the chunk."""
-        chunk.stamps.setdefault(number, []).append((stamp_ns, within))
+        chunk.note(number, stamp_ns, within)
         self.messages[number] += 1
         self.payload_bytes[number] += payload_bytes
 
+    def close_chunk(self) -> None:
+        """Keep of the open chunk, all of which is in the file, what a summary needs."""
+        if self.chunk is not None:
+            # A recording of hours has millions of messages.
+            self.chunk.stamps = {}
+            self.chunks.append(self.chunk)
+            self.chunk = None
+
     def content(self) -> FileContent:
         """What readers find in it."""
-        filled = [chunk for chunk in self.chunks if chunk.stamps]
+        filled = [chunk for chunk in self.chunks if chunk.span_ns]
         messages, size_bytes = Counter[str](), Counter[str]()
+        of_types = Counter[tuple[str, str]]()
         for channel, number in self.channels.items():
             messages[channel.topic] += self.messages[number]
+            of_types[channel.topic, channel.type_name] += self.messages[number]
             size_bytes[channel.topic] += self.payload_bytes[number]
         return FileContent(
             messages=messages,
+            of_types=of_types,
             size_bytes=size_bytes,
             first_ns=min((chunk.first_ns for chunk in filled), default=0),
             last_ns=max((chunk.last_ns for chunk in filled), default=0),
@@ -100,6 +115,12 @@ class McapWriter:
             return
         os.ftruncate(self._file, state.size_bytes)
         os.lseek(self._file, 0, os.SEEK_END)
+
+    def add(self, channel: StoredChannel) -> int:
+        """Have the channel listed though no message of it follows; its number."""
+        if self._state.chunk is None:
+            self._open_chunk()
+        return self._state.channels.get(channel) or self._add(channel)
 
     def write(self, channel: StoredChannel, stamp_ns: int, payload: bytes) -> None:
         """Append one message."""
@@ -138,7 +159,7 @@ class McapWriter:
             self._file = -1
 
     def _open_chunk(self) -> ChunkPlace:
-        chunk = ChunkPlace(start=self._state.size_bytes, record_bytes=0, stamps={}, indexes={})
+        chunk = ChunkPlace(start=self._state.size_bytes)
         self._state.chunk = chunk
         self._append(chunk_start(chunk))
         return chunk
@@ -152,8 +173,7 @@ class McapWriter:
             chunk.indexes[number] = state.size_bytes
             self._append(message_index(number, stamps))
         chunk.index_bytes = state.size_bytes - indexes_start
-        state.chunks.append(chunk)
-        state.chunk = None
+        state.close_chunk()
 
     def _add(self, channel: StoredChannel) -> int:
         state = self._state

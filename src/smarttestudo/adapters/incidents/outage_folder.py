@@ -17,19 +17,17 @@ from smarttestudo.adapters.incidents.folders import (
     write_record,
 )
 from smarttestudo.adapters.incidents.mcap_records import StoredChannel
-from smarttestudo.adapters.incidents.segments import BagFolder, SharedMessages
+from smarttestudo.adapters.incidents.mcap_writer import McapWriter
 from smarttestudo.domain.incident import IncidentRecord, IncidentTopic
+from smarttestudo.domain.link import MissedMessage
 from smarttestudo.domain.remote_incidents import OUTAGE_NAME, OUTAGE_RULE
-from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.runtime.incidents.topic_ring import SourceMessage
-
-_SEGMENT_NS = 60 * NS_PER_S
 
 
 class OutageFolder:
-    """A rosbag2 of the messages that rules let pass from ``from_ns`` on, below ``folder``.
+    """A rosbag2 of the messages from ``from_ns`` on that an operator's end missed, below ``folder``.
 
-    It has its name when the outage is over; until then it is hidden, and a killed run's is completed by the
+    They come in the order in which they were missed; in the one file, readers find that of their stamps. It
+    has its name when the outage is over; until then it is hidden, and a killed run's is completed by the
     next. ``channels`` are the topics by name, which may grow. Raises ``OutputFileError``.
     """
 
@@ -39,8 +37,8 @@ class OutageFolder:
         name = unused_name(folder, OUTAGE_NAME, from_ns)
         self._channels = channels
         self._target = folder / name
-        self._bag = BagFolder(path=folder / f".{name}{PARTIAL_SUFFIX}", name=name)
-        self._shared = SharedMessages(channels, _SEGMENT_NS)
+        self._path = folder / f".{name}{PARTIAL_SUFFIX}"
+        self._file_name = f"{name}_0.mcap"
         self._record = IncidentRecord(
             name=OUTAGE_NAME,
             rule=OUTAGE_RULE,
@@ -54,33 +52,38 @@ class OutageFolder:
             topics={},
         )
         try:
-            self._bag.path.mkdir(parents=True)
+            self._path.mkdir(parents=True)
             # What a killed run leaves says what it was.
-            write_record(self._bag.path, self._record)
-            self._shared.begin(self._bag, 0, [])
+            write_record(self._path, self._record)
+            self._writer = McapWriter(self._path / self._file_name)
         except OSError as error:
             raise not_written(self._target, "an outage", error) from error
 
-    def take(self, message: SourceMessage) -> None:
+    def take(self, message: MissedMessage) -> None:
         """Keep a message."""
+        channel = self._channels.get(message.origin.topic)
+        if channel is None:
+            return
         try:
-            self._shared.take(message)
+            self._writer.write(channel, message.origin.stamp_ns, message.payload)
         except OSError as error:
             raise not_written(self._target, "an outage", error) from error
 
-    def end(self, to_ns: int) -> Path:
+    def end(self) -> Path:
         """The outage is over; where its folder is."""
         try:
-            self._shared.end(self._bag)
-            contents = self._bag.contents()
-            heard = {topic for content in contents.values() for topic in content.messages}
+            contents = {self._file_name: self._writer.close()}
+            (content,) = contents.values()
             record = replace(
                 self._record,
-                to_ns=to_ns,
-                topics={topic: IncidentTopic(type_name="", messages=0, size_bytes=0) for topic in heard},
+                from_ns=content.first_ns,
+                to_ns=content.last_ns,
+                topics={
+                    topic: IncidentTopic(type_name="", messages=0, size_bytes=0) for topic in content.messages
+                },
             )
             record = finished_record(record, contents, self._channels)
-            finish_folder(self._bag.path, record, contents, self._channels)
-            return self._bag.path.rename(self._target)
+            finish_folder(self._path, record, contents, self._channels)
+            return self._path.rename(self._target)
         except OSError as error:
             raise not_written(self._target, "an outage", error) from error

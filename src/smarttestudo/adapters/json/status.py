@@ -184,6 +184,7 @@ def _on_link_to_json(topic: TopicOnLink) -> dict[str, object]:
         "sent": counts.sent,
         "replaced": counts.replaced,
         "overflowed": counts.overflowed,
+        "losing": counts.is_losing,
         "queued_bytes": counts.queued_bytes,
     }
 
@@ -191,10 +192,12 @@ def _on_link_to_json(topic: TopicOnLink) -> dict[str, object]:
 def _on_link(record: JsonRecord | None) -> TopicOnLink | None:
     if record is None:
         return None
+    overflowed, is_losing = record.integer("overflowed"), record.optional(record.flag, "losing")
     counts = StreamCounts(
         sent=record.integer("sent"),
         replaced=record.integer("replaced"),
-        overflowed=record.integer("overflowed"),
+        overflowed=overflowed,
+        is_losing=overflowed > 0 if is_losing is None else is_losing,
         queued_bytes=record.integer("queued_bytes"),
     )
     return TopicOnLink(counts=counts, age_ms=record.optional(record.number, "age_ms"))

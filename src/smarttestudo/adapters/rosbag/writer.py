@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import errno
 import sqlite3
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
@@ -16,6 +15,7 @@ from rosbags.rosbag2 import CompressionMode, StoragePlugin, Writer, WriterError
 from rosbags.rosbag2.storage_mcap import McapWriter, Schema, write_schema
 from rosbags.rosbag2.storage_sqlite3 import Sqlite3Writer
 
+from smarttestudo.adapters.files.outputs import require_new, write_error
 from smarttestudo.adapters.files.removal import temporary_folder
 from smarttestudo.adapters.rosbag.definitions import TypeLibrary
 from smarttestudo.adapters.rosbag.recording import ChannelKey, key_of, with_declared_bytes
@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 
 
 _PLUGINS = {Storage.SQLITE3: StoragePlugin.SQLITE3, Storage.MCAP: StoragePlugin.MCAP}
-_SQLITE_FULL = "database or disk is full"
 
 
 @contextmanager
@@ -38,11 +37,9 @@ def create_recording(
     declared_bytes: Mapping[str, int] | None = None,
     custom_data: Mapping[str, str] | None = None,
     version: Literal[8, 9] = 8,
-    keeps_incomplete: bool = False,
 ) -> Iterator[RecordingWriter]:
     """A new rosbag2 folder at ``path``, in place once the block ends well, and gone if it does not.
 
-    With ``keeps_incomplete`` it is in place then, too, with what was written until then and no metadata.
     ``declared_bytes`` are the sizes that messages of a topic stand for, and go into ``custom_data``.
     Version 8 of the metadata is what ``ros2 bag play`` reads from Humble on.
 
@@ -68,10 +65,6 @@ def create_recording(
         except BaseException:
             with suppress(Exception):
                 writer.abort()
-            if keeps_incomplete:
-                with suppress(OSError, RecordingError):
-                    require_new(path)
-                    (workshop / path.name).rename(path)
             raise
 
 
@@ -113,30 +106,12 @@ class _RosbagRecordingWriter:
             raise RecordingError(cause, place=str(self._path), remedy=remedy) from error
 
 
-def require_new(path: Path) -> None:
-    """Raise ``RecordingError`` where there is something at ``path``."""
-    if path.exists() or path.is_symlink():
-        raise RecordingError("exists already", place=str(path), remedy="remove it or name another output")
-
-
 @contextmanager
 def _errors_at(path: Path) -> Iterator[None]:
     try:
         yield
     except (OSError, sqlite3.Error, WriterError) as error:
         raise write_error(path, error) from error
-
-
-def write_error(path: Path, error: Exception) -> RecordingError:
-    """``error``, raised while writing at ``path``, as one line."""
-    if isinstance(error, OSError):
-        is_full, cause = error.errno in (errno.ENOSPC, errno.EDQUOT), error.strerror or str(error)
-    else:
-        is_full, cause = _SQLITE_FULL in str(error), str(error)
-    if is_full:
-        remedy = "free some space or write to another disk"
-        return RecordingError("the disk is full", place=str(path), remedy=remedy)
-    return RecordingError(f"cannot be written: {cause}", place=str(path))
 
 
 # rosbags insists on a hash that is not empty; this one never reaches the file.

@@ -35,7 +35,7 @@ def open_robot_end(
     configuration do not work, or they let anybody in; ``UsageError``: the robot has no usable name, or
     ``options`` have commands over endpoints that let anybody in.
     """
-    _require_zenoh()
+    require_zenoh()
     from smarttestudo.adapters.zenoh.command_inbox import CommandInbox  # noqa: PLC0415  needs zenoh
     from smarttestudo.adapters.zenoh.robot_end import RobotEnd  # noqa: PLC0415  needs zenoh
     from smarttestudo.adapters.zenoh.session import open_session  # noqa: PLC0415  needs zenoh
@@ -69,7 +69,7 @@ def open_operator_end(
     reads reckons where the robot's end does so too.
     Raises ``LinkError`` as ``open_robot_end`` does.
     """
-    _require_zenoh()
+    require_zenoh()
     from smarttestudo.adapters.zenoh.command_outbox import CommandOutbox  # noqa: PLC0415  needs zenoh
     from smarttestudo.adapters.zenoh.operator_end import OperatorEnd  # noqa: PLC0415  needs zenoh
     from smarttestudo.adapters.zenoh.session import open_session  # noqa: PLC0415  needs zenoh
@@ -92,7 +92,7 @@ def open_link_robots(
 
     ``steady_s`` is a clock that never jumps. Raises ``LinkError`` as ``open_robot_end`` does.
     """
-    _require_zenoh()
+    require_zenoh()
     from smarttestudo.adapters.zenoh.client import LinkClient  # noqa: PLC0415  needs zenoh
     from smarttestudo.adapters.zenoh.link_robots import LinkRobots  # noqa: PLC0415  needs zenoh
     from smarttestudo.adapters.zenoh.session import session_config  # noqa: PLC0415  needs zenoh
@@ -111,7 +111,7 @@ def open_link_incidents(options: LinkOptions, warn: Warn) -> Iterator[LinkIncide
 
     Raises ``LinkError`` as ``open_robot_end`` does.
     """
-    _require_zenoh()
+    require_zenoh()
     from smarttestudo.adapters.zenoh.client import LinkClient  # noqa: PLC0415  needs zenoh
     from smarttestudo.adapters.zenoh.link_incidents import LinkIncidents  # noqa: PLC0415  needs zenoh
     from smarttestudo.adapters.zenoh.session import session_config  # noqa: PLC0415  needs zenoh
@@ -131,7 +131,8 @@ def suspended_too_ns() -> int:
     return time.monotonic_ns()
 
 
-def _require_zenoh() -> None:
+def require_zenoh() -> None:
+    """Raise ``LinkError`` where a package of the extra ``link`` is missing."""
     try:
         import zenoh  # noqa: F401, PLC0415  most robots and laptops have no link
         import zstandard  # noqa: F401, PLC0415

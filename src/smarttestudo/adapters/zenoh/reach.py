@@ -21,9 +21,11 @@ def check_certificates(options: LinkOptions, config: Mapping[str, object]) -> No
     """Raise ``LinkError`` where the certificates of an endpoint cannot be read or do not belong together."""
     for side, endpoints in (("listen", options.listen), ("connect", options.connect)):
         for endpoint in endpoints:
-            files = key_files(tls_settings(Locator.of(endpoint), config), side)
-            if files is not None:
-                _context(*files)
+            authority, certificate, key = key_files(tls_settings(Locator.of(endpoint), config), side)
+            if certificate and key:
+                _context(authority, certificate, key)
+            elif authority:
+                _context(authority)
 
 
 def why_unreachable(endpoint: str, config: Mapping[str, object]) -> str:
@@ -48,7 +50,8 @@ def why_unreachable(endpoint: str, config: Mapping[str, object]) -> str:
 
 def _shake_hands(connection: socket.socket, locator: Locator, config: Mapping[str, object]) -> None:
     settings = tls_settings(locator, config)
-    context = _context(*(key_files(settings, "connect") or (settings.get("root_ca_certificate"),)))
+    authority, certificate, key = key_files(settings, "connect")
+    context = _context(authority, certificate, key) if certificate and key else _context(authority)
     context.check_hostname = settings.get("verify_name_on_connect", "true") == "true"
     with context.wrap_socket(connection, server_hostname=locator.host) as secured:
         secured.settimeout(_REFUSED_WITHIN_S)

@@ -23,7 +23,7 @@ from smarttestudo.adapters.zenoh.session import is_heard
 from smarttestudo.adapters.zenoh.told_status import ToldStatus
 from smarttestudo.cdr import FrameReader
 from smarttestudo.domain.errors import LinkError
-from smarttestudo.domain.link import LinkNeeds, Prediction, StreamInfo
+from smarttestudo.domain.link import LinkNeeds, MessageOrigin, MissedMessage, Prediction, StreamInfo
 from smarttestudo.domain.link_state import LinkState, StreamCounts
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.status import RuntimeStatus
@@ -66,6 +66,7 @@ class RobotEnd:
         self._state = LinkState()
         self._budget_kb_per_s: float | None = None
         self._counts: dict[str, StreamCounts] = {}
+        self._origin: Callable[[], MessageOrigin | None] = lambda: None
         # What is due is sent at once, and in order: chunks are as large as the link takes at a time.
         self._data = session.declare_publisher(
             self.boot.data_key, congestion_control=zenoh.CongestionControl.BLOCK, express=True
@@ -107,6 +108,20 @@ class RobotEnd:
         """Have receivers reckon these topics; of some, ``anew`` from the next message on."""
         self._do(lambda: self._sender.predict(predictions, anew, self._clock()))
 
+    def keep_missed(self, origin: Callable[[], MessageOrigin | None]) -> None:
+        """Keep from now on what operators' ends miss of messages that have an ``origin``."""
+        self._origin = origin
+
+    def take_missed(self, *, is_last: bool = False) -> list[MissedMessage]:
+        """What operators' ends have missed since the last call; if ``is_last``, what waits for them, too."""
+        if not self._lock.acquire(blocking=is_last):
+            return []
+        try:
+            self._empty_inbox()
+            return self._sender.take_missed(self._clock(), is_last=is_last)
+        finally:
+            self._lock.release()
+
     @property
     def robot(self) -> str:
         """The robot's name."""
@@ -141,7 +156,7 @@ class RobotEnd:
         """Messages by topic."""
         if self._lock.acquire(blocking=False):
             try:
-                self._counts = self._sender.counts()
+                self._counts = self._sender.counts(self._clock())
             finally:
                 self._lock.release()
         return self._counts
@@ -152,7 +167,7 @@ class RobotEnd:
 
     def send(self, stream: int, payload: bytes, lane: Hashable) -> None:
         """Have a message of a stream sent."""
-        self._do(partial(self._sender.offer, stream, payload, self._clock(), lane))
+        self._do(partial(self._sender.offer, stream, payload, self._clock(), lane, self._origin()))
 
     def end(self, stream: int) -> None:
         """Send nothing more of a stream."""

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import ipaddress
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,7 +13,6 @@ from smarttestudo.domain.errors import LinkError, UsageError
 
 _LOCAL_PROTOCOLS = ("unixsock-stream", "unixpipe")
 _TLS_PROTOCOLS = ("tls", "quic")
-_TLS_SETTINGS = ("root_ca_certificate", "enable_mtls")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -21,8 +20,8 @@ class LinkOptions:
     """Where a link listens and connects to, as Zenoh endpoints: ``tcp/127.0.0.1:7447``.
 
     ``config_file`` is a Zenoh configuration (JSON5) for certificates, users and access control; what is
-    needed for a link goes before what it says. ``insecure`` lets anybody in. ``commands`` are the topics
-    whose messages go from operators to robots.
+    needed for a link goes before what it says. ``insecure`` allows what others can read and change.
+    ``commands`` are the topics whose messages go from operators to robots.
     """
 
     listen: tuple[str, ...] = ()
@@ -47,7 +46,7 @@ class Locator:
         protocol, _, address = place.partition("?")[0].partition("/")
         if not protocol or not address:
             raise LinkError(
-                "this is no endpoint", place=endpoint[:200], remedy="write it as in tcp/192.168.1.5:7447"
+                "this is no endpoint", place=endpoint[:200], remedy="write it as in tls/192.168.1.5:7447"
             )
         pairs = (setting.partition("=") for setting in settings.split(";") if setting)
         return Locator(protocol=protocol, address=address, settings={name: value for name, _, value in pairs})
@@ -71,24 +70,28 @@ class Locator:
 
 
 def admit(options: LinkOptions, config: Mapping[str, object]) -> str | None:
-    """A warning of endpoints that let anybody in, for a Zenoh ``config``; ``None`` where there are none.
+    """A warning of endpoints where others can listen in, for a Zenoh ``config``; ``None`` without any.
 
-    Raises ``LinkError`` for an endpoint that others than programs of this machine reach and that neither
-    TLS with client certificates nor user and password protect, unless that is asked for; ``UsageError``
-    where it is asked for and robots would be driven.
+    Endpoints that only programs of this machine reach are free. Others need TLS, with client certificates or
+    with user and password: without TLS, these keep others from connecting, but all messages are in clear.
+
+    Raises ``LinkError`` for an endpoint that lacks that, unless it is asked for; ``UsageError`` where it is
+    asked for and robots would be driven.
     """
     endpoints = [(endpoint, "listen") for endpoint in options.listen]
     endpoints += [(endpoint, "connect") for endpoint in options.connect]
-    has_user = {side: _has_user(config, side) for side in ("listen", "connect")}
-    unprotected = []
+    open_to_all, in_clear = list[str](), list[str]()
     for endpoint, side in endpoints:
         locator = Locator.of(endpoint)
-        if not (locator.is_loopback or has_user[side] or _is_mutual(tls_settings(locator, config), side)):
-            unprotected.append(endpoint)
-        if locator.protocol in _TLS_PROTOCOLS and not tls_settings(locator, config):
+        settings = tls_settings(locator, config)
+        if not (locator.is_loopback or _is_protected(settings, config, side)):
+            is_in_clear = locator.protocol not in _TLS_PROTOCOLS and _has_user(config, side)
+            (in_clear if is_in_clear else open_to_all).append(endpoint)
+        if locator.protocol in _TLS_PROTOCOLS and not settings:
             raise LinkError(
                 "it needs certificates", place=endpoint, remedy="name them in --zenoh-config FILE"
             )
+    unprotected = open_to_all + in_clear
     if not unprotected:
         return None
     if options.insecure and options.commands:
@@ -98,16 +101,27 @@ def admit(options: LinkOptions, config: Mapping[str, object]) -> str | None:
             remedy="protect it with --zenoh-config FILE, not --insecure, or leave out --accept and --send",
         )
     if options.insecure:
-        return (
-            f"--insecure: whoever reaches {' or '.join(unprotected)} can read all that is sent "
-            "and send what they like"
-        )
+        return "; ".join(_insecure(open_to_all, in_clear))
     raise LinkError(
-        "others could read what is sent there, and send what they like",
+        "others could read what is sent there, and send what they like"
+        if open_to_all
+        else "others could read what is sent there: user and password encrypt nothing",
         place=unprotected[0],
-        remedy="give --zenoh-config FILE with TLS and client certificates (enable_mtls) or with user and "
-        "password, or accept it with --insecure",
+        remedy="use an endpoint tls/… or quic/… and --zenoh-config FILE with client certificates "
+        "(enable_mtls) or with a certificate, user and password, or accept it with --insecure",
     )
+
+
+def _insecure(open_to_all: Sequence[str], in_clear: Sequence[str]) -> Iterator[str]:
+    if open_to_all:
+        places = " or ".join(open_to_all)
+        yield f"--insecure: whoever reaches {places} can read all that is sent and send what they like"
+    if in_clear:
+        places = " or ".join(in_clear)
+        yield (
+            f"--insecure: whoever is between both ends of {places} can read and change all that is sent, "
+            "as user and password encrypt nothing"
+        )
 
 
 def tls_settings(locator: Locator, config: Mapping[str, object]) -> dict[str, str]:
@@ -120,15 +134,19 @@ def tls_settings(locator: Locator, config: Mapping[str, object]) -> dict[str, st
     return settings | own
 
 
-def key_files(settings: Mapping[str, str], side: str) -> tuple[str, str, str] | None:
-    """The files of authority, certificate and key of ``listen`` or ``connect``; ``None`` if one lacks."""
+def key_files(settings: Mapping[str, str], side: str) -> tuple[str | None, str | None, str | None]:
+    """The files of authority, certificate and key of ``listen`` or ``connect``, as far as they are set."""
     names = ("root_ca_certificate", f"{side}_certificate", f"{side}_private_key")
-    authority, certificate, key = (settings.get(name, "") for name in names)
-    return (authority, certificate, key) if authority and certificate and key else None
+    authority, certificate, key = (settings.get(name) or None for name in names)
+    return authority, certificate, key
 
 
-def _is_mutual(settings: Mapping[str, str], side: str) -> bool:
-    return settings.get("enable_mtls") == "true" and key_files(settings, side) is not None
+def _is_protected(settings: Mapping[str, str], config: Mapping[str, object], side: str) -> bool:
+    authority, certificate, key = key_files(settings, side)
+    if settings.get("enable_mtls") == "true" and authority and certificate and key:
+        return True
+    is_encrypted = bool(certificate and key) if side == "listen" else authority is not None
+    return is_encrypted and _has_user(config, side)
 
 
 def _has_user(config: Mapping[str, object], side: str) -> bool:

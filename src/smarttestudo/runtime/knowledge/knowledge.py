@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping
 from smarttestudo.adirf.evaluator import Evaluator, RequestedRate
 from smarttestudo.adirf.rule_set import RuleSet
 from smarttestudo.domain.alarm_clock import AlarmClock
+from smarttestudo.domain.budget import UNLIMITED_KB_PER_S
 from smarttestudo.domain.decision import PlannedRate, Reason
 from smarttestudo.domain.observation import LinkBudget
 from smarttestudo.domain.profile import Profile
@@ -147,8 +148,12 @@ class Knowledge:
 
     @property
     def budget_kb_per_s(self) -> float | None:
-        """What all relayed topics together may take; ``None`` without a budget."""
-        return None if self.link is None else self.link.budget_kb_per_s
+        """What all relayed topics together may take; ``None`` where nothing limits them."""
+        if self.link is None:
+            return None
+        budget_kb_per_s = self.link.budget_kb_per_s
+        is_of_link = budget_kb_per_s == self._budgets.get(True)
+        return None if is_of_link and budget_kb_per_s >= UNLIMITED_KB_PER_S else budget_kb_per_s
 
     @property
     def floors_broke_budget(self) -> bool:

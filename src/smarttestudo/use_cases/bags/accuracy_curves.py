@@ -9,7 +9,8 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from smarttestudo.adapters.rosbag import RosbagDecoder, open_recording
+from smarttestudo.adapters.rosbag.definitions import RosbagDecoder
+from smarttestudo.adapters.rosbag.reader import open_recording
 from smarttestudo.adirf.properties import gauges_for, needs_decoded, properties_for_bounds
 from smarttestudo.cdr import FrameReader
 from smarttestudo.domain.errors import RecordingError

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from smarttestudo.adapters.rosbag import open_recording
+from smarttestudo.adapters.rosbag.reader import open_recording
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.profile import Profile
 from smarttestudo.use_cases.bags.accuracy_curves import Accuracies, accuracy_wanted, measure_accuracy

@@ -8,7 +8,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 from smarttestudo.adapters.json.status import status_from_text
-from smarttestudo.adapters.rosbag import RosbagDecoder, open_recording
+from smarttestudo.adapters.rosbag.definitions import RosbagDecoder
+from smarttestudo.adapters.rosbag.reader import open_recording
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.names import STATUS_TOPIC
 from smarttestudo.domain.recording import Channel

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 
-from smarttestudo.adapters.rosbag import open_recording
+from smarttestudo.adapters.rosbag.reader import open_recording
 from smarttestudo.adirf.rule_set import RuleSet
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.errors import RecordingError

@@ -11,7 +11,9 @@ from operator import attrgetter
 from pathlib import Path
 
 from smarttestudo.adapters.files.incident_store import record_beside
-from smarttestudo.adapters.rosbag import MessageTypes, RosbagDecoder, open_recording, qos_in_words
+from smarttestudo.adapters.rosbag.definitions import MessageTypes, RosbagDecoder
+from smarttestudo.adapters.rosbag.qos import qos_in_words
+from smarttestudo.adapters.rosbag.reader import open_recording
 from smarttestudo.cdr import HEADER_BYTES, STAMP_BYTES, header_stamp_ns
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.incident import IncidentRecord

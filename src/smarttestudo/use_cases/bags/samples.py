@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from smarttestudo.adapters.rosbag import RosbagDecoder
+from smarttestudo.adapters.rosbag.definitions import RosbagDecoder
 from smarttestudo.cdr import FrameReader
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.profile import LevelUnit

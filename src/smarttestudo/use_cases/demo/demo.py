@@ -11,7 +11,7 @@ from pathlib import Path
 
 from smarttestudo import __version__
 from smarttestudo.adapters.files.decision_log import decision_log, read_decisions
-from smarttestudo.adapters.rosbag import open_recording
+from smarttestudo.adapters.rosbag.reader import open_recording
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.robot import Robot
 from smarttestudo.domain.units import NS_PER_S

@@ -20,7 +20,7 @@ from queue import Empty, SimpleQueue
 from smarttestudo.adapters.files.profile import load_profile
 from smarttestudo.adapters.network_namespaces import OPERATOR_ADDRESS
 from smarttestudo.adapters.ros import open_robot
-from smarttestudo.adapters.rosbag import create_recording
+from smarttestudo.adapters.rosbag.writer import create_recording
 from smarttestudo.adapters.simulated_robot.messages import RobotMessages
 from smarttestudo.domain.errors import TestudoError
 from smarttestudo.domain.payload import Payload

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from smarttestudo.adapters.files.removal import temporary_folder
 from smarttestudo.adapters.network_namespaces import ThinLink, require_links, thin_link
-from smarttestudo.adapters.rosbag import open_recording
+from smarttestudo.adapters.rosbag.reader import open_recording
 from smarttestudo.domain.errors import TestudoError
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.pacing.sample import WhenSlow

@@ -9,7 +9,7 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from smarttestudo.adapters.rosbag import create_recording
+from smarttestudo.adapters.rosbag.writer import create_recording
 from smarttestudo.adapters.simulated_robot.messages import RobotMessages
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.names import DECISIONS_TOPIC, output_name

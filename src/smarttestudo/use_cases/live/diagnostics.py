@@ -134,9 +134,10 @@ def topic_health(topic: TopicStatus) -> Health:
         return Health(DiagnosticLevel.WARN, Silence.INCOMPATIBLE_QOS.value, incompatible)
     if not topic.keeps_rate:
         return Health(DiagnosticLevel.WARN, "rate off", f"{topic.error_percent:+.1f} %")
-    lost = 0 if topic.on_link is None else topic.on_link.counts.overflowed
-    if lost:
-        return Health(DiagnosticLevel.WARN, "lost on the link", f"{counted(lost, 'message')} since the start")
+    counts = None if topic.on_link is None else topic.on_link.counts
+    if counts is not None and counts.is_losing:
+        lost = f"{counted(counts.overflowed, 'message')} since the start"
+        return Health(DiagnosticLevel.WARN, "lost on the link", lost)
     return Health(DiagnosticLevel.OK, "OK")
 
 

@@ -174,7 +174,7 @@ class LiveRun:
     def _look_at_link(self) -> None:
         assert self._link is not None
         if self._outages is not None:
-            self._outages.look(self._rules.rules_hash, self._link.state)
+            self._outages.look(self._rules.rules_hash, is_connected=self._link.state.is_connected)
         now_ns = self._robot.now_ns()
         # What is due goes out before a picture begins anew, of which it is no part.
         self._take(WakeInput(stamp_ns=now_ns))
@@ -194,9 +194,10 @@ class LiveRun:
             loop = self._loop
             self._link.tell_pictures(self._rules, loop.knowledge.plan, loop.relays.pictures)
         for one in relayed:
-            self._topics.publish(one)
-            if self._outages is not None:
-                self._outages.take(one)
+            if self._outages is None:
+                self._topics.publish(one)
+            else:
+                self._outages.publish(one, self._topics.publish)
             self._status.note(one)
 
     def _tell(self) -> float:

@@ -40,7 +40,7 @@ def run_live(
     """Relay until ``stopped``; ``decided`` are given the decisions, ``note`` what the loop is given.
 
     ``told`` is given each status. What ``link`` carries is the budget, and what ``robot`` publishes goes
-    over it. Where it ``catches_up``, what passes while nobody is at the other end is kept beside the
+    over it. Where it ``catches_up``, what the other end misses in outages is kept beside the
     incidents. What comes as ``commands`` is published among the robot's own nodes.
 
     Raises:
@@ -66,7 +66,7 @@ def run_live(
     rules = first.rules or fallback.rules()
     inputs = InputRecorder(robot, request, note)
     incidents = LiveIncidents(robot, request.incidents, resolve("/tf_static"))
-    outages = LiveOutages(robot, request.incidents) if catches_up else None
+    outages = LiveOutages(robot, link, request.incidents) if catches_up and link is not None else None
     live = LiveRun(
         robot,
         inputs,

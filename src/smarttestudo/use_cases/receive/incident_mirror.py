@@ -34,7 +34,8 @@ class MirrorFolders:
 class IncidentMirror:
     """Has what robots recorded in ``folders``, the newest first, on a thread of its own while ``running``.
 
-    ``say`` is told of each that is there, ``warn`` of what fails, which is tried again a minute later.
+    ``say`` is told of each that is there, ``warn`` of what fails, which is tried again a minute later, or
+    when the robot has come back. That a robot leaves is no failure.
     """
 
     def __init__(
@@ -50,6 +51,7 @@ class IncidentMirror:
         self._warn = warn
         self._ended = threading.Event()
         self._rests: dict[tuple[str, str], int] = {}
+        self._there: frozenset[str] = frozenset()
         self._warned: set[str] = set()
 
     @contextmanager
@@ -65,9 +67,18 @@ class IncidentMirror:
 
     def _run(self) -> None:
         while not self._ended.wait(LOOK_PERIOD_S):
-            self._rests = {key: looks - 1 for key, looks in self._rests.items() if looks > 1}
-            for robot in self._incidents.robots(0):
-                self._try(robot, "", partial(self._look_at, robot))
+            self.look()
+
+    def look(self) -> None:
+        """Fetch what there is now; to be called every ``LOOK_PERIOD_S``."""
+        before, self._there = self._there, frozenset(self._incidents.robots(0))
+        self._rests = {
+            (robot, name): looks - 1
+            for (robot, name), looks in self._rests.items()
+            if looks > 1 and (robot in before or robot not in self._there)
+        }
+        for robot in sorted(self._there):
+            self._try(robot, "", partial(self._look_at, robot))
 
     def _look_at(self, robot: str) -> None:
         for one in sorted(self._incidents.list(robot), key=lambda one: -one.triggered_ns):
@@ -87,6 +98,8 @@ class IncidentMirror:
         try:
             act()
         except Exception as error:  # noqa: BLE001 - whatever one robot does, others are fetched from
+            if robot not in self._incidents.robots(0):
+                return
             self._rests[robot, name] = _AGAIN_AFTER_LOOKS
             sentence = f"{robot} {name}: {said(error)}"
             if sentence not in self._warned:

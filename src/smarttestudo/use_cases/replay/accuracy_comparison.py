@@ -11,7 +11,8 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from smarttestudo.adapters.rosbag import RosbagDecoder, open_recording
+from smarttestudo.adapters.rosbag.definitions import RosbagDecoder
+from smarttestudo.adapters.rosbag.reader import open_recording
 from smarttestudo.adirf.properties import (
     accuracy_properties_of,
     gauges_for,

@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from smarttestudo.adapters.rosbag import open_recording
+from smarttestudo.adapters.rosbag.reader import open_recording
 from smarttestudo.adirf.rule_set import RuleSet
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.profile import Profile

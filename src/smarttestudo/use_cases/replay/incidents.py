@@ -10,10 +10,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeAlias
 
+from smarttestudo.adapters.files.outputs import require_new
 from smarttestudo.adapters.incidents.folders import IncidentFolders
 from smarttestudo.adapters.incidents.mcap_records import StoredChannel
 from smarttestudo.adapters.rosbag.stored_channels import stored_channels
-from smarttestudo.adapters.rosbag.writer import require_new
 from smarttestudo.adirf.rule_set import RuleSet
 from smarttestudo.domain.incident import DEFAULT_INCIDENT_MEMORY_MB
 from smarttestudo.domain.recording import Channel

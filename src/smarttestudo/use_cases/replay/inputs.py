@@ -10,7 +10,7 @@ from pathlib import Path
 
 from smarttestudo.adapters.files.input_log import read_inputs
 from smarttestudo.adapters.files.profile import parse_profile
-from smarttestudo.adapters.rosbag import RosbagDecoder
+from smarttestudo.adapters.rosbag.definitions import RosbagDecoder
 from smarttestudo.adirf.rule_set import RuleSet, fallback_rules
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.errors import RecordingError, RuleFileError

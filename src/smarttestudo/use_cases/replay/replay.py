@@ -11,7 +11,8 @@ from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from smarttestudo.adapters.rosbag import RosbagDecoder, create_recording
+from smarttestudo.adapters.rosbag.definitions import RosbagDecoder
+from smarttestudo.adapters.rosbag.writer import create_recording
 from smarttestudo.adirf.rule_set import RuleSet
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.errors import RecordingError

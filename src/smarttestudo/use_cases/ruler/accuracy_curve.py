@@ -10,7 +10,7 @@ from pathlib import Path
 
 from msgspec import Struct
 
-from smarttestudo.adapters.rosbag import open_recording
+from smarttestudo.adapters.rosbag.reader import open_recording
 from smarttestudo.domain.accuracy import LevelledProperty
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.profile import Profile

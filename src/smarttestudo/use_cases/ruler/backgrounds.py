@@ -181,10 +181,8 @@ class Backgrounds:
 
 
 def _driven(bag: Path, name: str) -> DrivenPath:
-    from smarttestudo.adapters.rosbag import (  # noqa: PLC0415  most projects have no bag
-        RosbagDecoder,
-        open_recording,
-    )
+    from smarttestudo.adapters.rosbag.definitions import RosbagDecoder  # noqa: PLC0415  most projects have no bag
+    from smarttestudo.adapters.rosbag.reader import open_recording  # noqa: PLC0415  most projects have no bag
 
     with open_recording(bag) as recording:
         places = places_in(recording.channels, RosbagDecoder(), recording.start_ns, by_transforms=False)

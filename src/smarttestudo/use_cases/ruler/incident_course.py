@@ -11,7 +11,8 @@ from pathlib import Path
 from msgspec import Struct
 
 from smarttestudo.adapters.files.incident_store import read_record
-from smarttestudo.adapters.rosbag import RosbagDecoder, open_recording
+from smarttestudo.adapters.rosbag.definitions import RosbagDecoder
+from smarttestudo.adapters.rosbag.reader import open_recording
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.incident import IncidentRecord, Missing, MissingReason
 from smarttestudo.domain.recording import Channel, RecordingReader

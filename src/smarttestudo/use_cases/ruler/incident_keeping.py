@@ -14,7 +14,7 @@ from smarttestudo.adapters.files.project_folder import ProjectFolder
 from smarttestudo.adapters.files.whole_file import OutputFileError, not_written
 from smarttestudo.adapters.incidents.folders import IncidentFolders
 from smarttestudo.adapters.incidents.mcap_records import StoredChannel
-from smarttestudo.adapters.rosbag import open_recording
+from smarttestudo.adapters.rosbag.reader import open_recording
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.incident import Missing
 from smarttestudo.domain.profile import Profile

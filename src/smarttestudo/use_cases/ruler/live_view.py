@@ -34,7 +34,8 @@ class LinkView(Struct, frozen=True, kw_only=True):
 class TopicLinkView(Struct, frozen=True, kw_only=True):
     """A topic on a link: the age of its last message at the operator, and its messages since the start.
 
-    ``replaced`` gave way to newer ones, ``overflowed`` are lost though none may be.
+    ``replaced`` gave way to newer ones, ``overflowed`` are lost though none may be; 0 once none was for a
+    minute.
     """
 
     age_ms: float | None
@@ -55,7 +56,8 @@ class RobotSummary(Struct, frozen=True, kw_only=True):
 
     ``label`` is what people call it. ``waits_s`` is how long pushed rules still hold unless they are
     confirmed. ``is_heard`` is false once it has been silent for longer than it should be; ``heard_s_ago`` is
-    the time since its last status. ``lost`` counts messages that overflowed on the link, of all topics.
+    the time since its last status. ``lost`` counts messages that overflowed on the link, of all topics that
+    lost some within the last minute.
     """
 
     node: str
@@ -213,7 +215,7 @@ def _robot(seen: SeenRobot, now_s: float) -> RobotSummary:
         budget_kb_per_s=status.budget_kb_per_s,
         out_kb_per_s=round(status.out_kb_per_s, _DIGITS),
         link=_link(status.link),
-        lost=sum(topic.on_link.counts.overflowed for topic in status.topics.values() if topic.on_link),
+        lost=sum(_lost(topic.on_link) for topic in status.topics.values()),
         oldest=_oldest(status),
     )
 
@@ -251,9 +253,14 @@ def _on_link(on_link: TopicOnLink | None) -> TopicLinkView | None:
     return TopicLinkView(
         age_ms=on_link.age_ms,
         replaced=counts.replaced,
-        overflowed=counts.overflowed,
+        overflowed=_lost(on_link),
         queued_bytes=counts.queued_bytes,
     )
+
+
+def _lost(on_link: TopicOnLink | None) -> int:
+    """What overflowed of a topic that still loses messages."""
+    return on_link.counts.overflowed if on_link is not None and on_link.counts.is_losing else 0
 
 
 def _topic(name: str, topic: TopicStatus) -> LiveTopic:

@@ -135,7 +135,7 @@ class Profiles:
 
     def measured(self, request: ProfileMeasureRequest) -> TextAnswer:
         """A profile measured in a bag; ``RecordingError`` where it cannot be read."""
-        from smarttestudo.adapters.rosbag import open_recording  # noqa: PLC0415  most projects have no bag
+        from smarttestudo.adapters.rosbag.reader import open_recording  # noqa: PLC0415  most projects have no bag
         from smarttestudo.use_cases.bags.profile import profile_of_recording  # noqa: PLC0415  reads bags
 
         with open_recording(self._folder.bag(request.bag)) as recording:

@@ -43,7 +43,7 @@ class Recordings:
 
     def recording(self, request: RecordingRequest) -> RecordingAnswer:
         """What a bag holds; ``RecordingError`` where it cannot be read."""
-        from smarttestudo.adapters.rosbag import open_recording  # noqa: PLC0415  most projects have no bag
+        from smarttestudo.adapters.rosbag.reader import open_recording  # noqa: PLC0415  most projects have no bag
 
         with open_recording(self._folder.bag(request.bag)) as recording:
             topics = sorted({one.topic for one in recording.channels if is_topic_name(one.topic)})

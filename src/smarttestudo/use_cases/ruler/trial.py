@@ -10,7 +10,8 @@ from pathlib import Path
 
 from msgspec import Struct
 
-from smarttestudo.adapters.rosbag import RosbagDecoder, open_recording
+from smarttestudo.adapters.rosbag.definitions import RosbagDecoder
+from smarttestudo.adapters.rosbag.reader import open_recording
 from smarttestudo.adirf.checks import CheckContext, check_rules
 from smarttestudo.adirf.document import read_document
 from smarttestudo.adirf.rule_set import RuleSet, compile_rules
