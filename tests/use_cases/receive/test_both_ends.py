@@ -149,7 +149,7 @@ def test_a_frame_is_predicted_after_any_number_of_other_sets_of_frames() -> None
     bench.run.run(20 * S)
     assert seen[0] is not None
     assert seen[0] > 64
-    # The tool came after all of them. Nothing of the crowd, which is silent for 4 s, is predicted any more; of
+    # The tool came after all of them. Nothing of the crowd, silent for 4 s, is predicted any more; of
     # the base, a last heartbeat came.
     assert predicted_names(bench, 18.5) == {"base", "tool"}
     assert max(late_errors(bench)) <= 0.05 + EPSILON
