@@ -17,9 +17,9 @@ MISSED_HEARTBEATS = 2
 """After so many there is nothing to reckon from: the source, or the link, is silent."""
 
 
-def silent_after_ns(heartbeat_hz: float) -> int:
+def silent_after_ns(heartbeat_hz: float) -> float:
     """For how long a part of a topic with this heartbeat is moved on where nothing comes."""
-    return round(MISSED_HEARTBEATS * NS_PER_S / heartbeat_hz)
+    return MISSED_HEARTBEATS * NS_PER_S / heartbeat_hz
 
 
 class Shown(NamedTuple):
@@ -54,7 +54,7 @@ class Picture:
         self._gauges = tuple(gauges)
         self._reckons = reckons
         self._shown: tuple[dict[Hashable, Shown], ...] = tuple({} for _ in self._gauges)
-        self._silent_after_ns: float = math.inf
+        self._silent_after_ns = math.inf
 
     @property
     def needs_every_message(self) -> bool:

@@ -47,7 +47,7 @@ INTERRUPTED_IMPORT = """
 import os, signal, sys
 class Interrupting:
     def find_spec(self, name, path=None, target=None):
-        if name == "smarttestudo.cli.bag":
+        if name == "smarttestudo.cli.check":
             os.kill(os.getpid(), signal.SIGINT)
 sys.meta_path.insert(0, Interrupting())
 from smarttestudo.cli.main import main

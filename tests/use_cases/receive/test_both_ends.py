@@ -9,24 +9,21 @@ messages that a program at the operator's end would have got, predicted ones inc
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping
 
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from link.simulated_link import MS, Link, S
-from reckoning.ros_messages import JOINTS, ODOMETRY, TRANSFORMS, joints, odometry, planar, transforms
-from smarttestudo.cdr import FrameReader, JointReader, PoseReader
+from reckoning.ros_messages import JOINTS, ODOMETRY, TRANSFORMS
 from smarttestudo.reckoning import picture as pictures
-from smarttestudo.reckoning.motion import Twist, Vector3
 from smarttestudo.reckoning.picture import Shown
 from use_cases.receive.predicted_link import Operator, PredictedLink, parts_of, x_of
+from use_cases.receive.virtual_source import START_NS, Source, read
 
 PERIOD_NS = 80 * MS
 SOURCE_HZ = 12.5
-START_NS = 1_000 * S
 DELAY_S = 0.05
 END_S = 9
 EPSILON = 1e-6
@@ -39,54 +36,6 @@ def rules(topic: str, bound: float = 0.05, heartbeat_hz: float = 0.5) -> str:
         f"begin SetFrequency {topic} Full KeepAtLeast {topic} {heartbeat_hz} "
         f"KeepWithin {topic} {PROPERTY[topic]} {bound} end"
     )
-
-
-def read(topic: str, payload: bytes) -> Mapping[str, float]:
-    if topic == "/odom":
-        pose = PoseReader(2, has_twist=True).read(payload)
-        assert pose is not None
-        return {"": pose[1][0]}
-    if topic == "/tf":
-        return {one.child_frame: one.numbers[0] for one in FrameReader().transforms(payload)}
-    states = JointReader().read(payload)
-    assert states is not None
-    return dict(zip(states[0], states[1], strict=True))
-
-
-@dataclass
-class Source:
-    """A robot that hurries, waits and turns back, and what its messages say of it."""
-
-    topic: str
-    names: Sequence[str] = ("base", "arm")
-    offset_ns: int = 0
-    has_stamps: bool = True
-    has_velocities: bool = False
-    crowd: int | None = None
-    """With a crowd, every second message is of a part that nobody heard of before."""
-    shift: float = 0.0
-    stands: bool = False
-    frames: tuple[str, str] = field(default=("odom", "base"))
-
-    def write(self, number: int, now_ns: int) -> bytes:
-        at_s = 0.0 if self.stands else now_ns / S
-        x = self.shift + math.sin(at_s) + 0.2 * math.sin(5 * at_s)
-        speed = 0.0 if self.stands else math.cos(at_s) + math.cos(5 * at_s)
-        stamp_ns = START_NS + now_ns + self.offset_ns if self.has_stamps else 0
-        if self.topic == "/odom":
-            twist = Twist(Vector3(speed, 0, 0), Vector3(0, 0, 0))
-            return odometry(stamp_ns, planar(x, 0, 0), twist, self.frames)
-        every = (self.names, self.names[:1], self.names[1:], self.names)
-        names = [*every[number % 4]] or [*self.names]
-        if self.crowd is not None and number % 2:
-            self.crowd += 1
-            names = [f"person_{self.crowd}"]
-        far = {name: place + 1 for place, name in enumerate(self.names)}
-        places = {name: x * far.get(name, 1) for name in names}
-        if self.topic == "/tf":
-            return transforms(stamp_ns, {name: planar(at, 0, 0) for name, at in places.items()})
-        velocities = [speed * far.get(name, 1) for name in names] if self.has_velocities else []
-        return joints(stamp_ns, places, velocities)
 
 
 class Bench:
@@ -158,6 +107,15 @@ def late_errors(bench: Bench, from_s: float = 1.0) -> list[float]:
     return [error for _, sent, error in bench.run.judged if sent.at_ns > from_s * S]
 
 
+def predicted_names(bench: Bench, from_s: float, to_s: float = math.inf) -> set[str]:
+    return {
+        name
+        for at_ns, payload in bench.operator.predicted
+        if from_s <= at_ns / S < to_s
+        for name in read(bench.source.topic, payload)
+    }
+
+
 # Each defect that was there.
 
 
@@ -181,12 +139,19 @@ def test_a_frame_is_predicted_after_any_number_of_other_sets_of_frames() -> None
     bench = Bench("/tf")
     bench.source.names, bench.source.crowd = ["base"], 0
     bench.drive(20)
+    seen = []
+
+    def disperse() -> None:
+        seen.append(bench.source.crowd)
+        bench.source.names, bench.source.crowd = ["tool"], None
+
+    bench.run.at(14 * S, disperse)
     bench.run.run(20 * S)
-    assert bench.source.crowd > 100
-    late = [read("/tf", payload) for at_ns, payload in bench.operator.predicted if at_ns > 18 * S]
-    assert sum("base" in one for one in late) > 10
-    # People whom nobody hears of are forgotten on the screen as on the robot.
-    assert {*late[-1]} <= {"base", *(f"person_{bench.source.crowd - back}" for back in range(60))}
+    assert seen[0] is not None
+    assert seen[0] > 64
+    # The tool came after all of them. Nothing of the crowd, silent for 4 s, is predicted any more; of
+    # the base, a last heartbeat came.
+    assert predicted_names(bench, 18.5) == {"base", "tool"}
     assert max(late_errors(bench)) <= 0.05 + EPSILON
 
 
@@ -211,15 +176,6 @@ def test_a_restarted_publisher_is_shown_where_it_is_and_nothing_of_the_one_befor
     assert after
     # Both parts are 3 m on, the second one twice as far; the first robot was within 1.2 m of 0.
     assert min(x for one in after for x in one.values()) > 1.5
-
-
-def predicted_names(bench: Bench, from_s: float, to_s: float = math.inf) -> set[str]:
-    return {
-        name
-        for at_ns, payload in bench.operator.predicted
-        if from_s <= at_ns / S < to_s
-        for name in read(bench.source.topic, payload)
-    }
 
 
 @pytest.mark.parametrize("topic", ["/odom", "/joint_states"])

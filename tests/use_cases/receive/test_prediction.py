@@ -238,6 +238,13 @@ def test_earlier_runs_of_a_robots_end_are_forgotten() -> None:
     assert predictor._absent == set()
 
 
+def test_a_heartbeat_that_hardly_ever_comes_is_waited_for() -> None:
+    prediction = Prediction(within={"position": 0.05}, heartbeat_hz=5e-324)
+    predictor = predicting(replace(TOLD, prediction=prediction))
+    predictor.take(arrived(7 * S), 0)
+    assert list(predictor.predicted(3_600 * S))
+
+
 def test_a_stamp_or_a_twist_beyond_all_numbers_is_not_predicted_and_stops_nothing() -> None:
     for stamp_ns, speed in ((2**31 * S - 1, 0.5), (7 * S, 1e150), (7 * S, math.inf)):
         predictor = predicting()
