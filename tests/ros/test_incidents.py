@@ -101,6 +101,21 @@ def test_a_full_disk_ends_incidents_which_are_named_and_relays_go_on(robot: Smal
     operator.line_with("heard 2")
     runtime.signal(signal.SIGINT)
     assert runtime.exit_code() == 0
+    # Whatever was lost of it, it is said once.
+    assert len([line for line in runtime.output if "incident " in line and "error" in line]) == 1
+
+
+def test_a_topic_that_is_dead_from_the_start_is_recorded(robot: SmallRobot) -> None:
+    folder = robot.folder / "incidents"
+    rule = 'If CheckValue /scan rate < 1 Then Record "dead lidar" /odom /scan Before 2 s After 1 s EndIf'
+    robot.source(odom=ODOM)
+    runtime = robot.runtime(f"begin\n  {rule}\nend\n", "--incidents", str(folder))
+    path = folder / recorded(runtime)
+    record = record_of(path)
+    assert (record["name"], record["values"]) == ("dead lidar", {"/scan rate": 0})
+    assert {one["topic"] for one in record["missing"]} == {"/odom", "/scan"}
+    assert {one["reason"] for one in record["missing"]} == {"late"}
+    assert {one.topic for one in read_bag(path).messages} == {"/odom"}
 
 
 def test_incidents_beyond_their_share_of_the_disk_are_deleted_and_named(robot: SmallRobot) -> None:
@@ -109,7 +124,7 @@ def test_incidents_beyond_their_share_of_the_disk_are_deleted_and_named(robot: S
     for name in names:
         (folder / name).mkdir(parents=True)
         (folder / name / "incident.json").write_text("{}")
-        (folder / name / "old.mcap").write_bytes(bytes(900_000))
+        (folder / name / f"{name}_0.mcap").write_bytes(bytes(900_000))
     (folder / names[1] / "read").touch()
     runtime = robot.runtime(RULES, "--incidents", str(folder), "--incidents-max-gb", "0.002")
     runtime.line_with(f"incident {names[1]}: deleted to make room, read")

@@ -20,7 +20,7 @@ const BECAUSE: Record<MissingReason, string> = {
   unpublished: "nobody publishes the topic",
   ended: "the run, or the recording, ended",
   lost: "machine or network were too slow, and the robot lost them",
-  disk: "they came faster than the disk could take them",
+  disk: "they came faster than the disk could take them, or while it was full",
   killed: "the run was killed",
 };
 

@@ -45,7 +45,7 @@ class MissingReason(Enum):
     """The robot's middleware lost them: machine or network were too slow."""
 
     DISK = "disk"
-    """They came faster than the disk could take them."""
+    """They came faster than the disk could take them, or while it was full."""
 
     KILLED = "killed"
     """The run was killed; what there is was completed by the next one."""

@@ -4,7 +4,9 @@
 
 from __future__ import annotations
 
+import errno
 import gc
+import os
 import resource
 import tempfile
 from collections.abc import Iterator
@@ -89,12 +91,15 @@ def expect_windows(run: FolderRun, ring_bytes: int | None) -> None:
         from_ms = begun_ms - recording.before_ns // 1_000_000
         to_ms = begun_ms + recording.after_ns // 1_000_000
         missing = {one["topic"]: one["messages"] for one in record["missing"] if one["reason"] == "memory"}
-        for topic in recording.topics:
+        for topic in (*recording.topics, LATCHED):
             window = {
                 payload
                 for payload, (_, steady_ms, name) in stamps.items()
                 if name == topic and from_ms <= steady_ms <= to_ms
             }
+            if topic == LATCHED:
+                earlier = [one for one, came in stamps.items() if came[2] == LATCHED and came[1] < from_ms]
+                window |= set(earlier[-1:])
             lacking = window - set(held)
             assert len(lacking) == missing.get(topic, 0)
             assert ring_bytes != AMPLE_BYTES or not lacking
@@ -104,12 +109,6 @@ def expect_windows(run: FolderRun, ring_bytes: int | None) -> None:
             for payload, (_, steady_ms, name) in stamps.items()
             if payload in held and name != LATCHED
         )
-        last_latched = [
-            payload
-            for payload, (_, steady_ms, name) in stamps.items()
-            if name == LATCHED and steady_ms <= begun_ms
-        ]
-        assert set(last_latched[-1:]) <= set(held)
 
 
 def burst(folder: Path, *, before_s: int = 30, after_s: int = 10) -> FolderRun:
@@ -218,14 +217,76 @@ def test_what_cannot_be_written_ends_its_incidents_which_are_named_and_no_others
     run.trigger()
     run.message("/odom")
     run.finish()
-    whole = {path.name: payloads(path) for path in (tmp_path / "incidents").iterdir() if path.name[0] != "."}
-    assert len(whole) == 3
-    (left,) = complete_incidents(tmp_path / "incidents")
-    assert (left.name, left.error) == ("19700101T001640000Z-one", None)
-    found = payloads(tmp_path / "incidents" / left.name)
     sent = [payload for _, _, topic, payload in run.came if topic == "/odom"]
+    assert list(complete_incidents(tmp_path / "incidents")) == []
+    assert len(list((tmp_path / "incidents").iterdir())) == 4
+    path = tmp_path / "incidents" / "19700101T001640000Z-one"
+    found = payloads(path)
+    (lost,) = (one for one in record_of(path)["missing"] if one["reason"] != "late")
     assert list(found) == sent[: len(found)]
     assert len(found) >= 8
+    assert (lost["topic"], lost["reason"], lost["messages"]) == ("/odom", "disk", 20 - len(found))
+    assert (lost["from_ns"], lost["to_ns"]) == (
+        (START_MS + 20 * (len(found) + 1)) * MS,
+        (START_MS + 400) * MS,
+    )
+    for name, expected in (("one", [sent[-1]]), ("two", [])):
+        assert list(payloads(tmp_path / "incidents" / f"19700101T001645400Z-{name}")) == expected
+
+
+FULL = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+
+@pytest.mark.parametrize("refused", ["os.mkdir", "tempfile.mkstemp", "os.open", "os.writev", "os.link"])
+def test_a_disk_that_is_full_as_an_incident_begins_is_said_once_and_what_is_lost_is_counted(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, refused: str
+) -> None:
+    failed: list[str] = []
+    run = FolderRun(
+        recording_rules('Record "one" /odom /scan Before 1 s After 1 s'),
+        tmp_path / "incidents",
+        failed=lambda name, error: failed.append(f"{name} {error}"),
+    )
+
+    def full(*_: object, **__: object) -> None:
+        raise FULL
+
+    def fill() -> None:
+        for _ in range(50):
+            run.wait(10)
+            run.message("/odom")
+            run.message("/scan")
+
+    run.message(LATCHED)
+    run.wait(1500)
+    fill()
+    with monkeypatch.context() as patched:
+        patched.setattr(refused, full)
+        run.trigger()
+        run.trigger()
+        fill()
+    fill()
+    run.wait(5000)
+    run.trigger()
+    run.message("/odom")
+    paths = run.finish()
+    assert len(paths) == 3
+    in_window = [payload for _, _, _, payload in run.came[:-1]]
+    assert list(payloads(paths[2])) == [in_window[0], run.came[-1][3]]
+    names = [path.name for path in paths[:2]]
+    assert [line.partition(" ")[0] for line in failed] == names
+    assert all(
+        line.endswith("No space left on device; free some space or write to another disk") for line in failed
+    )
+    for path in paths[:2]:
+        missing = {one["topic"]: one for one in record_of(path)["missing"]}
+        assert {one["reason"] for one in missing.values()} == {"disk"}
+        lost = sum(one["messages"] for one in missing.values())
+        held = payloads(path)
+        assert set(held) <= set(in_window)
+        assert set(held.values()) <= {1}
+        assert len(held) + lost == len(in_window)
+        assert lost >= 100
 
 
 def test_a_disk_that_is_too_slow_costs_messages_that_are_counted(tmp_path: Path) -> None:

@@ -94,6 +94,20 @@ def test_its_record_says_which_rule_when_and_what_is_missing(tmp_path: Path) -> 
     assert {one["reason"] for one in everything["missing"]} == {"ended"}
 
 
+def test_what_is_dead_from_the_start_is_recorded(tmp_path: Path) -> None:
+    write_bag(tmp_path / "bag", MISSION)
+    rule = 'If CheckValue /lidar rate < 1 Then Record "dead" /odom Before 2 s After 1 s EndIf'
+    (tmp_path / "rules.adirf").write_text(f"begin\n  {rule}\nend\n")
+    arguments = [str(tmp_path / "bag"), "--rules", str(tmp_path / "rules.adirf")]
+    outputs = ["--output", str(tmp_path / "out"), "--incidents", str(tmp_path / "incidents")]
+    assert main(["replay", *arguments, *outputs]) == 0
+    (path,) = folders(tmp_path)
+    record = record_of(path)
+    assert (record["triggered_ns"], record["values"]) == (START_NS, {"/lidar rate": 0})
+    assert read_bag(path).messages == wanted("/odom", from_ns=START_NS, to_ns=START_NS + 1_000_000_000)
+    assert [(one["topic"], one["reason"]) for one in record["missing"]] == [("/odom", "late")]
+
+
 def test_what_memory_cannot_hold_is_in_the_record(tmp_path: Path) -> None:
     large = [
         BagMessage("/image", START_NS + second * 1_000_000_000 + 5, bytes(600_000)) for second in range(1, 5)

@@ -9,10 +9,11 @@ from contextlib import AbstractContextManager
 from functools import partial
 
 from smarttestudo.adapters.incidents.folders import Failed
+from smarttestudo.adapters.incidents.lost_messages import LostMessages
 from smarttestudo.adapters.incidents.ring_files import RingFiles
 from smarttestudo.adapters.incidents.task_thread import TaskThread
 from smarttestudo.domain.errors import testudo_error
-from smarttestudo.domain.incident import Missing, MissingReason
+from smarttestudo.domain.incident import Missing
 from smarttestudo.runtime.incidents.recorder import Incident, IncidentSink, Store
 from smarttestudo.runtime.incidents.topic_ring import IncidentMessage, SourceMessage
 
@@ -37,20 +38,20 @@ class BackgroundSink:
         # One thread writes each of these, so that neither needs a lock.
         self._given_bytes = 0
         self._done_bytes = 0
-        self._left_out: dict[Incident, dict[str, Missing]] = {}
+        self._left_out: dict[Incident, LostMessages] = {}
 
     def begin(
         self, incident: Incident, latched: Sequence[SourceMessage], messages: Iterable[IncidentMessage]
     ) -> None:
         """Have it begun."""
-        self._left_out[incident] = {}
+        self._left_out[incident] = LostMessages()
         self._thread.give(partial(self._sink.begin, incident, latched, messages))
 
     def take(self, message: SourceMessage, incidents: Sequence[Incident]) -> None:
         """Have it written, unless too much waits already."""
         if self._given_bytes - self._done_bytes > self._max_waiting_bytes:
             for incident in incidents:
-                self._leave_out(incident, message)
+                self._left_out[incident].add(message)
             return
         self._given_bytes += message.held_bytes
         self._thread.give(partial(self._take, message, incidents))
@@ -62,8 +63,8 @@ class BackgroundSink:
 
     def end(self, incident: Incident, missing: Sequence[Missing]) -> None:
         """Have it ended."""
-        left_out = self._left_out.pop(incident, {})
-        self._thread.give(partial(self._sink.end, incident, (*missing, *left_out.values())))
+        left_out = self._left_out.pop(incident)
+        self._thread.give(partial(self._sink.end, incident, (*missing, *left_out.missing())))
 
     def running(self) -> AbstractContextManager[None]:
         """Write during the block, and what is left after it."""
@@ -81,14 +82,3 @@ class BackgroundSink:
     def _store(self, ring: RingFiles, message: SourceMessage, until_ns: int, now_ns: int) -> None:
         self._done_bytes += message.held_bytes
         ring.store(message, until_ns, now_ns)
-
-    def _leave_out(self, incident: Incident, message: SourceMessage) -> None:
-        topics = self._left_out[incident]
-        known = topics.get(message.topic)
-        topics[message.topic] = Missing(
-            topic=message.topic,
-            reason=MissingReason.DISK,
-            messages=1 if known is None else (known.messages or 0) + 1,
-            from_ns=message.stamp_ns if known is None else known.from_ns,
-            to_ns=message.stamp_ns,
-        )

@@ -5,11 +5,13 @@
 from __future__ import annotations
 
 import heapq
+import os
 import struct
 from collections import Counter
-from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Hashable, Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from itertools import chain
 from operator import attrgetter
 from pathlib import Path
 
@@ -22,10 +24,12 @@ from smarttestudo.adapters.files.incident_store import (
 from smarttestudo.adapters.files.removal import temporary_folder
 from smarttestudo.adapters.files.whole_file import not_written, whole_file
 from smarttestudo.adapters.incidents.bag_metadata import metadata_text
+from smarttestudo.adapters.incidents.lost_messages import LostMessages
+from smarttestudo.adapters.incidents.mcap_file import complete_files
 from smarttestudo.adapters.incidents.mcap_records import StoredChannel
 from smarttestudo.adapters.incidents.mcap_writer import FileContent
 from smarttestudo.adapters.incidents.ring_files import RingFiles
-from smarttestudo.adapters.incidents.segments import BagFolder, SharedMessages
+from smarttestudo.adapters.incidents.segments import BagFolder, Segment, SharedMessages
 from smarttestudo.adapters.json.incidents import incident_text
 from smarttestudo.domain.errors import TestudoError, testudo_error
 from smarttestudo.domain.incident import (
@@ -51,12 +55,15 @@ Failed = Callable[[str, TestudoError], None]
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class _OpenFolder:
-    """An incident that is being written; ``lacking`` is known to be missing so far."""
+    """An incident that is being written, or that was until it could not be: ``shared`` is ``None`` then.
+
+    Messages that come later are ``lost``.
+    """
 
     bag: BagFolder
-    shared: SharedMessages
+    shared: SharedMessages | None
     record: IncidentRecord
-    last_stamp_ns: int
+    lost: LostMessages = field(default_factory=LostMessages)
 
 
 class IncidentFolders:
@@ -67,8 +74,9 @@ class IncidentFolders:
     files where their windows overlap, if the disk has hard links. What memory gave up is taken from ``ring``.
     ``ended`` is told of each folder.
 
-    What cannot be written ends the incidents concerned: ``failed`` is told, or, where there is none, it
-    raises ``TestudoError``.
+    What cannot be written ends the incidents concerned: ``failed`` is told once of each, or, where there is
+    none, it raises ``TestudoError``. When their windows end, they appear with what was written, and say how
+    many messages were lost; if that cannot be written either, they stay hidden for ``complete_incidents``.
     """
 
     def __init__(
@@ -98,46 +106,62 @@ class IncidentFolders:
     ) -> None:
         """Write what came already; ``latched`` as from the window's start."""
         shared = self._shared_of(incident)
-        name = unused_name(self._folder, incident.recording.name, incident.trigger.stamp_ns)
+        taken = {found.bag.name for found in self._open.values()}
+        name = unused_name(self._folder, incident.recording.name, incident.trigger.stamp_ns, taken)
         bag = BagFolder(path=self._folder / f".{name}{PARTIAL_SUFFIX}", name=name)
+        found = _OpenFolder(bag=bag, shared=shared, record=_first_record(incident, latched))
+        self._open[incident] = found
         try:
             bag.path.mkdir()
+            # What a killed run leaves says what it was.
+            write_record(bag.path, found.record)
             self._begin(incident, bag, shared, latched, messages)
         except _WRITE_ERRORS as error:
             self._give_up(shared, name, error)
+            for message in chain(latched, messages):
+                if not bag.holds(message.number):
+                    self._lose(found, message)
 
     def take(self, message: SourceMessage, incidents: Sequence[Incident]) -> None:
         """Write one more, for ``incidents``."""
         done: set[int] = set()
         for incident in incidents:
-            found = self._open.get(incident)
-            if found is None:
-                continue
-            found.last_stamp_ns = message.stamp_ns
-            if id(found.shared) in done:
-                continue
-            done.add(id(found.shared))
-            try:
-                found.shared.take(message)
-            except _WRITE_ERRORS as error:
-                self._give_up(found.shared, found.bag.name, error)
+            found = self._open[incident]
+            if found.shared is None:
+                self._lose(found, message)
+            elif id(found.shared) not in done:
+                done.add(id(found.shared))
+                try:
+                    found.shared.take(message)
+                except _WRITE_ERRORS as error:
+                    self._give_up(found.shared, found.bag.name, error)
+                    self._lose(found, message)
 
     def end(self, incident: Incident, missing: Sequence[Missing]) -> None:
         """Have the folder appear with its record."""
-        found = self._open.pop(incident, None)
-        if found is None:
+        found = self._open.pop(incident)
+        bag, shared = found.bag, found.shared
+        missing = (*self._still_missing(incident, bag, missing), *found.lost.missing())
+        record = replace(found.record, missing=missing)
+        if shared is None:
+            # Why, if it cannot be written, was said.
+            with suppress(*_WRITE_ERRORS):
+                self._finish_lost(bag, record)
             return
         try:
-            found.shared.end(found.bag)
-            found.record = replace(found.record, missing=self._still_missing(incident, found.bag, missing))
-            self._finish(found)
+            shared.end(bag)
+            self._finish(bag, record, bag.contents())
+            # Later folders that share its last file would keep all that is known of its first.
+            bag.files.clear()
+            self._ended(bag.path)
         except _WRITE_ERRORS as error:
-            self._give_up(found.shared, found.bag.name, error)
+            self._give_up(shared, bag.name, error)
 
     def abort(self) -> None:
         """Leave nothing of incidents that have not ended."""
         for found in self._open.values():
-            found.shared.abandon()
+            if found.shared is not None:
+                found.shared.abandon()
         for found in self._open.values():
             with suppress(OSError, TestudoError):
                 remove_incident(found.bag.path)
@@ -151,26 +175,6 @@ class IncidentFolders:
         latched: Sequence[SourceMessage],
         messages: Iterable[IncidentMessage],
     ) -> None:
-        trigger, recording = incident.trigger, incident.recording
-        record = IncidentRecord(
-            name=recording.name,
-            rule=trigger.block.label,
-            path=trigger.block.path,
-            line=recording.line,
-            triggered_ns=trigger.stamp_ns,
-            from_ns=incident.from_ns,
-            to_ns=incident.to_ns,
-            values=trigger.values,
-            rules_sha256=incident.rules_sha256,
-            topics={
-                topic: IncidentTopic(type_name="", messages=0, size_bytes=0) for topic in recording.topics
-            },
-            latched=tuple(LatchedSample(topic=one.topic, stamp_ns=one.stamp_ns) for one in latched),
-        )
-        found = _OpenFolder(bag=bag, shared=shared, record=record, last_stamp_ns=trigger.stamp_ns)
-        self._open[incident] = found
-        # What a killed run leaves says what it was.
-        write_record(bag.path, record)
         if self._ring is not None:
             stored = self._ring.messages(incident.given_up)
             messages = heapq.merge(stored, messages, key=attrgetter("number"))
@@ -200,14 +204,23 @@ class IncidentFolders:
             *missing_for_memory(incident.given_up, bag.holds),
         )
 
-    def _finish(self, found: _OpenFolder) -> None:
-        record = finished_record(found.record, found.bag.contents(), self._channels)
-        finish_folder(found.bag.path, record, found.bag.contents(), self._channels)
-        path = self._folder / found.bag.name
-        found.bag.path = found.bag.path.rename(path)
-        # Later folders that share its last file would keep all that is known of its first.
-        found.bag.files.clear()
-        self._ended(path)
+    def _lose(self, found: _OpenFolder, message: IncidentMessage) -> None:
+        if message.topic in self._channels:
+            found.lost.add(message)
+
+    def _finish_lost(self, bag: BagFolder, record: IncidentRecord) -> None:
+        """Have what was written appear, if nothing was as an incident without messages."""
+        bag.path.mkdir(exist_ok=True)
+        files, _ = complete_files(bag.path)
+        if not files:
+            Segment(bag).close()
+            files = bag.contents()
+        self._finish(bag, record, files)
+
+    def _finish(self, bag: BagFolder, record: IncidentRecord, files: Mapping[str, FileContent]) -> None:
+        record = finished_record(record, files, self._channels)
+        finish_folder(bag.path, record, files, self._channels)
+        bag.path = bag.path.rename(self._folder / bag.name)
 
     def _give_up(self, shared: SharedMessages, name: str, error: Exception) -> None:
         """End the incidents that share what cannot be written."""
@@ -218,15 +231,33 @@ class IncidentFolders:
         )
         if self._failed is None:
             raise problem from error
-        lost = {incident: found for incident, found in self._open.items() if found.shared is shared}
+        concerned = [found for found in self._open.values() if found.shared is shared]
         shared.abandon()
         for key, one in list(self._shared.items()):
             if one is shared:
                 del self._shared[key]
-        for incident in lost:
-            del self._open[incident]
-        for one_name in {name, *(found.bag.name for found in lost.values())}:
+        for found in concerned:
+            found.shared = None
+        for one_name in dict.fromkeys((name, *(found.bag.name for found in concerned))):
             self._failed(one_name, problem)
+
+
+def _first_record(incident: Incident, latched: Sequence[SourceMessage]) -> IncidentRecord:
+    """What is known of an incident as it begins."""
+    trigger, recording = incident.trigger, incident.recording
+    return IncidentRecord(
+        name=recording.name,
+        rule=trigger.block.label,
+        path=trigger.block.path,
+        line=recording.line,
+        triggered_ns=trigger.stamp_ns,
+        from_ns=incident.from_ns,
+        to_ns=incident.to_ns,
+        values=trigger.values,
+        rules_sha256=incident.rules_sha256,
+        topics={topic: IncidentTopic(type_name="", messages=0, size_bytes=0) for topic in recording.topics},
+        latched=tuple(LatchedSample(topic=one.topic, stamp_ns=one.stamp_ns) for one in latched),
+    )
 
 
 def _has_hard_links(folder: Path) -> bool:
@@ -241,11 +272,16 @@ def _has_hard_links(folder: Path) -> bool:
     return True
 
 
-def unused_name(folder: Path, name: str, stamp_ns: int) -> str:
-    """The name of a folder in ``folder`` for the incident ``name``, with a number where others have it."""
+def unused_name(folder: Path, name: str, stamp_ns: int, taken: Collection[str] = ()) -> str:
+    """The name of a folder in ``folder`` for the incident ``name``, with a number where others have it.
+
+    ``taken`` are names of incidents whose folders could not be made.
+    """
     plain = incident_folder_name(name, stamp_ns)
     found, number = plain, 1
-    while any((folder / one).exists() for one in (found, f".{found}{PARTIAL_SUFFIX}")):
+    while found in taken or any(
+        os.path.lexists(folder / one) for one in (found, f".{found}{PARTIAL_SUFFIX}")
+    ):
         number += 1
         found = f"{plain}-{number}"
     return found

@@ -42,6 +42,21 @@ def complete_file(path: Path) -> tuple[FileContent, dict[str, StoredChannel]]:
     return state.content() if is_whole else McapWriter(path, state).close(), channels
 
 
+def complete_files(folder: Path) -> tuple[dict[str, FileContent], dict[str, StoredChannel]]:
+    """What the files of an incident hold, by name in the order of time, and their channels by topic.
+
+    Raises as ``complete_file``.
+    """
+    files: dict[str, FileContent] = {}
+    channels: dict[str, StoredChannel] = {}
+    # The file of latched messages was written after those that begin when it does.
+    for file in sorted(folder.glob("*.mcap"), key=lambda one: (len(one.name), one.name), reverse=True):
+        if not file.is_symlink():
+            files[file.name], found = complete_file(file)
+            channels.update(found)
+    return dict(sorted(files.items(), key=lambda entry: (entry[1].first_ns, entry[1].last_ns))), channels
+
+
 class _Walk:
     """Over the records of ``file``, in their order."""
 

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from smarttestudo.adapters.files.removal import remove
 from smarttestudo.adapters.incidents.mcap_records import (
     CHUNK_START,
     MESSAGE_HEADER,
@@ -111,7 +112,13 @@ class McapWriter:
         self._file = os.open(path, os.O_RDWR | os.O_CLOEXEC | flags, 0o644)
         self._state = state or McapState()
         if state is None:
-            self._append(file_start())
+            try:
+                self._append(file_start())
+            except OSError:
+                self.abandon()
+                # What has not even a beginning is no file of a bag.
+                remove(path.parent, [path.name])
+                raise
             return
         os.ftruncate(self._file, state.size_bytes)
         os.lseek(self._file, 0, os.SEEK_END)

@@ -12,9 +12,7 @@ from pathlib import Path
 from smarttestudo.adapters.files.incident_store import PARTIAL_SUFFIX, RECORD_NAME, read_record
 from smarttestudo.adapters.files.whole_file import not_written
 from smarttestudo.adapters.incidents.folders import finish_folder, finished_record
-from smarttestudo.adapters.incidents.mcap_file import complete_file
-from smarttestudo.adapters.incidents.mcap_records import StoredChannel
-from smarttestudo.adapters.incidents.mcap_writer import FileContent
+from smarttestudo.adapters.incidents.mcap_file import complete_files
 from smarttestudo.domain.errors import RecordingError, TestudoError
 from smarttestudo.domain.incident import Missing, MissingReason
 from smarttestudo.domain.units import counted, utc_time
@@ -53,23 +51,15 @@ def complete_incidents(folder: Path) -> Iterator[CompletedIncident]:
 
 def _completed(path: Path, target: Path) -> CompletedIncident:
     record = read_record(path)
-    files: dict[str, FileContent] = {}
-    channels: dict[str, StoredChannel] = {}
-    for file in sorted(path.glob("*.mcap"), key=lambda one: (len(one.name), one.name)):
-        if not file.is_symlink():
-            files[file.name], found = complete_file(file)
-            channels.update(found)
-    # The file of latched messages was written after those that begin when it does.
-    latest_first = reversed(list(files.items()))
-    ordered = dict(sorted(latest_first, key=lambda entry: (entry[1].first_ns, entry[1].last_ns)))
+    files, channels = complete_files(path)
     last_ns = max((content.last_ns for content in files.values()), default=record.triggered_ns)
     missing = [
         Missing(topic=topic, reason=MissingReason.KILLED, messages=None, from_ns=last_ns, to_ns=record.to_ns)
         for topic in record.topics
         if last_ns < record.to_ns
     ]
-    record = finished_record(replace(record, missing=(*record.missing, *missing)), ordered, channels)
-    finish_folder(path, record, ordered, channels)
+    record = finished_record(replace(record, missing=(*record.missing, *missing)), files, channels)
+    finish_folder(path, record, files, channels)
     path.rename(target)
     messages = sum(content.message_count for content in files.values())
     return CompletedIncident(name=target.name, messages=messages, last_ns=last_ns)

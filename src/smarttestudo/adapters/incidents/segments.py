@@ -77,12 +77,16 @@ class Segment:
     def link_to(self, folder: BagFolder) -> None:
         """Have it in one more folder. Raises ``OSError``, also where no folder has it any more."""
         name = folder.next_name()
+        problem: OSError = FileNotFoundError(
+            errno.ENOENT, "no file is left to link to", str(folder.path / name)
+        )
         for holder, held_name in self._holders:
-            with suppress(OSError):
-                os.link(holder.path / held_name, folder.path / name)
+            failed = _link(holder.path / held_name, folder.path / name)
+            if failed is None:
                 self._hold(folder, name)
                 return
-        raise FileNotFoundError(errno.ENOENT, "no file is left to link to", str(folder.path / name))
+            problem = failed
+        raise problem
 
     def write(self, channel: StoredChannel, message: IncidentMessage, stamp_ns: int) -> None:
         """Append a message to a file that is not closed. Raises ``OSError``."""
@@ -117,6 +121,15 @@ class Segment:
     def _hold(self, folder: BagFolder, name: str) -> None:
         folder.files.append((name, self))
         self._holders.append((folder, name))
+
+
+def _link(file: Path, name: Path) -> OSError | None:
+    """Have ``file`` under one more name; why, if it cannot be."""
+    try:
+        os.link(file, name)
+    except OSError as error:
+        return error
+    return None
 
 
 class SharedMessages:
@@ -186,9 +199,13 @@ class SharedMessages:
                     folder.put_last_first()
                     return
         segment = Segment(folder)
-        for message in latched:
-            self._write(segment, message, start_ns)
-        segment.close()
+        try:
+            for message in latched:
+                self._write(segment, message, start_ns)
+            segment.close()
+        except OSError:
+            segment.abandon()
+            raise
         folder.put_last_first()
         self._latched = (numbers, start_ns, segment)
 
@@ -241,7 +258,8 @@ class SharedMessages:
             if segments:
                 segments[-1].close()
         except OSError:
-            segments[-1].abandon()
+            for one in segments[-1:]:
+                one.abandon()
             raise
         return segments
 
