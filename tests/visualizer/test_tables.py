@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from smarttestudo.cli.tables import print_table
-from smarttestudo.visualizer.comparison import compare
+from smarttestudo.visualizer.comparison import Comparison, compare
 from smarttestudo.visualizer.comparison_tables import RunNames, bandwidth_table, frequency_table
 from smarttestudo.visualizer.statistics import TopicStatistics
 from smarttestudo.visualizer.table import (
@@ -48,11 +48,13 @@ class Terminal(io.StringIO):
         return True
 
 
+HALF = TopicStatistics(
+    messages=1, size_bytes=1, start_s=0.0, end_s=0.0, mean_hz=None, binned_hz=1.0, kb_per_s=None
+)
+
+
 def one_topic(topic: str) -> Table:
-    half = TopicStatistics(
-        messages=1, size_bytes=1, start_s=0.0, end_s=0.0, mean_hz=None, binned_hz=1.0, kb_per_s=None
-    )
-    return frequency_table(compare({topic: half}, {}, {topic: Target(planned_hz=2.0, attainable_hz=1.0)}))
+    return frequency_table(compare({topic: HALF}, {}, {topic: Target(planned_hz=2.0, attainable_hz=1.0)}))
 
 
 def shown(table: Table, terminal: Terminal) -> list[str]:
@@ -66,6 +68,16 @@ def test_the_demos_tables_read_as_in_the_golden_file(name: str, build: object, w
     table = {"frequency": frequency_table, "bandwidth": bandwidth_table}[name](demo_like_report().comparison)
     golden = (GOLDEN / f"{name}-{width}.txt").read_text(encoding="utf-8")
     assert plain_table(table, width=width) + "\n" == golden
+
+
+def test_transforms_have_a_target_of_each_frame_and_no_error() -> None:
+    (pair,) = compare(
+        {"/tf": HALF}, {"/tf": HALF}, {"/tf": Target(planned_hz=2.0, attainable_hz=None)}
+    ).topics
+    shown = plain_table(frequency_table(Comparison(topics=(pair,))))
+    assert shown.splitlines()[5].split() == ["/tf", "1.00", "1.00", "0.0", "2.00", "–"]
+    assert "Of transforms the target is that of each frame" in " ".join(shown.split())
+    assert "Of transforms" not in plain_table(one_topic("/odom"))
 
 
 def test_what_is_missing_is_a_dash_and_never_a_zero() -> None:

@@ -16,9 +16,9 @@ _CHANGE = Column(heading="Change", unit="%")
 _RATE_NOTE = "Hz: mean count of the 1 s bins from first to last message."
 _TARGET_NOTE = (
     " Target: planned rate, weighted by time. "
-    "Error: mean rate (n − 1) / (last − first) against the target, or the source where that is slower; "
-    "none of transforms, whose target is that of each frame."
+    "Error: mean rate (n − 1) / (last − first) against the target, or the source where that is slower."
 )
+_FRAMES_NOTE = " Of transforms the target is that of each frame, and there is no error."
 BANDWIDTH_NOTE = "1 KB is 1000 bytes; 1 KB/s is 8 kbit/s."
 DECLARED_NOTE = "declared: the size that the recording declares for its messages, not the one it holds."
 
@@ -34,7 +34,9 @@ class RunNames:
 def frequency_table(comparison: Comparison, names: RunNames | None = None) -> Table:
     """Each topic's rate in both runs, its change, and how near it came to its target if there is any."""
     names = names or RunNames()
-    has_targets = any(pair.target is not None for pair in comparison.topics)
+    targets = [pair.target for pair in comparison.topics if pair.target is not None]
+    has_targets = bool(targets)
+    frames_note = _FRAMES_NOTE if any(one.attainable_hz is None for one in targets) else ""
     target_columns = (Column(heading="Target", unit="Hz"), Column(heading="Error", unit="%"))
     return Table(
         title="Frequency",
@@ -46,7 +48,7 @@ def frequency_table(comparison: Comparison, names: RunNames | None = None) -> Ta
             *(target_columns if has_targets else ()),
         ),
         rows=tuple(_frequency_row(pair, has_targets=has_targets) for pair in comparison.topics),
-        footnotes=(_RATE_NOTE + _TARGET_NOTE if has_targets else _RATE_NOTE,),
+        footnotes=(_RATE_NOTE + _TARGET_NOTE + frames_note if has_targets else _RATE_NOTE,),
     )
 
 
