@@ -10,13 +10,17 @@ from __future__ import annotations
 
 import os
 import subprocess
-from collections.abc import Generator
+from collections.abc import Generator, Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 from hypothesis import HealthCheck, settings
 
 from real_browser import chromium
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
 
 _UNTIMED = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow], print_blob=True)
 settings.register_profile("default", _UNTIMED, derandomize=True)
@@ -39,12 +43,28 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     )
 
 
+@pytest.fixture(scope="session")
+def worker_browser() -> Iterator[Browser]:
+    """The one Chromium of this worker; Playwright allows no second one."""
+    with chromium() as browser:
+        yield browser
+
+
+@pytest.fixture
+def browser(worker_browser: Browser) -> Iterator[Browser]:
+    """The same, in which nothing of another test is open."""
+    yield worker_browser
+    for context in worker_browser.contexts:
+        context.close()
+
+
 def starts_processes(item: pytest.Item) -> bool:
-    """Whether it is in a folder of servers, browsers or ROS nodes, or in a file that starts processes."""
+    """Whether it is in a folder of servers, browsers or ROS nodes, has a browser, or may start a process."""
     if any(_TESTS / folder in item.path.parents for folder in _FOLDERS_OF_PROCESSES):
         return True
-    names = vars(item.module).values() if isinstance(item, pytest.Function) else ()
-    return any(one is subprocess or one is chromium for one in names)
+    if not isinstance(item, pytest.Function):
+        return False
+    return "browser" in item.fixturenames or subprocess in vars(item.module).values()
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from ros.ros_processes import inherited
+from forked_python import inherited
 
 LIBRARIES = {"LD_LIBRARY_PATH": "/opt/ros/humble/lib", "_ROS_WHEELS_BOOTSTRAP_COMPLETE": "1", "HOME": "/root"}
 
