@@ -9,6 +9,7 @@ tries new ones. It is never timed. In continuous integration nothing is skipped.
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 from collections.abc import Generator, Iterator
 from pathlib import Path
@@ -30,6 +31,7 @@ settings.load_profile("default")
 _SETTINGS_OF_LAW = "_hypothesis_internal_use_settings"
 _TESTS = Path(__file__).parent
 _FOLDERS_OF_PROCESSES = ("ros", "ros_package", "web")
+_SIGNALS_OF_A_TERMINAL = (signal.SIGINT, signal.SIGQUIT, signal.SIGHUP)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -41,6 +43,16 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         default=1,
         help="try N times as many Hypothesis examples as each law asks for; 0.1 is a tenth",
     )
+
+
+def pytest_configure() -> None:
+    """Start processes with the signals of a terminal, also under ``nohup`` and in the background of a shell.
+
+    What is ignored stays ignored in children; what has a handler, though it does nothing, is reset in them.
+    """
+    for number in _SIGNALS_OF_A_TERMINAL:
+        if signal.getsignal(number) is signal.SIG_IGN:
+            signal.signal(number, lambda *_: None)
 
 
 @pytest.fixture(scope="session")
