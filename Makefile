@@ -6,18 +6,20 @@ BIN := $(VENV)/bin
 DEMO_ARGS ?=
 FUZZ_FACTOR ?= 20
 FUZZ_TESTS ?= tests
-LIVE_TESTS := tests/ros tests/web/browser/test_robot.py
+EXAMPLES_FACTOR ?= 0.34
+SWEEPS ?= some
 GUI_NPM := PYTHON=$(abspath $(BIN)/python) sh scripts/gui_npm.sh
 PAGE := src/smarttestudo/web/static/index.html
 GUI_SOURCES := $(shell find gui -type f -not -path 'gui/node_modules/*' -not -path 'gui/tests/*') docs/language.md docs/quality-levels.md $(wildcard docs/reference/*.md)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: help demo gui test test-length fuzz lint format docs test-kilted test-ros test-lowest wheels-aarch64 benchmarks clean test-gui lint-gui docs-site quick coverage
+.PHONY: help demo gui test test-length fuzz lint format docs test-kilted test-kilted-live test-ros test-lowest wheels-aarch64 benchmarks clean test-gui lint-gui docs-site quick coverage
 
 help:
 	@echo "make demo            the warehouse mission, with and without adaptive monitoring (no robot needed)"
 	@echo "make quick           while working: style, types, layers, and tests without processes, in about a minute"
-	@echo "make test            everything that must hold: style, types, layers, tests"
+	@echo "make test            everything that must hold: style, types, layers, tests; at the end the ten slowest"
+	@echo "                     (EXAMPLES_FACTOR=1 SWEEPS=all: all examples of laws, all screens; see build/tests)"
 	@echo "make fuzz            random examples for every law, $(FUZZ_FACTOR) times as many (FUZZ_FACTOR=, FUZZ_TESTS=)"
 	@echo "make coverage        what of the code the tests run, without those on a ROS graph"
 	@echo "make gui             the page of 'testudo ruler', from gui/ (needs Node 20, or gets it from PyPI)"
@@ -40,16 +42,14 @@ demo: $(VENV)/studio.stamp
 quick: lint
 	$(BIN)/pytest --numprocesses 2 --dist worksteal -m "not process and not slow" --examples-factor 0.05 --quiet
 
-# Live tests go alone: they judge at which rates real messages come.
+# Each law tries a third of its examples, and pages are looked at on two screens; continuous integration asks for
+# all: make test EXAMPLES_FACTOR=1 SWEEPS=all
 test: test-length lint test-gui $(PAGE)
-	@$(BIN)/pytest --numprocesses auto --dist worksteal $(addprefix --ignore ,$(LIVE_TESTS)) || { \
-		echo "The first half failed, so the second half, the live tests, did not run: $(BIN)/pytest $(LIVE_TESTS)" >&2; \
-		exit 1; }
-	$(BIN)/pytest $(LIVE_TESTS)
+	@BIN=$(BIN) SWEEPS=$(SWEEPS) sh scripts/run_tests.sh --examples-factor $(EXAMPLES_FACTOR)
 
 test-length:
-	@echo "Style, types and layers, then the tests in two halves: all but the live ones, and the live ones"
-	@echo "on a ROS graph. About half an hour on two cores."
+	@echo "Style, types and layers, the page's tests, then all others: first those on no ROS graph, then the live"
+	@echo "ones, at last those that judge rates. About twelve minutes on two cores."
 
 test-gui: $(VENV)/dev.stamp
 	$(GUI_NPM) test
@@ -93,8 +93,12 @@ docs-site: $(VENV)/dev.stamp
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet
 	@echo "build/site/index.html"
 
-test-kilted: $(VENV)/dev.stamp
-	PYTHON=$(BIN)/python UV=$(BIN)/uv sh scripts/test_kilted.sh
+test-kilted: test-kilted-live
+	sh scripts/test_kilted.sh calm
+
+# Without those tests that need a machine for themselves.
+test-kilted-live: $(VENV)/dev.stamp
+	PYTHON=$(BIN)/python UV=$(BIN)/uv sh scripts/test_kilted.sh live
 
 test-ros: $(VENV)/dev.stamp
 	UV=$(abspath $(BIN)/uv) ROS_SETUP=$(ROS_SETUP) bash scripts/test_ros.sh

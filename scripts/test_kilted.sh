@@ -1,13 +1,19 @@
 #!/bin/sh
-# Runs the live tests on ROS 2 Kilted, in an environment of its own.
+# Runs the live tests on ROS 2 Kilted, in an environment of its own in build/kilted.
+# usage: scripts/test_kilted.sh live|calm [pytest options]
+# `live` makes the environment and runs what other work beside it does not disturb, `calm` the rest.
 set -eu
 python=${PYTHON:-python3}
 uv=${UV:-uv}
-folder=$(mktemp -d)
-trap 'rm -rf "$folder"' EXIT INT TERM
+part=$1
+shift
+bin=build/kilted/bin
 
-"$uv" venv --quiet --python "$python" "$folder/venv"
-"$uv" pip install --quiet --python "$folder/venv/bin/python" --editable '.[studio,dev]' \
-    'ros-rclpy[fastrtps]==9.1.2' ros-diagnostic-msgs==5.5.1 ros-geometry-msgs==5.5.1 ros-nav-msgs==5.5.1 \
-    ros-sensor-msgs==5.5.1 ros-std-srvs==5.5.1
-"$folder/venv/bin/pytest" tests/ros "$@"
+if [ "$part" = live ]; then
+    "$uv" venv --quiet --clear --python "$python" build/kilted
+    "$uv" pip install --quiet --python "$bin/python" --editable '.[studio,dev]' \
+        'ros-rclpy[fastrtps]==9.1.2' ros-diagnostic-msgs==5.5.1 ros-geometry-msgs==5.5.1 ros-nav-msgs==5.5.1 \
+        ros-sensor-msgs==5.5.1 ros-std-srvs==5.5.1
+    exec "$bin/pytest" --quiet --numprocesses 3 --dist worksteal -m "not calm" tests/ros "$@"
+fi
+exec "$bin/pytest" --quiet -m calm tests/ros "$@"

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+import os
+from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -17,6 +19,10 @@ WIDTHS_PX = (1280, 820, 390)
 """A laptop, a tablet and a telephone."""
 HEIGHT_PX = 900
 SCHEMES: tuple[Literal["light", "dark"], ...] = ("light", "dark")
+SWEEPS = tuple(product(SCHEMES, WIDTHS_PX))
+if os.environ.get("SWEEPS") == "some":
+    SWEEPS = (("light", WIDTHS_PX[0]), ("dark", WIDTHS_PX[-1]))
+"""On what a page is looked at; continuous integration looks at all."""
 # The size of what is pressed, 24 px or as much space around it, is of WCAG 2.2: axe-core asks for it if told.
 RUN = """async () => {
     const options = {resultTypes: ["violations"], rules: {"target-size": {enabled: true}}};
@@ -35,19 +41,18 @@ TWO_PICTURES = "() => new Promise((done) => requestAnimationFrame(() => requestA
 
 
 def violations(page: Page) -> list[str]:
-    """What axe-core reports, in light and dark and on each width; the page is as wide as before after it."""
+    """What axe-core reports, in all ``SWEEPS``; the page is as wide as before after it."""
     if not AXE.exists():
         pytest.skip("axe-core is not installed (npm ci in gui/): accessibility is not checked")
     before = page.viewport_size
     page.evaluate(AXE.read_text("utf-8"))
     page.evaluate(HOLD_STILL)
     found: list[str] = []
-    for scheme in SCHEMES:
+    for scheme, width in SWEEPS:
         page.emulate_media(color_scheme=scheme)
-        for width in WIDTHS_PX:
-            page.set_viewport_size({"width": width, "height": HEIGHT_PX})
-            page.evaluate(TWO_PICTURES)
-            found += [f"{scheme}, {width} px: {each}" for each in page.evaluate(RUN)]
+        page.set_viewport_size({"width": width, "height": HEIGHT_PX})
+        page.evaluate(TWO_PICTURES)
+        found += [f"{scheme}, {width} px: {each}" for each in page.evaluate(RUN)]
     page.emulate_media(color_scheme="light")
     if before is not None:
         page.set_viewport_size(before)

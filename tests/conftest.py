@@ -9,14 +9,19 @@ tries new ones. It is never timed. In continuous integration nothing is skipped.
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
-from collections.abc import Generator
+from collections.abc import Generator, Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 from hypothesis import HealthCheck, settings
 
 from real_browser import chromium
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
 
 _UNTIMED = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow], print_blob=True)
 settings.register_profile("default", _UNTIMED, derandomize=True)
@@ -26,6 +31,7 @@ settings.load_profile("default")
 _SETTINGS_OF_LAW = "_hypothesis_internal_use_settings"
 _TESTS = Path(__file__).parent
 _FOLDERS_OF_PROCESSES = ("ros", "ros_package", "web")
+_SIGNALS_OF_A_TERMINAL = (signal.SIGINT, signal.SIGQUIT, signal.SIGHUP)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -39,12 +45,38 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     )
 
 
+def pytest_configure() -> None:
+    """Start processes with the signals of a terminal, also under ``nohup`` and in the background of a shell.
+
+    What is ignored stays ignored in children; what has a handler, though it does nothing, is reset in them.
+    """
+    for number in _SIGNALS_OF_A_TERMINAL:
+        if signal.getsignal(number) is signal.SIG_IGN:
+            signal.signal(number, lambda *_: None)
+
+
+@pytest.fixture(scope="session")
+def worker_browser() -> Iterator[Browser]:
+    """The one Chromium of this worker; Playwright allows no second one."""
+    with chromium() as browser:
+        yield browser
+
+
+@pytest.fixture
+def browser(worker_browser: Browser) -> Iterator[Browser]:
+    """The same, in which nothing of another test is open."""
+    yield worker_browser
+    for context in worker_browser.contexts:
+        context.close()
+
+
 def starts_processes(item: pytest.Item) -> bool:
-    """Whether it is in a folder of servers, browsers or ROS nodes, or in a file that starts processes."""
+    """Whether it is in a folder of servers, browsers or ROS nodes, has a browser, or may start a process."""
     if any(_TESTS / folder in item.path.parents for folder in _FOLDERS_OF_PROCESSES):
         return True
-    names = vars(item.module).values() if isinstance(item, pytest.Function) else ()
-    return any(one is subprocess or one is chromium for one in names)
+    if not isinstance(item, pytest.Function):
+        return False
+    return "browser" in item.fixturenames or subprocess in vars(item.module).values()
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:

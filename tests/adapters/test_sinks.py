@@ -13,7 +13,6 @@ import pytest
 
 from adapters.foxglove.foxglove_client import foxglove_client
 from adapters.rosbag.bag_factory import CUSTOM_DEFINITION, CUSTOM_TYPE, START_NS, cdr, message_of, odometry
-from ros.small_graph import SmallGraph
 from smarttestudo.adapters.foxglove import open_foxglove_sink
 from smarttestudo.adapters.ros.graph_sink import GraphSink
 from smarttestudo.adapters.rosbag.reader import open_recording
@@ -21,6 +20,7 @@ from smarttestudo.adapters.rosbag.recording_sink import RecordingSink
 from smarttestudo.domain import link
 from smarttestudo.domain.link import ReceivedMessage, StreamInfo
 from smarttestudo.domain.robot import Qos
+from use_cases.live.small_graph import SmallGraph
 
 LATCHED = Qos(reliable=True, transient_local=True, depth=50)
 ODOM = StreamInfo(topic="/odom", type_name="nav_msgs/msg/Odometry", qos=LATCHED)

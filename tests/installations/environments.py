@@ -15,7 +15,7 @@ from types import MappingProxyType
 
 import tomli
 
-from ros.ros_processes import NOT_INHERITED
+from forked_python import NOT_INHERITED
 
 ROOT = Path(__file__).resolve().parents[2]
 BUILT_PAGE = "src/smarttestudo/web/static"

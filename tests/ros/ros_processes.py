@@ -10,26 +10,14 @@ import queue
 import subprocess
 import sys
 import threading
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
+
+from forked_python import ForkedPython, inherited
 
 FOLDER = Path(__file__).parent
 LINE_TIMEOUT_S = 120.0
 TESTUDO = "import sys; from smarttestudo.cli.main import main; sys.exit(main())"
-# A parent of another environment leaves these, and then the ROS of this one does not load.
-NOT_INHERITED = ("_ROS_WHEELS_BOOTSTRAP_COMPLETE", "LD_LIBRARY_PATH")
-
-
-def inherited(environment: Mapping[str, str]) -> dict[str, str]:
-    """What a process of the ROS that this one uses may have of its environment."""
-    # A setup file that was sourced means its LD_LIBRARY_PATH; ROS 2 from PyPI is none that could be.
-    is_sourced = "AMENT_PREFIX_PATH" in environment
-    return {
-        name: value
-        for name, value in environment.items()
-        if name not in NOT_INHERITED or (is_sourced and name == "LD_LIBRARY_PATH")
-    }
 
 
 class Process:
@@ -37,15 +25,7 @@ class Process:
 
     def __init__(self, command: list[str], environment: dict[str, str]) -> None:
         self.output: list[str] = []
-        self._process = subprocess.Popen(
-            command,
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            encoding="utf-8",
-            env=environment,
-        )
+        self._process = started(command, environment)
         self._lines: queue.Queue[str | None] = queue.Queue()
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
@@ -117,6 +97,22 @@ class Process:
             self.output.append(line)
             self._lines.put(line)
         self._lines.put(None)
+
+
+def started(command: list[str], environment: dict[str, str]) -> ForkedPython | subprocess.Popen[str]:
+    """A process whose output is one with its errors; what this Python would run has imported us already."""
+    program, *arguments = command
+    if program == sys.executable:
+        return ForkedPython(arguments, environment)
+    return subprocess.Popen(
+        command,
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        encoding="utf-8",
+        env=environment,
+    )
 
 
 class SmallRobot:

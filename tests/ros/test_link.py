@@ -123,6 +123,7 @@ def test_publishers_stay_apart_with_type_and_qos_and_a_late_subscriber_gets_what
     assert sorted(values(late, "names")) == ["hall", "yard"]
 
 
+@pytest.mark.calm
 def test_the_rates_at_the_operator_are_those_of_the_rules(
     robot: SmallRobot, operators: SmallRobot, endpoint: str
 ) -> None:

@@ -161,6 +161,7 @@ def drive_with_everything_that_happens(robot: SmallRobot) -> Run:
     return run
 
 
+@pytest.mark.calm
 def test_the_picture_is_within_its_bound_through_reloads_late_joiners_and_a_pause(robot: SmallRobot) -> None:
     for _ in range(ATTEMPTS):
         run = drive_with_everything_that_happens(robot)

@@ -52,6 +52,7 @@ def most_within(arrivals: list[Arrival], span_s: float) -> int:
     return max(sum(start_s <= at_s < start_s + span_s for at_s in due_s) for start_s in due_s)
 
 
+@pytest.mark.calm
 def test_every_topic_arrives_at_its_rate_within_one_percent(robot: SmallRobot) -> None:
     operator = robot.operator(span_s=RUN_S, **SOURCES)
     robot.runtime(rules(TARGETS_HZ))

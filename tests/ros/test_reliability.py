@@ -57,6 +57,7 @@ def test_context_that_is_broken_or_silent_asks_for_more_not_for_less(robot: Smal
     operator.line_with("heard")
 
 
+@pytest.mark.calm
 def test_simulated_time_that_jumps_back_leaves_the_relays_at_their_rates(robot: SmallRobot) -> None:
     operator = robot.operator(imu={"type": IMU})
     robot.runtime("begin SetFrequency /imu 10 end", "--ros-args", "-p", "use_sim_time:=true")

@@ -6,10 +6,10 @@ from __future__ import annotations
 
 import pytest
 
-from ros.small_graph import SmallGraph
 from smarttestudo.adapters.simulated_robot.messages import RobotMessages
 from smarttestudo.simulation.camera import FrameSize
 from smarttestudo.use_cases.demo.simulate import SimulateRequest, simulate
+from use_cases.live.small_graph import SmallGraph
 
 TYPES = {channel.type_name for channel in RobotMessages().channels.values()}
 TRANSFORMS = "tf2_msgs/msg/TFMessage"

@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 from itertools import pairwise
 from pathlib import Path
 
@@ -13,7 +12,6 @@ import pytest
 from playwright.sync_api import Browser, Locator, Page, expect
 
 from axe import WIDTHS_PX, violations
-from real_browser import chromium
 from smarttestudo.visualizer.report import RunReport, render_report
 from visualizer.demo_like_report import demo_like_report
 from visualizer.test_report import hostile_report
@@ -42,12 +40,6 @@ CUT_OFF = """names => names.filter((name) => {
     const { left, right } = name.getBoundingClientRect();
     return left < 0 || right > document.documentElement.clientWidth;
 }).map((name) => name.textContent)"""
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    with chromium() as browser:
-        yield browser
 
 
 class Opened:

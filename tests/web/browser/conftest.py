@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from real_browser import chromium
 from smarttestudo.web.page import is_page_built
 from web.browser.ruler_page import EXAMPLES, RulerPage, copied, served
 
@@ -16,13 +15,10 @@ if TYPE_CHECKING:
     from playwright.sync_api import Browser
 
 
-# Playwright runs once at a time in a thread, and other tests have a browser of their own.
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
+@pytest.fixture(autouse=True)
+def built_page() -> None:
     if not is_page_built():
         pytest.skip("the Ruler's page is not built ('make gui'): it is not tested")
-    with chromium() as browser:
-        yield browser
 
 
 @pytest.fixture

@@ -7,14 +7,14 @@ from __future__ import annotations
 import os
 import re
 import shutil
-import subprocess
-import sys
+import signal
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
 from playwright.sync_api import Locator, Page, expect
 
+from forked_python import ForkedPython, inherited
 from real_browser import TIMEOUT_MS
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
@@ -27,17 +27,17 @@ GRIP_PX = 9
 @contextmanager
 def served(folder: Path, port: int = 0, options: Sequence[str] = ()) -> Iterator[str]:
     """``testudo ruler`` on ``port``, or a free one; yields the address that it prints."""
-    ruler = [sys.executable, "-m", "smarttestudo", "ruler", str(folder)]
-    command = [*ruler, f"--port={port}", "--no-browser", *options]
-    environment = {**os.environ, "PYTHONUNBUFFERED": "1"}
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as process:
-        assert process.stdout is not None
-        line = process.stdout.readline()
-        assert "http://" in line, "the server did not start"
+    command = ["-m", "smarttestudo", "ruler", str(folder), f"--port={port}", "--no-browser", *options]
+    environment = {**inherited(os.environ), "PYTHONUNBUFFERED": "1"}
+    process = ForkedPython(command, environment, stderr=2)
+    with process.stdin, process.stdout:
         try:
+            line = process.stdout.readline()
+            assert "http://" in line, "the server did not start"
             yield line.split(": ", 1)[1].split()[0]
         finally:
-            process.terminate()
+            process.send_signal(signal.SIGTERM)
+            process.wait()
 
 
 class RulerPage:

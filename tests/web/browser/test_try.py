@@ -143,8 +143,9 @@ def _press_at(chart: Locator, share: float) -> None:
 
 
 def _trial_process() -> int | None:
-    """The replay that the server of this test runs."""
-    return next((pid for pid in _children(_children(iter([os.getpid()]))) if TRIAL in _command(pid)), None)
+    """The replay that the server of this test runs; others have forked that."""
+    servers = _children(_children(iter([os.getpid()])))
+    return next((pid for pid in _children(servers) if TRIAL in _command(pid)), None)
 
 
 def _children(parents: Iterator[int]) -> Iterator[int]:

@@ -14,6 +14,7 @@ from smarttestudo.adapters.zenoh.asked_questions import sendable
 from smarttestudo.adapters.zenoh.compression import unpacked
 from smarttestudo.adapters.zenoh.keys import ALL_BOOTS, Boot, boot_of
 from smarttestudo.adapters.zenoh.reach import why_unreachable
+from smarttestudo.adapters.zenoh.session import close_session
 from smarttestudo.adapters.zenoh.status_listener import Heard, StatusListener
 from smarttestudo.domain.errors import LinkError
 from smarttestudo.domain.questions import Question
@@ -103,7 +104,7 @@ class LinkClient:
             self._session = None
             if listener is not None:
                 listener.close()
-            session.close()
+            close_session(session)
 
     def _open(self) -> zenoh.Session | None:
         while not self._is_closed.is_set():

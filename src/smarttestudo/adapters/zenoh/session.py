@@ -4,9 +4,11 @@
 
 from __future__ import annotations
 
+import atexit
 import json
 import re
 import threading
+import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -22,6 +24,9 @@ from smarttestudo.domain.errors import LinkError
 _MOST_CONFIG_BYTES = 1_000_000
 _MOST_CAUSE = 300
 _LOOK_PERIOD_S = 2.0
+_END_WITHIN_S = 5.0
+_OF_ZENOH = "pyo3"
+"""In the names of the threads that Zenoh's Python package starts for callbacks."""
 _SOURCE_LINE = re.compile(r"\s+at \S+\.rs:\d+\.?")
 
 _SETTINGS: Mapping[str, object] = {
@@ -68,7 +73,24 @@ def open_session(options: LinkOptions, mode: str, warn: Callable[[str], None]) -
         yield session
     finally:
         is_closed.set()
-        session.close()
+        close_session(session)
+
+
+def close_session(session: zenoh.Session) -> None:
+    """Close it, and let its callbacks end before the interpreter does.
+
+    A thread of Zenoh's that comes back while the interpreter ends aborts the process, and nothing waits for
+    those that a daemon thread began.
+    """
+    session.close()
+    atexit.register(_await_callbacks)
+
+
+def _await_callbacks() -> None:
+    end_s = time.monotonic() + _END_WITHIN_S
+    for thread in threading.enumerate():
+        if _OF_ZENOH in thread.name:
+            thread.join(max(end_s - time.monotonic(), 0.0))
 
 
 def is_heard(publisher: zenoh.Publisher) -> bool:

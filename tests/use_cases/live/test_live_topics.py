@@ -8,10 +8,10 @@ from collections.abc import Callable, Hashable, Mapping
 
 import pytest
 
-from ros.small_graph import TEXT, SmallGraph
 from smarttestudo.domain.payload import Payload
 from smarttestudo.runtime.relay import Relayed
 from smarttestudo.use_cases.live.topics import LiveTopics
+from use_cases.live.small_graph import TEXT, SmallGraph
 
 DRIVER, SECOND, OTHER = b"driver", b"second", b"other"
 
