@@ -12,6 +12,8 @@ import { OpenEditors } from "./state/open_editors";
 import { OpenTabs } from "./state/open_tabs";
 import { TourOffer } from "./tour/tour_offer";
 import { Notice } from "./ui/notice";
+import { useRobot } from "./ui/robot_state";
+import { ServerGone, useReturn } from "./ui/server_gone";
 
 // The heavy parts (Blockly, CodeMirror, plots) load with the page that needs them.
 const LAZY: Record<Exclude<Route["page"], "home">, () => Promise<ComponentType<PageProps>>> = {
@@ -43,15 +45,21 @@ export function App({ api }: { api: Api }) {
   useEffect(() => {
     if (project?.opened && location.hash === "") toRoute({ page: "rules", name: project.opened });
   }, [project]);
-  if (problem) return <Notice kind="error" text={problem} action={{ label: "Try again", act: refresh }} />;
+  useReturn(refresh);
+  const { returns } = useRobot();
+  if (problem && project === null)
+    return <Notice kind="error" text={problem} action={{ label: "Try again", act: refresh }} />;
   if (project === null || editors === null) return <p class="quiet center">Opening the project …</p>;
   const props = { ...route, api, project, refresh, editors };
+  // What these pages show is all the server's: they begin anew with it.
+  const anew = route.page === "rules" || route.page === "topics" ? 0 : returns.value;
   return (
     <>
+      <ServerGone />
       {route.page === "home" ? (
         <HomePage {...props} />
       ) : (
-        <LazyPage key={`${route.page} ${route.name}`} load={LAZY[route.page]} props={props} />
+        <LazyPage key={`${root} ${anew} ${route.page} ${route.name}`} load={LAZY[route.page]} props={props} />
       )}
       <TourOffer route={route} />
     </>

@@ -189,6 +189,22 @@ def test_a_file_that_changed_meanwhile_is_not_overwritten(tmp_path: Path) -> Non
     assert file.read_text() == "begin SetFrequency /odom 5 end"
 
 
+def test_a_file_that_changed_is_told_without_its_text(tmp_path: Path) -> None:
+    file = tmp_path / "a.adirf"
+    file.write_text("begin end")
+    with served(tmp_path) as page:
+        read = page.get("/api/file?name=a.adirf").json["hash"]
+        same = page.get("/api/file/state?name=a.adirf").json
+        file.write_text("begin SetFrequency /odom 5 end")
+        changed = page.get("/api/file/state?name=a.adirf").json
+        file.unlink()
+        gone = page.get("/api/file/state?name=a.adirf").json
+    assert same == {"hash": read}
+    assert changed.keys() == {"hash"}
+    assert changed != same
+    assert gone == {"hash": None}
+
+
 def test_the_project_lists_what_the_ruler_can_open(tmp_path: Path) -> None:
     for name in ("a.adirf", "b.toml", "notes.txt", ".hidden.toml", ".a.adirf.layout.json"):
         (tmp_path / name).write_text("")

@@ -53,6 +53,11 @@ export class Api {
     return call("GET /api/file", null, { query: `?name=${encodeURIComponent(name)}` });
   }
 
+  /** What tells whether a file was changed by somebody else. */
+  fileState(name: string): Answer<"GET /api/file/state"> {
+    return call("GET /api/file/state", null, { query: `?name=${encodeURIComponent(name)}` });
+  }
+
   /** `byItself` is whether nobody asked for it. */
   save(name: string, text: string, baseHash: string | null, byItself = false): Answer<"PUT /api/file"> {
     return call("PUT /api/file", { name, text, base_hash: baseHash, by_itself: byItself });

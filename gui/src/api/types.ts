@@ -310,6 +310,11 @@ export interface FileAnswer {
 /** What a file is to the Ruler; the value is its name in JSON. */
 export type FileKind = "rules" | "profile" | "bag" | "map" | "layout" | "image";
 
+/** `GET /api/file/state?name=`: the SHA-256 of what is on disk, null where nothing is. */
+export interface FileState {
+  hash: string | null;
+}
+
 /**
  * A file by its name in the project, with `/` between folders. A bag may be a folder.
  *
@@ -1680,6 +1685,7 @@ export interface ZonesAnswer {
 export interface Routes {
   "GET /api/project": { asked: null; answered: Project };
   "GET /api/file": { asked: null; answered: FileAnswer };
+  "GET /api/file/state": { asked: null; answered: FileState };
   "PUT /api/file": { asked: SaveRequest; answered: SaveAnswer };
   "PUT /api/project/settings": { asked: SettingsRequest; answered: Project };
   "POST /api/recording": { asked: RecordingRequest; answered: RecordingAnswer };

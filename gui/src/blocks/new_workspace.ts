@@ -3,6 +3,7 @@
 import * as Blockly from "blockly/core";
 import * as english from "blockly/msg/en";
 import type { Statement } from "../api/types";
+import { NARROW } from "../ui/narrow";
 import { addAnotherOnShiftEnter } from "./another";
 import { addBound, addCheck, addRate, addRecord, toggleElse } from "./block_buttons";
 import { type BlockButtons, defineBlocks, type RuleAct } from "./block_types";
@@ -32,19 +33,22 @@ export function newWorkspace(
   };
   defineBlocks(suggestions, buttons);
   addAnotherOnShiftEnter(buttons);
+  const isNarrow = matchMedia(NARROW).matches;
   const workspace = Blockly.inject(host, {
     // A question of the browser's own would have no list to pick from.
     modalInputs: false,
     renderer: "zelos",
     theme: blocklyTheme(host),
     toolbox: toolbox(recipes),
+    // Beside the blocks it would leave them no room.
+    horizontalLayout: isNarrow,
     media: "./media/",
     trashcan: false,
     // A rule is switched off in the text.
     disable: false,
     sounds: false,
     zoom: {
-      controls: true,
+      controls: !isNarrow,
       wheel: false,
       pinch: true,
       startScale: matchMedia("(pointer: coarse)").matches ? SCALE_FOR_FINGERS : SCALE,

@@ -2,10 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 import * as Blockly from "blockly/core";
 import type { Edit, PlacedFinding, RuleDocument, Statement } from "../api/types";
-import type { Layout } from "../state/layout";
-import { DEFAULT_TYPES } from "./actions";
 import { Badges } from "./badges";
 import { type RuleAct, showRawText } from "./block_types";
+import { Column } from "./column";
 import type { Suggestions } from "./fields";
 import { showJoins } from "./joins";
 import type { RuleState } from "./live_states";
@@ -15,11 +14,9 @@ import { closeField, isTyping, openField } from "./open_field";
 import { follow, onPage, type Pages, pageAt } from "./pages";
 import { blocklyTheme } from "./palette";
 import { type ActedOn, actedOn } from "./rule_acts";
-import { editsOf, isTop, newSlot, type Placed, type Slot, saidBy, statementsOf, topsIn } from "./slots";
+import { editsOf, isTop, newSlot, type Placed, type Slot, saidBy, statementOf, statementsOf } from "./slots";
 import { Warnings } from "./warnings";
 
-const GAP = 18;
-const LEFT = 24;
 type PrintOf = (slot: Slot) => string | null;
 type EditsOf = (document: RuleDocument) => Edit[];
 
@@ -34,8 +31,6 @@ export interface WorkspaceOwner {
   ahead(isAhead: boolean): void;
   /** Asks for `show` with what the text says now. */
   showAgain(): void;
-  /** Somebody moved top blocks. */
-  laidOut(layout: Layout): void;
   selected(statement: string | null): void;
   /** How many blocks say nothing that the text could say. */
   leftOut(count: number): void;
@@ -46,8 +41,8 @@ export interface WorkspaceOwner {
 /** The blocks of one rule file, kept in step with its text. */
 export class RuleWorkspace {
   private readonly workspace: Blockly.WorkspaceSvg;
+  private readonly column: Column;
   private slots: Slot[] = [];
-  private moved = new Map<string, readonly [number, number]>();
   private waiting = false;
   /** Changes of blocks that are on their way into the text. */
   private underWay = 0;
@@ -56,7 +51,6 @@ export class RuleWorkspace {
   private placed: readonly Placed[] = [];
   private pages: Pages = { first: 0, count: 0, total: 0 };
   private document: RuleDocument | null = null;
-  private known: Layout = {};
   private readonly warnings = new Warnings();
   private revealed: Blockly.BlockSvg | null = null;
   private readonly badges = new Badges();
@@ -67,6 +61,7 @@ export class RuleWorkspace {
     private readonly owner: WorkspaceOwner,
   ) {
     this.workspace = newWorkspace(host, owner.suggestions, owner.recipes, (block, act) => void this.act(block, act));
+    this.column = new Column(this.workspace);
     this.workspace.addChangeListener((event) => this.listen(event));
   }
 
@@ -75,22 +70,21 @@ export class RuleWorkspace {
    *
    * Does nothing while blocks are ahead of the text; it asks for another call then.
    */
-  show(document: RuleDocument, layout: Layout): void {
+  show(document: RuleDocument): void {
     if (this.isAhead()) return;
-    this.take(document, layout, saidBy);
+    this.take(document, saidBy);
   }
 
   /** Shows a document that changed before what blocks say came into it; blocks that are ahead of it stay. */
-  catchUp(document: RuleDocument, layout: Layout): void {
-    if (document !== this.document) this.take(document, layout, (slot) => slot.print);
+  catchUp(document: RuleDocument): void {
+    if (document !== this.document) this.take(document, (slot) => slot.print);
   }
 
-  private take(document: RuleDocument, layout: Layout, printOf: PrintOf): void {
+  private take(document: RuleDocument, printOf: PrintOf): void {
     const all = statementsOf(document);
     this.document = document;
     this.pages = follow(this.pages, this.placed, all);
     this.placed = all;
-    this.known = layout;
     this.showPage(printOf);
   }
 
@@ -98,6 +92,7 @@ export class RuleWorkspace {
   goTo(index: number): void {
     if (this.isAhead()) return;
     this.pages = pageAt(index, this.placed.length);
+    this.column.restart();
     this.showPage();
     this.workspace.scroll(0, 0);
   }
@@ -114,15 +109,13 @@ export class RuleWorkspace {
         placed.map(({ statement }) => statement),
         printOf,
       );
-      const isSame = reused.length === this.slots.length && this.slots.every(({ block }, at) => block === reused[at]);
       const old = new Set(this.slots.map((slot) => slot.block));
       for (const block of reused) if (block) old.delete(block);
-      const spots = this.freedSpots(old);
       for (const block of old) if (!block.isDisposed()) block.dispose(true);
       this.slots = placed.map(({ statement }, index) => newSlot(reused[index] ?? this.create(statement), statement));
-      if (!isSame) this.arrange(this.known, spots);
       showJoins(this.workspace, this.owner.suggestions);
     });
+    this.column.follow(this.slots.map(({ block }) => block));
     this.mark(this.findings);
     this.showLive(this.states);
     this.owner.paged(this.pages);
@@ -146,7 +139,7 @@ export class RuleWorkspace {
     this.findings = findings;
     const statements = onPage(this.placed, this.pages).map(({ statement }) => statement);
     const missing = new Map<Blockly.BlockSvg, string>();
-    for (const block of topsIn(this.workspace)) {
+    for (const block of this.column.order) {
       const said = block.type === "adirf_raw" ? {} : toStatement(block);
       if ("missing" in said) missing.set(block, `Not in the text yet. ${said.missing}.`);
     }
@@ -163,7 +156,7 @@ export class RuleWorkspace {
     if (block === this.revealed) return;
     this.revealed = block;
     this.workspace.highlightBlock(block?.id ?? null);
-    if (block) this.workspace.scrollBoundsIntoView(block.getBoundingRectangleWithoutChildren(), GAP);
+    if (block) this.column.bringIntoView(block);
   }
 
   /** Shows the block of the statement with this number, and puts the focus on it. */
@@ -173,7 +166,7 @@ export class RuleWorkspace {
     const block = this.slots[index - this.pages.first]?.block;
     if (!block || block.isDisposed()) return;
     Blockly.getFocusManager().focusNode(block);
-    this.workspace.scrollBoundsIntoView(block.getBoundingRectangleWithoutChildren(), GAP);
+    this.column.bringIntoView(block);
   }
 
   /** Does something with a whole rule, once the text says what the blocks say. */
@@ -184,7 +177,6 @@ export class RuleWorkspace {
       const slot = document === this.document ? this.slots.findIndex((each) => each.block === block) : -1;
       done = slot < 0 ? null : actedOn(this.placed, this.pages.first + slot, act);
       if (done === null) return [];
-      if (act === "up" || act === "down") this.moved.delete(block.id);
       return [done.edit];
     });
     if (done !== null) this.goToBlock((done as ActedOn).at);
@@ -202,12 +194,11 @@ export class RuleWorkspace {
     Blockly.getFocusManager().focusTree(this.workspace);
   }
 
-  /** Puts a new block below all others, as dragging it out of the toolbox would. */
+  /** Puts a new block where the text will have it, and opens its first field. */
   add(state: Blockly.serialization.blocks.State): void {
-    const bottom = this.workspace.getBlocksBoundingBox().bottom;
-    const place = { x: LEFT, y: bottom + GAP };
-    const block = Blockly.serialization.blocks.append({ ...state, ...place }, this.workspace) as Blockly.BlockSvg;
-    this.workspace.scrollBoundsIntoView(block.getBoundingRectangle(), GAP);
+    const block = Blockly.serialization.blocks.append(state, this.workspace) as Blockly.BlockSvg;
+    this.column.add(block);
+    this.column.bringIntoView(block);
     openField(
       block
         .getDescendants(true)
@@ -226,7 +217,7 @@ export class RuleWorkspace {
 
   private listen(event: Blockly.Events.Abstract): void {
     if (event.type === Blockly.Events.SELECTED) this.tellSelected();
-    if (event.type === Blockly.Events.BLOCK_MOVE) this.remember(event as Blockly.Events.BlockMove);
+    if (!event.isUiEvent) this.column.layOutSoon();
     if (!event.isUiEvent && !this.waiting) this.settleSoon();
   }
 
@@ -266,14 +257,20 @@ export class RuleWorkspace {
     this.waiting = false;
     this.quietly(() => showJoins(this.workspace, this.owner.suggestions));
     this.mark(this.findings);
-    this.owner.laidOut(this.layout());
-    const handed = topsIn(this.workspace);
+    const handed = this.column.order;
     this.underWay++;
     await this.owner.changed((document) => {
-      if (!this.isInHand()) return editsOf(document, this.pages.first, this.slots, topsIn(this.workspace));
-      // Somebody went on while the edits before these were under way.
-      this.settleSoon();
-      return [];
+      if (this.isInHand()) {
+        // Somebody went on while the edits before these were under way.
+        this.settleSoon();
+        return [];
+      }
+      const edits = editsOf(document, this.pages.first, this.slots, {
+        order: this.column.order,
+        isDropped: (block) => this.column.isDropped(block),
+      });
+      this.column.settle();
+      return edits;
     });
     this.underWay--;
     this.takeBack(handed);
@@ -292,33 +289,9 @@ export class RuleWorkspace {
   }
 
   private tellSelected(): void {
-    let block = Blockly.common.getSelected() as Blockly.BlockSvg | null;
-    while (block instanceof Blockly.BlockSvg && !isTop(block)) block = block.getSurroundParent();
+    const selected = Blockly.common.getSelected();
+    const block = selected instanceof Blockly.BlockSvg ? statementOf(selected) : null;
     this.owner.selected(this.slots.find((slot) => slot.block === block)?.id ?? null);
-  }
-
-  private remember(event: Blockly.Events.BlockMove): void {
-    if (!event.reason?.includes("drag") || !event.blockId) return;
-    const block = this.workspace.getBlockById(event.blockId);
-    if (!block || block.getParent()) this.moved.delete(event.blockId);
-    else {
-      const { x, y } = block.getRelativeToSurfaceXY();
-      this.moved.set(event.blockId, [Math.round(x), Math.round(y)]);
-    }
-  }
-
-  private layout(): Layout {
-    const here = this.slots.filter((slot) => this.moved.has(slot.block.id));
-    const moved = here.map((slot) => [slot.key, this.moved.get(slot.block.id) ?? [0, 0]] as const);
-    return { ...this.elsewhere(), ...Object.fromEntries(moved) };
-  }
-
-  /** Where blocks of other pages stand. */
-  private elsewhere(): Layout {
-    const { first, count } = this.pages;
-    const others = this.placed.filter((_, index) => index < first || index >= first + count);
-    const keys = new Set(others.map(({ statement }) => statement.key));
-    return Object.fromEntries(Object.entries(this.known).filter(([key]) => keys.has(key)));
   }
 
   /** For each statement the block that shows it already. */
@@ -337,40 +310,6 @@ export class RuleWorkspace {
     return block;
   }
 
-  /** Where blocks stood that somebody moved and that now go, so that what replaces them stays there. */
-  private freedSpots(blocks: Iterable<Blockly.BlockSvg>): (readonly [number, number])[] {
-    const spots: (readonly [number, number])[] = [];
-    for (const block of blocks) {
-      const spot = this.moved.get(block.id);
-      if (spot && !block.isDisposed()) spots.push(spot);
-      this.moved.delete(block.id);
-    }
-    return spots;
-  }
-
-  private arrange(layout: Layout, spots: (readonly [number, number])[]): void {
-    let y = GAP;
-    let above: Blockly.BlockSvg | null = null;
-    for (const slot of this.slots) {
-      if (slot.block.isDisposed() || !isTop(slot.block)) continue;
-      const place = this.moved.get(slot.block.id) ?? layout[slot.key] ?? spots.shift();
-      slot.block.previousConnection?.disconnect();
-      if (place) {
-        this.moved.set(slot.block.id, place);
-        slot.block.moveTo(new Blockly.utils.Coordinate(place[0], place[1]));
-        above = DEFAULT_TYPES.has(slot.block.type) ? slot.block : null;
-        continue;
-      }
-      const { previousConnection } = slot.block;
-      if (above?.nextConnection && previousConnection) above.nextConnection.connect(previousConnection);
-      else slot.block.moveTo(new Blockly.utils.Coordinate(LEFT, y));
-      // A block has no size and no place before it is drawn.
-      Blockly.renderManagement.triggerQueuedRenders(this.workspace);
-      y = Math.max(y, bottomOf(slot.block) + GAP);
-      above = DEFAULT_TYPES.has(slot.block.type) ? slot.block : null;
-    }
-  }
-
   private quietly(work: () => void): void {
     Blockly.Events.disable();
     try {
@@ -379,8 +318,4 @@ export class RuleWorkspace {
       Blockly.Events.enable();
     }
   }
-}
-
-function bottomOf(block: Blockly.BlockSvg): number {
-  return block.getBoundingRectangle().bottom;
 }

@@ -43,12 +43,20 @@ export function newSlot(block: Blockly.BlockSvg, statement: Statement): Slot {
   };
 }
 
+/** The statements that blocks stand for, and where those are. */
+export interface Standing {
+  /** All blocks that are statements of their own, or could become some, in the order of the canvas. */
+  readonly order: readonly Blockly.BlockSvg[];
+  /** Whether somebody dragged a block to its place. */
+  isDropped(block: Blockly.BlockSvg): boolean;
+}
+
 /** The edits, one after the other, that bring the text to what the blocks say; as `nextEdit` for each. */
-export function editsOf(document: RuleDocument, first: number, slots: Slot[], tops: Blockly.BlockSvg[]): Edit[] {
+export function editsOf(document: RuleDocument, first: number, slots: Slot[], standing: Standing): Edit[] {
   const edits: Edit[] = [];
   let collections = document.collections;
   for (;;) {
-    const edit = nextEdit(collections, first, slots, tops);
+    const edit = nextEdit(collections, first, slots, standing);
     if (edit === null) return edits;
     edits.push(edit);
     collections = edited(collections, edit);
@@ -61,12 +69,7 @@ export function editsOf(document: RuleDocument, first: number, slots: Slot[], to
  *
  * `first` is the number of the first slot's statement. `slots` is in the order of the text and is changed as if the edit were done.
  */
-function nextEdit(
-  collections: PlacedCollection[],
-  first: number,
-  slots: Slot[],
-  tops: Blockly.BlockSvg[],
-): Edit | null {
+function nextEdit(collections: PlacedCollection[], first: number, slots: Slot[], standing: Standing): Edit | null {
   const places = placedIn(collections).slice(first, first + slots.length);
   const isKnown = slots.every((slot, index) => slot.print === printAt(places, index));
   if (places.length !== slots.length || !isKnown) return null;
@@ -76,8 +79,8 @@ function nextEdit(
   return (
     nextDelete(slots) ??
     nextReplace(slots) ??
-    nextInsert(collections[0], places, slots, tops) ??
-    nextMove(places, slots, tops)
+    nextInsert(collections[0], places, slots, standing) ??
+    nextMove(places, slots, standing)
   );
 }
 
@@ -116,14 +119,13 @@ function nextInsert(
   fallback: PlacedCollection | undefined,
   places: Placed[],
   slots: Slot[],
-  tops: Blockly.BlockSvg[],
+  { order }: Standing,
 ): Edit | null {
-  const known = new Set<Blockly.Block>(slots.map((slot) => slot.block));
-  for (const block of tops) {
-    if (known.has(block)) continue;
+  for (const block of order) {
+    if (slotOf(slots, block) >= 0) continue;
     const statement = toStatement(block);
     if ("missing" in statement) continue;
-    const at = insertionIndex(slots, block);
+    const at = slotAbove(slots, order, block) + 1;
     const target = collectionAt(places, at, fallback);
     if (target === null) continue;
     slots.splice(at, 0, newSlot(block, statement));
@@ -132,14 +134,14 @@ function nextInsert(
   return null;
 }
 
-/** After the block above it; else defaults and floors before the first rule, rules at the end. */
-function insertionIndex(slots: Slot[], block: Blockly.Block): number {
-  const above = slots.findIndex((slot) => slot.block === block.getPreviousBlock());
-  if (above >= 0) return above + 1;
-  const below = slots.findIndex((slot) => slot.block === block.getNextBlock());
-  if (below >= 0) return below;
-  const rule = slots.findIndex((slot) => slot.block.type === "adirf_rule");
-  return block.type === "adirf_rule" || rule < 0 ? slots.length : rule;
+function slotOf(slots: readonly Slot[], block: Blockly.Block): number {
+  return slots.findIndex((slot) => slot.block === block);
+}
+
+/** The slot of the nearest block above that is in the text; -1 where there is none. */
+function slotAbove(slots: readonly Slot[], order: readonly Blockly.BlockSvg[], block: Blockly.BlockSvg): number {
+  const above = order.slice(0, order.indexOf(block)).findLast((each) => slotOf(slots, each) >= 0);
+  return above ? slotOf(slots, above) : -1;
 }
 
 function collectionAt(
@@ -154,17 +156,19 @@ function collectionAt(
   return fallback ? { id: fallback.id, index: 0 } : null;
 }
 
-function nextMove(places: Placed[], slots: Slot[], tops: Blockly.BlockSvg[]): Edit | null {
-  for (const block of tops) {
-    const above = slots.findIndex((slot) => slot.block === block.getPreviousBlock());
-    const here = slots.findIndex((slot) => slot.block === block);
-    const target = places[above];
-    if (above < 0 || here < 0 || here > above || !target) continue;
+function nextMove(places: Placed[], slots: Slot[], { order, isDropped }: Standing): Edit | null {
+  for (const block of order.filter(isDropped)) {
+    const here = slotOf(slots, block);
+    const above = slotAbove(slots, order, block);
+    if (here < 0 || above === here - 1) continue;
     const [slot] = slots.splice(here, 1);
-    if (!slot) continue;
-    slots.splice(above, 0, slot);
-    const same = places[here]?.collection === target.collection;
-    return { kind: "move", id: slot.id, collection: target.collection.id, index: target.index + (same ? 0 : 1) };
+    const target = places[Math.max(above, 0)];
+    if (!slot || !target) continue;
+    const isDown = here < above;
+    slots.splice(isDown ? above : above + 1, 0, slot);
+    const isOut = isDown && places[here]?.collection === target.collection;
+    const index = target.index + (above < 0 || isOut ? 0 : 1);
+    return { kind: "move", id: slot.id, collection: target.collection.id, index };
   }
   return null;
 }
@@ -174,15 +178,10 @@ export function isTop(block: Blockly.Block): boolean {
   return block.getSurroundParent() === null;
 }
 
-/** All blocks that are statements of their own, or could become some. */
-export function topsIn(workspace: Blockly.WorkspaceSvg): Blockly.BlockSvg[] {
-  return workspace.getTopBlocks(true).flatMap((top) => {
-    const chain: Blockly.BlockSvg[] = [];
-    for (let block: Blockly.BlockSvg | null = top; block; block = block.getNextBlock()) {
-      if (!block.isInsertionMarker()) chain.push(block);
-    }
-    return chain;
-  });
+/** The statement that a block belongs to, which may be itself. */
+export function statementOf(block: Blockly.BlockSvg): Blockly.BlockSvg {
+  const around = block.getSurroundParent();
+  return around ? statementOf(around) : block;
 }
 
 /** What the block of a slot says now, null where that is nothing that a text could say. */

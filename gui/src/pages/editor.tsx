@@ -30,6 +30,7 @@ import { showOnNarrow } from "../ui/narrow";
 import { Notice } from "../ui/notice";
 import { RestoredNotice } from "../ui/restored_notice";
 import { useRobot } from "../ui/robot_state";
+import { DiskNotice, NeedsServer, useDiskLooks, useReturn } from "../ui/server_gone";
 import { Splitter } from "../ui/splitter";
 import { type Choice, Tabs } from "../ui/tabs";
 import { Toast } from "../ui/toast";
@@ -69,6 +70,8 @@ export function EditorPage({ api, project, name, robot: node, line, editors, ref
   const [state, setState] = useState<"opening" | "open" | { problem: string }>("opening");
   useEffect(() => void open(editor, setState), []);
   useUndoKeys(editor);
+  useDiskLooks(editor, state === "open");
+  useReturn(() => state === "open" && editor.revive());
   const results = useRef<HTMLElement>(null);
   const openTool = (next: Tool) => {
     tool.value = next;
@@ -98,6 +101,7 @@ export function EditorPage({ api, project, name, robot: node, line, editors, ref
           }}
         />
         <RestoredNotice file={editor} />
+        <DiskNotice file={editor} />
       </div>
       <main class="panes">
         <div class="split">
@@ -122,13 +126,23 @@ export function EditorPage({ api, project, name, robot: node, line, editors, ref
           <h2 class="visually-hidden">Results</h2>
           <div class="dock-bar">
             <Tabs label="Results" choices={useChoices(editor).value} chosen={tool} />
-            <ProfileChoice {...{ editor, api, project }} />
+            <NeedsServer>
+              <ProfileChoice {...{ editor, api, project }} />
+            </NeedsServer>
             <FullScreenButton full={full} part="results" what="results" />
           </div>
           <div class="dock-body" role="tabpanel" aria-label={tool.value}>
             {tool.value === "findings" && <FindingsPanel {...{ editor, repair }} />}
-            {tool.value === "optimize" && <OptimizePanel {...{ editor, api, project, repair, wantsRates }} />}
-            {tool.value === "robot" && <RobotPanel {...{ editor, ...robot }} />}
+            {tool.value === "optimize" && (
+              <NeedsServer>
+                <OptimizePanel {...{ editor, api, project, repair, wantsRates }} />
+              </NeedsServer>
+            )}
+            {tool.value === "robot" && (
+              <NeedsServer>
+                <RobotPanel {...{ editor, ...robot }} />
+              </NeedsServer>
+            )}
             {tool.value === "try" && <TryPanel {...{ editor, api, project }} work={tries} />}
           </div>
         </section>
@@ -198,7 +212,7 @@ function useChoices(editor: RuleEditor) {
 
 function selfSaving(editor: RuleEditor): SelfSaving {
   const { isInFile, conflict, restored } = editor;
-  const content = computed(() => JSON.stringify([editor.text.value, editor.layout.value, editor.map.value]));
+  const content = computed(() => JSON.stringify([editor.text.value, editor.map.value]));
   const [isSound, save] = [() => editor.isSound(), () => editor.save(true)];
   return { content, isSaved: isInFile, conflict, restored, isSound, save };
 }

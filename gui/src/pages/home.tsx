@@ -13,6 +13,7 @@ import { useDroppedFile } from "../ui/dropped_file";
 import { FileProblem, fileText } from "../ui/file_text";
 import { Notice } from "../ui/notice";
 import { RobotState } from "../ui/robot_state";
+import { NeedsServer } from "../ui/server_gone";
 import type { PageProps } from "./page_props";
 
 const EMPTY_RULES = "begin\nend\n";
@@ -62,11 +63,13 @@ export function HomePage({ api, project, refresh, editors }: PageProps) {
       {hasFiles && <FileLists {...{ project, editors }} />}
       {hasFiles && <SavesByItself {...{ api, project }} onSet={refresh} onRefused={setRefused} />}
       <nav class="cards" aria-label="Start">
-        <Card
-          title="Create New Project"
-          text="Build rules from blocks, check them, try them on a recording."
-          act={() => setCreating("")}
-        />
+        <NeedsServer>
+          <Card
+            title="Create New Project"
+            text="Build rules from blocks, check them, try them on a recording."
+            act={() => setCreating("")}
+          />
+        </NeedsServer>
         <Card
           title="Configure Topic Parameters"
           text="Message sizes, the six quality levels and the bandwidth of the link."
@@ -88,17 +91,19 @@ export function HomePage({ api, project, refresh, editors }: PageProps) {
           act={() => toRoute({ page: "help", name: "" })}
         />
       </nav>
-      <section class="recipes" aria-label="Recipes">
-        <h2>Start from a recipe</h2>
-        <div class="row">
-          {RECIPES.map(({ title }) => (
-            <button key={title} type="button" onClick={() => setCreating(title)}>
-              {title}
-            </button>
-          ))}
-        </div>
-      </section>
-      <RecordingList project={project} onStart={setBag} />
+      <NeedsServer>
+        <section class="recipes" aria-label="Recipes">
+          <h2>Start from a recipe</h2>
+          <div class="row">
+            {RECIPES.map(({ title }) => (
+              <button key={title} type="button" onClick={() => setCreating(title)}>
+                {title}
+              </button>
+            ))}
+          </div>
+        </section>
+        <RecordingList project={project} onStart={setBag} />
+      </NeedsServer>
       {!hasFiles && <FileLists {...{ project, editors }} />}
       <footer class="quiet">
         {project.root_name} · SmartTestudo {project.version} · {project.ros ? "ROS 2 found" : "works without ROS 2"}

@@ -13,6 +13,7 @@ import { ConflictDialog } from "../ui/conflict_dialog";
 import { Header } from "../ui/header";
 import { Notice } from "../ui/notice";
 import { RestoredNotice } from "../ui/restored_notice";
+import { DiskNotice, NeedsServer, useDiskLooks, useReturn } from "../ui/server_gone";
 import { Toast } from "../ui/toast";
 import { useUndoKeys } from "../ui/undo_keys";
 import type { PageProps } from "./page_props";
@@ -32,6 +33,8 @@ export function TopicsPage({ api, project, name, rules, refresh, editors }: Page
     }
   };
   useEffect(() => void guarded(() => editor.open(project.files).then(() => setOpen(true))), []);
+  useDiskLooks(editor, isOpen);
+  useReturn(() => guarded(() => editor.lookAtDisk()));
   const canSave = () => !editor.isSaved.peek() && editor.problems.peek().length === 0;
   const save = () =>
     guarded(async () => {
@@ -64,19 +67,22 @@ export function TopicsPage({ api, project, name, rules, refresh, editors }: Page
         <button type="button" disabled={!editor.history.canRedo.value} onClick={() => editor.redo()}>
           Redo
         </button>
-        {bags.length > 0 && <MeasureChoice bags={bags} measure={(bag) => guarded(() => editor.measure(bag))} />}
-        <MeasureRobot measure={(seconds) => guarded(() => editor.measureLive(seconds))} />
-        <button
-          type="button"
-          class="primary"
-          disabled={isSaved || editor.problems.value.length > 0}
-          onClick={() => void save()}
-        >
-          Save
-        </button>
+        <NeedsServer>
+          {bags.length > 0 && <MeasureChoice bags={bags} measure={(bag) => guarded(() => editor.measure(bag))} />}
+          <MeasureRobot measure={(seconds) => guarded(() => editor.measureLive(seconds))} />
+          <button
+            type="button"
+            class="primary"
+            disabled={isSaved || editor.problems.value.length > 0}
+            onClick={() => void save()}
+          >
+            Save
+          </button>
+        </NeedsServer>
       </Header>
       <main class="topics">
         <RestoredNotice file={editor} />
+        <DiskNotice file={editor} />
         {problem && <Notice kind="error" text={problem} />}
         {isOpen && rules !== undefined && <RulesTopics {...{ api, editors, editor, rules }} />}
         {isOpen && <TopicTable editor={editor} />}

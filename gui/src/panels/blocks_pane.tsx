@@ -10,6 +10,8 @@ import { NEW_RATE, NEW_RULE } from "../blocks/toolbox";
 import type { RobotRules } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
 import type { Trial } from "../state/trial";
+import { useRobot } from "../ui/robot_state";
+import { NeedsServer } from "../ui/server_gone";
 import { watchSize, watchTheme } from "../ui/watch";
 import { PageChoice } from "./page_choice";
 import { RuleSearch } from "./rule_search";
@@ -22,10 +24,11 @@ export function BlocksPane(props: { editor: RuleEditor; robotRules: RobotRules; 
   const pages = useSignal<Pages>({ first: 0, count: 0, total: 0 });
   useEffect(() => {
     if (!host.current) return;
-    const opened = openWorkspace(host.current, { editor, robotRules, tried, pages });
+    const opened = openWorkspace(host.current, { editor, robotRules, tried, pages, isServerGone });
     workspace.current = opened.workspace;
     return opened.close;
   }, []);
+  const { isServerGone } = useRobot();
   const isBehind = !editor.document.value.parses && editor.shown.value?.text !== editor.text.value;
   const isReadOnly = editor.isBroken.value || editor.shown.value === null;
   const errors = editor.errors.value.length;
@@ -34,22 +37,24 @@ export function BlocksPane(props: { editor: RuleEditor; robotRules: RobotRules; 
     <section class={isBehind ? "pane blocks behind" : "pane blocks"} aria-label="Blocks">
       <div class="pane-bar">
         <h2>Blocks</h2>
-        <button
-          type="button"
-          class="small"
-          disabled={isReadOnly}
-          onClick={() => workspace.current?.add(toBlock(NEW_RATE))}
-        >
-          New rate
-        </button>
-        <button
-          type="button"
-          class="small"
-          disabled={isReadOnly}
-          onClick={() => workspace.current?.add(toBlock(NEW_RULE))}
-        >
-          New rule
-        </button>
+        <NeedsServer>
+          <button
+            type="button"
+            class="small"
+            disabled={isReadOnly}
+            onClick={() => workspace.current?.add(toBlock(NEW_RATE))}
+          >
+            New rate
+          </button>
+          <button
+            type="button"
+            class="small"
+            disabled={isReadOnly}
+            onClick={() => workspace.current?.add(toBlock(NEW_RULE))}
+          >
+            New rule
+          </button>
+        </NeedsServer>
         <RuleSearch editor={editor} robotRules={robotRules} onGo={(index) => workspace.current?.goToBlock(index)} />
         <PageChoice pages={pages.value} onGo={(index) => workspace.current?.goTo(index)} />
         {isBehind && (
@@ -74,15 +79,16 @@ interface Shown {
   robotRules: RobotRules;
   tried: ReadonlySignal<Trial | null>;
   pages: Signal<Pages>;
+  isServerGone: ReadonlySignal<boolean>;
 }
 
 function openWorkspace(
   host: HTMLElement,
-  { editor, robotRules, tried, pages }: Shown,
+  { editor, robotRules, tried, pages, isServerGone }: Shown,
 ): { workspace: RuleWorkspace; close: () => void } {
   const show = () => {
     const shown = editor.shown.peek();
-    if (shown) workspace.show(shown.document, editor.layout.peek());
+    if (shown) workspace.show(shown.document);
   };
   const workspace = new RuleWorkspace(host, {
     recipes: editor.recipes,
@@ -94,7 +100,7 @@ function openWorkspace(
     }),
     changed: (editsOf) =>
       editor.edit((document) => {
-        if (document === editor.shown.peek()?.document) workspace.catchUp(document, editor.layout.peek());
+        if (document === editor.shown.peek()?.document) workspace.catchUp(document);
         return editsOf(document);
       }),
     leftOut: (count) => (editor.blocksLeftOut = count),
@@ -105,7 +111,6 @@ function openWorkspace(
     paged: (shown) => {
       if (!isSamePage(shown, pages.peek())) pages.value = shown;
     },
-    laidOut: (layout) => editor.moveBlocks(layout),
     selected: (id) => {
       const { offset, end_offset } = editor.statement(id) ?? {};
       if (offset !== undefined && end_offset !== undefined) editor.spot.value = { offset, end_offset, from: "blocks" };
@@ -119,7 +124,7 @@ function openWorkspace(
     }),
     effect(() => workspace.mark(editor.findings.value)),
     effect(() => workspace.showLive(robotRules.states.value)),
-    effect(() => workspace.setReadOnly(editor.isBroken.value || editor.shown.value === null)),
+    effect(() => workspace.setReadOnly(editor.isBroken.value || editor.shown.value === null || isServerGone.value)),
     effect(() => {
       const spot = editor.spot.value;
       const isElsewhere = spot !== null && spot.from !== "blocks";

@@ -8,6 +8,7 @@ import type { RuleEditor } from "../state/rule_editor";
 import type { RulePush } from "../state/rule_push";
 import { Header } from "../ui/header";
 import { useRobot } from "../ui/robot_state";
+import { NeedsServer } from "../ui/server_gone";
 
 interface Props {
   editor: RuleEditor;
@@ -34,13 +35,15 @@ export function EditorBar({ editor, api, project, savesByItself, rulePush, robot
         <button type="button" disabled={!history.canRedo.value} onClick={() => editor.redo()}>
           Redo
         </button>
-        <button type="button" onClick={() => void editor.format()}>
-          Format
-        </button>
-        <button type="button" class={look("save")} disabled={editor.isSaved.value} onClick={() => void editor.save()}>
-          Save
-        </button>
-        <ShareButtons {...{ editor, api, project }} />
+        <NeedsServer>
+          <button type="button" onClick={() => void editor.format()}>
+            Format
+          </button>
+          <button type="button" class={look("save")} disabled={editor.isSaved.value} onClick={() => void editor.save()}>
+            Save
+          </button>
+          <ShareButtons {...{ editor, api, project }} />
+        </NeedsServer>
       </div>
       <div class="tool-group" role="group" aria-label="Try">
         <button type="button" onClick={() => onTool("try")}>
@@ -48,19 +51,21 @@ export function EditorBar({ editor, api, project, savesByItself, rulePush, robot
         </button>
       </div>
       <div class="tool-group" role="group" aria-label="Ship">
-        <button
-          type="button"
-          class={look("send")}
-          onClick={() => {
-            onTool("robot");
-            void rulePush.ask();
-          }}
-        >
-          Send to robot
-        </button>
-        <button type="button" class={look("download")} onClick={onDownload}>
-          Optimize and Download
-        </button>
+        <NeedsServer>
+          <button
+            type="button"
+            class={look("send")}
+            onClick={() => {
+              onTool("robot");
+              void rulePush.ask();
+            }}
+          >
+            Send to robot
+          </button>
+          <button type="button" class={look("download")} onClick={onDownload}>
+            Optimize and Download
+          </button>
+        </NeedsServer>
       </div>
     </Header>
   );

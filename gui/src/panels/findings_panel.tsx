@@ -6,6 +6,9 @@ import { href } from "../route";
 import { statementTitle } from "../sharing/statement_title";
 import type { ProfileRepair } from "../state/profile_repair";
 import type { RuleEditor } from "../state/rule_editor";
+import { useRobot } from "../ui/robot_state";
+import { NeedsServer } from "../ui/server_gone";
+import { clock } from "../ui/times";
 import { ProfileChangeNotice } from "./profile_change_notice";
 import { ownProfile } from "./profile_choice";
 
@@ -25,6 +28,7 @@ const OF_TOPIC_PARAMETERS: ReadonlySet<string> = new Set([
 /** Everything the checker says, each with the way there and the fix. */
 export function FindingsPanel({ editor, repair }: { editor: RuleEditor; repair: ProfileRepair }) {
   const findings = editor.findings.value;
+  const isGone = useRobot().isServerGone.value;
   const [limit, setLimit] = useState(SHOWN);
   const hidden = findings.length - limit;
   return (
@@ -33,7 +37,12 @@ export function FindingsPanel({ editor, repair }: { editor: RuleEditor; repair: 
         {findings.length === 0 ? "No findings" : `${findings.length} findings`}
       </p>
       <ProfileChangeNotice repair={repair} />
-      {findings.length === 0 && <p class="quiet">No findings: the rules can be used as they are.</p>}
+      {isGone && (
+        <p class="quiet">
+          As of {clock(editor.checkedMs.value)}: what changed since is checked when the server is back.
+        </p>
+      )}
+      {findings.length === 0 && !isGone && <p class="quiet">No findings: the rules can be used as they are.</p>}
       <ul class="findings" aria-label="Findings">
         {findings.slice(0, limit).map((finding) => (
           <FindingRow key={`${finding.offset} ${finding.code} ${finding.message}`} {...{ editor, repair, finding }} />
@@ -88,21 +97,23 @@ function FindingRow(props: { editor: RuleEditor; repair: ProfileRepair; finding:
           )}
         </span>
       )}
-      {fix && (
-        <button type="button" class="small fix" onClick={() => void editor.fix(finding)}>
-          {fix.title}
-        </button>
-      )}
-      {profile_fix && profile !== undefined && (
-        <button
-          type="button"
-          class="small fix"
-          title={`Changes ${profile_fix.key} in ${profile}`}
-          onClick={() => void repair.mend(profile_fix).catch((error: unknown) => editor.tell(error))}
-        >
-          {profile_fix.title}, in {profile}
-        </button>
-      )}
+      <NeedsServer>
+        {fix && (
+          <button type="button" class="small fix" onClick={() => void editor.fix(finding)}>
+            {fix.title}
+          </button>
+        )}
+        {profile_fix && profile !== undefined && (
+          <button
+            type="button"
+            class="small fix"
+            title={`Changes ${profile_fix.key} in ${profile}`}
+            onClick={() => void repair.mend(profile_fix).catch((error: unknown) => editor.tell(error))}
+          >
+            {profile_fix.title}, in {profile}
+          </button>
+        )}
+      </NeedsServer>
       {(OF_TOPIC_PARAMETERS.has(finding.code) || (profile_fix && profile === undefined)) && (
         <a href={href({ page: "topics", name: profile ?? ownProfile(editor.name), rules: editor.name })}>
           Topic parameters

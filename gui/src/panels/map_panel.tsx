@@ -11,6 +11,7 @@ import type { Extent } from "../map/shapes";
 import type { MapFloor } from "../state/map_floor";
 import type { RuleEditor } from "../state/rule_editor";
 import { DRAFT, type ZoneEditor } from "../state/zone_editor";
+import { NeedsServer } from "../ui/server_gone";
 import { FloorNotes } from "./floor_bar";
 import { ChosenZoneForm, DraftForm } from "./zone_forms";
 import { ZoneList } from "./zone_list";
@@ -54,10 +55,12 @@ export function MapPanel({ editor, zones, floor }: { editor: RuleEditor; zones: 
             opened?.setTool(tool.value);
           }}
         />
-        <Tools {...{ zones, tool }} />
+        <NeedsServer>
+          <Tools {...{ zones, tool }} />
+        </NeedsServer>
       </div>
       <div class="map-strip" key={zones.draft.value ? DRAFT : "chosen"}>
-        {zones.draft.value ? <DraftForm zones={zones} /> : <ChosenZoneForm zones={zones} />}
+        <NeedsServer>{zones.draft.value ? <DraftForm zones={zones} /> : <ChosenZoneForm zones={zones} />}</NeedsServer>
         <ZoneList zones={zones} />
       </div>
     </section>

@@ -58,7 +58,7 @@ export function RecordingStart({ api, project, refresh, bag, onClose }: Props & 
       const sizes = wanted("sizes") ? await api.measureProfile(bag) : null;
       await api.save(name, wanted("defaults") ? found.rules_text : "begin\nend\n", null);
       if (sizes !== null) await api.save(ownProfile(name), sizes.text, null);
-      if (wanted("path")) await writeLayout(api, layoutName(name), { layout: {}, map: { ...PLAIN_GRID, bag } }, null);
+      if (wanted("path")) await writeLayout(api, layoutName(name), { ...PLAIN_GRID, bag }, null);
       await refresh();
       toRoute({ page: "rules", name });
     });

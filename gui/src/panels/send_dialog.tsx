@@ -13,7 +13,7 @@ export function SendDialog({ rulePush }: { rulePush: RulePush }) {
   if (preview.same) {
     return (
       <FormDialog title={`Send to ${node}`} submit="Close" isNotice onSubmit={close} onClose={close}>
-        <p>The robot already has these rules. Block positions and text layout are not sent.</p>
+        <p>The robot already has these rules. Comments and layout of the text are not sent.</p>
       </FormDialog>
     );
   }

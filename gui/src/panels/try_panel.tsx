@@ -7,6 +7,7 @@ import type { BagWork } from "../state/bag_work";
 import type { RuleEditor } from "../state/rule_editor";
 import { Trial } from "../state/trial";
 import { TryResult } from "../try/try_result";
+import { NeedsServer } from "../ui/server_gone";
 import { WorkProgress } from "../ui/work_progress";
 
 /** What the rules would have done to a recording. */
@@ -43,9 +44,11 @@ export function TryPanel(props: { editor: RuleEditor; api: Api; project: Project
           </select>
         </label>
         {state.kind !== "running" && (
-          <button type="button" class="primary" onClick={() => void run()}>
-            Run the rules on it
-          </button>
+          <NeedsServer>
+            <button type="button" class="primary" onClick={() => void run()}>
+              Run the rules on it
+            </button>
+          </NeedsServer>
         )}
         <WorkProgress work={work} doing={`Replaying ${bag}`} />
       </div>

@@ -6,6 +6,7 @@ import { type Api, ApiError } from "../api/client";
 import type { RuleVersion, VersionsAnswer } from "../api/types";
 import type { RuleEditor } from "../state/rule_editor";
 import { DifferenceWords } from "../ui/difference_words";
+import { NeedsServer } from "../ui/server_gone";
 import { TextComparison } from "../ui/text_comparison";
 import { moment } from "../ui/times";
 
@@ -40,7 +41,11 @@ export function VersionsPane({ editor, api }: { editor: RuleEditor; api: Api }) 
     guarded(async () => {
       const text = await textOf(id);
       compared.value = null;
-      await editor.bringBack(text);
+      // What was not saved is a version, too.
+      if (!editor.isTextSaved.value) await editor.save();
+      if (!editor.isTextSaved.value) return;
+      await editor.setText(text);
+      await editor.save();
     });
   if (list.value === null) return <p class="quiet versions-pane">{problem.value || "Reading the versions …"}</p>;
   const { versions, most, folder } = list.value;
@@ -60,17 +65,19 @@ export function VersionsPane({ editor, api }: { editor: RuleEditor; api: Api }) 
               {version.by_itself && <span class="quiet">saved by itself</span>}
               {index === 0 && <span class="quiet">the newest</span>}
               <span class="version-tools">
-                <button
-                  type="button"
-                  class="small"
-                  aria-expanded={compared.value?.id === version.id}
-                  onClick={() => void compare(version.id)}
-                >
-                  Compare
-                </button>
-                <button type="button" class="small" onClick={() => void bringBack(version.id)}>
-                  Bring back
-                </button>
+                <NeedsServer>
+                  <button
+                    type="button"
+                    class="small"
+                    aria-expanded={compared.value?.id === version.id}
+                    onClick={() => void compare(version.id)}
+                  >
+                    Compare
+                  </button>
+                  <button type="button" class="small" onClick={() => void bringBack(version.id)}>
+                    Bring back
+                  </button>
+                </NeedsServer>
               </span>
             </div>
             <Changes version={version} isOldest={index === versions.length - 1} />

@@ -16,10 +16,16 @@ export interface OnDisk {
   hash: string;
 }
 
+export type DiskChange = "changed" | "gone";
+
 /** An open file that can meet a conflict; each way out fails with an ApiError and then changes nothing. */
 export interface Contested {
   readonly name: string;
   readonly conflict: Signal<Conflict | null>;
+  /** What happened to the file on disk since it was read or saved here. */
+  readonly diskChange: Signal<DiskChange | null>;
+  /** Looks whether somebody else changed the file; where nothing is unsaved here, what is on disk is taken. */
+  lookAtDisk(): Promise<void>;
   /** Takes what is on disk; undo brings the own text back. */
   readAgain(): Promise<void>;
   /** What was restored, until it is saved or dropped. */
@@ -50,6 +56,13 @@ export async function saveOver(
   const onDisk = await readIfThere(api, name);
   // The same text, as after a save whose answer got lost, is saved.
   return onDisk?.text === text ? onDisk : conflictWith(text, onDisk);
+}
+
+/** What happened to a file that had this hash. */
+export async function diskChangeOf(api: Api, name: string, hash: string | null): Promise<DiskChange | null> {
+  const now = (await api.fileState(name)).hash;
+  if (hash === now) return null;
+  return now === null ? "gone" : "changed";
 }
 
 /** An own text beside what is on disk. */

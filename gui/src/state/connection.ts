@@ -3,7 +3,7 @@
 import type { RobotSummary, Robots } from "../api/types";
 
 /** The server tells of robots every two seconds; what is so old is no longer trusted. */
-const TOLD_WITHIN_S = 8;
+export const TOLD_WITHIN_S = 8;
 
 /** Whether the server's web socket is open, and speaks what this page understands. */
 export type ServerState =

@@ -3,9 +3,6 @@
 import { type Api, ApiError } from "../api/client";
 import { saveOver } from "./conflict";
 
-/** Where blocks that somebody moved stand, by statement key; the rule file knows nothing of it. */
-export type Layout = Readonly<Record<string, readonly [x: number, y: number]>>;
-
 /**
  * What zones are drawn on: a map or image, and the path of a recording.
  *
@@ -33,50 +30,38 @@ export const PLAIN_GRID: MapSetting = {
   bag: null,
 };
 
-/** All that the side file holds. */
-export interface SideFile {
-  layout: Layout;
-  map: MapSetting;
-}
-
 /** `folder/rules.adirf` → `folder/.rules.adirf.layout.json`. */
 export function layoutName(name: string): string {
   const cut = name.lastIndexOf("/") + 1;
   return `${name.slice(0, cut)}.${name.slice(cut)}.layout.json`;
 }
 
-/** The saved side file; an unreadable one is empty, for it holds nothing but looks. */
-export async function readLayout(api: Api, name: string): Promise<SideFile & { hash: string | null }> {
+/** The map of the saved side file; an unreadable one is the plain grid, for it holds nothing but looks. */
+export async function readLayout(api: Api, name: string): Promise<{ map: MapSetting; hash: string | null }> {
   try {
     const { text, hash } = await api.read(layoutName(name));
-    return { ...sideFileOf(text), hash };
+    return { map: sideFileOf(text).map, hash };
   } catch (error) {
-    if (error instanceof ApiError) return { layout: {}, map: PLAIN_GRID, hash: null };
+    if (error instanceof ApiError) return { map: PLAIN_GRID, hash: null };
     throw error;
   }
 }
 
 /** Writes the side file and returns its hash; over what somebody else wrote there too, for it holds nothing but looks. */
-export async function writeLayout(api: Api, side: string, file: SideFile, hash: string | null): Promise<string> {
-  const text = `${JSON.stringify({ blocks: file.layout, map: file.map }, null, 1)}\n`;
+export async function writeLayout(api: Api, side: string, map: MapSetting, hash: string | null): Promise<string> {
+  const text = `${JSON.stringify({ map }, null, 1)}\n`;
   const done = await saveOver(api, side, text, hash);
   return "mine" in done ? (await api.save(side, text, done.hash)).hash : done.hash;
 }
 
-/** Whether there is nothing to keep in a side file. */
-export function isPlain({ layout, map }: SideFile): boolean {
-  return Object.keys(layout).length === 0 && map === PLAIN_GRID;
-}
-
 /** What a side file says, and the rules that a draft has beside it; what cannot be read is left out. */
-export function sideFileOf(json: string): SideFile & { text?: string } {
+export function sideFileOf(json: string): { map: MapSetting; text?: string } {
   try {
-    const { blocks, map, text } = JSON.parse(json) as { blocks?: unknown; map?: unknown; text?: unknown };
-    const entries = Object.entries(blocks ?? {}).filter(([, place]) => isPlace(place));
-    const side = { layout: Object.fromEntries(entries) as Layout, map: { ...PLAIN_GRID, ...likePlainGrid(map ?? {}) } };
+    const { map, text } = JSON.parse(json) as { map?: unknown; text?: unknown };
+    const side = { map: { ...PLAIN_GRID, ...likePlainGrid(map ?? {}) } };
     return typeof text === "string" ? { ...side, text } : side;
   } catch {
-    return { layout: {}, map: PLAIN_GRID };
+    return { map: PLAIN_GRID };
   }
 }
 
@@ -90,8 +75,4 @@ function likePlainGrid(map: object): Partial<MapSetting> {
     return typeof value === typeof usual && (typeof value !== "number" || Number.isFinite(value));
   });
   return Object.fromEntries(entries) as Partial<MapSetting>;
-}
-
-function isPlace(place: unknown): boolean {
-  return Array.isArray(place) && place.length === 2 && place.every((number) => Number.isFinite(number));
 }

@@ -5,7 +5,15 @@ import { type Api, ApiError } from "../api/client";
 import type { FoundFile, ProfileRow, ProfileTable } from "../api/types";
 import { numberProblem, typedNumber } from "../ui/numbers";
 import { type Accuracies, accuraciesOf, areAccuracies, sixOf } from "./accuracies";
-import { type Conflict, type Contested, conflictWith, readIfThere, saveOver } from "./conflict";
+import {
+  type Conflict,
+  type Contested,
+  conflictWith,
+  type DiskChange,
+  diskChangeOf,
+  readIfThere,
+  saveOver,
+} from "./conflict";
 import { type Draft, type Drafts, NO_ROOM, type Restored } from "./drafts";
 import { History } from "./history";
 import { type TypedRow, withPasted } from "./pasted_table";
@@ -37,6 +45,7 @@ export class ProfileEditor implements Contested {
   readonly message = signal("");
   readonly conflict = signal<Conflict | null>(null);
   readonly restored = signal<Restored | null>(null);
+  readonly diskChange = signal<DiskChange | null>(null);
   readonly isSaved = signal(true);
   /** Whether no file of this name was there yet. */
   readonly isNew = signal(false);
@@ -52,6 +61,7 @@ export class ProfileEditor implements Contested {
   private hash: string | null = null;
   private nextKey = 0;
   private isOpen = false;
+  private isSaving = false;
 
   constructor(
     private readonly api: Api,
@@ -136,9 +146,22 @@ export class ProfileEditor implements Contested {
     const { text, hash } = await this.api.read(this.name);
     await this.take({ text });
     this.hash = hash;
-    this.conflict.value = null;
+    this.conflict.value = this.diskChange.value = null;
     this.isSaved.value = true;
     this.message.value = `Read ${this.name} again`;
+  }
+
+  async lookAtDisk(): Promise<void> {
+    const { hash } = this;
+    if (!this.isOpen || this.isSaving || this.conflict.value !== null) return;
+    const change = await diskChangeOf(this.api, this.name, hash);
+    // Somebody saved it here meanwhile.
+    if (hash !== this.hash || this.isSaving) return;
+    if (change !== "changed" || !this.isSaved.value) this.diskChange.value = change;
+    else {
+      await this.readAgain();
+      this.message.value = `${this.name} was changed on disk and is read again. Undo brings back what was here`;
+    }
   }
 
   async saveAs(name: string): Promise<void> {
@@ -149,6 +172,15 @@ export class ProfileEditor implements Contested {
   }
 
   private async saveOver(baseHash: string | null): Promise<void> {
+    this.isSaving = true;
+    try {
+      await this.saveNow(baseHash);
+    } finally {
+      this.isSaving = false;
+    }
+  }
+
+  private async saveNow(baseHash: string | null): Promise<void> {
     const asked = this.snapshot();
     const { text } = await this.api.writeProfile(this.name, this.table(), this.baseText);
     const done = await saveOver(this.api, this.name, text, baseHash);
@@ -156,6 +188,7 @@ export class ProfileEditor implements Contested {
     if ("mine" in done) return;
     const isWhole = asked === this.snapshot();
     this.hash = done.hash;
+    this.diskChange.value = null;
     this.isNew.value = false;
     this.baseText = text;
     // What was typed meanwhile is not in the file.

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { batch, computed, signal } from "@preact/signals";
+import { batch, computed, effect, signal } from "@preact/signals";
 import { LiveSocket } from "../api/live";
 import { type Live, PROTOCOL_VERSION, type Push, type Robots } from "../api/types";
-import { connectionOf, type ServerState } from "./connection";
+import { connectionOf, type ServerState, TOLD_WITHIN_S } from "./connection";
 import { RateRings, RING_LENGTH } from "./rate_rings";
 
 /** How often a robot's values can be asked for; the second is usual. */
@@ -36,6 +36,16 @@ export class RobotLink {
   readonly connection = computed(() =>
     connectionOf(this.server.value, this.robots.value, this.node.value, this.sinceToldS.value),
   );
+  /** Whether the server ended, cannot be reached, or says nothing any more. */
+  readonly isServerGone = computed(
+    () =>
+      this.server.value.kind === "lost" ||
+      (this.server.value.kind === "open" && this.robots.value !== null && this.sinceToldS.value > TOLD_WITHIN_S),
+  );
+  /** Since when the server is gone, in ms since 1970; null while it is there. */
+  readonly goneSinceMs = signal<number | null>(null);
+  /** How often the server came back. */
+  readonly returns = signal(0);
   private readonly newest = signal<Live | null>(null);
   readonly updateHz = signal(Number(localStorage.getItem(RATE_KEY)) || USUAL_HZ);
   private readonly choice = signal<string | null>(localStorage.getItem(NODE_KEY));
@@ -49,6 +59,7 @@ export class RobotLink {
   open(): void {
     this.socket.open();
     window.setInterval(() => (this.nowMs.value = performance.now()), TICK_MS);
+    effect(() => this.noteServer(this.isServerGone.value));
   }
 
   choose(node: string): void {
@@ -87,6 +98,11 @@ export class RobotLink {
       this.robots.value = null;
       this.forget(null);
     });
+  }
+
+  private noteServer(isGone: boolean): void {
+    if (!isGone && this.goneSinceMs.peek() !== null) this.returns.value = this.returns.peek() + 1;
+    this.goneSinceMs.value = isGone ? Date.now() : null;
   }
 
   private greet(version: string, protocol: number): void {

@@ -4,19 +4,19 @@ import { batch, computed, effect, signal } from "@preact/signals";
 import { type Api, ApiError, type Rules } from "../api/client";
 import type { Edit, PlacedFinding, Repair, RuleDocument, Statement, Vocabulary } from "../api/types";
 import { recipeRules } from "../recipes/recipe_rules";
-import { type Conflict, type Contested, conflictWith, readIfThere, saveOver } from "./conflict";
+import {
+  type Conflict,
+  type Contested,
+  conflictWith,
+  type DiskChange,
+  diskChangeOf,
+  type OnDisk,
+  readIfThere,
+  saveOver,
+} from "./conflict";
 import { type Draft, type Drafts, NO_ROOM, type Restored } from "./drafts";
 import { History } from "./history";
-import {
-  isPlain,
-  type Layout,
-  layoutName,
-  type MapSetting,
-  PLAIN_GRID,
-  readLayout,
-  sideFileOf,
-  writeLayout,
-} from "./layout";
+import { layoutName, type MapSetting, PLAIN_GRID, readLayout, sideFileOf, writeLayout } from "./layout";
 import { Words } from "./words";
 
 const CHECK_AFTER_MS = 150;
@@ -44,24 +44,22 @@ export class RuleEditor implements Contested {
   readonly message = signal<string>("");
   readonly conflict = signal<Conflict | null>(null);
   readonly restored = signal<Restored | null>(null);
-  readonly layout = signal<Layout>({});
+  readonly diskChange = signal<DiskChange | null>(null);
+  /** When the server read the text last, in ms since 1970. */
+  readonly checkedMs = signal(0);
   /** What zones are drawn on. */
   readonly map = signal<MapSetting>(PLAIN_GRID);
   readonly history = new History();
-  private readonly saved = signal<{ text: string; hash: string | null; layout: Layout; map: MapSetting }>({
+  private readonly saved = signal<{ text: string; hash: string | null; map: MapSetting }>({
     text: "",
     hash: null,
-    layout: {},
     map: PLAIN_GRID,
   });
   /** Whether blocks say something that is not in the text yet. */
   readonly blocksAhead = signal(false);
-  /** Whether the file holds the text, the layout and the map. */
+  /** Whether the file holds the text, and its side file the map. */
   readonly isInFile = computed(
-    () =>
-      this.text.value === this.saved.value.text &&
-      this.layout.value === this.saved.value.layout &&
-      this.map.value === this.saved.value.map,
+    () => this.text.value === this.saved.value.text && this.map.value === this.saved.value.map,
   );
   /** Whether the file holds all that the page shows. */
   readonly isSaved = computed(() => this.isInFile.value && !this.blocksAhead.value);
@@ -113,16 +111,18 @@ export class RuleEditor implements Contested {
   /** Reads the file, its side file if the project has one, and what was not saved of them. */
   async open(): Promise<void> {
     const draft = await this.drafts.takeOver("rules", this.name);
-    const reading = [this.readFor(draft), this.api.project(), recipeRules(this.api)] as const;
-    const [file, { files }, recipes] = await Promise.all(reading);
+    // What was not saved of a file that is gone can still be saved.
+    const onDisk = draft ? readIfThere(this.api, this.name) : this.api.read(this.name);
+    const reading = [onDisk, this.api.project(), recipeRules(this.api)] as const;
+    const [found, { files }, recipes] = await Promise.all(reading);
+    const file = found ?? { text: "", hash: null };
     this.recipes = recipes;
     const hasLayout = files.some((each) => each.name === layoutName(this.name));
-    const side = hasLayout ? await readLayout(this.api, this.name) : { layout: {}, map: PLAIN_GRID, hash: null };
+    const side = hasLayout ? await readLayout(this.api, this.name) : { map: PLAIN_GRID, hash: null };
     this.layoutHash = side.hash;
     batch(() => {
-      this.layout.value = side.layout;
       this.map.value = side.map;
-      this.saved.value = { text: file.text, hash: file.hash, layout: side.layout, map: side.map };
+      this.saved.value = { text: file.text, hash: file.hash, map: side.map };
       this.text.value = file.text;
       this.history.clear();
       if (draft !== null) this.restore(draft);
@@ -134,11 +134,6 @@ export class RuleEditor implements Contested {
     await this.check();
   }
 
-  /** What is on disk; what was not saved of a file that is gone can still be saved. */
-  private async readFor(draft: Draft | null): Promise<{ text: string; hash: string | null }> {
-    return draft ? ((await readIfThere(this.api, this.name)) ?? { text: "", hash: null }) : this.api.read(this.name);
-  }
-
   /** Goes on with what was not saved; where the file is another one by now, a save meets that. */
   private restore({ content, hash, changedMs }: Draft): void {
     const mine = sideFileOf(content);
@@ -146,20 +141,19 @@ export class RuleEditor implements Contested {
     const { saved } = this;
     this.history.push(saved.value.text);
     this.text.value = mine.text;
-    if (JSON.stringify(mine.layout) !== JSON.stringify(saved.value.layout)) this.layout.value = mine.layout;
     if (JSON.stringify(mine.map) !== JSON.stringify(saved.value.map)) this.map.value = mine.map;
     this.restored.value = { changedMs, isContested: hash !== saved.value.hash };
     saved.value = { ...saved.value, hash };
   }
 
   private keepDraft(): void {
-    const [text, blocks, map, { hash }] = [this.text.value, this.layout.value, this.map.value, this.saved.value];
+    const [text, map, { hash }] = [this.text.value, this.map.value, this.saved.value];
     if (this.isInFile.value) {
       this.drafts.drop("rules", this.name);
       this.restored.value = null;
       return;
     }
-    const content = JSON.stringify({ text, blocks, map });
+    const content = JSON.stringify({ text, map });
     if (!this.drafts.keep("rules", this.name, { content, hash, changedMs: Date.now() })) this.message.value = NO_ROOM;
   }
 
@@ -169,10 +163,7 @@ export class RuleEditor implements Contested {
 
   async dropRestored(): Promise<void> {
     await this.readAgain();
-    batch(() => {
-      this.layout.value = this.saved.value.layout;
-      this.map.value = this.saved.value.map;
-    });
+    this.map.value = this.saved.value.map;
   }
 
   async useProfile(name: string | null): Promise<void> {
@@ -226,10 +217,7 @@ export class RuleEditor implements Contested {
   }
 
   async format(): Promise<void> {
-    await this.inTurn(async () => {
-      const { text } = await this.api.format(this.rules);
-      await this.setText(text);
-    });
+    await this.inTurn(async () => this.setText((await this.api.format(this.rules)).text));
   }
 
   async setText(text: string): Promise<void> {
@@ -242,16 +230,8 @@ export class RuleEditor implements Contested {
   async save(byItself = false): Promise<void> {
     const isWhole = (await this.handOver?.(!byItself)) ?? true;
     await this.inTurn(() => this.saveOver(this.saved.value.hash, byItself));
-    if (!isWhole && !byItself && this.isInFile.value)
-      this.message.value = `Saved ${this.name} without what is being typed`;
-  }
-
-  /** Goes back to an older text and saves that; what was not saved is saved before, so that it is a version, too. */
-  async bringBack(text: string): Promise<void> {
-    if (!this.isTextSaved.value) await this.save();
-    if (!this.isTextSaved.value) return;
-    await this.setText(text);
-    await this.save();
+    if (isWhole || byItself || !this.isInFile.value) return;
+    this.message.value = `Saved ${this.name} without what is being typed`;
   }
 
   async saveAnyway(): Promise<void> {
@@ -260,36 +240,58 @@ export class RuleEditor implements Contested {
   }
 
   async readAgain(): Promise<void> {
-    const { text, hash } = await this.api.read(this.name);
+    await this.take(await this.api.read(this.name), `Read ${this.name} again`);
+  }
+
+  private async take({ text, hash }: OnDisk, message: string): Promise<void> {
     this.history.push(this.text.value);
     batch(() => {
-      this.conflict.value = null;
+      this.conflict.value = this.diskChange.value = null;
       this.saved.value = { ...this.saved.value, text, hash };
       this.text.value = text;
     });
-    this.message.value = `Read ${this.name} again`;
+    this.message.value = message;
     await this.check();
   }
 
+  lookAtDisk(): Promise<void> {
+    return this.inTurn(async () => {
+      if (this.conflict.value !== null) return;
+      const change = await diskChangeOf(this.api, this.name, this.saved.value.hash);
+      if (change === "changed" && this.isSaved.value) {
+        const message = `${this.name} was changed on disk and is read again. Undo brings back what was here`;
+        await this.take(await this.api.read(this.name), message);
+      } else this.diskChange.value = change;
+    });
+  }
+
+  /** Asks the server for everything again, as after it was gone. */
+  async revive(): Promise<void> {
+    await this.lookAtDisk();
+    this.read = null;
+    await this.inTurn(() => this.useProfile(this.wantedProfile));
+  }
+
   async saveAs(name: string): Promise<void> {
-    const [text, layout, map] = [this.text.value, this.layout.value, this.map.value];
+    const [text, map] = [this.text.value, this.map.value];
     await this.api.save(name, text, null);
-    if (!isPlain({ layout, map })) await writeLayout(this.api, layoutName(name), { layout, map }, null);
+    if (map !== PLAIN_GRID) await writeLayout(this.api, layoutName(name), map, null);
     this.conflict.value = null;
     // All that is here is in the new file.
-    this.saved.value = { text, hash: null, layout, map };
+    this.saved.value = { text, hash: null, map };
   }
 
   private async saveOver(baseHash: string | null, byItself = false): Promise<void> {
-    const [text, layout, map] = [this.text.value, this.layout.value, this.map.value];
+    const [text, map] = [this.text.value, this.map.value];
     const done = await saveOver(this.api, this.name, text, baseHash, byItself);
     this.conflict.value = "mine" in done ? done : null;
     if ("mine" in done) return;
+    this.diskChange.value = null;
     this.saved.value = { ...this.saved.value, text, hash: done.hash };
-    if (layout !== this.saved.value.layout || map !== this.saved.value.map) {
-      this.layoutHash = await writeLayout(this.api, layoutName(this.name), { layout, map }, this.layoutHash);
+    if (map !== this.saved.value.map) {
+      this.layoutHash = await writeLayout(this.api, layoutName(this.name), map, this.layoutHash);
     }
-    this.saved.value = { ...this.saved.value, layout, map };
+    this.saved.value = { ...this.saved.value, map };
     if (done.note) this.message.value = `Saved ${this.name}, but no version is kept of it: ${done.note}`;
     else if (!byItself) this.message.value = `Saved ${this.name}${this.withoutBlocks()}`;
   }
@@ -302,11 +304,6 @@ export class RuleEditor implements Contested {
   /** The statement that a place of the text belongs to. */
   statementAt(offset: number): Statement | undefined {
     return this.statements.value.find((each) => (each.offset ?? 0) <= offset && offset <= (each.end_offset ?? 0));
-  }
-
-  /** Remembers where blocks stand. */
-  moveBlocks(layout: Layout): void {
-    if (JSON.stringify(layout) !== JSON.stringify(this.layout.value)) this.layout.value = layout;
   }
 
   private goTo(text: string | null): void {
@@ -382,6 +379,7 @@ export class RuleEditor implements Contested {
   private accept(document: RuleDocument, text: string): void {
     this.document.value = document;
     this.read = text;
+    this.checkedMs.value = Date.now();
     if (document.parses || this.shown.value === null) this.shown.value = { document, text };
   }
 

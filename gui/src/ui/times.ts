@@ -8,6 +8,11 @@ export function moment(ms: number): string {
   return new Date(ms).toLocaleString("en-GB", MOMENT);
 }
 
+/** A time since 1970 as hour and minute where the reader is. */
+export function clock(ms: number): string {
+  return new Date(ms).toLocaleTimeString("en-GB", { timeStyle: "short" });
+}
+
 /** How long ago something was, in the words of a list: `just now`, `5 minutes ago`, `yesterday`, `3 Mar 2026`. */
 export function ago(ms: number, nowMs: number): string {
   const minutes = Math.floor((nowMs - ms) / 60_000);

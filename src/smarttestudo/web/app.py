@@ -130,6 +130,7 @@ def api_routes(
 def _project_routes(files: ProjectFiles) -> Iterator[ApiRoute]:
     yield telling("/api/project", files.project)
     yield telling("/api/file", files.read, query="name")
+    yield telling("/api/file/state", files.state, query="name")
     yield answering("/api/file", SaveRequest, files.save, method="PUT")
     yield answering("/api/project/settings", SettingsRequest, files.set, method="PUT")
 

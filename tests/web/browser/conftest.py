@@ -37,7 +37,9 @@ def options() -> tuple[str, ...]:
 def ruler(browser: Browser, project: Path, options: tuple[str, ...]) -> Iterator[RulerPage]:
     """The Ruler on its home screen. Afterwards: no console error, and no request to anybody else."""
     with served(project, options=options) as url:
-        context = browser.new_context(viewport={"width": 1440, "height": 900}, accept_downloads=True)
+        context = browser.new_context(
+            viewport={"width": 1440, "height": 900}, accept_downloads=True, reduced_motion="reduce"
+        )
         page = RulerPage(context.new_page(), url)
         page.home()
         yield page

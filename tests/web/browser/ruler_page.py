@@ -147,6 +147,8 @@ class RulerPage:
         self.page.mouse.down()
         x, y = box["x"] + GRIP_PX + right_px, box["y"] + box["height"] + GRIP_PX + below_px
         self.page.mouse.move(x, y, steps=12)
+        # What a place on the way made room for closes first.
+        self.page.mouse.move(x + 1, y)
         self.page.mouse.up()
 
     def save(self) -> None:

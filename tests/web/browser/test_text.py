@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Locator, Route, expect
+from playwright.sync_api import Route, expect
 
 from web.browser.ruler_page import EXAMPLES, RulerPage
 
@@ -105,21 +105,6 @@ def _replace_in_text(ruler: RulerPage, old: str, new: str) -> None:
     ruler.page.keyboard.type(new)
 
 
-def test_a_dragged_block_changes_the_layout_file_and_not_the_rules(ruler: RulerPage, project: Path) -> None:
-    before = (project / "warehouse.adirf").read_bytes()
-    ruler.open("warehouse.adirf")
-    block = ruler.field("Edit topic to send: /joint_states")
-    _drag(ruler, block, 400, 40)
-    expect(ruler.button("Undo")).to_be_disabled()
-    ruler.save()
-    assert (project / "warehouse.adirf").read_bytes() == before
-    assert '"blocks"' in (project / ".warehouse.adirf.layout.json").read_text()
-    place = block.bounding_box()
-    ruler.home()
-    ruler.open("warehouse.adirf")
-    assert ruler.field("Edit topic to send: /joint_states").bounding_box() == pytest.approx(place, abs=2)
-
-
 def test_blocks_that_go_together_are_one_request_and_one_step_back(ruler: RulerPage, project: Path) -> None:
     rules = "begin\n    SetFrequency /a 1\n    SetFrequency /b 2\n    SetFrequency /c 3\nend\n"
     (project / "stack.adirf").write_text(rules)
@@ -139,17 +124,6 @@ def test_blocks_that_go_together_are_one_request_and_one_step_back(ruler: RulerP
     expect(ruler.text).to_contain_text("SetFrequency /c 3")
     ruler.save()
     assert (project / "stack.adirf").read_text() == rules
-
-
-def _drag(ruler: RulerPage, handle: Locator, right_px: float, down_px: float) -> None:
-    handle.hover()
-    box = handle.bounding_box()
-    assert box is not None
-    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
-    mouse = ruler.page.mouse
-    mouse.down()
-    mouse.move(x + right_px, y + down_px, steps=10)
-    mouse.up()
 
 
 @pytest.mark.parametrize(("typed", "value"), [("3,5", "3.5"), ("−2", "-2")])

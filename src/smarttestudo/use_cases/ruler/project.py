@@ -11,7 +11,13 @@ from importlib.util import find_spec
 from msgspec import Struct
 
 from smarttestudo import __version__
-from smarttestudo.adapters.files.project_folder import FileKind, FileText, FoundFile, ProjectFolder
+from smarttestudo.adapters.files.project_folder import (
+    FileKind,
+    FileText,
+    FoundFile,
+    MissingFileError,
+    ProjectFolder,
+)
 from smarttestudo.adapters.files.project_settings import SettingsFile
 from smarttestudo.adapters.files.version_store import VersionStore
 from smarttestudo.domain.errors import TestudoError
@@ -47,6 +53,12 @@ class FileAnswer(Struct, frozen=True, kw_only=True):
     name: str
     text: str
     hash: str
+
+
+class FileState(Struct, frozen=True, kw_only=True):
+    """``GET /api/file/state?name=``: the SHA-256 of what is on disk, null where nothing is."""
+
+    hash: str | None
 
 
 class SaveRequest(Struct, frozen=True, kw_only=True):
@@ -110,6 +122,13 @@ class ProjectFiles:
         """One text file."""
         found = self._folder.read(name)
         return FileAnswer(name=name, text=found.text, hash=found.sha256)
+
+    def state(self, name: str) -> FileState:
+        """What tells whether a file that is open was changed by somebody else."""
+        try:
+            return FileState(hash=self._folder.read(name).sha256)
+        except MissingFileError:
+            return FileState(hash=None)
 
     def save(self, request: SaveRequest) -> SaveAnswer:
         """Write one text file; of a rule file, what was and what is there are kept as versions."""

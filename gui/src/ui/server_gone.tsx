@@ -1,0 +1,91 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import { useSignalEffect } from "@preact/signals";
+import type { ComponentChildren } from "preact";
+import { useEffect } from "preact/hooks";
+import { ApiError } from "../api/client";
+import type { Contested } from "../state/conflict";
+import { Notice } from "./notice";
+import { useRobot } from "./robot_state";
+import { clock } from "./times";
+
+const LOOK_MS = 4000;
+/** Why something cannot be pressed. */
+export const NEEDS_SERVER = "This needs the Ruler's server, which does not answer now";
+
+/** Says on every page that the server is gone, and what still works, until it is back. */
+export function ServerGone() {
+  const link = useRobot();
+  const since = link.goneSinceMs.value;
+  useSignalEffect(() => {
+    document.body.classList.toggle("server-gone", link.goneSinceMs.value !== null);
+  });
+  if (link.server.value.kind === "other") {
+    const reload = { label: "Reload", act: () => location.reload() };
+    return <Notice kind="warning" text="The server is another version: this page does not fit it." action={reload} />;
+  }
+  if (since === null) return null;
+  return (
+    <div class="notice error server-notice" role="alert">
+      <span>
+        <strong>The Ruler's server has not answered since {clock(since)}.</strong> You can go on typing in the text and
+        in tables; it is kept in this browser. Blocks, checks, saving, tries and robots wait. Is{" "}
+        <code>testudo ruler</code> still running in its terminal? Once it is, this page goes on by itself.
+      </span>
+    </div>
+  );
+}
+
+/** What can be pressed only while the server answers. */
+export function NeedsServer({ children }: { children: ComponentChildren }) {
+  const isGone = useRobot().isServerGone.value;
+  return (
+    <fieldset class="needs-server" disabled={isGone} title={isGone ? NEEDS_SERVER : undefined}>
+      {children}
+    </fieldset>
+  );
+}
+
+/** Does something each time that the server comes back. */
+export function useReturn(act: () => unknown): void {
+  const { returns } = useRobot();
+  const count = returns.value;
+  useEffect(() => {
+    if (count > 0) void act();
+  }, [count]);
+}
+
+/** Looks at an open file on disk every few seconds while the page is seen, and when somebody comes back to it. */
+export function useDiskLooks(file: Contested, isOpen: boolean): void {
+  const link = useRobot();
+  useEffect(() => {
+    if (!isOpen) return;
+    const look = () => {
+      if (!document.hidden && !link.isServerGone.peek()) void looked(file);
+    };
+    const timer = setInterval(look, LOOK_MS);
+    addEventListener("focus", look);
+    return () => {
+      clearInterval(timer);
+      removeEventListener("focus", look);
+    };
+  }, [file, isOpen]);
+}
+
+async function looked(file: Contested): Promise<void> {
+  try {
+    await file.lookAtDisk();
+  } catch (error) {
+    // The next look says it, or the server is gone.
+    if (!(error instanceof ApiError)) throw error;
+  }
+}
+
+/** Says that somebody else changed a file of which something here is not saved. */
+export function DiskNotice({ file }: { file: Contested }) {
+  const change = file.diskChange.value;
+  if (change === null) return null;
+  if (change === "gone") return <Notice kind="warning" text={`${file.name} is no longer on disk: a save writes it.`} />;
+  const text = `Somebody else changed ${file.name} on disk; what you changed here is not saved.`;
+  return <Notice kind="warning" text={text} action={{ label: "Compare", act: () => file.compare() }} />;
+}
