@@ -188,22 +188,6 @@ export function defineBlocks(suggest: Suggestions, buttons: BlockButtons): void 
         this.setElse(state.hasElse === true);
         this.switchOff(state.isOff === true);
       },
-      customContextMenu(this: RuleBlock, options: { text?: unknown }[]) {
-        if (this.isInFlyout) return;
-        const own = options.findIndex(({ text }) => text === Blockly.Msg.DUPLICATE_BLOCK);
-        if (own >= 0) options.splice(own, 1);
-        const choice = (text: string, act: RuleAct) => ({
-          text,
-          enabled: true,
-          callback: () => buttons.act(this, act),
-        });
-        options.unshift(
-          choice(this.isSwitchedOff() ? SWITCH_ON : SWITCH_OFF, "switch"),
-          choice("Duplicate this rule", "duplicate"),
-          choice("Move this rule up", "up"),
-          choice("Move this rule down", "down"),
-        );
-      },
     },
   );
 

@@ -4,6 +4,8 @@ import * as Blockly from "blockly/core";
 import type { Operator, TimeWord } from "../api/types";
 import { type ClockState, type TimePart, timeFields, timesOn } from "./conditions";
 import { button, choiceField, MINUS, numberField, operatorField, timeUnitField } from "./fields";
+import { openField } from "./open_field";
+import { type Choice, openMenu } from "./open_menu";
 
 const TIME_WORDS: [string, TimeWord][] = [
   ["for", "For"],
@@ -25,26 +27,16 @@ export const CLOCK_METHODS = {
     showUntil(this, hasUntil);
     showTimes(this, times);
   },
-  customContextMenu(this: Blockly.BlockSvg, options: object[]) {
-    if (!this.isInFlyout) options.unshift(...choices(this));
-  },
 };
-
-interface Choice {
-  text: string;
-  enabled: boolean;
-  callback: () => void;
-}
 
 /** Lets somebody choose the time to give to a condition, in a menu below the clock on its block. */
 export function chooseTime(block: Blockly.BlockSvg, clock: Blockly.FieldImage): void {
   if (block.isInFlyout) return;
-  const box = clock.getSvgRoot()?.getBoundingClientRect();
-  const place = new Blockly.utils.Coordinate(box?.left ?? 0, box?.bottom ?? 0);
-  Blockly.ContextMenu.show(new Event("click"), choices(block), false, block.workspace, place);
+  openMenu(timeChoices(block), block.workspace, clock.getSvgRoot()?.getBoundingClientRect());
 }
 
-function choices(block: Blockly.BlockSvg): Choice[] {
+/** The times that a condition can have, and the end of a check. */
+export function timeChoices(block: Blockly.BlockSvg): Choice[] {
   const enabled = timesOn(block).length < MOST_TIMES;
   const all = [
     { text: "for so long…", enabled, callback: () => addTime(block, "For") },
@@ -57,7 +49,7 @@ function choices(block: Blockly.BlockSvg): Choice[] {
 function addTime(block: Blockly.BlockSvg, word: TimeWord): void {
   const times = timesOn(block);
   change(block, () => setTimes(block, [...times, { word, duration: NEW_TIME }]));
-  focus(block, `LENGTH${times.length}`);
+  openField(block.getField(`LENGTH${times.length}`));
 }
 
 function addUntil(block: Blockly.BlockSvg): void {
@@ -66,7 +58,7 @@ function addUntil(block: Blockly.BlockSvg): void {
     block.setFieldValue(OPPOSITE[block.getFieldValue("OP") as Operator], "UNTIL_OP");
     block.setFieldValue(block.getFieldValue("VALUE"), "UNTIL_VALUE");
   });
-  focus(block, "UNTIL_VALUE");
+  openField(block.getField("UNTIL_VALUE"));
 }
 
 function setTimes(block: Blockly.BlockSvg, times: readonly TimePart[]): void {

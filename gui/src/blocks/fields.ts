@@ -3,6 +3,7 @@
 import * as Blockly from "blockly/core";
 import type { DurationUnit, Operator } from "../api/types";
 import type { PickerChoice } from "../ui/picker_matches";
+import { ChoiceField } from "./choice_field";
 import { NumberField } from "./number_field";
 import { oneWord, SuggestionField } from "./suggestion_field";
 import { TextField } from "./text_field";
@@ -101,7 +102,7 @@ export function timeUnitField(label: string): Blockly.FieldDropdown {
 
 /** A list to choose from; `label` is what a screen reader says before the choice. */
 export function choiceField(choices: [string, string][], label?: string): Blockly.FieldDropdown {
-  const field = new Blockly.FieldDropdown(choices);
+  const field = new ChoiceField(choices);
   if (label !== undefined) field.setAriaTypeName(label);
   return field;
 }

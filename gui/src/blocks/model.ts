@@ -45,7 +45,7 @@ function statementBlock(statement: Statement): State {
 
 /** The statement that a block says, or why it says none yet. */
 export function toStatement(block: Blockly.Block): Statement | { missing: string } {
-  const comments = block.getCommentText()?.split("\n") ?? null;
+  const comments = block.getCommentText()?.trim() ? (block.getCommentText()?.split("\n") ?? null) : null;
   const text = (name: string) => String(block.getFieldValue(name));
   switch (block.type) {
     case "adirf_set":

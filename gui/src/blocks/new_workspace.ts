@@ -8,6 +8,8 @@ import { addAnotherOnShiftEnter } from "./another";
 import { addBound, addCheck, addRate, addRecord, toggleElse } from "./block_buttons";
 import { type BlockButtons, defineBlocks, type RuleAct } from "./block_types";
 import type { Suggestions } from "./fields";
+import { type MenuPage, useOwnMenus } from "./menus";
+import { useOwnKeys } from "./own_keys";
 import { blocklyTheme } from "./palette";
 import { toolbox } from "./toolbox";
 
@@ -20,6 +22,7 @@ export function newWorkspace(
   suggestions: Suggestions,
   recipes: readonly Statement[],
   act: (block: Blockly.BlockSvg, act: RuleAct) => void,
+  page: MenuPage,
 ): Blockly.WorkspaceSvg {
   Blockly.setLocale(english as unknown as Record<string, string>);
   const buttons: BlockButtons = {
@@ -57,6 +60,8 @@ export function newWorkspace(
     },
     move: { scrollbars: true, drag: true, wheel: true },
   });
+  useOwnMenus(workspace, buttons, page);
+  useOwnKeys(host);
   // The text keeps what is undone.
   workspace.MAX_UNDO = 0;
   keepFocus(host);

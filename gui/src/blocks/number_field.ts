@@ -33,7 +33,7 @@ export class NumberField extends Blockly.FieldNumber {
 
   protected override onHtmlInputKeyDown_(event: KeyboardEvent): void {
     const input = this.htmlInput_;
-    if (takeKey(this, event, input !== null && numberProblem(input.value) !== "")) return;
+    if (takeKey(this, event, input !== null && this.problem(input.value) !== "")) return;
     super.onHtmlInputKeyDown_(event);
   }
 
@@ -43,9 +43,15 @@ export class NumberField extends Blockly.FieldNumber {
     super.widgetDispose_();
   }
 
-  /** Says below the field why its text is no number. */
+  /** Why a text is not taken; empty if it is. */
+  private problem(text: string): string {
+    const least = this.getMin();
+    return numberProblem(text) || (typedNumber(text) < least ? `${text.trim()} is less than ${least}` : "");
+  }
+
+  /** Says below the field why its text is not taken. */
   private say(input: HTMLInputElement): void {
-    const note = numberProblem(input.value);
+    const note = this.problem(input.value);
     if (note === "" && this.popup === null) return;
     this.popup ??= new PickerPopup(input, this.label, () => undefined);
     this.popup.show([], -1, { note, isProblem: true });

@@ -22,10 +22,11 @@ export function takeKey(field: Blockly.Field, event: KeyboardEvent, isRefused: b
 }
 
 /** Closes an open field and opens the next one of the rule, or the one before; at the end it only closes. */
-function openNext(field: Blockly.Field, isBackwards: boolean): void {
+export function openNext(field: Blockly.Field, isBackwards: boolean): void {
   const fields = typedFields(field.getSourceBlock()?.getRootBlock() ?? null);
   const next = fields[fields.indexOf(field) + (isBackwards ? -1 : 1)];
   Blockly.WidgetDiv.hideIfOwner(field);
+  Blockly.DropDownDiv.hideIfOwner(field, true);
   openField(next ?? null);
 }
 
@@ -57,8 +58,13 @@ function openInput(): HTMLInputElement | null {
   return Blockly.WidgetDiv.getDiv()?.querySelector("input") ?? null;
 }
 
-/** The fields of a block and of those in it that somebody types into, in the order in which they are read. */
+/** Whether somebody types into a field. */
+export function isTyped(field: object | null): field is Blockly.FieldTextInput | Blockly.FieldNumber {
+  return [Blockly.FieldTextInput, Blockly.FieldNumber].some((type) => field instanceof type);
+}
+
+/** The fields of a block and of those in it that somebody types into or chooses in, in the order in which they are read. */
 function typedFields(block: Blockly.Block | null): Blockly.Field[] {
   const all = block?.getDescendants(true).flatMap(({ inputList }) => inputList.flatMap(({ fieldRow }) => fieldRow));
-  return (all ?? []).filter((field) => field instanceof Blockly.FieldTextInput || field instanceof Blockly.FieldNumber);
+  return (all ?? []).filter((field) => isTyped(field) || field instanceof Blockly.FieldDropdown);
 }

@@ -8,6 +8,7 @@ import { Column } from "./column";
 import type { Suggestions } from "./fields";
 import { showJoins } from "./joins";
 import type { RuleState } from "./live_states";
+import type { MenuPage } from "./menus";
 import { fingerprint, toBlock, toStatement } from "./model";
 import { newWorkspace } from "./new_workspace";
 import { closeField, isTyping, openField } from "./open_field";
@@ -15,6 +16,7 @@ import { follow, onPage, type Pages, pageAt } from "./pages";
 import { blocklyTheme } from "./palette";
 import { type ActedOn, actedOn } from "./rule_acts";
 import { editsOf, isTop, newSlot, type Placed, type Slot, saidBy, statementOf, statementsOf } from "./slots";
+import { NEW_RATE, NEW_RULE } from "./toolbox";
 import { Warnings } from "./warnings";
 
 type PrintOf = (slot: Slot) => string | null;
@@ -23,6 +25,8 @@ type EditsOf = (document: RuleDocument) => Edit[];
 /** What the workspace tells and asks. */
 export interface WorkspaceOwner {
   suggestions: Suggestions;
+  /** What the menus on blocks do with the page. */
+  menus: Omit<MenuPage, "newRate" | "newRule">;
   /** Rules to take from the list of blocks. */
   recipes: readonly Statement[];
   /** Blocks say something else than the text: `editsOf` it bring it there. */
@@ -60,7 +64,12 @@ export class RuleWorkspace {
     private readonly host: HTMLElement,
     private readonly owner: WorkspaceOwner,
   ) {
-    this.workspace = newWorkspace(host, owner.suggestions, owner.recipes, (block, act) => void this.act(block, act));
+    const act = (block: Blockly.BlockSvg, what: RuleAct) => void this.act(block, what);
+    this.workspace = newWorkspace(host, owner.suggestions, owner.recipes, act, {
+      ...owner.menus,
+      newRate: () => this.add(toBlock(NEW_RATE)),
+      newRule: () => this.add(toBlock(NEW_RULE)),
+    });
     this.column = new Column(this.workspace);
     this.workspace.addChangeListener((event) => this.listen(event));
   }

@@ -92,6 +92,12 @@ function openWorkspace(
   };
   const workspace = new RuleWorkspace(host, {
     recipes: editor.recipes,
+    menus: {
+      undo: () => editor.undo(),
+      redo: () => editor.redo(),
+      canUndo: () => editor.history.canUndo.peek(),
+      canRedo: () => editor.history.canRedo.peek(),
+    },
     suggestions: suggestionsOf({
       vocabulary: editor.vocabulary,
       profile: editor.profile,

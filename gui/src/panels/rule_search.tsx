@@ -143,9 +143,9 @@ function FoundList({ hits, chosen, onGo }: { hits: readonly Found[]; chosen: num
 function useSearchKeys(field: { readonly current: HTMLInputElement | null }): void {
   useEffect(() => {
     const act = (event: KeyboardEvent) => {
-      const target = event.target instanceof HTMLElement ? event.target : document.body;
+      const target = event.target instanceof Element ? event.target : document.body;
       if (target.closest("dialog, .text-host") !== null) return;
-      const isTyping = target.matches("input, textarea, select") || target.isContentEditable;
+      const isTyping = target.matches("input, textarea, select, .blocklyInputField, [contenteditable]");
       const isFind = (event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "f";
       if (!isFind && (event.key !== "/" || isTyping || event.ctrlKey || event.metaKey || event.altKey)) return;
       event.preventDefault();
