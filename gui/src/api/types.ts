@@ -311,7 +311,7 @@ export interface FileAnswer {
 export type FileKind = "rules" | "profile" | "bag" | "map" | "layout" | "image";
 
 /** `GET /api/file/state?name=`: the SHA-256 of what is on disk, null where nothing is. */
-export interface FileState {
+export interface FileOnDisk {
   hash: string | null;
 }
 
@@ -652,8 +652,8 @@ export interface LiveTime {
 /**
  * A relayed topic now; `topic` is its full name, `reason` and `rule` are those of its rate.
  *
- * `silence` is why nothing is received, `problem` why it cannot be relayed. `bounds` say which bound of
- * each property holds, what decided it, and whether that is in doubt.
+ * `silence` is why nothing is received, `problem` why it cannot be relayed. `bounds` say which bound
+ * of each property holds, what decided it, and whether that is in doubt.
  */
 export interface LiveTopic {
   topic: string;
@@ -1480,8 +1480,8 @@ export interface TryCrossing {
  * Another rate of a topic, or another deciding block, `t` seconds after the bag's start.
  *
  * `from_hz` and `to_hz` are null for Full; the first decision of a topic (`start`) has no `from_hz`.
- * `line` and `rule` are the deciding block's, null where none decided. `bounds` say which bound of each
- * property holds then, what decided it, and whether that is in doubt.
+ * `line` and `rule` are the deciding block's, null where none decided. `bounds` say which bound of
+ * each property holds then, what decided it, and whether that is in doubt.
  */
 export interface TryDecision {
   t: number;
@@ -1685,7 +1685,7 @@ export interface ZonesAnswer {
 export interface Routes {
   "GET /api/project": { asked: null; answered: Project };
   "GET /api/file": { asked: null; answered: FileAnswer };
-  "GET /api/file/state": { asked: null; answered: FileState };
+  "GET /api/file/state": { asked: null; answered: FileOnDisk };
   "PUT /api/file": { asked: SaveRequest; answered: SaveAnswer };
   "PUT /api/project/settings": { asked: SettingsRequest; answered: Project };
   "POST /api/recording": { asked: RecordingRequest; answered: RecordingAnswer };

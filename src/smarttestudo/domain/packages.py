@@ -22,14 +22,14 @@ class Extra(Enum):
 
 _OF_STUDIO = (
     *("apsw", "highspy", "lz4", "matplotlib", "mcap", "msgspec", "numpy", "PIL", "rich", "rosbags"),
-    *("ruamel", "starlette", "tomlkit", "uvicorn", "websockets"),
+    *("ruamel", "starlette", "tomlkit", "uvicorn", "websockets", "zstandard"),
 )
 _EXTRAS = {
     **dict.fromkeys(_OF_STUDIO, Extra.STUDIO),
-    **dict.fromkeys(("zenoh", "zstandard", "foxglove"), Extra.LINK),
+    **dict.fromkeys(("zenoh", "foxglove"), Extra.LINK),
     "prometheus_client": Extra.METRICS,
 }
-"""The extra that installs a package, by the name that is imported; ``studio`` installs zstandard, too."""
+"""The extra that installs a package, by the name that is imported."""
 
 
 class MissingPackageError(TestudoError):

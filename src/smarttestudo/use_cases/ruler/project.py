@@ -55,7 +55,7 @@ class FileAnswer(Struct, frozen=True, kw_only=True):
     hash: str
 
 
-class FileState(Struct, frozen=True, kw_only=True):
+class FileOnDisk(Struct, frozen=True, kw_only=True):
     """``GET /api/file/state?name=``: the SHA-256 of what is on disk, null where nothing is."""
 
     hash: str | None
@@ -123,12 +123,12 @@ class ProjectFiles:
         found = self._folder.read(name)
         return FileAnswer(name=name, text=found.text, hash=found.sha256)
 
-    def state(self, name: str) -> FileState:
+    def state(self, name: str) -> FileOnDisk:
         """What tells whether a file that is open was changed by somebody else."""
         try:
-            return FileState(hash=self._folder.read(name).sha256)
+            return FileOnDisk(hash=self._folder.read(name).sha256)
         except MissingFileError:
-            return FileState(hash=None)
+            return FileOnDisk(hash=None)
 
     def save(self, request: SaveRequest) -> SaveAnswer:
         """Write one text file; of a rule file, what was and what is there are kept as versions."""
