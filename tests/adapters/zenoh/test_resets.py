@@ -66,7 +66,7 @@ def wire_to(endpoint: str) -> Iterator[tuple[str, Wire]]:
         server.shutdown(socket.SHUT_RDWR)
 
 
-def test_after_resets_each_message_was_received_or_missed_and_none_was_both() -> None:
+def test_after_resets_each_message_was_received_missed_or_replaced_and_none_was_both() -> None:
     endpoint = free_endpoint()
     with (
         operator_end(endpoint) as operator,
@@ -99,4 +99,8 @@ def test_after_resets_each_message_was_received_or_missed_and_none_was_both() ->
         missed = [one.payload for one in robot.take_missed()]
         assert {*received} & {*missed} == set()
         assert len(received) == len({*received})
-        assert sorted(received + missed) == sent[first:]
+        assert {*received, *missed} <= {*sent[first:]}
+        # As ever, a newer message takes the place of one that has not begun while the window is full.
+        gave_way = {*sent[first:]} - {*received} - {*missed}
+        assert len(gave_way) <= robot.counts()["/odom"].replaced
+        assert len(gave_way) < RESETS
