@@ -109,4 +109,5 @@ def test_what_could_not_be_sent_in_an_outage_is_caught_up_with(
     assert (record["name"], record["rule"]) == ("outage", "(link)")
     found = [int(one.payload[8:].rstrip(b"\0")) for one in read_bag(here / "tb3" / name).messages]
     assert found == list(range(found[0], found[0] + len(found)))
-    assert record["topics"]["/count"]["messages"] == len(found) > 100
+    # It takes a second of silence at least until the robot's end knows.
+    assert record["topics"]["/count"]["messages"] == len(found) > 50

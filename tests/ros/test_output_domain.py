@@ -29,7 +29,7 @@ def test_operators_in_another_domain_find_the_relays_and_nothing_else(
     [
         (("--output-domain", "{domain}"), "--output-domain: error: the robot itself is in domain"),
         (("--output-discovery", "subnet"), "--output-discovery: error: "),
-        (("--output-domain", "233"), "argument --output-domain: a ROS domain is a number from 0 to 232"),
+        (("--output-domain", "233"), "--output-domain: error: a ROS domain is a number from 0 to 232"),
     ],
 )
 def test_an_output_domain_that_is_none_is_refused(

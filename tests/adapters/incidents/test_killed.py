@@ -41,6 +41,11 @@ def kill_after(folder: Path, log: Path, seconds: float) -> int:
     return killed_ns
 
 
+def messages_in(bag: Path) -> list[BagMessage]:
+    """What can be read of a folder that was not ended; an incident that just began has no file yet."""
+    return read_bag(bag).messages if any(file.stat().st_size for file in bag.glob("*.mcap")) else []
+
+
 def numbers(messages: list[BagMessage]) -> list[int]:
     return [struct.unpack_from("<Q", message.payload)[0] for message in messages]
 
@@ -52,24 +57,28 @@ def test_a_killed_process_loses_the_last_half_second_at_most(tmp_path: Path, see
     killed_ns = kill_after(folder, log, Random(seed).uniform(0.4, 1.6))
     given = list(struct.iter_unpack("<QQQ", log.read_bytes()))
     sure = [(number, stamp_ns) for number, stamp_ns, at_ns in given if at_ns < killed_ns - LOST_NS]
-    left = {path.name[1:-8]: read_bag(path).messages for path in folder.glob(".*.partial")}
+    left = {path.name[1:-8]: messages_in(path) for path in folder.glob(".*.partial")}
     assert left
     completed = {one.name: one for one in complete_incidents(folder)}
     assert set(completed) == set(left)
     for name, messages in left.items():
         found = numbers(messages)
-        assert found == list(range(found[0], found[-1] + 1))
         record = record_of(folder / name)
+        assert completed[name].error is None
+        assert record["topics"].get("/odom", {"messages": 0})["messages"] == len(found)
+        if not found:
+            # It was killed as the incident began.
+            assert record["triggered_ns"] > given[-1][1] - LOST_NS
+            continue
+        assert found == list(range(found[0], found[-1] + 1))
         assert found[-1] >= max(
             (number for number, stamp_ns in sure if stamp_ns <= record["to_ns"]), default=0
         )
-        assert completed[name].error is None
         assert read_bag(folder / name).messages == messages
         assert read_bag(folder / name).notices == []
         assert read_with_rosbags(folder / name) == messages
         with_mcap = [message for file in (folder / name).glob("*.mcap") for message in read_with_mcap(file)]
         assert sorted(numbers(with_mcap)) == found
-        assert record["topics"]["/odom"]["messages"] == len(found)
         assert {one["reason"] for one in record["missing"]} <= {"killed", "late"}
     assert list(complete_incidents(folder)) == []
 
@@ -112,6 +121,16 @@ def test_a_folder_that_cannot_be_completed_costs_only_itself(tmp_path: Path) -> 
     assert "cannot be completed" in said[broken.name[1:-8]]
     assert broken.exists()
     assert all("completed with" in said[path.name[1:-8]] for path in others)
+
+
+def test_a_file_that_was_opened_and_no_more_costs_nothing(tmp_path: Path) -> None:
+    kill_after(tmp_path / "incidents", tmp_path / "log", 0.8)
+    (partial, *_) = sorted((tmp_path / "incidents").glob(".*.partial"))
+    name, before = partial.name[1:-8], read_bag(partial).messages
+    (partial / f"{name}_9.mcap").touch()
+    assert all(one.error is None for one in complete_incidents(tmp_path / "incidents"))
+    assert read_bag(tmp_path / "incidents" / name).messages == before
+    assert not (tmp_path / "incidents" / name / f"{name}_9.mcap").exists()
 
 
 def test_links_are_not_followed(tmp_path: Path) -> None:

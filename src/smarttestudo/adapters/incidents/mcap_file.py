@@ -8,6 +8,7 @@ import struct
 from pathlib import Path
 from typing import BinaryIO
 
+from smarttestudo.adapters.files.removal import remove
 from smarttestudo.adapters.incidents.mcap_records import (
     CHUNK_START,
     FOOTER_BYTES,
@@ -45,15 +46,19 @@ def complete_file(path: Path) -> tuple[FileContent, dict[str, StoredChannel]]:
 def complete_files(folder: Path) -> tuple[dict[str, FileContent], dict[str, StoredChannel]]:
     """What the files of an incident hold, by name in the order of time, and their channels by topic.
 
-    Raises as ``complete_file``.
+    A file that was opened and no more, as the process was killed, is removed. Raises as ``complete_file``.
     """
     files: dict[str, FileContent] = {}
     channels: dict[str, StoredChannel] = {}
     # The file of latched messages was written after those that begin when it does.
     for file in sorted(folder.glob("*.mcap"), key=lambda one: (len(one.name), one.name), reverse=True):
-        if not file.is_symlink():
-            files[file.name], found = complete_file(file)
-            channels.update(found)
+        if file.is_symlink():
+            continue
+        if file.stat().st_size == 0:
+            remove(folder, [file.name])
+            continue
+        files[file.name], found = complete_file(file)
+        channels.update(found)
     return dict(sorted(files.items(), key=lambda entry: (entry[1].first_ns, entry[1].last_ns))), channels
 
 
