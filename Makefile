@@ -12,6 +12,8 @@ GUI_NPM := PYTHON=$(abspath $(BIN)/python) sh scripts/gui_npm.sh
 PAGE := src/smarttestudo/web/static/index.html
 GUI_SOURCES := $(shell find gui -type f -not -path 'gui/node_modules/*' -not -path 'gui/tests/*') docs/language.md docs/quality-levels.md $(wildcard docs/reference/*.md)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
+# Where it is set, each of hundreds of starts compiles all modules anew.
+unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: help demo gui test test-length fuzz lint format docs test-kilted test-kilted-live test-ros test-lowest wheels-aarch64 benchmarks clean test-gui lint-gui docs-site quick coverage
 

@@ -11,7 +11,7 @@ bin=build/kilted/bin
 
 if [ "$part" = live ]; then
     "$uv" venv --quiet --clear --python "$python" build/kilted
-    "$uv" pip install --quiet --python "$bin/python" --editable '.[studio,dev]' \
+    "$uv" pip install --quiet --compile-bytecode --python "$bin/python" --editable '.[studio,dev]' \
         'ros-rclpy[fastrtps]==9.1.2' ros-diagnostic-msgs==5.5.1 ros-geometry-msgs==5.5.1 ros-nav-msgs==5.5.1 \
         ros-sensor-msgs==5.5.1 ros-std-srvs==5.5.1
     exec "$bin/pytest" --quiet --numprocesses 3 --dist worksteal -m "not calm" tests/ros "$@"

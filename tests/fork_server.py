@@ -31,16 +31,35 @@ import smarttestudo
 LONGEST_REQUEST_BYTES = 200_000
 # The loader and rclpy look for libraries where this process began to, whatever a request's environment says.
 OF_LIBRARIES = ("_ROS_WHEELS_BOOTSTRAP_COMPLETE", "LD_LIBRARY_PATH")
+# What servers and nodes import while they start; of ROS only what does not import rclpy.
+IMPORTED_LATE = (
+    "anyio._backends._asyncio",
+    "uvicorn.lifespan.on",
+    "uvicorn.loops.asyncio",
+    "uvicorn.protocols.http.h11_impl",
+    "uvicorn.protocols.websockets.websockets_sansio_impl",
+    "diagnostic_msgs.msg",
+    "geometry_msgs.msg",
+    "nav_msgs.msg",
+    "rcl_interfaces.srv",
+    "rosgraph_msgs.msg",
+    "rosidl_generator_py",
+    "sensor_msgs.msg",
+    "std_srvs.srv",
+    "type_description_interfaces.srv",
+)
 RESET = (signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT, signal.SIGCHLD)
 
 
 def import_everything() -> None:
     """Import all of SmartTestudo but what imports rclpy, which starts threads, and threads are not forked."""
-    for module in pkgutil.walk_packages(smarttestudo.__path__, "smarttestudo."):
-        if not module.name.startswith("smarttestudo.adapters.ros.") and not module.name.endswith("__main__"):
+    ours = [module.name for module in pkgutil.walk_packages(smarttestudo.__path__, "smarttestudo.")]
+    of_ros = "smarttestudo.adapters.ros."
+    for name in (*ours, *IMPORTED_LATE):
+        if not name.startswith(of_ros) and not name.endswith("__main__"):
             # An extra may not be installed; who needs it says so.
             with suppress(ImportError):
-                importlib.import_module(module.name)
+                importlib.import_module(name)
 
 
 def next_request(requests: socket.socket) -> dict[str, Any]:
