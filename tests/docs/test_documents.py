@@ -23,7 +23,8 @@ from smarttestudo.adirf.parser import parse
 
 ROOT = Path(__file__).parents[2]
 DOCUMENTS = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md")])
-BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+BLOCK = re.compile(r"^```(\w+)(?: title=\"[^\"\n]*\")?\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+NAMED = re.compile(r"^```[\w-]+ title=\"([\w.]+)\"\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"\]\(([^)#\s]+)(?:#[^)]*)?\)")
 
 
@@ -44,6 +45,12 @@ def commands(document: Path) -> Iterator[Command]:
         for part in re.split(r"^\$ ", block, flags=re.MULTILINE)[1:]:
             line, _, output = part.partition("\n")
             yield Command(line=line, output=output)
+
+
+def write_named_files(document: Path, folder: Path) -> None:
+    """Save the blocks with a title, as the reader is told to."""
+    for name, text in NAMED.findall(document.read_text(encoding="utf-8")):
+        (folder / name).write_text(text, encoding="utf-8")
 
 
 def documents_with(language: str) -> list[Path]:
@@ -99,6 +106,7 @@ def test_commands_print_what_the_document_shows(
     document: Path, tmp_path: Path, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
     shutil.copytree(ROOT / "examples", tmp_path / "examples")
+    write_named_files(document, tmp_path)
     for command in commands(document):
         is_demo = command.line.startswith("testudo demo")
         printed = run_demo(command, tmp_path, tmp_path_factory) if is_demo else run(command, tmp_path)
