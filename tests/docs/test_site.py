@@ -17,7 +17,7 @@ from ruamel.yaml import YAML
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
-FROM_THE_ROOT = set(runpy.run_path(str(ROOT / "scripts" / "root_pages.py"))["PAGES"].values())
+FROM_THE_ROOT = set(runpy.run_path(str(ROOT / "scripts" / "site_hooks.py"))["PAGES"].values())
 """Pages that the build makes of documents at the root."""
 LOADED = re.compile(r'<(?:script|img|iframe|link)\b[^>]*?(?:src|href)="(https?://[^"]*)"')
 
