@@ -246,7 +246,7 @@ def usage(command: CommandParser) -> Iterator[str]:
     shown = [words_of(action) for action in arguments(command)]
     words = [text.replace(" ", NO_BREAK) for text in (command.prog, *shown)]
     indent = " " * (len(command.prog) + 1)
-    for line in textwrap.wrap(" ".join(words), 100, subsequent_indent=indent, break_on_hyphens=False):
+    for line in textwrap.wrap(" ".join(words), 80, subsequent_indent=indent, break_on_hyphens=False):
         yield line.replace(NO_BREAK, " ")
 
 
