@@ -18,8 +18,10 @@ from pathlib import Path
 import pytest
 
 from made_once import made_once
+from smarttestudo.adapters.files.profile import load_profile
 from smarttestudo.adirf.formatter import format_rules
 from smarttestudo.adirf.parser import parse
+from smarttestudo.domain.errors import ProfileError
 
 ROOT = Path(__file__).parents[2]
 DOCUMENTS = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md")])
@@ -166,3 +168,19 @@ def test_the_pacing_page_shows_what_the_throttle_benchmark_prints() -> None:
     benchmark = ROOT / "benchmarks" / "throttle_accuracy.py"
     done = subprocess.run([sys.executable, benchmark], capture_output=True, encoding="utf-8", check=True)
     assert done.stdout.strip() in (ROOT / "docs" / "pacing.md").read_text(encoding="utf-8")
+
+
+def test_the_page_of_files_has_every_key_of_a_profile(tmp_path: Path) -> None:
+    """The error that names the known keys knows them all."""
+    page = (ROOT / "docs" / "reference" / "files.md").read_text(encoding="utf-8").partition("## Profiles")[2]
+    shown = {
+        key for row in re.findall(r"^\| (`.*?) \|", page, re.MULTILINE) for key in re.findall(r"\w+", row)
+    }
+    known = set()
+    for text in ("zzz = 1", '[topics."/odom"]\nzzz = 1'):
+        profile = tmp_path / "profile.toml"
+        profile.write_text(text, encoding="utf-8")
+        with pytest.raises(ProfileError) as refused:
+            load_profile(profile)
+        known |= set(re.findall(r"\w+", str(refused.value.remedy).removeprefix("known keys:")))
+    assert shown == known
