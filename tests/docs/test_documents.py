@@ -22,6 +22,7 @@ from smarttestudo.adapters.files.profile import load_profile
 from smarttestudo.adirf.formatter import format_rules
 from smarttestudo.adirf.parser import parse
 from smarttestudo.domain.errors import ProfileError
+from smarttestudo.use_cases.live.run_parameters import PARAMETERS
 
 ROOT = Path(__file__).parents[2]
 DOCUMENTS = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md")])
@@ -184,3 +185,8 @@ def test_the_page_of_files_has_every_key_of_a_profile(tmp_path: Path) -> None:
             load_profile(profile)
         known |= set(re.findall(r"\w+", str(refused.value.remedy).removeprefix("known keys:")))
     assert shown == known
+
+
+def test_the_page_of_parameters_has_every_parameter() -> None:
+    page = (ROOT / "docs" / "reference" / "parameters.md").read_text(encoding="utf-8")
+    assert re.findall(r"^\| `(\w+)` \|", page, re.MULTILINE) == [one.name for one in PARAMETERS]
