@@ -87,6 +87,7 @@ format: $(VENV)/dev.stamp
 
 docs: $(VENV)/dev.stamp
 	$(BIN)/python scripts/make_reference.py
+	$(BIN)/python scripts/make_error_texts.py
 	$(BIN)/python scripts/make_api_types.py
 	$(BIN)/python scripts/make_world.py
 	$(BIN)/python scripts/make_map.py

@@ -121,7 +121,7 @@ def measured(case: Case, contender: str, seconds: float) -> Seen | None:
 
 
 def compare(arguments: argparse.Namespace) -> None:
-    """All cases, or one, and what came of them as the tables of docs/benchmarks.md."""
+    """All cases, or one, and what came of them as the tables of docs/contributors/benchmark-link.md."""
     print(f"Load of this machine: {os.getloadavg()[0]:.1f} on {os.cpu_count()} processors", flush=True)
     chosen = [name for name in (*CASES, *LIMITS) if arguments.only in (None, name)]
     contenders = [arguments.contender] if arguments.contender else list(CONTENDERS)

@@ -1,10 +1,14 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Write docs/reference from the code: checks with their examples, properties that checks read, metrics."""
+"""Write docs/reference from the code: commands, checks with examples, properties, metrics."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+import argparse
+import re
+import textwrap
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from smarttestudo.adapters.openmetrics.status import STATUS_METRICS
@@ -16,6 +20,8 @@ from smarttestudo.adirf.properties import (
     properties_for_bounds,
     properties_of,
 )
+from smarttestudo.cli.command_parser import CommandParser
+from smarttestudo.cli.commands import command_parser
 from smarttestudo.domain.finding import Severity
 from smarttestudo.domain.metric import MetricName
 from smarttestudo.domain.profile import Profile
@@ -25,31 +31,124 @@ from smarttestudo.use_cases.receive.reception_metrics import RECEPTION_METRICS
 REFERENCE = Path(__file__).resolve().parent.parent / "docs" / "reference"
 NOTE = "<!-- Written by scripts/make_reference.py; change the code instead. -->"
 LINES_SHOWN = 12
+NO_BREAK = "\N{NO-BREAK SPACE}"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Theme:
+    """A page of findings."""
+
+    title: str
+    file_name: str
+    codes: frozenset[str]
+
+
+THEMES = (
+    Theme(
+        title="rates and blocks",
+        file_name="checks-rates.md",
+        codes=frozenset(
+            {
+                "topic-twice",
+                "tier-without-rate",
+                "blocks-clash",
+                "block-shadowed",
+                "two-defaults",
+                "missing-default",
+                "rate-below-floor",
+                "off-despite-floor",
+                "no-margin",
+                "block-disabled",
+            }
+        ),
+    ),
+    Theme(
+        title="conditions",
+        file_name="checks-conditions.md",
+        codes=frozenset(
+            {
+                "check-never-holds",
+                "check-always-holds",
+                "condition-never-holds",
+                "condition-always-holds",
+                "and-or-mixed",
+                "equals-measured",
+                "duration-zero",
+                "duration-too-short",
+                "until-overlaps",
+                "until-never-ends",
+                "missing-blank",
+                "not-analysed",
+            }
+        ),
+    ),
+    Theme(
+        title="topics and properties",
+        file_name="checks-topics.md",
+        codes=frozenset(
+            {
+                "unknown-property",
+                "tf-without-tf-static",
+                "camera-info-off-grid",
+                "unnamed-in-profile",
+                "absent-from-bag",
+            }
+        ),
+    ),
+    Theme(
+        title="bounds and recordings",
+        file_name="checks-bounds.md",
+        codes=frozenset(
+            {
+                "unknown-bound",
+                "bound-in-rules-only",
+                "bound-despite-off",
+                "bound-twice",
+                "bound-on-follower",
+                "record-too-large",
+                "record-unpublished",
+            }
+        ),
+    ),
+)
 
 
 def pages() -> Mapping[Path, str]:
     """The text of each page by its path."""
     return {
         REFERENCE / "checks.md": "\n".join(checks_page()),
+        **{REFERENCE / theme.file_name: "\n".join(theme_page(theme)) for theme in THEMES},
+        REFERENCE / "commands.md": "\n".join(commands_page(command_parser())),
         REFERENCE / "properties.md": "\n".join(properties_page()),
         REFERENCE / "metrics.md": "\n".join(metrics_page()),
     }
 
 
 def checks_page() -> Iterator[str]:
-    """What the checker finds, by severity."""
+    """All that the checker finds, with links to the pages of themes."""
     yield from (NOTE, "# Findings", "")
     yield "What `testudo check` says about rule files, beside errors of syntax, which explain themselves."
     yield "An *error* stops a file from being used; a *warning* is most likely not what you meant; an *info*"
-    yield "is worth knowing."
+    yield "is worth knowing. Each finding has an example that gives it, and one that does not."
     yield from ("", "| code | severity | |", "|---|---|---|")
-    for check in CHECKS:
-        yield f"| [{check.code}](#{check.code}) | {check.severity.value} | {check.meaning} |"
+    for check in by_severity(CHECKS):
+        page = next(theme.file_name for theme in THEMES if check.code in theme.codes)
+        yield f"| [{check.code}]({page}#{check.code}) | {check.severity.value} | {check.meaning} |"
     yield ""
-    for severity in Severity:
-        for check in CHECKS:
-            if check.severity is severity:
-                yield from check_section(check)
+
+
+def theme_page(theme: Theme) -> Iterator[str]:
+    """What the checker finds of one theme, by severity."""
+    yield from (NOTE, f"# Findings: {theme.title}", "")
+    yield from ("[All findings](checks.md)", "")
+    for check in by_severity(check for check in CHECKS if check.code in theme.codes):
+        yield from check_section(check)
+
+
+def by_severity(checks: Iterable[RuleCheck]) -> Sequence[RuleCheck]:
+    """Errors first, else as the registry has them."""
+    order = list(Severity)
+    return sorted(checks, key=lambda check: order.index(check.severity))
 
 
 def check_section(check: RuleCheck) -> Iterator[str]:
@@ -110,6 +209,86 @@ def range_text(spec: PropertySpec) -> str:
     opening = "[" if spec.includes_minimum else "("
     closing = ", ∞)" if spec.maximum is None else f", {spec.maximum:g}]"
     return f"{opening}{spec.minimum:g}{closing}".replace("-", "−")
+
+
+def commands_page(parser: CommandParser) -> Iterator[str]:
+    """What each command does, its arguments and options."""
+    yield from (NOTE, "# Commands", "", parser.description or "")
+    yield "`testudo COMMAND --help` prints what stands here. Exit codes: 0 where all went well, 1 for an"
+    yield "error, 2 for a wrong command line, 130 after Ctrl-C."
+    for command in leaves(parser):
+        yield from ("", f"## {command.prog}", "", command.description or "", "")
+        yield from ("```text", *usage(command), "```")
+        yield from ("", "| argument | |", "|---|---|")
+        yield from (f"| {signature(action)} | {explanation(action)} |" for action in arguments(command))
+    yield ""
+
+
+def leaves(parser: CommandParser) -> Iterator[CommandParser]:
+    """The commands that do something, in the order of the help."""
+    parser.fill()
+    commands = [action.choices for action in arguments(parser) if isinstance(action.choices, Mapping)]
+    if not commands:
+        yield parser
+    for choices in commands:
+        for command in choices.values():
+            yield from leaves(command)
+
+
+def arguments(command: CommandParser) -> Sequence[argparse.Action]:
+    """Its arguments and options but ``--help``."""
+    known = command._actions  # noqa: SLF001  argparse has no other name for it
+    return [action for action in known if action.dest != "help"]
+
+
+def usage(command: CommandParser) -> Iterator[str]:
+    """How it is written, in lines; options that may be left out stand in brackets."""
+    shown = [words_of(action) for action in arguments(command)]
+    words = [text.replace(" ", NO_BREAK) for text in (command.prog, *shown)]
+    indent = " " * (len(command.prog) + 1)
+    for line in textwrap.wrap(" ".join(words), 80, subsequent_indent=indent, break_on_hyphens=False):
+        yield line.replace(NO_BREAK, " ")
+
+
+def words_of(action: argparse.Action) -> str:
+    """An argument as a command line has it."""
+    if not action.option_strings:
+        return {"?": "[{}]", "*": "[{} ...]", "+": "{} [{} ...]"}.get(str(action.nargs), "{}").replace(
+            "{}", name_of_values(action)
+        )
+    words = f"{action.option_strings[0]} {values(action)}".rstrip()
+    return words if action.required else f"[{words}]"
+
+
+def signature(action: argparse.Action) -> str:
+    """An argument with all its names."""
+    names = ", ".join(f"`{f'{name} {values(action)}'.rstrip()}`" for name in action.option_strings)
+    return (names or f"`{name_of_values(action)}`").replace("|", "\\|")
+
+
+def values(action: argparse.Action) -> str:
+    """What stands after an option."""
+    if action.nargs == 0:
+        return ""
+    name = name_of_values(action)
+    return {"?": f"[{name}]", "*": f"[{name} ...]", "+": f"{name} [{name} ...]", "...": "..."}.get(
+        str(action.nargs), name
+    )
+
+
+def name_of_values(action: argparse.Action) -> str:
+    """What a value is called."""
+    if action.metavar is not None:
+        return action.metavar if isinstance(action.metavar, str) else " ".join(action.metavar)
+    if action.choices is not None:
+        return f"{{{','.join(map(str, action.choices))}}}"
+    return action.dest.upper()
+
+
+def explanation(action: argparse.Action) -> str:
+    """The help of an argument in a cell."""
+    text = (action.help or "") % {**vars(action), "prog": "testudo"}
+    return re.sub(r"([|*<])", r"\\\1", " ".join(text.split()))
 
 
 def metrics_page() -> Iterator[str]:

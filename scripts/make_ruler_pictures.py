@@ -2,9 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Redraws docs/images/ruler*.png: the Ruler's page on the examples, in Debian's Chromium, with no network.
 
-The recording is the demo's, the robot the simulated one (for its pictures ROS 2 must be installed). With
-``--tree`` the page and the examples are those of another checkout, whose page was built there: so
-docs/images/before was drawn. ``--only`` draws the pictures whose names are given.
+The recording is the demo's, the robot the simulated one (for its pictures ROS 2 must be installed).
+``--only`` draws the pictures whose names are given.
 """
 
 from __future__ import annotations
@@ -290,7 +289,6 @@ def asked() -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--tree", type=Path, default=ROOT, help="the checkout whose page is drawn")
     parser.add_argument("--out", type=Path, default=ROOT / "docs" / "images", help="where the pictures go")
     parser.add_argument("--only", nargs="+", choices=names, default=names, help="draw no others")
     return parser.parse_args()
@@ -299,11 +297,11 @@ def asked() -> argparse.Namespace:
 def main() -> None:
     """Serve a copy of the examples, so that the page writes nothing into the checkout."""
     wanted = asked()
-    paths = [str(wanted.tree / "src"), *filter(None, [os.environ.get("PYTHONPATH")])]
+    paths = [str(ROOT / "src"), *filter(None, [os.environ.get("PYTHONPATH")])]
     settings = {**ROS, "PYTHONPATH": os.pathsep.join(paths)}
     wanted.out.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
-        project = shutil.copytree(wanted.tree / "examples", Path(folder, "examples"))
+        project = shutil.copytree(ROOT / "examples", Path(folder, "examples"))
         demo = [*TESTUDO, "demo", "--out", str(project / "demo-out")]
         subprocess.run(demo, check=True, stdout=subprocess.DEVNULL, env=settings)
         browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox"])

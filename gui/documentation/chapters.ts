@@ -13,6 +13,10 @@ export interface Chapter {
 export const CHAPTERS: readonly Chapter[] = [
   { file: "docs/language.md", anchor: "language", title: "The language" },
   { file: "docs/reference/checks.md", anchor: "findings", title: "Findings, and why" },
+  { file: "docs/reference/checks-rates.md", anchor: "findings-rates", title: "Findings: rates and blocks" },
+  { file: "docs/reference/checks-conditions.md", anchor: "findings-conditions", title: "Findings: conditions" },
+  { file: "docs/reference/checks-topics.md", anchor: "findings-topics", title: "Findings: topics and properties" },
+  { file: "docs/reference/checks-bounds.md", anchor: "findings-bounds", title: "Findings: bounds and recordings" },
   { file: "docs/reference/properties.md", anchor: "properties", title: "Properties and units" },
   { file: "docs/quality-levels.md", anchor: "levels", title: "Quality levels" },
 ];

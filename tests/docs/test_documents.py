@@ -18,12 +18,16 @@ from pathlib import Path
 import pytest
 
 from made_once import made_once
+from smarttestudo.adapters.files.profile import load_profile
 from smarttestudo.adirf.formatter import format_rules
 from smarttestudo.adirf.parser import parse
+from smarttestudo.domain.errors import ProfileError
+from smarttestudo.use_cases.live.run_parameters import PARAMETERS
 
 ROOT = Path(__file__).parents[2]
 DOCUMENTS = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md")])
-BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+BLOCK = re.compile(r"^```(\w+)(?: title=\"[^\"\n]*\")?\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+NAMED = re.compile(r"^```[\w-]+ title=\"([\w.]+)\"\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"\]\(([^)#\s]+)(?:#[^)]*)?\)")
 
 
@@ -44,6 +48,12 @@ def commands(document: Path) -> Iterator[Command]:
         for part in re.split(r"^\$ ", block, flags=re.MULTILINE)[1:]:
             line, _, output = part.partition("\n")
             yield Command(line=line, output=output)
+
+
+def write_named_files(document: Path, folder: Path) -> None:
+    """Save the blocks with a title, as the reader is told to."""
+    for name, text in NAMED.findall(document.read_text(encoding="utf-8")):
+        (folder / name).write_text(text, encoding="utf-8")
 
 
 def documents_with(language: str) -> list[Path]:
@@ -99,6 +109,7 @@ def test_commands_print_what_the_document_shows(
     document: Path, tmp_path: Path, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
     shutil.copytree(ROOT / "examples", tmp_path / "examples")
+    write_named_files(document, tmp_path)
     for command in commands(document):
         is_demo = command.line.startswith("testudo demo")
         printed = run_demo(command, tmp_path, tmp_path_factory) if is_demo else run(command, tmp_path)
@@ -158,3 +169,24 @@ def test_the_pacing_page_shows_what_the_throttle_benchmark_prints() -> None:
     benchmark = ROOT / "benchmarks" / "throttle_accuracy.py"
     done = subprocess.run([sys.executable, benchmark], capture_output=True, encoding="utf-8", check=True)
     assert done.stdout.strip() in (ROOT / "docs" / "pacing.md").read_text(encoding="utf-8")
+
+
+def test_the_page_of_files_has_every_key_of_a_profile(tmp_path: Path) -> None:
+    """The error that names the known keys knows them all."""
+    page = (ROOT / "docs" / "reference" / "files.md").read_text(encoding="utf-8").partition("## Profiles")[2]
+    shown = {
+        key for row in re.findall(r"^\| (`.*?) \|", page, re.MULTILINE) for key in re.findall(r"\w+", row)
+    }
+    known = set()
+    for text in ("zzz = 1", '[topics."/odom"]\nzzz = 1'):
+        profile = tmp_path / "profile.toml"
+        profile.write_text(text, encoding="utf-8")
+        with pytest.raises(ProfileError) as refused:
+            load_profile(profile)
+        known |= set(re.findall(r"\w+", str(refused.value.remedy).removeprefix("known keys:")))
+    assert shown == known
+
+
+def test_the_page_of_parameters_has_every_parameter() -> None:
+    page = (ROOT / "docs" / "reference" / "parameters.md").read_text(encoding="utf-8")
+    assert re.findall(r"^\| `(\w+)` \|", page, re.MULTILINE) == [one.name for one in PARAMETERS]

@@ -21,7 +21,7 @@ test("every link leads to a place on the page, so that none needs the network", 
 test.each([
   ["#grammar", "grammar"],
   ["reference/checks.md", "findings"],
-  ["reference/checks.md#blocks-clash", "blocks-clash"],
+  ["reference/checks-rates.md#blocks-clash", "blocks-clash"],
   ["./quality-levels.md", "levels"],
   ["decisions/0007.md", null],
   ["../examples/quality/radio.toml", null],

@@ -264,7 +264,7 @@ def _is_refused(session: zenoh.Session, key: str, payload: bytes | None) -> bool
 
 
 USERS = {"viewer": "seeing", "operator": "pushing"}
-DOCUMENT = Path(__file__).parents[3] / "docs" / "link.md"
+DOCUMENT = Path(__file__).parents[3] / "docs" / "how-to" / "watch-without-ros.md"
 
 
 def documented(folder: Path) -> Path:

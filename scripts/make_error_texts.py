@@ -1,0 +1,146 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Write docs/reference/errors.md: each text of an error and a warning in the code, with its remedy."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+SOURCES = ROOT / "src" / "smarttestudo"
+PAGE = ROOT / "docs" / "reference" / "errors.md"
+NOTE = "<!-- Written by scripts/make_error_texts.py; change the code instead. -->"
+SECTIONS: Mapping[str, Sequence[str]] = {
+    "Command lines": ("cli",),
+    "Rule files, profiles, missions and maps": (
+        "adapters/files", "use_cases/rules", "optimizer", "adapters/solver", "simulation",
+    ),
+    "On a robot": ("adapters/ros", "use_cases/live", "domain"),
+    "Over a link": (
+        "adapters/zenoh", "link", "use_cases/receive", "adapters/foxglove", "adapters/openmetrics",
+    ),
+    "Incidents": ("adapters/incidents", "runtime"),
+    "Recordings": ("adapters/rosbag", "adapters/json", "use_cases/bags", "use_cases/replay", "visualizer"),
+    "The demo": ("use_cases/demo", "adapters/network_namespaces"),
+    "The Ruler's page": ("web", "use_cases/ruler", "adirf"),
+}  # fmt: skip
+"""Folders of the code, by where a user meets their texts."""
+WARNINGS = re.compile(r"(\.log|get_logger\(\))\.(warning|error)$|\._?(warn|warn_once|say)$")
+LEAST_CHARACTERS = 6
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class ErrorText:
+    """The cause, and what to do if the line says so; … stands for what differs."""
+
+    cause: str
+    remedy: str
+
+
+def page() -> str:
+    """The page."""
+    ours = error_classes()
+    found = {section: sorted(set(texts_of(folders, ours))) for section, folders in SECTIONS.items()}
+    lines = [
+        NOTE, "# Error texts", "",
+        "Each error and warning of SmartTestudo, for search: an error is one line with the place, the",
+        "cause and the remedy. … stands for what differs. [Troubleshooting](../troubleshooting.md) says more",
+        "of those that need it. Errors of syntax in rule files explain themselves, and",
+        "[findings](checks.md) have pages of their own.", "",
+    ]  # fmt: skip
+    for section, texts in found.items():
+        lines += [f"## {section}", "", "| text | what to do |", "|---|---|"]
+        lines += [f"| {cell(text.cause)} | {cell(text.remedy)} |" for text in texts]
+        lines.append("")
+    return "\n".join(lines)
+
+
+def cell(text: str) -> str:
+    """A text that Markdown leaves as it is."""
+    return re.sub(r"([|*<>`\[\]_])", r"\\\1", text)
+
+
+def texts_of(folders: Sequence[str], ours: frozenset[str]) -> Iterator[ErrorText]:
+    """Those in the code of ``folders``, raised as errors of ``ours`` or logged."""
+    for folder in folders:
+        for path in sorted((SOURCES / folder).rglob("*.py")):
+            tree = ast.parse(path.read_text(encoding="utf-8"))
+            constants = assigned(tree.body)
+            for function in ast.walk(tree):
+                if isinstance(function, ast.FunctionDef | ast.AsyncFunctionDef):
+                    yield from texts_in(function, {**constants, **assigned(ast.walk(function))}, ours)
+
+
+def error_classes() -> frozenset[str]:
+    """The names of the errors that end as a line."""
+    bases = {
+        node.name: {ast.unparse(base) for base in node.bases}
+        for path in SOURCES.rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.ClassDef) and node.name.endswith("Error")
+    }
+    known = {"TestudoError"}
+    while more := {name for name, above in bases.items() if above & known} - known:
+        known |= more
+    return frozenset(known)
+
+
+def assigned(nodes: Iterator[ast.AST] | Sequence[ast.AST]) -> dict[str, list[ast.expr]]:
+    """What each name may stand for."""
+    values: dict[str, list[ast.expr]] = {}
+    for node in nodes:
+        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
+            values.setdefault(node.targets[0].id, []).append(node.value)
+    return values
+
+
+def texts_in(
+    function: ast.AST, names: Mapping[str, list[ast.expr]], ours: frozenset[str]
+) -> Iterator[ErrorText]:
+    """Those of one function."""
+    for call in ast.walk(function):
+        if not isinstance(call, ast.Call) or not call.args:
+            continue
+        called = ast.unparse(call.func)
+        if called not in ours and not called.endswith("ArgumentTypeError") and not WARNINGS.search(called):
+            continue
+        remedies = {keyword.arg: keyword.value for keyword in call.keywords}
+        remedy = next(iter(readings(remedies.get("remedy"), names)), "")
+        for cause in readings(call.args[0], names):
+            if len(re.sub(r"\W", "", cause)) >= LEAST_CHARACTERS:
+                yield ErrorText(cause, "" if remedy == "…" else remedy)
+
+
+def readings(value: ast.expr | None, names: Mapping[str, list[ast.expr]]) -> Iterator[str]:
+    """How ``value`` can read."""
+    match value:
+        case None | ast.Constant(value=None):
+            return
+        case ast.Constant(value=str(text)):
+            yield text
+        case ast.JoinedStr(values=parts):
+            shown = (part.value if isinstance(part, ast.Constant) else "…" for part in parts)
+            yield re.sub("…+", "…", "".join(map(str, shown)))
+        case ast.IfExp(body=body, orelse=other):
+            yield from readings(body, names)
+            yield from readings(other, names)
+        case ast.Name(id=name) if name in names:
+            for one in names[name]:
+                if not isinstance(one, ast.Name):
+                    yield from readings(one, names)
+        case _:
+            yield "…"
+
+
+def main() -> None:
+    """Write the page."""
+    PAGE.write_text(page(), encoding="utf-8")
+    print(f"wrote {PAGE}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,49 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""A hook of MkDocs: documents at the root are pages, too, and searches find users' pages first."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from pathlib import Path
+
+from mkdocs.config.defaults import MkDocsConfig
+from mkdocs.structure.files import File, Files
+from mkdocs.structure.pages import Page
+
+FOLDER = "contributors"
+PAGES: Mapping[str, str] = {
+    "ARCHITECTURE.md": f"{FOLDER}/architecture.md",
+    "CONTRIBUTING.md": f"{FOLDER}/contributing.md",
+    "CHANGELOG.md": f"{FOLDER}/changelog.md",
+    "SECURITY.md": f"{FOLDER}/security.md",
+}
+"""Pages of the site by the document at the root of the repository."""
+_BOOSTS = {"troubleshooting.md": 4, "how-to": 2, "concepts": 2, "decisions": 0.2, FOLDER: 0.2}
+"""What a hit in a file or folder counts, beside 1."""
+_FOLDERS = {"docs/decisions": "decisions/0001-deadline-grid-with-capped-credit.md"}
+_LINK = re.compile(r"\]\((?![a-z]+:|#)([^)#\s]+)(#[^)\s]*)?\)")
+
+
+def on_files(files: Files, config: MkDocsConfig) -> Files:
+    """Add the pages."""
+    root = Path(config.config_file_path).parent
+    for name, page in PAGES.items():
+        text = (root / name).read_text(encoding="utf-8")
+        files.append(File.generated(config, page, content=_LINK.sub(_link_on_site, text)))
+    return files
+
+
+def on_page_markdown(markdown: str, page: Page, **_: object) -> str:
+    """Have searches find users' pages first."""
+    folder = page.file.src_uri.partition("/")[0]
+    page.meta["search"] = {"boost": _BOOSTS.get(folder, 1)}
+    return markdown
+
+
+def _link_on_site(link: re.Match[str]) -> str:
+    """A link at the root of the repository as one of a page in the folder of contributors."""
+    target = link[1].rstrip("/")
+    page = PAGES.get(target) or _FOLDERS.get(target) or target.removeprefix("docs/")
+    return f"](../{page}{link[2] or ''})"
