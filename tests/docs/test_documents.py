@@ -17,7 +17,7 @@ from pathlib import Path
 
 import pytest
 
-from made_once import made_once
+from made_demos import made_demo, run_testudo_in
 from smarttestudo.adapters.files.profile import load_profile
 from smarttestudo.adirf.formatter import format_rules
 from smarttestudo.adirf.parser import parse
@@ -60,30 +60,18 @@ def documents_with(language: str) -> list[Path]:
     return [document for document in DOCUMENTS if any(blocks(document, language))]
 
 
-def run(command: Command, folder: Path) -> str:
+def run(command: Command, folder: Path, factory: pytest.TempPathFactory) -> str:
+    """What the command prints; several documents begin with the same demo."""
     program, *arguments = shlex.split(command.line)
     if program == "cat":
         return (folder / arguments[0]).read_text(encoding="utf-8")
     assert program == "testudo", f"a console block may run testudo and cat only: {command.line}"
-    code = "import sys; from smarttestudo.cli.main import main; sys.exit(main())"
-    environment = {**os.environ, "NO_COLOR": "1", "COLUMNS": "100", "PYTHONIOENCODING": "utf-8"}
-    done = subprocess.run(
-        [sys.executable, "-c", code, *arguments],
-        cwd=folder, env=environment, capture_output=True, text=True, encoding="utf-8", check=False,
-    )  # fmt: skip
-    return done.stdout + done.stderr
-
-
-def run_demo(command: Command, folder: Path, factory: pytest.TempPathFactory) -> str:
-    """The same as ``run``; several documents begin with the same demo."""
-
-    def make(made: Path) -> None:
-        shutil.copytree(ROOT / "examples", made / "examples")
-        (made / "printed.txt").write_text(run(command, made), encoding="utf-8")
-
-    made = made_once(factory, re.sub(r"\W+", "-", command.line), make)
-    shutil.copytree(made / "demo-out", folder / "demo-out", dirs_exist_ok=True)
-    return (made / "printed.txt").read_text(encoding="utf-8")
+    if arguments[0] == "demo":
+        made, ran = made_demo(factory, *arguments[1:])
+        shutil.copytree(made, folder / made.name, dirs_exist_ok=True)
+    else:
+        ran = run_testudo_in(folder, *arguments)
+    return ran.stdout + ran.stderr
 
 
 def wrong_examples(document: Path, folder: Path) -> str:
@@ -111,8 +99,7 @@ def test_commands_print_what_the_document_shows(
     shutil.copytree(ROOT / "examples", tmp_path / "examples")
     write_named_files(document, tmp_path)
     for command in commands(document):
-        is_demo = command.line.startswith("testudo demo")
-        printed = run_demo(command, tmp_path, tmp_path_factory) if is_demo else run(command, tmp_path)
+        printed = run(command, tmp_path, tmp_path_factory)
         assert agrees(command.output, printed), f"$ {command.line}\n{printed}"
     assert wrong_examples(document, tmp_path) == ""
 

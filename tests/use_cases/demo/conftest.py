@@ -2,35 +2,24 @@
 # SPDX-License-Identifier: Apache-2.0
 from __future__ import annotations
 
-import json
-from dataclasses import asdict
 from pathlib import Path
 
 import pytest
 
-from made_once import made_once
-from use_cases.demo.demo_runs import Messages, Ran, messages_of, run_testudo
+from made_demos import Ran, made_demo
+from use_cases.demo.demo_runs import Messages, messages_of
 
 
 @pytest.fixture(scope="session")
-def demo_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """What ``testudo demo`` writes as it comes, 200 s and seed 0, and in ``ran.json`` what it says."""
-
-    def make(folder: Path) -> None:
-        ran = run_testudo("demo", "--out", folder / "desk" / "demo-out")
-        (folder / "ran.json").write_text(json.dumps(asdict(ran)), encoding="utf-8")
-
-    return made_once(tmp_path_factory, "demo", make)
+def demo_out(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """What ``testudo demo`` writes as it comes, 200 s and seed 0."""
+    return made_demo(tmp_path_factory)[0]
 
 
 @pytest.fixture(scope="session")
-def demo_out(demo_folder: Path) -> Path:
-    return demo_folder / "desk" / "demo-out"
-
-
-@pytest.fixture(scope="session")
-def whole_demo(demo_folder: Path) -> Ran:
-    return Ran(**json.loads((demo_folder / "ran.json").read_text(encoding="utf-8")))
+def whole_demo(tmp_path_factory: pytest.TempPathFactory) -> Ran:
+    """What it says."""
+    return made_demo(tmp_path_factory)[1]
 
 
 @pytest.fixture(scope="session")

@@ -7,21 +7,12 @@ from __future__ import annotations
 import io
 from collections import Counter, defaultdict
 from contextlib import redirect_stderr, redirect_stdout
-from dataclasses import dataclass
 from pathlib import Path
 
 from rosbags.rosbag2 import Reader
 
+from made_demos import Ran
 from smarttestudo.cli.main import main
-
-
-@dataclass(frozen=True, kw_only=True)
-class Ran:
-    """What a command printed and how it ended."""
-
-    code: int
-    stdout: str
-    stderr: str
 
 
 def run_testudo(*arguments: object) -> Ran:

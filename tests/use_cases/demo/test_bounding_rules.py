@@ -12,32 +12,24 @@ from typing import Any
 
 import pytest
 
-from made_once import made_once
+from made_demos import EXAMPLES, Ran, made_demo
 from smarttestudo.adirf.formatter import format_rules
-from use_cases.demo.demo_runs import Ran, run_testudo
+from use_cases.demo.demo_runs import run_testudo
 
-EXAMPLES = Path(__file__).parents[3] / "examples"
+ERRANDS = ("--mission", "examples/errands.mission.toml")
 BOUNDING = ("warehouse_within.adirf", "warehouse_predicted.adirf")
 
 
 @pytest.fixture(scope="module")
 def errands(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The folder of a demo of the mission that waits."""
-
-    def make(folder: Path) -> None:
-        ran = run_testudo(
-            "demo", "--mission", EXAMPLES / "errands.mission.toml", "--out", folder / "demo-out"
-        )
-        assert (ran.code, ran.stderr) == (0, "")
-        (folder / "printed.txt").write_text(ran.stdout, "utf-8")
-
-    return made_once(tmp_path_factory, "errands", make)
+    """The folder that a demo of the mission that waits made."""
+    return made_demo(tmp_path_factory, *ERRANDS)[0]
 
 
 @pytest.fixture(scope="module")
 def arms(errands: Path) -> dict[tuple[str, str], dict[str, Any]]:
     """What the demo says of /odom, by rules and what the operator's end shows."""
-    said = json.loads((errands / "demo-out" / "accuracy.json").read_text("utf-8"))
+    said = json.loads((errands / "accuracy.json").read_text("utf-8"))
     return {
         (arm["name"], arm["shows"]): arm["topics"]["/odom"] | {"all": arm["bytes"]} for arm in said["arms"]
     }
@@ -102,7 +94,7 @@ def test_the_bounds_hold_for_every_property_and_view(arms: dict[tuple[str, str],
 
 
 def test_the_command_for_any_recording_says_the_same_as_the_demo(errands: Path) -> None:
-    demo = errands / "demo-out"
+    demo = errands
     within, predicted = (demo / name for name in BOUNDING)
     rules = ("--rules", demo / "warehouse.adirf", "--rules", within)
     command = ("bag", "accuracy", demo / "baseline", *rules, "--predicted", within, "--predicted", predicted)
@@ -114,10 +106,14 @@ def test_the_command_for_any_recording_says_the_same_as_the_demo(errands: Path) 
     assert json.loads(ran.stdout) == said | {"bag": str(demo / "baseline")}
 
 
-def test_the_screen_and_the_report_show_the_ways_beside_each_other(errands: Path) -> None:
-    printed = (errands / "printed.txt").read_text("utf-8")
-    page = (errands / "demo-out" / "report.html").read_text("utf-8")
+def test_the_screen_and_the_report_show_the_ways_beside_each_other(
+    tmp_path_factory: pytest.TempPathFactory,
+) -> None:
+    errands, ran = made_demo(tmp_path_factory, *ERRANDS)
+    printed = ran.stdout
+    page = (errands / "report.html").read_text("utf-8")
 
+    assert (ran.code, ran.stderr) == (0, "")
     assert "How far the picture of /odom is off" in printed
     assert "warehouse_within (hold) shows the position of /odom with 47 % of the error" in printed
     assert "warehouse_predicted (dead reckoning) shows the position of /odom with 7 % of the error" in printed
@@ -158,9 +154,9 @@ def test_the_rules_of_the_thesis_are_as_much_off_as_the_measure_of_losses_says(
     errands: Path, arms: dict[tuple[str, str], dict[str, Any]]
 ) -> None:
     """``bag loss`` integrates the fields of the two recordings, without a picture."""
-    demo = errands / "demo-out"
-
-    ran = run_testudo("bag", "loss", demo / "baseline", demo / "adaptive", "--topics", "/odom", "--json")
+    ran = run_testudo(
+        "bag", "loss", errands / "baseline", errands / "adaptive", "--topics", "/odom", "--json"
+    )
 
     rmse = {one["field"]: one["received"]["hold"]["rmse"] for one in json.loads(ran.stdout)["fields"]}
     by_fields = math.hypot(rmse["pose_x"], rmse["pose_y"])

@@ -12,8 +12,9 @@ from pathlib import Path
 
 import pytest
 
+from made_demos import Ran
 from smarttestudo.adapters.rosbag.reader import open_recording
-from use_cases.demo.demo_runs import Messages, Ran, binned_hz, messages_of, run_testudo
+from use_cases.demo.demo_runs import Messages, binned_hz, messages_of, run_testudo
 
 THESIS_CHANGE_PERCENT = {
     "/camera/image_raw": -89.6,
@@ -41,6 +42,13 @@ def _change_percent(before: Messages, after: Messages, topic: str) -> float:
 def _declared_bytes(bag: Path) -> dict[str, int]:
     with open_recording(bag) as recording:
         return dict(recording.declared_bytes)
+
+
+def _replay(demo_out: Path, output: Path, *options: str) -> None:
+    """The demo's recording under the rules in its folder."""
+    rules = ("--rules", demo_out / "warehouse.adirf")
+    ran = run_testudo("replay", demo_out / "baseline", *rules, "--output", output, *options)
+    assert (ran.code, ran.stderr) == (0, "")
 
 
 @pytest.mark.parametrize("topic", THESIS_CHANGE_PERCENT)
@@ -77,13 +85,24 @@ def test_no_topic_comes_more_often_than_its_source(baseline: Messages, adaptive:
 
 
 def test_repeating_makes_the_scan_come_more_often_than_its_source_as_in_the_thesis(
-    baseline: Messages, tmp_path: Path
+    demo_out: Path, baseline: Messages, tmp_path: Path
 ) -> None:
-    run_testudo("demo", "--out", tmp_path / "out", "--when-slow", "repeat")
-    repeated = messages_of(tmp_path / "out" / "adaptive")
+    _replay(demo_out, tmp_path / "repeated", "--when-slow", "repeat")
+    repeated = messages_of(tmp_path / "repeated")
 
     assert _change_percent(baseline, repeated, "/scan") > 10
     assert {payload for _, payload in repeated["/scan"]} <= {payload for _, payload in baseline["/scan"]}
+
+
+def test_a_demo_that_repeats_is_a_replay_that_repeats(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    run_testudo("demo", "--out", out, "--seconds", 3, "--when-slow", "repeat")
+    _replay(out, tmp_path / "repeated", "--when-slow", "repeat")
+    _replay(out, tmp_path / "passed")
+
+    received = messages_of(out / "adaptive")
+    assert received == messages_of(tmp_path / "repeated")
+    assert received != messages_of(tmp_path / "passed")
 
 
 def test_what_is_received_was_published_byte_for_byte(baseline: Messages, adaptive: Messages) -> None:
@@ -104,7 +123,7 @@ def test_the_blocks_decide_in_the_order_of_the_zones(whole_demo: Ran, demo_out: 
 
 
 def test_the_screen_shows_both_tables_with_their_sum_and_where_to_look(
-    whole_demo: Ran, demo_out: Path, baseline: Messages
+    whole_demo: Ran, baseline: Messages
 ) -> None:
     frequency, bandwidth = whole_demo.stdout.split("Bandwidth", 1)
 
@@ -113,7 +132,7 @@ def test_the_screen_shows_both_tables_with_their_sum_and_where_to_look(
         assert topic in bandwidth
     assert "All topics" in bandwidth
     assert "declared" in bandwidth
-    assert f"Open {demo_out}/report.html in a browser" in whole_demo.stdout
+    assert "Open demo-out/report.html in a browser" in whole_demo.stdout
     assert (whole_demo.code, whole_demo.stderr) == (0, "")
 
 
@@ -154,17 +173,14 @@ def test_the_page_names_zones_topics_and_seed(whole_demo: Ran, demo_out: Path, b
 
 def test_the_folder_holds_what_the_screen_says(whole_demo: Ran, demo_out: Path) -> None:
     assert {path.name for path in demo_out.iterdir()} == WRITTEN
-    assert [path.name for path in demo_out.parent.iterdir()] == [demo_out.name]
+    assert {path.name for path in demo_out.parent.iterdir()} == {demo_out.name, "examples"}
 
 
 def test_the_rules_left_in_the_folder_replay_to_the_same_recording(
     whole_demo: Ran, demo_out: Path, adaptive: Messages, tmp_path: Path
 ) -> None:
-    ran = run_testudo(
-        "replay", demo_out / "baseline", "--rules", demo_out / "warehouse.adirf", "--output", tmp_path / "own"
-    )
+    _replay(demo_out, tmp_path / "own")
 
-    assert (ran.code, ran.stderr) == (0, "")
     assert messages_of(tmp_path / "own") == adaptive
 
 
