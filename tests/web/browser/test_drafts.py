@@ -58,7 +58,7 @@ def test_a_server_that_was_gone_costs_nothing(browser: Browser, project: Path) -
         ruler.home()
         _open(ruler, project)
     _type_line(ruler)
-    ruler.button("Save").click()
+    ruler.page.keyboard.press("Control+s")
     expect(ruler.page.get_by_text("not saved", exact=True)).to_be_visible()
     with served(project, port):
         ruler.page.reload()
