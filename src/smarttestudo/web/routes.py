@@ -14,7 +14,7 @@ from starlette.responses import Response
 from starlette.routing import Route
 
 from smarttestudo.web.bodies import read_body
-from smarttestudo.web.errors import JSON
+from smarttestudo.web.encodings import json_answer
 
 Handler = Callable[[Request], Awaitable[Response]]
 _Body = TypeVar("_Body", bound=msgspec.Struct)
@@ -43,7 +43,7 @@ def answering(
 
     async def handle(request: Request) -> Response:
         body = await read_body(request, asked)
-        return _json(await run_in_threadpool(answer, body))
+        return await run_in_threadpool(lambda: json_answer(request, msgspec.json.encode(answer(body))))
 
     return ApiRoute(method, path, handle, asked=asked, answered=_returned(answer))
 
@@ -67,7 +67,7 @@ def telling(path: str, answer: Callable[..., msgspec.Struct], *, query: str | No
 
     async def handle(request: Request) -> Response:
         given = () if query is None else (request.query_params.get(query, ""),)
-        return _json(await run_in_threadpool(answer, *given))
+        return await run_in_threadpool(lambda: json_answer(request, msgspec.json.encode(answer(*given))))
 
     return ApiRoute("GET", path, handle, asked=None, answered=_returned(answer))
 
@@ -75,7 +75,3 @@ def telling(path: str, answer: Callable[..., msgspec.Struct], *, query: str | No
 def _returned(answer: Callable[..., msgspec.Struct]) -> type[msgspec.Struct]:
     kind: type[msgspec.Struct] = get_type_hints(answer)["return"]
     return kind
-
-
-def _json(answer: msgspec.Struct) -> Response:
-    return Response(msgspec.json.encode(answer), media_type=JSON)
