@@ -153,9 +153,10 @@ def test_the_operators_end_needs_the_extra_link_alone(
         shown = until_it_does(with_link, "top", "--connect", endpoint, "--once", "--json")
         assert "/odom" in shown
         until_it_does(with_link, "check", "moves.adirf", "--connect", endpoint, "--robot", "ada")
+        # What was fetched is listed, too.
+        receiver.line_with("moved")
         listed = until_it_does(with_link, "incidents", "list", "--connect", endpoint, "--json")
         assert json.loads(listed)[0]["rule"] == "moves"
-        receiver.line_with("moved")
         receiver.signal(signal.SIGINT)
         assert receiver.exit_code() == 0
     info = json.loads(with_studio.does("bag", "info", desk / "recorded" / "ada", "--json"))

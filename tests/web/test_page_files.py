@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import asyncio
 import gzip
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -53,7 +54,12 @@ def get(folder: Path, path: str, **headers: str) -> tuple[int, dict[str, str], b
     async def send(message: Message) -> None:
         told.append(message)
 
-    asyncio.run(PageFiles(directory=folder, html=True)(scope, receive, send))
+    async def serve() -> None:
+        await PageFiles(directory=folder, html=True)(scope, receive, send)
+
+    # Playwright, in the tests of pages, has a loop of its own in this thread.
+    with ThreadPoolExecutor(max_workers=1) as thread:
+        thread.submit(asyncio.run, serve()).result()
     start, *rest = told
     answered = {name.decode(): value.decode() for name, value in start["headers"]}
     return start["status"], answered, b"".join(each.get("body", b"") for each in rest)

@@ -73,15 +73,14 @@ export function EditorPage({ api, project, name, robot: node, line, editors, ref
   useDiskLooks(editor, state === "open");
   useReturn(() => state === "open" && editor.revive());
   const results = useRef<HTMLElement>(null);
-  const isRead = editor.shown.value !== null;
   const openTool = (next: Tool) => {
     tool.value = next;
     if (full.part.peek() === "map") full.leave();
     showOnNarrow(() => results.current);
   };
   useEffect(() => {
-    if (isRead && line !== undefined) showInEditor(editor, Number(line));
-  }, [isRead]);
+    if (state === "open" && line !== undefined) showInEditor(editor, Number(line));
+  }, [state]);
   const savesByItself = project.saves_by_itself && state === "open";
   useEffect(() => (savesByItself ? saveByItself(selfSaving(editor)) : undefined), [savesByItself]);
   if (state === "opening") return <p class="quiet center">Opening {name} …</p>;

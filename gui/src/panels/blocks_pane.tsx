@@ -125,13 +125,12 @@ function openWorkspace(
   editor.handOver = (withOpenField) => workspace.handOver(withOpenField);
   const stops = [
     effect(() => {
-      const { value } = editor.shown;
-      // Before: a block that is made while nothing can be changed keeps labels that say so.
-      workspace.setReadOnly(editor.isBroken.value || value === null || isServerGone.value);
+      void editor.shown.value;
       show();
     }),
     effect(() => workspace.mark(editor.findings.value)),
     effect(() => workspace.showLive(robotRules.states.value)),
+    effect(() => workspace.setReadOnly(editor.isBroken.value || editor.shown.value === null || isServerGone.value)),
     effect(() => {
       const spot = editor.spot.value;
       const isElsewhere = spot !== null && spot.from !== "blocks";

@@ -27,7 +27,6 @@ export function ProfileChoice({ editor, api, project }: { editor: RuleEditor; ap
       await editor.useProfile(answer.name);
     } finally {
       editor.knowsProfile.value = true;
-      if (editor.shown.peek() === null) await editor.check();
     }
   };
   useEffect(() => telling(useRemembered()), []);

@@ -108,16 +108,17 @@ export class RuleEditor implements Contested {
     return { text: this.text.value, name: this.name, profile_text: this.profile.value?.text ?? null };
   }
 
-  /** Reads the file, its side file if the project has one, and what was not saved; a profile or a check is asked for next. */
+  /** Reads the file, its side file if the project has one, and what was not saved of them. */
   async open(): Promise<void> {
     const draft = await this.drafts.takeOver("rules", this.name);
     // What was not saved of a file that is gone can still be saved.
     const onDisk = draft ? readIfThere(this.api, this.name) : this.api.read(this.name);
-    const reading = [onDisk, this.api.fileState(layoutName(this.name)), recipeRules(this.api)] as const;
-    const [found, beside, recipes] = await Promise.all(reading);
+    const reading = [onDisk, this.api.project(), recipeRules(this.api)] as const;
+    const [found, { files }, recipes] = await Promise.all(reading);
     const file = found ?? { text: "", hash: null };
     this.recipes = recipes;
-    const side = beside.hash !== null ? await readLayout(this.api, this.name) : { map: PLAIN_GRID, hash: null };
+    const hasLayout = files.some((each) => each.name === layoutName(this.name));
+    const side = hasLayout ? await readLayout(this.api, this.name) : { map: PLAIN_GRID, hash: null };
     this.layoutHash = side.hash;
     batch(() => {
       this.map.value = side.map;
@@ -130,6 +131,7 @@ export class RuleEditor implements Contested {
       this.message.value = `Another tab has unsaved changes of ${this.name}`;
     this.isOpen = true;
     effect(() => this.keepDraft());
+    await this.check();
   }
 
   /** Goes on with what was not saved; where the file is another one by now, a save meets that. */

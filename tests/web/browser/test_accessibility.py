@@ -374,6 +374,7 @@ def test_a_marked_block_is_read_in_both_themes(
 
 def test_nothing_moves_for_who_wants_no_motion(ruler: RulerPage) -> None:
     card = ruler.page.locator(".card").first
+    ruler.page.emulate_media(reduced_motion="no-preference")
     expect(card).not_to_have_css("transition-duration", "0s")
     ruler.page.emulate_media(reduced_motion="reduce")
     expect(card).to_have_css("transition-duration", "0s")
