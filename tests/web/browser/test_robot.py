@@ -310,7 +310,7 @@ def test_a_lost_confirmation_is_not_called_without_effect(
     expect(failure).not_to_contain_text("Nothing was changed")
     page.forgive("ERR_FAILED")
     # A page that compares rules while the robot ends gets a 504, which Chromium logs.
-    _reopen(page)
+    page.home()
 
 
 def test_topics_of_the_robot_are_suggested_and_measured(page: RulerPage, runtime: Process) -> None:
