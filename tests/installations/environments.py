@@ -90,14 +90,14 @@ def run(
     )
 
 
-def copy_checkout(folder: Path) -> None:
+def copy_checkout(folder: Path, *, with_page: bool = True) -> None:
     """What a clone holds, and the page if it was built."""
     files = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True, check=True)
     for name in filter(None, files.stdout.split("\0")):
         if (ROOT / name).is_file():
             (folder / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(ROOT / name, folder / name)
-    if (ROOT / BUILT_PAGE).is_dir():
+    if with_page and (ROOT / BUILT_PAGE).is_dir():
         shutil.copytree(ROOT / BUILT_PAGE, folder / BUILT_PAGE)
 
 

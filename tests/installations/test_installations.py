@@ -19,14 +19,11 @@ from pathlib import Path
 import pytest
 
 from adapters.zenoh.ends import free_endpoint, until
+from cli.test_command_lines import COMMANDS
 from installations.environments import LIMIT_S, ROOT, Environment, clean_variables, copy_checkout, does, run
 from ros.ros_processes import Process, SmallRobot
 from smarttestudo.domain.packages import Extra, how_to_install
 
-COMMANDS = (
-    *("demo", "check", "fmt", "run", "receive", "top", "echo", "replay"),
-    *("incidents", "bag", "profile", "optimize", "ruler", "simulate"),
-)
 ODOM = {"type": "nav_msgs/msg/Odometry", "hz": 50}
 RULES = """begin
     SetFrequency /odom 10

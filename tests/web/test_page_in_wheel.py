@@ -10,7 +10,6 @@ Node is a stand-in here: the real one fetches what the page is made of from the 
 from __future__ import annotations
 
 import os
-import shutil
 import subprocess
 import sys
 import tarfile
@@ -19,7 +18,8 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parents[2]
+from installations.environments import copy_checkout
+
 PAGE = "smarttestudo/web/static/index.html"
 NPM = "#!/bin/sh\ncd ../src/smarttestudo/web && mkdir -p static && echo page > static/index.html\n"
 BROKEN_NPM = "#!/bin/sh\nexit 1\n"
@@ -28,11 +28,7 @@ BROKEN_NPM = "#!/bin/sh\nexit 1\n"
 @pytest.fixture
 def checkout(tmp_path: Path) -> Path:
     """A copy of the source as it is checked out, without a built page."""
-    files = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True, check=True)
-    for name in filter(None, files.stdout.split("\0")):
-        if (ROOT / name).is_file():
-            (tmp_path / "checkout" / name).parent.mkdir(parents=True, exist_ok=True)
-            shutil.copy(ROOT / name, tmp_path / "checkout" / name)
+    copy_checkout(tmp_path / "checkout", with_page=False)
     return tmp_path / "checkout"
 
 
