@@ -51,7 +51,7 @@ test: test-length lint test-gui $(PAGE)
 
 test-length:
 	@echo "Style, types and layers, the page's tests, then all others: first those on no ROS graph, then the live"
-	@echo "ones, at last those that judge rates. About twelve minutes on two cores."
+	@echo "ones, at last those that judge rates. About twenty minutes on two cores."
 
 test-gui: $(VENV)/dev.stamp
 	$(GUI_NPM) test

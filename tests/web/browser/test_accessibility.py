@@ -11,6 +11,7 @@ from typing import Literal
 import pytest
 from playwright.sync_api import expect
 
+from adapters.zenoh.ends import until
 from axe import SCHEMES, violations
 from web.browser.ruler_page import EXAMPLES, GRIP_PX, RulerPage, copied
 from web.incident_projects import add_bad_incidents, write_incidents
@@ -259,7 +260,8 @@ def test_axe_finds_nothing_and_no_page_is_wider_than_the_screen(
     for width in (820, 390):
         ruler.page.set_viewport_size({"width": width, "height": 844})
         ruler.page.wait_for_function(f"innerWidth === {width}")
-        assert ruler.page.evaluate(SIDEWAYS) <= 0, f"{width} px"
+        # The blocks follow the size of the window a moment later.
+        until(lambda: ruler.page.evaluate(SIDEWAYS) <= 0)
 
 
 def test_tab_leaves_the_text(ruler: RulerPage) -> None:
