@@ -58,6 +58,9 @@ def robots(
     opened: Any = open_graph_robots("onlooker") if on_graph else open_link_robots(options, refuse_warning)
     with opened as robots:
         wait(robots, lambda: ID in robots.heard and robots.heard[ID].status.topics["/imu"].publishers > 0)
+        # Discovery brings the node's services in an order of its own.
+        ask = partial(robots.get, ID, ["rules_hash"])
+        wait(robots, lambda: not isinstance(answered(robots, ask), SilentNodeError))
         yield robots
 
 
