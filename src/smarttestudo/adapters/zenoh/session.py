@@ -83,6 +83,8 @@ def close_session(session: zenoh.Session) -> None:
     those that a daemon thread began.
     """
     session.close()
+    # Once, however often a client connects again.
+    atexit.unregister(_await_callbacks)
     atexit.register(_await_callbacks)
 
 
