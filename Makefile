@@ -10,12 +10,13 @@ EXAMPLES_FACTOR ?= 0.34
 SWEEPS ?= some
 GUI_NPM := PYTHON=$(abspath $(BIN)/python) sh scripts/gui_npm.sh
 PAGE := src/smarttestudo/web/static/index.html
+GUI_PACKAGES := gui/node_modules/.package-lock.json
 GUI_SOURCES := $(shell find gui -type f -not -path 'gui/node_modules/*' -not -path 'gui/tests/*') docs/language.md docs/quality-levels.md $(wildcard docs/reference/*.md)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 # Where it is set, each of hundreds of starts compiles all modules anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: help demo gui test test-length fuzz lint format docs test-kilted test-kilted-live test-ros test-lowest wheels-aarch64 benchmarks clean test-gui lint-gui docs-site quick coverage
+.PHONY: help demo gui test test-length fuzz lint lint-python format docs test-kilted test-kilted-live test-ros test-lowest wheels-aarch64 benchmarks clean test-gui lint-gui docs-site quick coverage
 
 help:
 	@echo "make demo            the warehouse mission, with and without adaptive monitoring (no robot needed)"
@@ -46,14 +47,15 @@ quick: lint
 
 # Each law tries a third of its examples, and pages are looked at on two screens; continuous integration asks for
 # all: make test EXAMPLES_FACTOR=1 SWEEPS=all
-test: test-length lint test-gui $(PAGE)
+test: test-length $(PAGE) $(GUI_PACKAGES)
+	@$(MAKE) --no-print-directory --jobs 2 --output-sync=target lint-python lint-gui test-gui
 	@BIN=$(BIN) SWEEPS=$(SWEEPS) sh scripts/run_tests.sh --examples-factor $(EXAMPLES_FACTOR)
 
 test-length:
 	@echo "Style, types and layers, the page's tests, then all others: first those on no ROS graph, then the live"
 	@echo "ones, at last those that judge rates. About twenty minutes on two cores."
 
-test-gui: $(VENV)/dev.stamp
+test-gui: $(VENV)/dev.stamp $(GUI_PACKAGES)
 	$(GUI_NPM) test
 
 # What failed is tried first the next time; `make test` tries the same examples each time.
@@ -68,16 +70,23 @@ coverage: $(VENV)/dev.stamp $(PAGE)
 
 gui: $(PAGE)
 
+# Two commands that run beside each other must not both install them.
+$(GUI_PACKAGES): gui/package-lock.json | $(VENV)/dev.stamp
+	$(GUI_NPM) --version
+	@touch $@
+
 $(PAGE): $(GUI_SOURCES) scripts/make_gui.sh scripts/gui_npm.sh | $(VENV)/dev.stamp
 	PYTHON=$(abspath $(BIN)/python) sh scripts/make_gui.sh
 
-lint: $(VENV)/dev.stamp lint-gui
+lint: lint-python lint-gui
+
+lint-python: $(VENV)/dev.stamp
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-lint-gui: $(VENV)/dev.stamp
+lint-gui: $(VENV)/dev.stamp $(GUI_PACKAGES)
 	$(GUI_NPM) run lint
 
 format: $(VENV)/dev.stamp
