@@ -42,7 +42,7 @@ demo: $(VENV)/studio.stamp
 
 # Each law tries a twentieth of its examples; what starts processes or takes seconds is left to `make test`.
 quick: lint
-	$(BIN)/pytest --numprocesses 2 --dist worksteal -m "not process and not slow" --examples-factor 0.05 --quiet
+	$(BIN)/pytest --numprocesses 2 --dist worksteal -m "not process and not slow" --examples-factor 0.05 --quiet tests
 
 # Each law tries a third of its examples, and pages are looked at on two screens; continuous integration asks for
 # all: make test EXAMPLES_FACTOR=1 SWEEPS=all
@@ -64,7 +64,7 @@ fuzz: $(VENV)/dev.stamp
 # Live tests run their code in other processes, which are not measured.
 coverage: $(VENV)/dev.stamp $(PAGE)
 	$(BIN)/pytest --numprocesses auto --dist worksteal --ignore tests/ros --ignore tests/ros_package \
-		--examples-factor 0.1 --cov --cov-report term:skip-covered --cov-report html
+		--examples-factor 0.1 --cov --cov-report term:skip-covered --cov-report html tests
 
 gui: $(PAGE)
 
