@@ -91,6 +91,7 @@ docs: $(VENV)/dev.stamp
 	$(BIN)/python scripts/make_api_types.py
 	$(BIN)/python scripts/make_world.py
 	$(BIN)/python scripts/make_map.py
+	$(BIN)/python scripts/release_files.py
 
 docs-site: $(VENV)/dev.stamp
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet
