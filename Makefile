@@ -15,18 +15,20 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 # Where it is set, each of hundreds of starts compiles all modules anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: help demo gui test test-length fuzz lint format docs test-kilted test-kilted-live test-ros test-lowest wheels-aarch64 benchmarks clean test-gui lint-gui docs-site quick coverage
+.PHONY: help demo gui release test test-plain lint-ci test-length fuzz lint format docs test-kilted test-kilted-live test-ros test-lowest wheels-aarch64 benchmarks clean test-gui lint-gui docs-site quick coverage
 
 help:
 	@echo "make demo            the warehouse mission, with and without adaptive monitoring (no robot needed)"
 	@echo "make quick           while working: style, types, layers, and tests without processes, in about a minute"
 	@echo "make test            everything that must hold: style, types, layers, tests; at the end the ten slowest"
 	@echo "                     (EXAMPLES_FACTOR=1 SWEEPS=all: all examples of laws, all screens; see build/tests)"
+	@echo "make test-plain      the tests that need neither ROS 2 nor a browser nor other processes, for any Python"
 	@echo "make fuzz            random examples for every law, $(FUZZ_FACTOR) times as many (FUZZ_FACTOR=, FUZZ_TESTS=)"
 	@echo "make coverage        what of the code the tests run, without those on a ROS graph"
 	@echo "make gui             the page of 'testudo ruler', from gui/ (needs Node 20, or gets it from PyPI)"
 	@echo "make test-gui        the tests of the page's modules only"
 	@echo "make lint            style, types and layers only, those of the page (make lint-gui) included"
+	@echo "make lint-ci         the workflows (actionlint) and the images in docker/ (hadolint)"
 	@echo "make format          format the code"
 	@echo "make docs            regenerate docs/reference, the page's types and worlds from the code"
 	@echo "make docs-site       the documentation as a site in build/site, for any browser, offline"
@@ -34,6 +36,7 @@ help:
 	@echo "make test-ros        the live tests on an installed ROS 2 (ROS_SETUP=/opt/ros/humble/setup.bash)"
 	@echo "make test-lowest     the tests with the lowest allowed versions (PYTHON=python3.10)"
 	@echo "make wheels-aarch64  show that an ARM robot and laptop install binary wheels only"
+	@echo "make release         what a release uploads, tried, into dist/ (TAG=--tag: tagged, too)"
 	@echo "make benchmarks      all benchmarks; their results are in docs/benchmarks.md"
 	@echo "make clean           remove what these commands made"
 
@@ -43,6 +46,9 @@ demo: $(VENV)/studio.stamp
 # Each law tries a twentieth of its examples; what starts processes or takes seconds is left to `make test`.
 quick: lint
 	$(BIN)/pytest --numprocesses 2 --dist worksteal -m "not process and not slow" --examples-factor 0.05 --quiet tests
+
+test-plain: $(VENV)/dev.stamp
+	$(BIN)/pytest --numprocesses auto --dist worksteal -m "not process" --examples-factor $(EXAMPLES_FACTOR) --quiet tests
 
 # Each law tries a third of its examples, and pages are looked at on two screens; continuous integration asks for
 # all: make test EXAMPLES_FACTOR=1 SWEEPS=all
@@ -71,7 +77,7 @@ gui: $(PAGE)
 $(PAGE): $(GUI_SOURCES) scripts/make_gui.sh scripts/gui_npm.sh | $(VENV)/dev.stamp
 	PYTHON=$(abspath $(BIN)/python) sh scripts/make_gui.sh
 
-lint: $(VENV)/dev.stamp lint-gui
+lint: $(VENV)/dev.stamp lint-gui lint-ci
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
@@ -79,6 +85,10 @@ lint: $(VENV)/dev.stamp lint-gui
 
 lint-gui: $(VENV)/dev.stamp
 	$(GUI_NPM) run lint
+
+lint-ci: $(VENV)/dev.stamp
+	$(GUI_NPM) run lint:workflows
+	$(BIN)/hadolint docker/*.Dockerfile
 
 format: $(VENV)/dev.stamp
 	$(BIN)/ruff check --fix .
@@ -112,6 +122,9 @@ test-lowest:
 
 wheels-aarch64: $(VENV)/dev.stamp
 	UV=$(BIN)/uv sh scripts/wheels_aarch64.sh
+
+release: $(VENV)/dev.stamp
+	PYTHON=$(BIN)/python sh scripts/release.sh $(TAG)
 
 benchmarks: $(VENV)/dev.stamp $(PAGE)
 	for benchmark in benchmarks/*.py; do $(BIN)/python $$benchmark || exit 1; done
