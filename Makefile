@@ -16,18 +16,20 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 # Where it is set, each of hundreds of starts compiles all modules anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: help demo gui test test-length fuzz lint lint-python format docs test-kilted test-kilted-live test-ros test-lowest wheels-aarch64 benchmarks clean test-gui lint-gui docs-site quick coverage
+.PHONY: help demo gui release test test-plain lint-ci test-length fuzz lint lint-python format docs test-kilted test-kilted-live test-ros test-lowest wheels-aarch64 benchmarks clean test-gui lint-gui docs-site quick coverage
 
 help:
 	@echo "make demo            the warehouse mission, with and without adaptive monitoring (no robot needed)"
 	@echo "make quick           while working: style, types, layers, and tests without processes, in about a minute"
 	@echo "make test            everything that must hold: style, types, layers, tests; at the end the ten slowest"
 	@echo "                     (EXAMPLES_FACTOR=1 SWEEPS=all: all examples of laws, all screens; see build/tests)"
+	@echo "make test-plain      the tests that need neither ROS 2 nor a browser nor other processes, for any Python"
 	@echo "make fuzz            random examples for every law, $(FUZZ_FACTOR) times as many (FUZZ_FACTOR=, FUZZ_TESTS=)"
 	@echo "make coverage        what of the code the tests run, without those on a ROS graph"
 	@echo "make gui             the page of 'testudo ruler', from gui/ (needs Node 20, or gets it from PyPI)"
 	@echo "make test-gui        the tests of the page's modules only"
 	@echo "make lint            style, types and layers only, those of the page (make lint-gui) included"
+	@echo "make lint-ci         the workflows (actionlint) and the images in docker/ (hadolint)"
 	@echo "make format          format the code"
 	@echo "make docs            regenerate docs/reference, the page's types and worlds from the code"
 	@echo "make docs-site       the documentation as a site in build/site, for any browser, offline"
@@ -35,6 +37,7 @@ help:
 	@echo "make test-ros        the live tests on an installed ROS 2 (ROS_SETUP=/opt/ros/humble/setup.bash)"
 	@echo "make test-lowest     the tests with the lowest allowed versions (PYTHON=python3.10)"
 	@echo "make wheels-aarch64  show that an ARM robot and laptop install binary wheels only"
+	@echo "make release         what a release uploads, tried, into dist/ (TAG=--tag: tagged, too)"
 	@echo "make benchmarks      all benchmarks; their results are in docs/benchmarks.md"
 	@echo "make clean           remove what these commands made"
 
@@ -43,12 +46,15 @@ demo: $(VENV)/studio.stamp
 
 # Each law tries a twentieth of its examples; what starts processes or takes seconds is left to `make test`.
 quick: lint
-	$(BIN)/pytest --numprocesses 2 --dist worksteal -m "not process and not slow" --examples-factor 0.05 --quiet
+	$(BIN)/pytest --numprocesses 2 --dist worksteal -m "not process and not slow" --examples-factor 0.05 --quiet tests
+
+test-plain: $(VENV)/dev.stamp
+	$(BIN)/pytest --numprocesses auto --dist worksteal -m "not process" --examples-factor $(EXAMPLES_FACTOR) --quiet tests
 
 # Each law tries a third of its examples, and pages are looked at on two screens; continuous integration asks for
 # all: make test EXAMPLES_FACTOR=1 SWEEPS=all
 test: test-length $(PAGE) $(GUI_PACKAGES)
-	@$(MAKE) --no-print-directory --jobs 2 --output-sync=target lint-python lint-gui test-gui
+	@$(MAKE) --no-print-directory --jobs 2 --output-sync=target lint-python lint-gui lint-ci test-gui
 	@BIN=$(BIN) SWEEPS=$(SWEEPS) sh scripts/run_tests.sh --examples-factor $(EXAMPLES_FACTOR)
 
 test-length:
@@ -66,7 +72,7 @@ fuzz: $(VENV)/dev.stamp
 # Live tests run their code in other processes, which are not measured.
 coverage: $(VENV)/dev.stamp $(PAGE)
 	$(BIN)/pytest --numprocesses auto --dist worksteal --ignore tests/ros --ignore tests/ros_package \
-		--examples-factor 0.1 --cov --cov-report term:skip-covered --cov-report html
+		--examples-factor 0.1 --cov --cov-report term:skip-covered --cov-report html tests
 
 gui: $(PAGE)
 
@@ -78,7 +84,7 @@ $(GUI_PACKAGES): gui/package-lock.json | $(VENV)/dev.stamp
 $(PAGE): $(GUI_SOURCES) scripts/make_gui.sh scripts/gui_npm.sh | $(VENV)/dev.stamp
 	PYTHON=$(abspath $(BIN)/python) sh scripts/make_gui.sh
 
-lint: lint-python lint-gui
+lint: lint-python lint-gui lint-ci
 
 lint-python: $(VENV)/dev.stamp
 	$(BIN)/ruff check .
@@ -88,6 +94,10 @@ lint-python: $(VENV)/dev.stamp
 
 lint-gui: $(VENV)/dev.stamp $(GUI_PACKAGES)
 	$(GUI_NPM) run lint
+
+lint-ci: $(VENV)/dev.stamp $(GUI_PACKAGES)
+	$(GUI_NPM) run lint:workflows
+	$(BIN)/hadolint docker/*.Dockerfile
 
 format: $(VENV)/dev.stamp
 	$(BIN)/ruff check --fix .
@@ -100,6 +110,7 @@ docs: $(VENV)/dev.stamp
 	$(BIN)/python scripts/make_api_types.py
 	$(BIN)/python scripts/make_world.py
 	$(BIN)/python scripts/make_map.py
+	$(BIN)/python scripts/release_files.py
 
 docs-site: $(VENV)/dev.stamp
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet
@@ -120,6 +131,9 @@ test-lowest:
 
 wheels-aarch64: $(VENV)/dev.stamp
 	UV=$(BIN)/uv sh scripts/wheels_aarch64.sh
+
+release: $(VENV)/dev.stamp
+	PYTHON=$(BIN)/python sh scripts/release.sh $(TAG)
 
 benchmarks: $(VENV)/dev.stamp $(PAGE)
 	for benchmark in benchmarks/*.py; do $(BIN)/python $$benchmark || exit 1; done

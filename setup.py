@@ -78,6 +78,7 @@ def from_pyproject() -> dict[str, Any]:
                 str(path.relative_to(package)) for one in patterns for path in package.glob(one)
             ]
         },
+        "extras_require": {"test": project["optional-dependencies"]["test"]},
         "entry_points": {"console_scripts": [f"{name} = {to}" for name, to in project["scripts"].items()]},
     }
 

@@ -1,6 +1,7 @@
 #!/bin/sh
 # Makes what a release uploads from what git tracks here, and tries it in an empty environment.
 # The source archive and the wheel are put into dist/, or into DIST.
+# usage: scripts/release.sh [--tag]      with --tag, scripts/tag_release.sh tags the commit at the end
 set -eu
 python=$(realpath -s "${PYTHON:-.venv/bin/python}")
 uv=$(dirname "$python")/uv
@@ -8,11 +9,7 @@ dist=$(realpath -m "${DIST:-dist}")
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT INT TERM
 
-version=$(sed -n 's/^__version__ = "\(.*\)"$/\1/p' src/smarttestudo/__init__.py)
-says() { grep -qF "$2" "$1" || { echo "$1: error: it does not say $2, the version of src/smarttestudo/__init__.py" >&2; exit 1; }; }
-says package.xml "<version>$version</version>"
-says CITATION.cff "version: $version"
-says CHANGELOG.md "## [$version]"
+"$python" scripts/release_files.py --check
 
 mkdir "$folder/source"
 git ls-files -z | xargs -0 cp --parents --target-directory="$folder/source"
@@ -36,3 +33,4 @@ wheel=$(echo "$folder"/dist/*.whl)
 mkdir -p "$dist"
 cp "$folder"/dist/* "$dist"
 for made in "$folder"/dist/*; do echo "$dist/$(basename "$made")"; done
+if [ "${1:-}" = --tag ]; then PYTHON=$python sh scripts/tag_release.sh; fi

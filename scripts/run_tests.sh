@@ -25,7 +25,7 @@ mkdir -p "$results"
 ignored=""
 for path in $live; do ignored="$ignored --ignore $path"; done
 # shellcheck disable=SC2046,SC2086
-part first $(parallel $((processors * 3 / 2))) $ignored "$@"
+part first $(parallel $((processors * 3 / 2))) tests $ignored "$@"
 if [ -z "$failed" ]; then
     workers=$((processors * 2))
     # shellcheck disable=SC2046,SC2086

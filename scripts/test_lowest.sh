@@ -15,4 +15,4 @@ bin=$folder/venv/bin
 "$bin/pip" install --quiet --no-deps --editable .
 "$bin/python" --version
 grep -v '^ *#' "$folder/lowest.txt"
-"$bin/pytest" "$@"
+"$bin/pytest" tests "$@"

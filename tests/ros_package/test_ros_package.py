@@ -17,7 +17,7 @@ from xml.etree import ElementTree
 import tomli
 
 from ros.ros_processes import SmallRobot
-from ros_package.workspace import ROOT
+from ros_package.workspace import ROOT, tested
 from smarttestudo import __version__
 
 RULES = "begin SetFrequency /imu 10 end"
@@ -67,6 +67,14 @@ def test_a_build_by_links_holds_the_same_package(installed: Path, linked: Path) 
         done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
         assert (done.returncode, done.stderr) == (0, "")
         assert done.stdout.startswith("usage: testudo")
+
+
+def test_colcon_test_runs_the_tests_of_the_package_on_what_it_installed(installed: Path) -> None:
+    results = tested(installed.parents[1])
+    assert [(suite.get("errors"), suite.get("failures"), suite.get("skipped")) for suite in results] == [
+        ("0", "0", "0")
+    ]
+    assert len(results.findall(".//testcase")) == 2
 
 
 def test_package_xml_depends_on_every_ros_package_that_is_used() -> None:

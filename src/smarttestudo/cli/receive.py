@@ -135,8 +135,9 @@ def run(arguments: argparse.Namespace) -> int:
     require_zenoh()
     folders = MirrorFolders(incidents=arguments.incidents, outages=arguments.catch_up)
     is_fetching = folders != MirrorFolders()
-    _settle_ros(arguments, is_fetching=is_fetching)
     options, predicts = _options(arguments), _predicted(arguments)
+    _settle_ros(arguments, is_fetching=is_fetching)
+    _require_onlookers(arguments)
     with ExitStack() as opened:
         stopped = opened.enter_context(stop_signals())
         statuses = StatusSink(STATUS_TOPIC)
@@ -227,15 +228,16 @@ def _options(arguments: argparse.Namespace) -> LinkOptions:
 
 
 def _predicted(arguments: argparse.Namespace) -> frozenset[str]:
-    if not arguments.predict:
-        return frozenset()
-    if arguments.no_ros and arguments.foxglove is None:
+    return frozenset(full_topic_names(arguments.predict, "--predict", most=MAX_PREDICTED, like="/odom"))
+
+
+def _require_onlookers(arguments: argparse.Namespace) -> None:
+    if arguments.predict and arguments.no_ros and arguments.foxglove is None:
         raise UsageError(
             "what is predicted is for who looks on, and is not recorded",
             place="--predict",
             remedy="leave out --no-ros, or add --foxglove PORT",
         )
-    return frozenset(full_topic_names(arguments.predict, "--predict", most=MAX_PREDICTED, like="/odom"))
 
 
 def _sinks(arguments: argparse.Namespace, opened: ExitStack) -> Iterator[Sink]:

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import platform
 import shlex
 import sys
 from enum import Enum
@@ -43,6 +44,17 @@ def missing_package(error: ModuleNotFoundError, what: str) -> MissingPackageErro
     if extra is None:
         return None
     return MissingPackageError(f"{what} needs the package {package}", remedy=how_to_install(extra))
+
+
+def how_to_get_ros() -> str:
+    """What to do where rclpy is missing; the extra ``ros`` is empty where PyPI has no ROS 2."""
+    if _is_ros_on_pypi(sys.platform, platform.machine(), sys.version_info[:2]):
+        return f"without a ROS 2 installation, {how_to_install(Extra.ROS)}"
+    return "the extra ros is empty here: PyPI has ROS 2 for x86-64 Linux and Python before 3.14 only"
+
+
+def _is_ros_on_pypi(system: str, machine: str, python: tuple[int, ...]) -> bool:
+    return system == "linux" and machine == "x86_64" and python < (3, 14)
 
 
 def how_to_install(extra: Extra) -> str:

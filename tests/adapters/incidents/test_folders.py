@@ -237,7 +237,9 @@ def test_what_cannot_be_written_ends_its_incidents_which_are_named_and_no_others
 FULL = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
 
-@pytest.mark.parametrize("refused", ["os.mkdir", "tempfile.mkstemp", "os.open", "os.writev", "os.link"])
+@pytest.mark.parametrize(
+    "refused", ["pathlib.Path.mkdir", "tempfile.mkstemp", "os.open", "os.writev", "os.link"]
+)
 def test_a_disk_that_is_full_as_an_incident_begins_is_said_once_and_what_is_lost_is_counted(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, refused: str
 ) -> None:

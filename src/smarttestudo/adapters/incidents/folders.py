@@ -29,7 +29,7 @@ from smarttestudo.adapters.incidents.mcap_file import complete_files
 from smarttestudo.adapters.incidents.mcap_records import StoredChannel
 from smarttestudo.adapters.incidents.mcap_writer import FileContent
 from smarttestudo.adapters.incidents.ring_files import RingFiles
-from smarttestudo.adapters.incidents.segments import BagFolder, Segment, SharedMessages
+from smarttestudo.adapters.incidents.segments import BagFolder, Segment, SharedMessages, link_file
 from smarttestudo.adapters.json.incidents import incident_text
 from smarttestudo.domain.errors import TestudoError, testudo_error
 from smarttestudo.domain.incident import (
@@ -265,11 +265,7 @@ def _has_hard_links(folder: Path) -> bool:
     with temporary_folder(folder, suffix=PARTIAL_SUFFIX) as workshop:
         file = workshop / "file"
         file.touch()
-        try:
-            (workshop / "link").hardlink_to(file)
-        except OSError:
-            return False
-    return True
+        return link_file(file, workshop / "link") is None
 
 
 def unused_name(folder: Path, name: str, stamp_ns: int, taken: Collection[str] = ()) -> str:

@@ -81,7 +81,7 @@ class Segment:
             errno.ENOENT, "no file is left to link to", str(folder.path / name)
         )
         for holder, held_name in self._holders:
-            failed = _link(holder.path / held_name, folder.path / name)
+            failed = link_file(holder.path / held_name, folder.path / name)
             if failed is None:
                 self._hold(folder, name)
                 return
@@ -123,7 +123,7 @@ class Segment:
         self._holders.append((folder, name))
 
 
-def _link(file: Path, name: Path) -> OSError | None:
+def link_file(file: Path, name: Path) -> OSError | None:
     """Have ``file`` under one more name; why, if it cannot be."""
     try:
         os.link(file, name)

@@ -14,7 +14,7 @@ from smarttestudo.adapters.ros.graph_robots import GraphRobots
 from smarttestudo.adapters.ros.loading import load_rclpy
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.link import OutgoingLink
-from smarttestudo.domain.packages import Extra, how_to_install
+from smarttestudo.domain.packages import how_to_get_ros
 from smarttestudo.domain.remote_robots import RemoteRobots
 from smarttestudo.domain.robot import DataPathKind, OutputDomain, Robot
 
@@ -45,7 +45,7 @@ def open_robot(
     except ImportError as error:
         raise RosError(
             "this needs ROS 2 (rclpy)",
-            remedy=f"source your ROS setup; without a ROS 2 installation, {how_to_install(Extra.ROS)}",
+            remedy=f"source your ROS setup; {how_to_get_ros()}",
         ) from error
     from smarttestudo.adapters.ros.linked_node import LinkedNode  # noqa: PLC0415  needs rclpy
     from smarttestudo.adapters.ros.node import RosNode, open_node  # noqa: PLC0415  needs rclpy

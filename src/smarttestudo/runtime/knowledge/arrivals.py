@@ -123,4 +123,12 @@ class Arrivals:
 
 def _first_age_ns(cut: Bound) -> int:
     """The first age beyond ``cut``, found by the very comparison that checks use: floats round."""
-    return bisect_left(range(_LONGEST_NS), 1, key=lambda age_ns: (age_ns / NS_PER_S, 0) > cut)
+    # Not bisect, which counts no further than 2**31 on a 32-bit machine: two seconds.
+    shortest_ns, longest_ns = 0, _LONGEST_NS
+    while shortest_ns < longest_ns:
+        age_ns = (shortest_ns + longest_ns) // 2
+        if (age_ns / NS_PER_S, 0) > cut:
+            longest_ns = age_ns
+        else:
+            shortest_ns = age_ns + 1
+    return shortest_ns
