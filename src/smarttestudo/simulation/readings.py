@@ -33,6 +33,7 @@ class Topic(Enum):
     TF_STATIC = "/tf_static"
 
 
+CAMERA_TOPICS = (Topic.CAMERA_INFO, Topic.COMPRESSED_IMAGE, Topic.IMAGE)
 PATROL_TOPICS = tuple(
     topic for topic in Topic if topic not in (Topic.AMCL_POSE, Topic.BATTERY_STATE, Topic.RANGE)
 )
@@ -58,7 +59,7 @@ class Odometry:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SpatialPose:
+class EstimatedPose:
     """A place in metres and a rotation, with standard deviations of x, y, z, roll, pitch and yaw."""
 
     position: Vector
@@ -75,7 +76,7 @@ class SpatialOdometry:
 
     stamp_ns: int
     child_frame: str
-    pose: SpatialPose
+    pose: EstimatedPose
     linear: Vector
     angular: Vector
     twist_deviations: tuple[float, float, float, float, float, float]
@@ -86,7 +87,7 @@ class Localization:
     """Where a robot takes itself to be on its map."""
 
     stamp_ns: int
-    pose: SpatialPose
+    pose: EstimatedPose
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

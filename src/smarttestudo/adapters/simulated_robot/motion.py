@@ -36,12 +36,12 @@ from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.simulation.geometry import BodyVelocity, Quaternion, Vector
 from smarttestudo.simulation.readings import (
     Command,
+    EstimatedPose,
     Imu,
     JointStates,
     Localization,
     Odometry,
     SpatialOdometry,
-    SpatialPose,
     Transforms,
 )
 from smarttestudo.simulation.robot import (
@@ -155,7 +155,7 @@ def transforms(reading: Transforms) -> TransformsMessage:
     )
 
 
-def _pose(pose: SpatialPose) -> PoseWithCovarianceMessage:
+def _pose(pose: EstimatedPose) -> PoseWithCovarianceMessage:
     place = PointMessage(x=pose.position.x, y=pose.position.y, z=pose.position.z)
     return PoseWithCovarianceMessage(
         pose=PoseMessage(position=place, orientation=quaternion(pose.orientation)),

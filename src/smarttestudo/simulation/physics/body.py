@@ -48,8 +48,8 @@ class Machine(Protocol):
 class PhysicalBody:
     """The true motion of a robot in its world, with its battery and the people around it.
 
-    ``now_ns`` is the time of the robot, which may skip what the physics missed. ``cover_s`` is when something
-    covers the LiDAR.
+    ``now_ns`` is the time of the robot, from 0 on; it may skip what the physics missed. Something covers the
+    LiDAR after ``cover_s`` seconds of physics.
     """
 
     def __init__(
@@ -59,15 +59,14 @@ class PhysicalBody:
         walkers: Sequence[WalkingPerson],
         battery: BatteryCharge,
         *,
-        start_ns: int,
         cover_s: float | None,
     ) -> None:
         self.engine = engine
         self.machine = machine
         self.battery = battery
-        self.now_ns = start_ns
+        self.now_ns = 0
         self._walkers = walkers
-        self._epoch_ns = start_ns
+        self._epoch_ns = 0
         self._cover_ns = None if cover_s is None else round(cover_s * NS_PER_S)
         self._inertial_sum: Floats = np.zeros(6)
         self._inertial_count = 0

@@ -13,7 +13,7 @@ import numpy as np
 
 from smarttestudo.domain.floor_plan import FloorPlan
 from smarttestudo.simulation.camera import Camera, FrameSize, raspberry_pi_lens
-from smarttestudo.simulation.geometry import BodyVelocity, FrameTransform
+from smarttestudo.simulation.geometry import BodyVelocity, FrameTransform, Pose
 from smarttestudo.simulation.physics.body import Machine, PhysicalBody
 from smarttestudo.simulation.physics.engine import Engine, PhysicsError
 from smarttestudo.simulation.physics.odometry import DriftWalk, WheelOdometry
@@ -27,7 +27,7 @@ from smarttestudo.simulation.physics.teleop import Teleop
 from smarttestudo.simulation.physics.waffle import Waffle
 from smarttestudo.simulation.physics.waffle_sensors import TiltingLidar, WheelOdometer, WheelSensors
 from smarttestudo.simulation.physics.world_model import world_model
-from smarttestudo.simulation.readings import Lens, TimedReading, Topic
+from smarttestudo.simulation.readings import CAMERA_TOPICS, Lens, TimedReading, Topic
 from smarttestudo.simulation.robot import DriveModel, fixed_frames
 from smarttestudo.simulation.route import PurePursuit, Route
 from smarttestudo.simulation.schedule import Device, DeviceSchedule
@@ -44,7 +44,6 @@ class RobotKind(Enum):
 _COMMON_TOPICS = (
     *(Topic.CMD_VEL, Topic.ODOM, Topic.IMU, Topic.TF, Topic.TF_STATIC, Topic.BATTERY_STATE, Topic.AMCL_POSE),
 )
-CAMERA_TOPICS = (Topic.CAMERA_INFO, Topic.COMPRESSED_IMAGE, Topic.IMAGE)
 _OWN_TOPICS = {
     RobotKind.WAFFLE: (Topic.SCAN, Topic.JOINT_STATES),
     RobotKind.QUADROTOR: (Topic.RANGE,),
@@ -75,8 +74,7 @@ class PhysicsRequest:
 class PhysicalRobot:
     """A robot that drives round after round.
 
-    ``camera_problem`` says why it has no camera, if so; ``topics`` are those that it has. ``readings`` is all
-    that it publishes, without end.
+    ``camera_problem`` says why it has no camera, if so; ``topics`` are those that it has.
     """
 
     def __init__(
@@ -94,13 +92,17 @@ class PhysicalRobot:
         cameras = () if camera_problem else CAMERA_TOPICS
         self.topics: tuple[Topic, ...] = (*_COMMON_TOPICS, *_OWN_TOPICS[request.kind], *cameras)
         self._navigator = navigator
-        self._schedule = DeviceSchedule(
-            body, [navigator, *devices], seed=request.seed, fixed_frames=frames, together=()
-        )
+        self._devices = [navigator, *devices]
+        self._seed = request.seed
+        self._frames = frames
+        self._schedule: DeviceSchedule[PhysicalBody] | None = None
 
-    @property
-    def readings(self) -> Iterator[TimedReading]:
-        """What arrives on its topics, in this order."""
+    def readings(self, start_ns: int) -> Iterator[TimedReading]:
+        """What arrives on its topics from ``start_ns`` on, in order and without end; to be asked once."""
+        self.body.skip(start_ns)
+        self._schedule = DeviceSchedule(
+            self.body, self._devices, seed=self._seed, fixed_frames=self._frames, together=()
+        )
         return self._schedule
 
     def hear(self, velocity: BodyVelocity) -> None:
@@ -110,7 +112,8 @@ class PhysicalRobot:
     def skip(self, lost_ns: int) -> None:
         """Let ``lost_ns`` pass without physics."""
         self.body.skip(lost_ns)
-        self._schedule.skip(lost_ns)
+        if self._schedule is not None:
+            self._schedule.skip(lost_ns)
 
 
 def teleop_of(kind: RobotKind) -> Teleop:
@@ -122,8 +125,8 @@ def teleop_of(kind: RobotKind) -> Teleop:
 
 
 @contextmanager
-def physical_robot(request: PhysicsRequest, clock: Callable[[], int]) -> Iterator[PhysicalRobot]:
-    """The robot of ``request``, ready to start at the time that ``clock`` then says, until the block ends.
+def physical_robot(request: PhysicsRequest) -> Iterator[PhysicalRobot]:
+    """The robot of ``request``, ready to start, until the block ends.
 
     Raises:
         MissingPackageError: MuJoCo is not installed.
@@ -150,10 +153,22 @@ def physical_robot(request: PhysicsRequest, clock: Callable[[], int]) -> Iterato
             machine,
             walkers,
             BatteryCharge(battery, request.battery_percent),
-            start_ns=clock(),
             cover_s=request.cover_s,
         )
         yield _assembled(request, body, machine, None if problem else lens, problem)
+    finally:
+        engine.close()
+
+
+def camera_problem() -> str | None:
+    """Why robots have no camera on this machine, if so. Raises as ``physical_robot`` does."""
+    lens = raspberry_pi_lens(FrameSize.SMALL)
+    machine, start = Waffle(), Pose(0.0, 0.0, 0.0)
+    engine = Engine(
+        world_model(FloorPlan(), machine.body(start, lens), machine.actuators(), [], lens.image_size)
+    )
+    try:
+        return _open_camera(engine, lens)
     finally:
         engine.close()
 

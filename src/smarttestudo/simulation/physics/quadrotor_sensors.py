@@ -11,9 +11,9 @@ from smarttestudo.simulation.physics.body import PhysicalBody
 from smarttestudo.simulation.physics.odometry import DriftWalk
 from smarttestudo.simulation.physics.sensors import Published, elapsed_s
 from smarttestudo.simulation.readings import (
+    EstimatedPose,
     RangeReading,
     SpatialOdometry,
-    SpatialPose,
     Topic,
     Transforms,
 )
@@ -73,7 +73,7 @@ class VisualOdometer:
         reading = SpatialOdometry(
             stamp_ns=body.now_ns,
             child_frame=BASE_LINK,
-            pose=SpatialPose(position=place, orientation=turned, deviations=_POSE_DEVIATIONS),
+            pose=EstimatedPose(position=place, orientation=turned, deviations=_POSE_DEVIATIONS),
             linear=Vector(
                 float(ahead) + slow * noise[0], float(left) + slow * noise[1], float(up) + slow * noise[2]
             ),

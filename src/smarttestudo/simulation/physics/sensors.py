@@ -16,11 +16,11 @@ from smarttestudo.simulation.geometry import FrameTransform, Pose, Quaternion, V
 from smarttestudo.simulation.physics.body import PhysicalBody
 from smarttestudo.simulation.readings import (
     BatteryLevelReading,
+    EstimatedPose,
     Imu,
     Localization,
     Pixels,
     Reading,
-    SpatialPose,
     Topic,
     Transforms,
 )
@@ -101,7 +101,7 @@ class Localizer:
             0.0,
         )
         noise = (self.position_noise_m, self.position_noise_m, 0.0, 0.0, 0.0, self.yaw_noise_rad)
-        pose = SpatialPose(
+        pose = EstimatedPose(
             position=Vector(found.x_m, found.y_m, 0.0),
             orientation=Quaternion.from_yaw(found.yaw_rad),
             deviations=noise,

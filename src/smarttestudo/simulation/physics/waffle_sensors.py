@@ -14,9 +14,9 @@ from smarttestudo.simulation.physics.odometry import WheelOdometry
 from smarttestudo.simulation.physics.sensors import Published, elapsed_s
 from smarttestudo.simulation.physics.waffle import SCAN_HEIGHT_M
 from smarttestudo.simulation.readings import (
+    EstimatedPose,
     JointStates,
     SpatialOdometry,
-    SpatialPose,
     Topic,
     Transforms,
 )
@@ -46,7 +46,7 @@ class WheelOdometer:
         reading = SpatialOdometry(
             stamp_ns=body.now_ns,
             child_frame=BASE_FRAME,
-            pose=SpatialPose(position=place, orientation=heading, deviations=_POSE_DEVIATIONS),
+            pose=EstimatedPose(position=place, orientation=heading, deviations=_POSE_DEVIATIONS),
             linear=Vector(odometry.velocity.linear_m_per_s, 0.0, 0.0),
             angular=Vector(0.0, 0.0, odometry.velocity.angular_rad_per_s),
             twist_deviations=(linear, 0.0, 0.0, 0.0, 0.0, angular),

@@ -19,6 +19,7 @@ from smarttestudo.simulation.physics.drive import PhysicalRobot, PhysicsRequest,
 from smarttestudo.simulation.physics.teleop import Teleop
 from smarttestudo.simulation.readings import TimedReading, Topic
 from smarttestudo.simulation.warehouse import warehouse
+from smarttestudo.use_cases.demo.live import LOST_TIME
 from smarttestudo.use_cases.demo.mission import JPEG_BYTES, route_of
 from smarttestudo.use_cases.demo.simulate import advertise, left_out
 
@@ -70,7 +71,7 @@ def simulate_physics(request: SimulatePhysicsRequest, robot: Robot, stopped: Cal
         cover_s=request.cover_s,
         steer=None if request.teleop is None else request.teleop.command,
     )
-    with physical_robot(physics, robot.now_ns) as physical:
+    with physical_robot(physics) as physical:
         messages = RobotMessages(
             jpeg_bytes=JPEG_BYTES[request.frames],
             topics=physical.topics,
@@ -109,8 +110,9 @@ class _RealTimeDrive:
     def due_readings(self) -> Iterator[TimedReading]:
         """Each reading when it arrives, until the end."""
         seconds = self._request.seconds
-        end_ns = None if seconds is None else self._robot.now_ns() + ns_from_s(seconds)
-        for timed in self._physical.readings:
+        start_ns = self._robot.now_ns()
+        end_ns = None if seconds is None else start_ns + ns_from_s(seconds)
+        for timed in self._physical.readings(start_ns):
             self._catch_up(timed)
             if (end_ns is not None and timed.time_ns >= end_ns) or not self._await(timed):
                 return
@@ -127,7 +129,7 @@ class _RealTimeDrive:
         if self._warned_ns is None or now_ns - self._warned_ns >= _WARNING_NS:
             self._warned_ns = now_ns
             self._robot.log.warning(
-                f"Lost {self._lost_ns / NS_PER_S:.1f} s of real time so far, in which the robot stood still: "
+                f"Lost {self._lost_ns / NS_PER_S:.1f} {LOST_TIME}: "
                 "this machine is too slow for its physics or its camera"
             )
 
