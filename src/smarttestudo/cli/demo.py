@@ -70,6 +70,12 @@ def add_arguments(parser: CommandParser) -> None:
         action="store_true",
         help="in real time over a real ROS graph: the robot, the runtime and a recorder as processes",
     )
+    parser.add_argument(
+        "--physics",
+        action="store_true",
+        help="with --live: the robot has masses, wheels that slip and odometry that drifts (needs the extra "
+        "physics)",
+    )
     where.add_argument(
         "--link",
         metavar="RATE",
@@ -100,6 +106,8 @@ def run(arguments: argparse.Namespace) -> int:
         raise UsageError(
             "with --link, the robot drives the patrol", place="--mission", remedy="leave one out"
         )
+    if arguments.physics and not arguments.live:
+        raise UsageError("a robot with physics drives in real time", place="--physics", remedy="add --live")
     usual_s = _DEFAULT_SECONDS if arguments.link is None else _DEFAULT_LINK_SECONDS
     length_s = usual_s if arguments.seconds is None else arguments.seconds
     if arguments.link is not None and length_s < _LEAST_LINK_SECONDS:
@@ -109,6 +117,10 @@ def run(arguments: argparse.Namespace) -> int:
             remedy=f"give it at least {_LEAST_LINK_SECONDS:g}",
         )
     with ExitStack() as opened:
+        if arguments.physics:
+            from smarttestudo.simulation.physics.engine import load_mujoco  # noqa: PLC0415  needs the extra
+
+            load_mujoco()
         robot = _recorder(opened) if arguments.live else None
         outcome = run_demo(
             DemoRequest(
@@ -121,6 +133,7 @@ def run(arguments: argparse.Namespace) -> int:
                 robot=robot,
                 link_bit_per_s=arguments.link,
                 mission=arguments.mission,
+                physics=arguments.physics,
             )
         )
     _print(outcome, arguments.out)

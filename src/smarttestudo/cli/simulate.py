@@ -5,13 +5,19 @@
 from __future__ import annotations
 
 import argparse
+import sys
+from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from smarttestudo.adapters.ros import open_robot
 from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.loop_options import add_mission, add_ros_arguments, add_simulation, seconds
-from smarttestudo.cli.terminal import stop_signals
+from smarttestudo.cli.physics_options import add_physics, require_physics
+from smarttestudo.cli.terminal import key_presses, stop_signals
 
-NODE = ("-r", "__node:=turtlebot3")
+if TYPE_CHECKING:
+    from smarttestudo.domain.robot import Robot
+    from smarttestudo.simulation.camera import FrameSize
 
 
 def add_arguments(parser: CommandParser) -> None:
@@ -27,26 +33,70 @@ def add_arguments(parser: CommandParser) -> None:
         medium_images_help="compressed frames of 960 x 540 pixels, about 100 KB each",
     )
     add_mission(parser)
+    add_physics(parser)
     add_ros_arguments(parser)
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Drive until done or a signal comes."""
-    with stop_signals() as stopped, open_robot([*NODE, *arguments.ros_args]) as robot:
-        # These need packages that a robot lacks.
-        from smarttestudo.simulation.camera import FrameSize  # noqa: PLC0415
-        from smarttestudo.use_cases.demo.simulate import SimulateRequest, simulate  # noqa: PLC0415
+    require_physics(arguments, is_terminal=sys.stdin.isatty())
+    node = "quadrotor" if arguments.robot == "quadrotor" else "turtlebot3"
+    with stop_signals() as stopped:
+        if arguments.physics:
+            # Before a node is seen that would not come to drive.
+            from smarttestudo.simulation.physics.engine import load_mujoco  # noqa: PLC0415  needs the extra physics
 
-        frames = FrameSize.FULL if arguments.full_images else FrameSize.SMALL
-        simulate(
-            SimulateRequest(
+            load_mujoco()
+        with open_robot(["-r", f"__node:={node}", *arguments.ros_args]) as robot:
+            # This needs packages that a robot lacks.
+            from smarttestudo.simulation.camera import FrameSize  # noqa: PLC0415
+
+            frames = FrameSize.FULL if arguments.full_images else FrameSize.SMALL
+            if arguments.medium_images:
+                frames = FrameSize.MEDIUM
+            drive = _drive_with_physics if arguments.physics else _drive
+            drive(arguments, frames, robot, stopped)
+    return 0
+
+
+def _drive(
+    arguments: argparse.Namespace, frames: FrameSize, robot: Robot, stopped: Callable[[], bool]
+) -> None:
+    from smarttestudo.use_cases.demo.simulate import SimulateRequest, simulate  # noqa: PLC0415  see run
+
+    simulate(
+        SimulateRequest(
+            seconds=arguments.seconds, seed=arguments.seed, mission=arguments.mission, frames=frames
+        ),
+        robot,
+        stopped,
+    )
+
+
+def _drive_with_physics(
+    arguments: argparse.Namespace, frames: FrameSize, robot: Robot, stopped: Callable[[], bool]
+) -> None:
+    from smarttestudo.simulation.physics.drive import RobotKind, teleop_of  # noqa: PLC0415  see run
+    from smarttestudo.use_cases.demo.physics import SimulatePhysicsRequest, simulate_physics  # noqa: PLC0415
+
+    kind = RobotKind(arguments.robot or RobotKind.WAFFLE.value)
+    with key_presses() as keys:
+        teleop = teleop_of(kind) if arguments.teleop else None
+        if teleop is not None:
+            robot.log.info(f"Keys: {teleop.keys}")
+        simulate_physics(
+            SimulatePhysicsRequest(
+                kind=kind,
                 seconds=arguments.seconds,
                 seed=arguments.seed,
+                frames=frames,
+                battery_percent=100.0 if arguments.battery is None else arguments.battery,
+                cover_s=arguments.cover_lidar,
                 mission=arguments.mission,
-                frames=FrameSize.MEDIUM if arguments.medium_images else frames,
+                teleop=teleop,
+                keys=keys,
             ),
             robot,
             stopped,
         )
-    return 0

@@ -18,6 +18,7 @@ class Extra(Enum):
     STUDIO = "studio"
     LINK = "link"
     METRICS = "metrics"
+    PHYSICS = "physics"
     ROS = "ros"
 
 
@@ -29,6 +30,7 @@ _EXTRAS = {
     **dict.fromkeys(_OF_STUDIO, Extra.STUDIO),
     **dict.fromkeys(("zenoh", "foxglove"), Extra.LINK),
     "prometheus_client": Extra.METRICS,
+    "mujoco": Extra.PHYSICS,
 }
 """The extra that installs a package, by the name that is imported."""
 

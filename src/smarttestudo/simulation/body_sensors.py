@@ -69,7 +69,7 @@ class InertialUnit:
         angular, linear = self.angular_noise_rad_per_s, self.linear_noise_m_per_s2
         reading = Imu(
             stamp_ns=drive.now_ns,
-            yaw_rad=drive.pose.yaw_rad + self.yaw_noise_rad * noise[0],
+            orientation=Quaternion.from_yaw(drive.pose.yaw_rad + self.yaw_noise_rad * noise[0]),
             angular_velocity=Vector(
                 angular * noise[1], angular * noise[2], velocity.angular_rad_per_s + angular * noise[3]
             ),
@@ -78,7 +78,7 @@ class InertialUnit:
                 velocity.linear_m_per_s * velocity.angular_rad_per_s + linear * noise[5],
                 GRAVITY_M_PER_S2 + linear * noise[6],
             ),
-            yaw_noise_rad=self.yaw_noise_rad,
+            orientation_noise_rad=(0.0, 0.0, self.yaw_noise_rad),
             angular_noise_rad_per_s=angular,
             linear_noise_m_per_s2=linear,
         )

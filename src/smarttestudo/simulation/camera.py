@@ -4,11 +4,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import Enum
+from typing import Generic, Protocol, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from smarttestudo.domain.floor_plan import FloorPlan, ObstacleKind, Point
 from smarttestudo.simulation.lidar import Floats, RayCaster
@@ -55,8 +57,14 @@ def render(
     background = np.where((below_horizon_px < 0)[:, None], _CEILING, _faded(np.array(_FLOOR), floor_m))
     covered = (below_horizon_px[:, None] >= top_px) & (below_horizon_px[:, None] < foot_px)
     scene = np.where(covered[..., None], _faded(colours, depths_m), background[:, None, :])
+    return grained(scene, noise)
+
+
+def grained(scene: NDArray[np.generic], noise: np.random.Generator) -> Pixels:
+    """``scene``, height × width × RGB, with the grain of a sensor."""
     grain = noise.integers(-_GRAIN, _GRAIN, scene.shape, endpoint=True, dtype=np.int8)
-    return np.clip(scene + grain, 0, 255).astype(np.uint8)
+    pixels: Pixels = np.clip(scene.astype(np.float64) + grain, 0, 255).astype(np.uint8)
+    return pixels
 
 
 def _faded(colours: Floats, distances_m: Floats) -> Floats:
@@ -95,7 +103,16 @@ def raspberry_pi_lens(frames: FrameSize) -> Lens:
     return Lens(width=_WIDTH, height=_HEIGHT, focal_px=focal_px, binning=frames.value)
 
 
-class Camera:
+class _Seeing(Protocol):
+    """A robot with a clock."""
+
+    now_ns: int
+
+
+SeeingT = TypeVar("SeeingT", bound=_Seeing)
+
+
+class Camera(Generic[SeeingT]):
     """One shutter for the raw image, its calibration and its compressed copy.
 
     The view is drawn anew about twice a second and repeated in between. The compressor is a little too
@@ -104,15 +121,14 @@ class Camera:
 
     rate_hz = 29.0
 
-    def __init__(self, plan: FloorPlan, caster: RayCaster, lens: Lens, noise: np.random.Generator) -> None:
-        self._plan = plan
-        self._caster = caster
+    def __init__(self, look: Callable[[SeeingT], Pixels], lens: Lens) -> None:
+        """``look`` draws what the robot sees through ``lens``."""
+        self._look = look
         self._lens = lens
-        self._noise = noise
         self._frame = 0
         self._view: Pixels = np.zeros((0, 0, 3), np.uint8)
 
-    def sample(self, drive: DifferentialDrive) -> Sequence[tuple[Topic, Reading]]:
+    def sample(self, drive: SeeingT) -> Sequence[tuple[Topic, Reading]]:
         """One frame."""
         if self._frame % _FRAMES_PER_VIEW == 0:
             self._view = self._look(drive)
@@ -126,10 +142,18 @@ class Camera:
             published.append((Topic.COMPRESSED_IMAGE, CompressedImage(stamp_ns=stamp_ns, pixels=pixels)))
         return published
 
-    def _look(self, drive: DifferentialDrive) -> Pixels:
+
+def drawn_view(
+    plan: FloorPlan, caster: RayCaster, lens: Lens, noise: np.random.Generator
+) -> Callable[[DifferentialDrive], Pixels]:
+    """What draws the robot's view of ``plan``."""
+
+    def look(drive: DifferentialDrive) -> Pixels:
         viewpoint = Viewpoint(
             place=drive.pose.ahead(drive.model.camera_x_m),
             yaw_rad=drive.pose.yaw_rad,
             height_m=drive.model.camera_height_m,
         )
-        return render(self._plan, self._caster, viewpoint, self._lens, self._noise)
+        return render(plan, caster, viewpoint, lens, noise)
+
+    return look

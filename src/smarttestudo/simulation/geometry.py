@@ -27,10 +27,12 @@ class Pose:
 
 @dataclass(frozen=True, slots=True)
 class BodyVelocity:
-    """How a ground robot moves: forwards in m/s, anticlockwise in rad/s."""
+    """How a robot moves: forwards in m/s, anticlockwise in rad/s; only one that flies also left and up."""
 
     linear_m_per_s: float
     angular_rad_per_s: float
+    lateral_m_per_s: float = 0.0
+    climb_m_per_s: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,9 +59,28 @@ class Quaternion:
         return Quaternion(0.0, 0.0, math.sin(yaw_rad / 2), math.cos(yaw_rad / 2))
 
     @staticmethod
+    def from_roll_pitch_yaw(roll_rad: float, pitch_rad: float, yaw_rad: float) -> Quaternion:
+        """The rotation by ``yaw_rad`` about z, then about the turned y, then about the turned x."""
+        pitched = Quaternion(0.0, math.sin(pitch_rad / 2), 0.0, math.cos(pitch_rad / 2))
+        return Quaternion.from_yaw(yaw_rad).then(pitched).then(Quaternion.from_roll(roll_rad))
+
+    @staticmethod
     def from_roll(roll_rad: float) -> Quaternion:
         """The rotation by ``roll_rad`` about x."""
         return Quaternion(math.sin(roll_rad / 2), 0.0, 0.0, math.cos(roll_rad / 2))
+
+    @property
+    def roll_pitch_yaw_rad(self) -> tuple[float, float, float]:
+        """The rotation as turns about x, then the turned y, then the turned z (REP 103), within ±π."""
+        x, y, z, w = self.x, self.y, self.z, self.w
+        roll = math.atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))
+        pitch = math.asin(min(max(2 * (w * y - z * x), -1.0), 1.0))
+        return roll, pitch, math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+
+    @property
+    def yaw_rad(self) -> float:
+        """The heading, within ±π."""
+        return self.roll_pitch_yaw_rad[2]
 
     def then(self, other: Quaternion) -> Quaternion:
         """This rotation followed by ``other`` about the turned axes (the Hamilton product)."""

@@ -72,7 +72,7 @@ class RayCaster:
         return near
 
 
-_RAYS = 360
+RAYS = 360
 
 
 class Lidar:
@@ -90,7 +90,7 @@ class Lidar:
     def __init__(self, caster: RayCaster, noise: np.random.Generator) -> None:
         self._caster = caster
         self._noise = noise
-        self._bearings_rad = np.linspace(0.0, 2 * np.pi, _RAYS, endpoint=False)
+        self._bearings_rad = np.linspace(0.0, 2 * np.pi, RAYS, endpoint=False)
 
     def sample(self, drive: DifferentialDrive) -> Sequence[tuple[Topic, Reading]]:
         """One turn from where the robot is now."""
@@ -98,14 +98,18 @@ class Lidar:
         # Noise may bring a hit just beyond the range back into it.
         reach_m = self.range_max_m + 4 * self.noise_m
         hits = self._caster.cast(origin, self._bearings_rad + drive.pose.yaw_rad, range_m=reach_m)
-        ranges_m = hits.distances_m + self._noise.normal(0.0, self.noise_m, _RAYS)
-        ranges_m[ranges_m > self.range_max_m] = np.inf
-        ranges_m[ranges_m < self.range_min_m] = -np.inf
-        reading = Scan(
-            stamp_ns=drive.now_ns,
-            ranges_m=ranges_m.astype(np.float32),
-            range_min_m=self.range_min_m,
-            range_max_m=self.range_max_m,
-            turn_s=1 / self.rate_hz,
-        )
-        return [(Topic.SCAN, reading)]
+        return [(Topic.SCAN, measured_turn(hits.distances_m, drive.now_ns, self._noise))]
+
+
+def measured_turn(distances_m: Floats, stamp_ns: int, noise: np.random.Generator) -> Scan:
+    """What the LDS-01 reads where its rays truly go so far."""
+    ranges_m = distances_m + noise.normal(0.0, Lidar.noise_m, len(distances_m))
+    ranges_m[ranges_m > Lidar.range_max_m] = np.inf
+    ranges_m[ranges_m < Lidar.range_min_m] = -np.inf
+    return Scan(
+        stamp_ns=stamp_ns,
+        ranges_m=ranges_m.astype(np.float32),
+        range_min_m=Lidar.range_min_m,
+        range_max_m=Lidar.range_max_m,
+        turn_s=1 / Lidar.rate_hz,
+    )

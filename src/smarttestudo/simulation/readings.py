@@ -4,28 +4,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from smarttestudo.simulation.geometry import BodyVelocity, FrameTransform, Pose, Vector
-from smarttestudo.simulation.robot import DifferentialDrive
-
-
-class Device(Protocol):
-    """Something that looks at the robot ``rate_hz`` times a second and publishes what it saw."""
-
-    @property
-    def rate_hz(self) -> float:
-        """How often it is sampled."""
-
-    def sample(self, drive: DifferentialDrive) -> Sequence[tuple[Topic, Reading]]:
-        """What it publishes now; called once each period, in time order."""
-
+from smarttestudo.simulation.geometry import BodyVelocity, FrameTransform, Pose, Quaternion, Vector
 
 Pixels = NDArray[np.uint8]
 
@@ -33,6 +18,8 @@ Pixels = NDArray[np.uint8]
 class Topic(Enum):
     """The robot's topics."""
 
+    AMCL_POSE = "/amcl_pose"
+    BATTERY_STATE = "/battery_state"
     CMD_VEL = "/cmd_vel"
     ODOM = "/odom"
     CAMERA_INFO = "/camera/camera_info"
@@ -40,9 +27,17 @@ class Topic(Enum):
     IMAGE = "/camera/image_raw"
     IMU = "/imu"
     JOINT_STATES = "/joint_states"
+    RANGE = "/range"
     SCAN = "/scan"
     TF = "/tf"
     TF_STATIC = "/tf_static"
+
+
+CAMERA_TOPICS = (Topic.CAMERA_INFO, Topic.COMPRESSED_IMAGE, Topic.IMAGE)
+PATROL_TOPICS = tuple(
+    topic for topic in Topic if topic not in (Topic.AMCL_POSE, Topic.BATTERY_STATE, Topic.RANGE)
+)
+"""Those of the thesis's robot; the others belong to robots with physics."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -61,6 +56,60 @@ class Odometry:
     velocity: BodyVelocity
     linear_noise_m_per_s: float
     angular_noise_rad_per_s: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EstimatedPose:
+    """A place in metres and a rotation, with standard deviations of x, y, z, roll, pitch and yaw."""
+
+    position: Vector
+    orientation: Quaternion
+    deviations: tuple[float, float, float, float, float, float]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SpatialOdometry:
+    """Where a robot takes itself to be in the odometry frame, and how it moves along its own axes.
+
+    ``twist_deviations`` are standard deviations of the six speeds, in m/s and rad/s.
+    """
+
+    stamp_ns: int
+    child_frame: str
+    pose: EstimatedPose
+    linear: Vector
+    angular: Vector
+    twist_deviations: tuple[float, float, float, float, float, float]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Localization:
+    """Where a robot takes itself to be on its map."""
+
+    stamp_ns: int
+    pose: EstimatedPose
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BatteryLevelReading:
+    """A battery: its state in V, A and Ah, and the share of its charge that is left."""
+
+    stamp_ns: int
+    voltage_v: float
+    current_a: float
+    share: float
+    capacity_ah: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RangeReading:
+    """The distance that a range finder of a narrow beam measures; infinite where nothing is in range."""
+
+    stamp_ns: int
+    range_m: float
+    range_min_m: float
+    range_max_m: float
+    field_of_view_rad: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -104,13 +153,16 @@ class CompressedImage(Image):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Imu:
-    """Heading, angular velocity (rad/s) and specific force (m/s², gravity included) of the robot's body."""
+    """Rotation, angular velocity (rad/s) and specific force (m/s², gravity included) of the robot's body.
+
+    ``orientation_noise_rad`` has the standard deviations of roll, pitch and yaw.
+    """
 
     stamp_ns: int
-    yaw_rad: float
+    orientation: Quaternion
     angular_velocity: Vector
     linear_acceleration: Vector
-    yaw_noise_rad: float
+    orientation_noise_rad: tuple[float, float, float]
     angular_noise_rad_per_s: float
     linear_noise_m_per_s2: float
 
@@ -143,7 +195,21 @@ class Transforms:
     frames: tuple[FrameTransform, ...]
 
 
-Reading = Command | Odometry | CameraInfo | Image | CompressedImage | Imu | JointStates | Scan | Transforms
+Reading = (
+    Command
+    | Odometry
+    | SpatialOdometry
+    | Localization
+    | CameraInfo
+    | Image
+    | CompressedImage
+    | Imu
+    | JointStates
+    | Scan
+    | Transforms
+    | BatteryLevelReading
+    | RangeReading
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -10,12 +10,14 @@ from dataclasses import dataclass
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.simulation.geometry import BodyVelocity, FrameTransform, Pose, Quaternion, Vector
 
+MAP_FRAME = "map"
 ODOM_FRAME = "odom"
 BASE_FRAME = "base_footprint"
 BASE_LINK = "base_link"
 SCAN_FRAME = "base_scan"
 IMU_FRAME = "imu_link"
 CAMERA_FRAME = "camera_rgb_frame"
+RANGE_FRAME = "range_link"
 OPTICAL_FRAME = "camera_rgb_optical_frame"
 WHEEL_LINKS = ("wheel_left_link", "wheel_right_link")
 WHEEL_JOINTS = ("wheel_left_joint", "wheel_right_joint")
@@ -45,15 +47,19 @@ class DriveModel:
 
 def fixed_frames(model: DriveModel) -> tuple[FrameTransform, ...]:
     """The frames that never move against their parent."""
-    optical = Quaternion.from_yaw(-_QUARTER_TURN).then(Quaternion.from_roll(-_QUARTER_TURN))
     return (
         FrameTransform(BASE_FRAME, BASE_LINK, Vector(0.0, 0.0, 0.010), _LEVEL),
         FrameTransform(BASE_LINK, SCAN_FRAME, Vector(model.scan_x_m, 0.0, 0.122), _LEVEL),
         FrameTransform(BASE_LINK, IMU_FRAME, Vector(0.0, 0.0, 0.068), _LEVEL),
         FrameTransform(BASE_LINK, "camera_link", Vector(0.073, -0.011, 0.084), _LEVEL),
         FrameTransform("camera_link", CAMERA_FRAME, Vector(0.003, 0.011, 0.009), _LEVEL),
-        FrameTransform(CAMERA_FRAME, OPTICAL_FRAME, Vector(0.0, 0.0, 0.0), optical),
+        FrameTransform(CAMERA_FRAME, OPTICAL_FRAME, Vector(0.0, 0.0, 0.0), optical_rotation()),
     )
+
+
+def optical_rotation() -> Quaternion:
+    """From a camera that looks along x to one that looks along z (REP 103)."""
+    return Quaternion.from_yaw(-_QUARTER_TURN).then(Quaternion.from_roll(-_QUARTER_TURN))
 
 
 def wheel_frames(model: DriveModel, angles_rad: tuple[float, float]) -> tuple[FrameTransform, ...]:

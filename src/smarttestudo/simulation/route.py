@@ -8,6 +8,7 @@ import math
 from bisect import bisect_right
 from collections.abc import Callable, Iterator, Sequence
 from itertools import accumulate, pairwise
+from typing import Protocol
 
 from smarttestudo.domain.floor_plan import Point
 from smarttestudo.simulation.geometry import BodyVelocity, Pose
@@ -133,6 +134,18 @@ def towards(goal: Point, pose: Pose, model: DriveModel, *, cruise_m_per_s: float
     linear = min(cruise_m_per_s * share, model.max_linear_m_per_s)
     limit = model.max_angular_rad_per_s
     return BodyVelocity(linear, min(max(linear * curvature_per_m, -limit), limit))
+
+
+class LocatedBody(Protocol):
+    """A robot that knows the time and where it is."""
+
+    @property
+    def now_ns(self) -> int:
+        """Its clock."""
+
+    @property
+    def pose(self) -> Pose:
+        """Its place and heading."""
 
 
 class Navigator:

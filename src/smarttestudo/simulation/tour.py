@@ -17,8 +17,16 @@ from dataclasses import dataclass
 from smarttestudo.domain.floor_plan import Point
 from smarttestudo.domain.units import ns_from_s
 from smarttestudo.simulation.geometry import BodyVelocity, Pose
-from smarttestudo.simulation.robot import DifferentialDrive, DriveModel
-from smarttestudo.simulation.route import CRUISE_M_PER_S, LOOKAHEAD_M, SEARCH_M, Navigator, Route, towards
+from smarttestudo.simulation.robot import DriveModel
+from smarttestudo.simulation.route import (
+    CRUISE_M_PER_S,
+    LOOKAHEAD_M,
+    SEARCH_M,
+    LocatedBody,
+    Navigator,
+    Route,
+    towards,
+)
 
 CORNER_RADIUS_M = 0.8
 _SPACING_M = 0.05
@@ -116,7 +124,7 @@ class WaypointFollower:
         self._paused_until_ns: int | None = None
         self.travelled_m = 0.0
 
-    def command(self, drive: DifferentialDrive) -> BodyVelocity:
+    def command(self, drive: LocatedBody) -> BodyVelocity:
         """The velocity to make for now; called ten times a second."""
         wanted = self._wanted(drive.pose, drive.now_ns)
         last, linear, angular = self._last, _LINEAR_M_PER_S2 * _PERIOD_S, _ANGULAR_RAD_PER_S2 * _PERIOD_S

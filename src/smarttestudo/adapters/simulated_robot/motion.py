@@ -4,6 +4,9 @@
 
 from __future__ import annotations
 
+import math
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 from rosbags.typesys.stores.ros2_humble import builtin_interfaces__msg__Time as TimeMessage
@@ -11,6 +14,9 @@ from rosbags.typesys.stores.ros2_humble import geometry_msgs__msg__Point as Poin
 from rosbags.typesys.stores.ros2_humble import geometry_msgs__msg__Pose as PoseMessage
 from rosbags.typesys.stores.ros2_humble import (
     geometry_msgs__msg__PoseWithCovariance as PoseWithCovarianceMessage,
+)
+from rosbags.typesys.stores.ros2_humble import (
+    geometry_msgs__msg__PoseWithCovarianceStamped as LocalizedMessage,
 )
 from rosbags.typesys.stores.ros2_humble import geometry_msgs__msg__Quaternion as QuaternionMessage
 from rosbags.typesys.stores.ros2_humble import geometry_msgs__msg__Transform as TransformMessage
@@ -28,8 +34,24 @@ from rosbags.typesys.stores.ros2_humble import tf2_msgs__msg__TFMessage as Trans
 
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.simulation.geometry import BodyVelocity, Quaternion, Vector
-from smarttestudo.simulation.readings import Command, Imu, JointStates, Odometry, Transforms
-from smarttestudo.simulation.robot import BASE_FRAME, BASE_LINK, IMU_FRAME, ODOM_FRAME, WHEEL_JOINTS
+from smarttestudo.simulation.readings import (
+    Command,
+    EstimatedPose,
+    Imu,
+    JointStates,
+    Localization,
+    Odometry,
+    SpatialOdometry,
+    Transforms,
+)
+from smarttestudo.simulation.robot import (
+    BASE_FRAME,
+    BASE_LINK,
+    IMU_FRAME,
+    MAP_FRAME,
+    ODOM_FRAME,
+    WHEEL_JOINTS,
+)
 
 
 def header(stamp_ns: int, frame_id: str) -> HeaderMessage:
@@ -53,6 +75,15 @@ def command(reading: Command) -> TwistMessage:
     return _twist(reading.velocity)
 
 
+def velocity(message: Any) -> BodyVelocity:
+    """What a geometry_msgs/msg/Twist asks of a robot; ``ValueError`` for numbers that are none."""
+    linear, angular = message.linear, message.angular
+    numbers = (linear.x, angular.z, linear.y, linear.z)
+    if not all(map(math.isfinite, numbers)):
+        raise ValueError("a velocity is made of finite numbers")
+    return BodyVelocity(*numbers)
+
+
 def odometry(reading: Odometry) -> OdometryMessage:
     """A nav_msgs/msg/Odometry; the pose is exact, so its covariance is zero."""
     pose = PoseMessage(
@@ -68,12 +99,28 @@ def odometry(reading: Odometry) -> OdometryMessage:
     )
 
 
+def spatial_odometry(reading: SpatialOdometry) -> OdometryMessage:
+    """A nav_msgs/msg/Odometry of a pose that drifts."""
+    twist = TwistMessage(linear=vector(reading.linear), angular=vector(reading.angular))
+    return OdometryMessage(
+        header=header(reading.stamp_ns, ODOM_FRAME),
+        child_frame_id=reading.child_frame,
+        pose=_pose(reading.pose),
+        twist=TwistWithCovarianceMessage(twist=twist, covariance=_covariance(*reading.twist_deviations)),
+    )
+
+
+def localization(reading: Localization) -> LocalizedMessage:
+    """A geometry_msgs/msg/PoseWithCovarianceStamped on the map."""
+    return LocalizedMessage(header=header(reading.stamp_ns, MAP_FRAME), pose=_pose(reading.pose))
+
+
 def imu(reading: Imu) -> ImuMessage:
     """A sensor_msgs/msg/Imu."""
     return ImuMessage(
         header=header(reading.stamp_ns, IMU_FRAME),
-        orientation=quaternion(Quaternion.from_yaw(reading.yaw_rad)),
-        orientation_covariance=_covariance(0.0, 0.0, reading.yaw_noise_rad),
+        orientation=quaternion(reading.orientation),
+        orientation_covariance=_covariance(*reading.orientation_noise_rad),
         angular_velocity=vector(reading.angular_velocity),
         angular_velocity_covariance=_covariance(*(reading.angular_noise_rad_per_s,) * 3),
         linear_acceleration=vector(reading.linear_acceleration),
@@ -108,9 +155,17 @@ def transforms(reading: Transforms) -> TransformsMessage:
     )
 
 
+def _pose(pose: EstimatedPose) -> PoseWithCovarianceMessage:
+    place = PointMessage(x=pose.position.x, y=pose.position.y, z=pose.position.z)
+    return PoseWithCovarianceMessage(
+        pose=PoseMessage(position=place, orientation=quaternion(pose.orientation)),
+        covariance=_covariance(*pose.deviations),
+    )
+
+
 def _twist(velocity: BodyVelocity) -> TwistMessage:
     return TwistMessage(
-        linear=vector(Vector(velocity.linear_m_per_s, 0.0, 0.0)),
+        linear=vector(Vector(velocity.linear_m_per_s, velocity.lateral_m_per_s, velocity.climb_m_per_s)),
         angular=vector(Vector(0.0, 0.0, velocity.angular_rad_per_s)),
     )
 

@@ -52,9 +52,9 @@ class DemoRequest:
     """How long a mission, with which noise, and into which folder.
 
     ``full_images`` asks for whole camera frames, about 0.2 GB each second, instead of small ones. With a
-    ``robot``, the node that records, the mission takes place in real time on a real ROS graph; with
-    ``link_bit_per_s`` across a link that carries so much, once for each contender. ``mission`` is the file of
-    a tour; without one the robot drives the patrol of the thesis.
+    ``robot``, the node that records, the mission takes place in real time on a real ROS graph, with ``physics``
+    by a robot that has masses and forces; with ``link_bit_per_s`` across a link that carries so much, once for
+    each contender. ``mission`` is the file of a tour; without one the robot drives the patrol of the thesis.
     """
 
     out: Path
@@ -66,6 +66,7 @@ class DemoRequest:
     robot: Robot | None = None
     link_bit_per_s: float | None = None
     mission: Path | None = None
+    physics: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -189,6 +190,7 @@ def _in_real_time(request: DemoRequest, folder: Path, robot: Robot) -> tuple[str
                 full_images=request.full_images,
                 when_slow=request.when_slow,
                 mission=request.mission,
+                physics=request.physics,
             ),
             robot,
             report,
@@ -310,7 +312,9 @@ def _explanation(request: DemoRequest) -> str:
 def _time(request: DemoRequest) -> str:
     if request.link_bit_per_s is not None:
         return f"real, over a link of {request.link_bit_per_s / 1e6:g} Mbit/s"
-    return "virtual" if request.robot is None else "real, over ROS 2"
+    if request.robot is None:
+        return "virtual"
+    return "real, over ROS 2, by a robot with physics" if request.physics else "real, over ROS 2"
 
 
 def _frames(request: DemoRequest) -> str:
@@ -327,6 +331,7 @@ def _settings(request: DemoRequest) -> dict[str, object]:
         "full_images": request.full_images,
         "when_slow": request.when_slow.value,
         "live": request.robot is not None,
+        "physics": request.physics,
         "link_bit_per_s": request.link_bit_per_s,
         "mission": None if request.mission is None else request.mission.read_text("utf-8-sig"),
     }

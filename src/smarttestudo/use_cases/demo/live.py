@@ -18,7 +18,7 @@ from smarttestudo.domain.recording import Channel, RecordingWriter
 from smarttestudo.domain.robot import Qos, Robot, Subscription
 from smarttestudo.domain.units import NS_PER_S, ns_from_s
 from smarttestudo.pacing.sample import WhenSlow
-from smarttestudo.simulation.readings import Topic
+from smarttestudo.simulation.readings import CAMERA_TOPICS, Topic
 from smarttestudo.use_cases.demo.mission import DECLARED_BYTES
 from smarttestudo.use_cases.demo.processes import ChildProcess, child_process, testudo_command
 from smarttestudo.use_cases.live.output_topics import DEFAULT_OUTPUT_TOPIC
@@ -59,6 +59,7 @@ def _heard(robot: Robot, channel: Channel, topic: str, recording: RecordingWrite
 
 
 LOGS = ("runtime.log", "robot.log")
+LOST_TIME = "s of real time so far, in which the robot stood still"
 _LOOK_S = 0.1
 _START_TIMEOUT_S = 40.0
 
@@ -67,7 +68,7 @@ _START_TIMEOUT_S = 40.0
 class LiveDemoRequest:
     """How long a mission, with which noise, under which rules, and where everything goes.
 
-    Without ``full_images`` the robot has no raw camera.
+    Without ``full_images`` the robot has no raw camera. ``physics`` gives it masses and a world of forces.
     """
 
     baseline: Path
@@ -80,6 +81,7 @@ class LiveDemoRequest:
     full_images: bool
     when_slow: WhenSlow
     mission: Path | None = None
+    physics: bool = False
 
 
 def record_live(request: LiveDemoRequest, robot: Robot, report: Callable[[float], None]) -> tuple[str, ...]:
@@ -89,7 +91,8 @@ def record_live(request: LiveDemoRequest, robot: Robot, report: Callable[[float]
         TestudoError: one of the processes failed.
         RecordingError: a recording cannot be written.
     """
-    channels, left_out = robot_channels(robot, full_images=request.full_images)
+    blind = _camera_problem() if request.physics else None
+    channels, left_out = robot_channels(robot, full_images=request.full_images, camera_problem=blind)
     declared_bytes = {} if request.full_images else DECLARED_BYTES
     runtime_log, robot_log = (request.logs / name for name in LOGS)
     with (
@@ -108,15 +111,33 @@ def record_live(request: LiveDemoRequest, robot: Robot, report: Callable[[float]
                 report(1 - left_ns / NS_PER_S / request.seconds)
             # It ends before the robot does, which would be a change of plans of its own.
             runtime.end()
-    return left_out
+    return (*left_out, *_lost_time(robot_log))
 
 
-def robot_channels(robot: Robot, *, full_images: bool) -> tuple[list[Channel], tuple[str, ...]]:
+def _lost_time(log: Path) -> list[str]:
+    """What the robot said last of time that it lost, if it did."""
+    said = [line for line in log.read_text("utf-8", "replace").splitlines() if LOST_TIME in line]
+    return [f"the robot: {line.partition(LOST_TIME)[0].rpartition(': ')[2]}{LOST_TIME}" for line in said[-1:]]
+
+
+def _camera_problem() -> str | None:
+    """Why a robot with physics would have no camera, if so."""
+    # This needs the extra physics.
+    from smarttestudo.simulation.physics.drive import camera_problem  # noqa: PLC0415
+
+    return camera_problem()
+
+
+def robot_channels(
+    robot: Robot, *, full_images: bool, camera_problem: str | None = None
+) -> tuple[list[Channel], tuple[str, ...]]:
     """The topics that the robot will publish, and why it will not publish the others."""
     channels, left_out = [], []
     for topic, channel in RobotMessages().channels.items():
         if topic is Topic.IMAGE and not full_images:
             left_out.append(f"{topic.value}: off without --full-images")
+        elif camera_problem is not None and topic in CAMERA_TOPICS:
+            left_out.append(f"{topic.value}: no camera: {camera_problem}")
         elif not robot.data_path.knows(channel.type_name):
             left_out.append(f"{topic.value}: the message type {channel.type_name} is not installed")
         else:
@@ -148,6 +169,8 @@ def _run_arguments(request: LiveDemoRequest) -> list[str]:
 
 def _simulate_arguments(request: LiveDemoRequest) -> list[str]:
     arguments = ["simulate", "--seed", str(request.seed)]
+    if request.physics:
+        arguments.append("--physics")
     if request.mission is not None:
         arguments += ["--mission", str(request.mission)]
     return [*arguments, "--full-images"] if request.full_images else arguments

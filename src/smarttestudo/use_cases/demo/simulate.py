@@ -43,11 +43,11 @@ def simulate(request: SimulateRequest, robot: Robot, stopped: Callable[[], bool]
     """
     route = route_of(request.mission)
     messages = RobotMessages(jpeg_bytes=JPEG_BYTES[request.frames])
-    publishers = _publishers(robot, messages, request.frames)
+    publishers = advertise(robot, messages, request.frames)
     start_ns = robot.now_ns()
     end_ns = None if request.seconds is None else start_ns + ns_from_s(request.seconds)
     drive = "patrol" if request.mission is None else "mission"
-    robot.log.info(f"Driving the {drive} with {len(publishers)} topics{_left_out(robot, messages)}")
+    robot.log.info(f"Driving the {drive} with {len(publishers)} topics{left_out(robot, messages)}")
     mission = MissionRequest(
         plan=warehouse(),
         route=route,
@@ -70,7 +70,8 @@ def _await(timed: TimedReading, robot: Robot, stopped: Callable[[], bool]) -> bo
     return not stopped()
 
 
-def _publishers(robot: Robot, messages: RobotMessages, frames: FrameSize) -> Mapping[Topic, Publisher]:
+def advertise(robot: Robot, messages: RobotMessages, frames: FrameSize) -> Mapping[Topic, Publisher]:
+    """Publishers of all topics whose type is installed; only with full ``frames`` the raw image's."""
     publishers = {}
     for topic, channel in messages.channels.items():
         if topic is Topic.IMAGE and frames is not FrameSize.FULL:
@@ -80,8 +81,11 @@ def _publishers(robot: Robot, messages: RobotMessages, frames: FrameSize) -> Map
     return publishers
 
 
-def _left_out(robot: Robot, messages: RobotMessages) -> str:
-    """Nobody who asks for a robot asked for every one of its topics, so this is no warning."""
+def left_out(robot: Robot, messages: RobotMessages) -> str:
+    """Which topics lack their type, as the end of a sentence.
+
+    Nobody who asks for a robot asked for every one of its topics, so this is no warning.
+    """
     missing = {
         topic.value: channel.type_name
         for topic, channel in messages.channels.items()

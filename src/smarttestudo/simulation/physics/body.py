@@ -1,0 +1,124 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""A robot that moves by forces, as time goes on."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Protocol
+from xml.etree.ElementTree import Element
+
+import numpy as np
+
+from smarttestudo.domain.floor_plan import Point
+from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.simulation.geometry import BodyVelocity, Pose, Quaternion, Vector
+from smarttestudo.simulation.physics.engine import Engine, Floats
+from smarttestudo.simulation.physics.names import LIDAR_COVER
+from smarttestudo.simulation.physics.people import WalkingPerson
+from smarttestudo.simulation.physics.power import BatteryCharge
+from smarttestudo.simulation.readings import Lens
+
+_WALK_STEPS = 10
+"""People and battery move on after so many steps of the engine."""
+
+
+class Machine(Protocol):
+    """The parts of a robot, and what drives them."""
+
+    def body(self, start: Pose, lens: Lens) -> Element:
+        """The robot at ``start`` as MJCF."""
+
+    def actuators(self) -> Element:
+        """Its motors as MJCF."""
+
+    def command(self, velocity: BodyVelocity) -> None:
+        """Make for ``velocity`` from now on."""
+
+    def rest(self) -> None:
+        """Come to rest: the battery is empty."""
+
+    def controls(self, engine: Engine) -> Sequence[float]:
+        """What the motors are to do in the next step."""
+
+    def power_w(self, engine: Engine) -> float:
+        """What it takes from its battery now."""
+
+
+class PhysicalBody:
+    """The true motion of a robot in its world, with its battery and the people around it.
+
+    ``now_ns`` is the time of the robot, from 0 on; it may skip what the physics missed. Something covers the
+    LiDAR after ``cover_s`` seconds of physics.
+    """
+
+    def __init__(
+        self,
+        engine: Engine,
+        machine: Machine,
+        walkers: Sequence[WalkingPerson],
+        battery: BatteryCharge,
+        *,
+        cover_s: float | None,
+    ) -> None:
+        self.engine = engine
+        self.machine = machine
+        self.battery = battery
+        self.now_ns = 0
+        self._walkers = walkers
+        self._epoch_ns = 0
+        self._cover_ns = None if cover_s is None else round(cover_s * NS_PER_S)
+        self._inertial_sum: Floats = np.zeros(6)
+        self._inertial_count = 0
+
+    @property
+    def pose(self) -> Pose:
+        """Where the robot truly is on the floor, and its heading within half a turn either way."""
+        position = self.engine.position
+        return Pose(position.x, position.y, self.engine.orientation.yaw_rad)
+
+    def command(self, velocity: BodyVelocity) -> None:
+        """Make for ``velocity`` from now on; an empty battery hears nothing."""
+        if not self.battery.is_empty:
+            self.machine.command(velocity)
+
+    def advance_to(self, now_ns: int) -> None:
+        """Step on to ``now_ns``, or up to one step beyond it."""
+        while self.engine.time_ns < now_ns - self._epoch_ns:
+            self._step()
+        self.now_ns = now_ns
+
+    def skip(self, lost_ns: int) -> None:
+        """Let ``lost_ns`` pass in which nothing moves."""
+        self._epoch_ns += lost_ns
+        self.now_ns += lost_ns
+
+    def mean_inertial(self) -> tuple[Vector, Vector]:
+        """Angular velocity and specific force, as the mean since the last call."""
+        count, self._inertial_count = self._inertial_count, 0
+        values = (self._inertial_sum / count if count else self.engine.inertial).tolist()
+        self._inertial_sum[:] = 0
+        return Vector(*values[:3]), Vector(*values[3:])
+
+    def _step(self) -> None:
+        engine = self.engine
+        engine.step(self.machine.controls(engine))
+        self._inertial_sum += engine.inertial
+        self._inertial_count += 1
+        if engine.time_ns % (_WALK_STEPS * engine.step_ns) == 0:
+            self._live_on(_WALK_STEPS * engine.step_ns / NS_PER_S)
+
+    def _live_on(self, dt_s: float) -> None:
+        """What is slower than the physics."""
+        position = self.engine.position
+        for number, person in enumerate(self._walkers):
+            person.walk(dt_s, Point(position.x, position.y))
+            pose = person.pose
+            place = Vector(pose.x_m, pose.y_m, 0.0)
+            self.engine.place(number, place, Quaternion.from_yaw(pose.yaw_rad))
+        self.battery.draw(self.machine.power_w(self.engine), dt_s)
+        if self.battery.is_empty:
+            self.machine.rest()
+        if self._cover_ns is not None and self.engine.time_ns >= self._cover_ns:
+            self.engine.reveal(LIDAR_COVER)
+            self._cover_ns = None

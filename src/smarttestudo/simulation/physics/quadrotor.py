@@ -1,0 +1,144 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""A quadrotor of 1.2 kg: four rotors, and the cascade of controllers that makes it fly at a velocity.
+
+The velocity gives an acceleration, that a tilt, that a rate of turning, and that the torques (as in PX4).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from xml.etree.ElementTree import Element, SubElement
+
+from smarttestudo.simulation.body_sensors import GRAVITY_M_PER_S2
+from smarttestudo.simulation.geometry import BodyVelocity, Pose
+from smarttestudo.simulation.physics.engine import Engine
+from smarttestudo.simulation.physics.waffle import add_camera
+from smarttestudo.simulation.physics.world_model import add_geom, numbers
+from smarttestudo.simulation.readings import Lens
+
+CRUISE_HEIGHT_M = 1.5
+LANDED_HEIGHT_M = 0.06
+MASS_KG = 1.2
+_ARM_M = 0.12
+"""From the middle to a rotor, along x and along y."""
+_INERTIA_KG_M2 = (0.011, 0.011, 0.02)
+_MOST_THRUST_N = 6.5
+_TORQUE_PER_THRUST_M = 0.016
+_ROTOR_S = 0.02
+_ROTORS = ((1, -1, 1), (-1, 1, 1), (1, 1, -1), (-1, -1, -1))
+"""Where each rotor is ahead and to the left, and which way its drag turns the body."""
+_MOST_TILT = 0.35
+_MOST_HORIZONTAL_M_PER_S = 1.5
+_MOST_VERTICAL_M_PER_S = 0.7
+_MOST_YAW_RAD_PER_S = 1.8
+_SINK_M_PER_S = -0.4
+_VELOCITY_GAIN = 2.0
+_CLIMB_GAIN = 4.0
+_TILT_GAIN = 8.0
+_RATE_GAIN = 18.0
+_YAW_GAIN = 5.0
+_IDLE_W = 8.0
+_HOVER_W = 140.0
+_DARK = "0.15 0.15 0.17 1"
+
+
+class Quadrotor:
+    """Rotors and flight controller; on the ground it waits for a command to climb."""
+
+    actuator_count = len(_ROTORS)
+    most = BodyVelocity(_MOST_HORIZONTAL_M_PER_S, _MOST_YAW_RAD_PER_S, climb_m_per_s=_MOST_VERTICAL_M_PER_S)
+    camera_x_m = 0.11
+    camera_height_m = 0.0
+
+    def __init__(self) -> None:
+        self._velocity = BodyVelocity(0.0, 0.0)
+        self._is_resting = False
+
+    def body(self, start: Pose, lens: Lens) -> Element:
+        """The robot on the ground at ``start`` as MJCF; its origin is its middle."""
+        half_rad = start.yaw_rad / 2
+        body = Element(
+            "body", name="robot", pos=numbers(start.x_m, start.y_m, LANDED_HEIGHT_M),
+            quat=numbers(math.cos(half_rad), 0, 0, math.sin(half_rad)),
+        )  # fmt: skip
+        SubElement(body, "freejoint", name="robot")
+        SubElement(body, "inertial", pos="0 0 0", mass=str(MASS_KG), diaginertia=numbers(*_INERTIA_KG_M2))
+        add_geom(body, "trunk", type="box", size="0.09 0.06 0.03", rgba=_DARK)
+        for number, (ahead, left, _) in enumerate(_ROTORS):
+            place = numbers(ahead * _ARM_M, left * _ARM_M, 0.02)
+            add_geom(body, f"rotor_{number}", type="cylinder", pos=place, size="0.07 0.006", rgba=_DARK)
+            foot = numbers(ahead * 0.09, left * 0.09, -0.05)
+            add_geom(body, f"foot_{number}", type="sphere", pos=foot, size="0.01", rgba=_DARK)
+            SubElement(body, "site", name=f"rotor_{number}", pos=place)
+        SubElement(body, "site", name="imu", pos="0 0 0")
+        add_camera(body, self.camera_x_m, self.camera_height_m, lens)
+        return body
+
+    def actuators(self) -> Element:
+        """The rotors as MJCF: thrust in N, after a lag, with the drag that turns the body."""
+        found = Element("actuator")
+        for number, (_, _, turn) in enumerate(_ROTORS):
+            SubElement(
+                found, "general", site=f"rotor_{number}",
+                gear=numbers(0, 0, 1, 0, 0, turn * _TORQUE_PER_THRUST_M),
+                ctrlrange=numbers(0, _MOST_THRUST_N), ctrllimited="true", dyntype="filter",
+                dynprm=str(_ROTOR_S), gainprm="1",
+            )  # fmt: skip
+        return found
+
+    def command(self, velocity: BodyVelocity) -> None:
+        """Fly at ``velocity``, which is level with the ground and along the heading."""
+        self._velocity = velocity
+
+    def rest(self) -> None:
+        """Sink and land: the battery is as good as empty."""
+        self._velocity = BodyVelocity(0.0, 0.0, climb_m_per_s=_SINK_M_PER_S)
+        self._is_resting = True
+
+    def controls(self, engine: Engine) -> Sequence[float]:
+        """The thrust of each rotor in the next step, in N."""
+        is_grounded = engine.position.z <= LANDED_HEIGHT_M + 0.01
+        if is_grounded and self._velocity.climb_m_per_s <= 0.0:
+            return [0.0] * len(_ROTORS)
+        roll, pitch, yaw = engine.orientation.roll_pitch_yaw_rad
+        to_roll, to_pitch, thrust_n = self._tilt_and_thrust(engine, yaw, math.cos(roll) * math.cos(pitch))
+        rates = engine.angular_velocity
+        wanted = self._velocity
+        yaw_rate = _cut(wanted.angular_rad_per_s, _MOST_YAW_RAD_PER_S)
+        about_x, about_y, about_z = _INERTIA_KG_M2
+        roll_n_m = about_x * _RATE_GAIN * (_TILT_GAIN * (to_roll - roll) - rates.x)
+        pitch_n_m = about_y * _RATE_GAIN * (_TILT_GAIN * (to_pitch - pitch) - rates.y)
+        yaw_n_m = about_z * _YAW_GAIN * (yaw_rate - rates.z)
+        return [
+            thrust_n / 4
+            + left * roll_n_m / (4 * _ARM_M)
+            - ahead * pitch_n_m / (4 * _ARM_M)
+            + turn * yaw_n_m / (4 * _TORQUE_PER_THRUST_M)
+            for ahead, left, turn in _ROTORS
+        ]
+
+    def power_w(self, engine: Engine) -> float:
+        """What rotors take now: momentum theory has it as thrust to the power of 1.5."""
+        hover_n = MASS_KG * GRAVITY_M_PER_S2 / 4
+        shares = (max(force, 0.0) / hover_n for force in engine.actuator_forces)
+        return _IDLE_W + _HOVER_W / 4 * sum(share * math.sqrt(share) for share in shares)
+
+    def _tilt_and_thrust(self, engine: Engine, yaw: float, upright: float) -> tuple[float, float, float]:
+        """Roll, pitch and thrust that bring the robot to the velocity it is to have."""
+        velocity, wanted = engine.velocity, self._velocity
+        forward = velocity.x * math.cos(yaw) + velocity.y * math.sin(yaw)
+        leftward = velocity.y * math.cos(yaw) - velocity.x * math.sin(yaw)
+        most = _MOST_HORIZONTAL_M_PER_S
+        ahead = _VELOCITY_GAIN * (_cut(wanted.linear_m_per_s, most) - forward)
+        aside = _VELOCITY_GAIN * (_cut(wanted.lateral_m_per_s, most) - leftward)
+        climb = _cut(wanted.climb_m_per_s, _MOST_VERTICAL_M_PER_S)
+        up = GRAVITY_M_PER_S2 + _CLIMB_GAIN * (climb - velocity.z)
+        pitch = _cut(math.atan2(ahead, GRAVITY_M_PER_S2), _MOST_TILT)
+        roll = _cut(math.atan2(-aside, GRAVITY_M_PER_S2), _MOST_TILT)
+        return roll, pitch, MASS_KG * max(up, 0.0) / max(upright, 0.5)
+
+
+def _cut(value: float, limit: float) -> float:
+    return min(max(value, -limit), limit)

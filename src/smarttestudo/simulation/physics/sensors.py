@@ -1,0 +1,129 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The sensors that robots with physics share. Noise is Gaussian, and that of ``turtlebot3_gazebo``."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.simulation.body_sensors import InertialUnit
+from smarttestudo.simulation.camera import grained
+from smarttestudo.simulation.geometry import FrameTransform, Pose, Quaternion, Vector
+from smarttestudo.simulation.physics.body import PhysicalBody
+from smarttestudo.simulation.readings import (
+    BatteryLevelReading,
+    EstimatedPose,
+    Imu,
+    Localization,
+    Pixels,
+    Reading,
+    Topic,
+    Transforms,
+)
+from smarttestudo.simulation.robot import MAP_FRAME, ODOM_FRAME
+
+Published = Sequence[tuple[Topic, Reading]]
+
+
+class InertialSensor:
+    """Gyroscope and accelerometer, as means since the last sample, and the rotation made from them."""
+
+    rate_hz = InertialUnit.rate_hz
+
+    def __init__(self, noise: np.random.Generator) -> None:
+        self._noise = noise
+
+    def sample(self, body: PhysicalBody) -> Published:
+        """What the robot feels: at rest, gravity up."""
+        noise = self._noise.standard_normal(9).tolist()
+        angular, force = body.mean_inertial()
+        turned = InertialUnit.yaw_noise_rad
+        roll, pitch, yaw = (turned * one for one in noise[:3])
+        reading = Imu(
+            stamp_ns=body.now_ns,
+            orientation=body.engine.orientation.then(Quaternion.from_roll_pitch_yaw(roll, pitch, yaw)),
+            angular_velocity=_noisy(angular, InertialUnit.angular_noise_rad_per_s, noise[3:6]),
+            linear_acceleration=_noisy(force, InertialUnit.linear_noise_m_per_s2, noise[6:]),
+            orientation_noise_rad=(turned, turned, turned),
+            angular_noise_rad_per_s=InertialUnit.angular_noise_rad_per_s,
+            linear_noise_m_per_s2=InertialUnit.linear_noise_m_per_s2,
+        )
+        return [(Topic.IMU, reading)]
+
+
+class BatteryGauge:
+    """The battery once a second."""
+
+    rate_hz = 1.0
+
+    def sample(self, body: PhysicalBody) -> Published:
+        """Voltage, current and what is left."""
+        battery = body.battery
+        reading = BatteryLevelReading(
+            stamp_ns=body.now_ns,
+            voltage_v=battery.voltage_v,
+            current_a=battery.current_a,
+            share=battery.share,
+            capacity_ah=battery.type.capacity_ah,
+        )
+        return [(Topic.BATTERY_STATE, reading)]
+
+
+class Localizer:
+    """The pose on the map, as AMCL has it: near the truth, twice a second; it corrects the odometry frame."""
+
+    rate_hz = 2.0
+    position_noise_m = 0.03
+    yaw_noise_rad = 0.01
+
+    def __init__(self, odometry_pose: Callable[[], Pose], noise: np.random.Generator) -> None:
+        self._odometry_pose = odometry_pose
+        self._noise = noise
+
+    def sample(self, body: PhysicalBody) -> Published:
+        """The pose, and the frame of the odometry on the map."""
+        x_noise, y_noise, yaw_noise = self._noise.standard_normal(3).tolist()
+        true, odometry = body.pose, self._odometry_pose()
+        found = Pose(
+            true.x_m + self.position_noise_m * x_noise,
+            true.y_m + self.position_noise_m * y_noise,
+            true.yaw_rad + self.yaw_noise_rad * yaw_noise,
+        )
+        turn_rad = found.yaw_rad - odometry.yaw_rad
+        cos, sin = math.cos(turn_rad), math.sin(turn_rad)
+        shift = Vector(
+            found.x_m - cos * odometry.x_m + sin * odometry.y_m,
+            found.y_m - sin * odometry.x_m - cos * odometry.y_m,
+            0.0,
+        )
+        noise = (self.position_noise_m, self.position_noise_m, 0.0, 0.0, 0.0, self.yaw_noise_rad)
+        pose = EstimatedPose(
+            position=Vector(found.x_m, found.y_m, 0.0),
+            orientation=Quaternion.from_yaw(found.yaw_rad),
+            deviations=noise,
+        )
+        frame = FrameTransform(MAP_FRAME, ODOM_FRAME, shift, Quaternion.from_yaw(turn_rad))
+        return [
+            (Topic.AMCL_POSE, Localization(stamp_ns=body.now_ns, pose=pose)),
+            (Topic.TF, Transforms(stamp_ns=body.now_ns, frames=(frame,))),
+        ]
+
+
+def camera_view(noise: np.random.Generator) -> Callable[[PhysicalBody], Pixels]:
+    """What draws the robot's view, with the grain of a sensor."""
+    return lambda body: grained(body.engine.picture(), noise)
+
+
+def elapsed_s(before_ns: int | None, now_ns: int, rate_hz: float) -> float:
+    """The time since the last sample; before there was one, a period."""
+    return 1 / rate_hz if before_ns is None else (now_ns - before_ns) / NS_PER_S
+
+
+def _noisy(value: Vector, deviation: float, noise: Sequence[float]) -> Vector:
+    return Vector(
+        value.x + deviation * noise[0], value.y + deviation * noise[1], value.z + deviation * noise[2]
+    )

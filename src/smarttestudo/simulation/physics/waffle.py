@@ -1,0 +1,129 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The TurtleBot3 Waffle: masses and sizes of its description, and the motors of its wheels."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from xml.etree.ElementTree import Element, SubElement
+
+from smarttestudo.simulation.geometry import BodyVelocity, Pose
+from smarttestudo.simulation.physics.engine import Engine
+from smarttestudo.simulation.physics.names import HIDDEN_GROUP, LIDAR_COVER
+from smarttestudo.simulation.physics.world_model import STEP_S, add_geom, numbers
+from smarttestudo.simulation.readings import Lens
+from smarttestudo.simulation.robot import DriveModel
+
+SCAN_HEIGHT_M = 0.132
+"""Of the LiDAR above the floor."""
+_WHEEL_WIDTH_M = 0.018
+_WHEEL_KG = 0.0285
+_TRUNK_KG = 1.373
+_LIDAR_KG = 0.114
+_MOTOR_GAIN = 0.4
+_MOTOR_TORQUE_N_M = 1.0
+_IDLE_W = 7.5
+_EFFICIENCY = 0.4
+_DARK = "0.15 0.15 0.17 1"
+
+
+class Waffle:
+    """Two driven wheels and two balls that slide; the wheels follow a command within their acceleration."""
+
+    model = DriveModel()
+    actuator_count = 2
+    camera_x_m = model.camera_x_m
+    camera_height_m = model.camera_height_m
+
+    def __init__(self) -> None:
+        self._target_m_per_s = (0.0, 0.0)
+        self._rim_m_per_s = (0.0, 0.0)
+
+    def body(self, start: Pose, lens: Lens) -> Element:
+        """The robot at ``start`` as MJCF; its origin is on the floor between the wheels."""
+        model = self.model
+        body = Element(
+            "body", name="robot", pos=numbers(start.x_m, start.y_m, 0.001),
+            quat=numbers(math.cos(start.yaw_rad / 2), 0, 0, math.sin(start.yaw_rad / 2)),
+        )  # fmt: skip
+        SubElement(body, "freejoint", name="robot")
+        add_geom(
+            body, "trunk", type="box", pos="-0.064 0 0.063", size="0.133 0.133 0.047", rgba=_DARK,
+            mass=str(_TRUNK_KG),
+        )  # fmt: skip
+        add_geom(
+            body, "lidar", type="cylinder", pos=numbers(model.scan_x_m, 0, SCAN_HEIGHT_M - 0.004),
+            size="0.055 0.016", rgba=_DARK, mass=str(_LIDAR_KG),
+        )  # fmt: skip
+        for side, name in ((1, "left"), (-1, "right")):
+            add_geom(
+                body, f"{name}_ball", type="sphere", pos=numbers(-0.177, side * 0.064, 0.005), size="0.005",
+                mass="0.005", friction="0.02 0 0", priority="1",
+            )  # fmt: skip
+        SubElement(body, "site", name="imu", pos="0 0 0.078")
+        add_camera(body, model.camera_x_m, model.camera_height_m, lens)
+        cover = SubElement(body, "body", name=LIDAR_COVER, pos=numbers(model.scan_x_m, 0, SCAN_HEIGHT_M))
+        add_geom(
+            cover, LIDAR_COVER, type="cylinder", size="0.08 0.04", group=str(HIDDEN_GROUP), contype="0",
+            conaffinity="0", mass="0.001", rgba="0.6 0.45 0.3 1",
+        )  # fmt: skip
+        for side, name in ((1, "left"), (-1, "right")):
+            self._add_wheel(body, name, side * model.wheel_separation_m / 2)
+        return body
+
+    def actuators(self) -> Element:
+        """The motors as MJCF, left first; each holds a speed in rad/s."""
+        found = Element("actuator")
+        for name in ("left", "right"):
+            SubElement(
+                found, "velocity", joint=name, kv=str(_MOTOR_GAIN),
+                forcerange=numbers(-_MOTOR_TORQUE_N_M, _MOTOR_TORQUE_N_M),
+            )  # fmt: skip
+        return found
+
+    def command(self, velocity: BodyVelocity) -> None:
+        """Make for ``velocity``, cut to what the robot can do."""
+        model = self.model
+        linear = _cut(velocity.linear_m_per_s, model.max_linear_m_per_s)
+        angular = _cut(velocity.angular_rad_per_s, model.max_angular_rad_per_s)
+        half_turn = angular * model.wheel_separation_m / 2
+        self._target_m_per_s = (linear - half_turn, linear + half_turn)
+
+    def rest(self) -> None:
+        """Do no more: the battery is empty."""
+        self._target_m_per_s = (0.0, 0.0)
+
+    def controls(self, _engine: Engine) -> Sequence[float]:
+        """What the motors are to do in the next step."""
+        limit = self.model.wheel_acceleration_m_per_s2 * STEP_S
+        (left, right), (to_left, to_right) = self._rim_m_per_s, self._target_m_per_s
+        self._rim_m_per_s = (left + _cut(to_left - left, limit), right + _cut(to_right - right, limit))
+        return [rim / self.model.wheel_radius_m for rim in self._rim_m_per_s]
+
+    def power_w(self, engine: Engine) -> float:
+        """What computer, LiDAR and motors take now."""
+        worked = zip(engine.actuator_forces, engine.joint_speeds, strict=True)
+        return _IDLE_W + sum(abs(torque * speed) for torque, speed in worked) / _EFFICIENCY
+
+    def _add_wheel(self, parent: Element, name: str, y_m: float) -> None:
+        radius_m = self.model.wheel_radius_m
+        wheel = SubElement(parent, "body", name=f"{name}_wheel", pos=numbers(0, y_m, radius_m))
+        SubElement(wheel, "joint", name=name, type="hinge", axis="0 1 0", damping="0.002", armature="0.001")
+        add_geom(
+            wheel, f"{name}_wheel", type="cylinder", size=numbers(radius_m, _WHEEL_WIDTH_M / 2),
+            euler="90 0 0", mass=str(_WHEEL_KG), rgba=_DARK,
+        )  # fmt: skip
+
+
+def add_camera(body: Element, forward_m: float, height_m: float, lens: Lens) -> None:
+    """A level camera that looks forward, with the field of view of ``lens``."""
+    fovy = math.degrees(2 * math.atan(lens.height / 2 / lens.focal_px))
+    SubElement(
+        body, "camera", name="camera", pos=numbers(forward_m, 0, height_m), xyaxes="0 -1 0 0 0 1",
+        fovy=numbers(fovy),
+    )  # fmt: skip
+
+
+def _cut(value: float, limit: float) -> float:
+    return min(max(value, -limit), limit)

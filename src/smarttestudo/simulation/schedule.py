@@ -1,0 +1,151 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""When the devices of a simulated robot are sampled, and when what they say arrives."""
+
+from __future__ import annotations
+
+import heapq
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import Generic, Protocol, TypeVar
+
+import numpy as np
+
+from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.simulation.geometry import FrameTransform
+from smarttestudo.simulation.readings import Reading, TimedReading, Topic, Transforms
+
+_TRANSPORT_NS = 500_000
+_DISCOVERY_NS = 20_000_000
+"""After which a latched message arrives: its publisher must be found first."""
+_JITTER = 0.02
+_MAX_JITTER = 0.1
+
+
+class MovingBody(Protocol):
+    """A robot's body that moves as time goes on."""
+
+    now_ns: int
+
+    def advance_to(self, now_ns: int) -> None:
+        """Move on to ``now_ns``."""
+
+
+BodyT = TypeVar("BodyT", bound=MovingBody)
+SampledT_contra = TypeVar("SampledT_contra", contravariant=True)
+
+
+class Device(Protocol[SampledT_contra]):
+    """Something that looks at the robot ``rate_hz`` times a second and publishes what it saw."""
+
+    @property
+    def rate_hz(self) -> float:
+        """How often it is sampled."""
+
+    def sample(self, body: SampledT_contra, /) -> Sequence[tuple[Topic, Reading]]:
+        """What it publishes now; called once each period, in time order."""
+
+
+class DeviceSchedule(Generic[BodyT]):
+    """Everything that the devices of ``body`` publish, by arrival time, without end.
+
+    Nothing is computed ahead of what is taken, so that a live run can take readings as their time comes.
+    """
+
+    def __init__(
+        self,
+        body: BodyT,
+        devices: Sequence[Device[BodyT]],
+        *,
+        seed: int,
+        fixed_frames: tuple[FrameTransform, ...],
+        together: Sequence[tuple[type, type]],
+    ) -> None:
+        """Time starts at ``body.now_ns``; of each pair in ``together`` the first follows the second."""
+        self._body = body
+        self._clocks = _clocks(devices, body.now_ns, seed, together)
+        self._due = [(clock.next_ns, order) for order, clock in enumerate(self._clocks)]
+        heapq.heapify(self._due)
+        latched = Transforms(stamp_ns=body.now_ns, frames=fixed_frames)
+        found_ns = body.now_ns + _DISCOVERY_NS
+        static = TimedReading(time_ns=found_ns, topic=Topic.TF_STATIC, reading=latched)
+        self._under_way: list[tuple[int, int, TimedReading]] = [(found_ns, 0, static)]
+        self._serial = 0
+
+    def __iter__(self) -> Iterator[TimedReading]:
+        """All readings."""
+        return self
+
+    def __next__(self) -> TimedReading:
+        """The reading that arrives next."""
+        while not (self._under_way and self._under_way[0][0] <= self._due[0][0]):
+            self._sample()
+        return heapq.heappop(self._under_way)[2]
+
+    def skip(self, lost_ns: int) -> None:
+        """Have all that is to come happen ``lost_ns`` later; others tell the body."""
+        for clock in self._clocks:
+            clock.skip(lost_ns)
+        self._due = [(next_ns + lost_ns, order) for next_ns, order in self._due]
+        self._under_way = [
+            (time_ns + lost_ns, serial, replace(timed, time_ns=time_ns + lost_ns))
+            for time_ns, serial, timed in self._under_way
+        ]
+
+    def _sample(self) -> None:
+        now_ns, order = self._due[0]
+        self._body.advance_to(now_ns)
+        for reading in self._clocks[order].publish(self._body):
+            self._serial += 1
+            heapq.heappush(self._under_way, (reading.time_ns, self._serial, reading))
+        heapq.heapreplace(self._due, (self._clocks[order].next_ns, order))
+
+
+class _DeviceClock(Generic[BodyT]):
+    """When a device is sampled, and when what it says arrives.
+
+    Sample i is taken at (i + phase) / rate; each message arrives a transport time later, plus the
+    absolute value of Gaussian noise of 2 % of the period.
+    """
+
+    __slots__ = ("_count", "_device", "_first_ns", "_noise", "_period_ns", "next_ns")
+
+    def __init__(
+        self, device: Device[BodyT], start_ns: int, phase: float, noise: np.random.Generator
+    ) -> None:
+        self._device = device
+        self._noise = noise
+        self._period_ns = NS_PER_S / device.rate_hz
+        self._first_ns = start_ns + round(phase * self._period_ns)
+        self._count = 0
+        self.next_ns = self._first_ns
+
+    def publish(self, body: BodyT) -> Iterator[TimedReading]:
+        """Sample the device, and set the time of the next sample."""
+        now_ns = self.next_ns
+        self._count += 1
+        self.next_ns = self._first_ns + round(self._count * self._period_ns)
+        for topic, reading in self._device.sample(body):
+            share = min(abs(self._noise.standard_normal()) * _JITTER, _MAX_JITTER)
+            arrival_ns = now_ns + _TRANSPORT_NS + round(share * self._period_ns)
+            yield TimedReading(time_ns=arrival_ns, topic=topic, reading=reading)
+
+    def skip(self, lost_ns: int) -> None:
+        """Take all samples that are to come later."""
+        self._first_ns += lost_ns
+        self.next_ns += lost_ns
+
+
+def _clocks(
+    devices: Sequence[Device[BodyT]], start_ns: int, seed: int, together: Sequence[tuple[type, type]]
+) -> Sequence[_DeviceClock[BodyT]]:
+    """A clock for each device, with noise of its own, so that none depends on another."""
+    timing = [np.random.default_rng([seed, order, 1]) for order in range(len(devices))]
+    phases = [noise.random() for noise in timing]
+    kinds = [type(device) for device in devices]
+    for follower, leader in together:
+        phases[kinds.index(follower)] = phases[kinds.index(leader)]
+    return [
+        _DeviceClock(device, start_ns, phase, noise)
+        for device, phase, noise in zip(devices, phases, timing, strict=True)
+    ]
