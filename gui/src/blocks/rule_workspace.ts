@@ -15,11 +15,11 @@ import { closeField, isTyping, openField } from "./open_field";
 import { follow, onPage, type Pages, pageAt } from "./pages";
 import { blocklyTheme } from "./palette";
 import { type ActedOn, actedOn } from "./rule_acts";
-import { editsOf, isTop, newSlot, type Placed, type Slot, saidBy, statementOf, statementsOf } from "./slots";
+import { asOfNow, editsOf, isTop, newSlot, type Placed, printOf, type Slot, type Standing, saidBy, statementOf, statementsOf } from "./slots";
 import { NEW_RATE, NEW_RULE } from "./toolbox";
 import { Warnings } from "./warnings";
 
-type PrintOf = (slot: Slot) => string | null;
+type Print = (slot: Slot) => string | null;
 type EditsOf = (document: RuleDocument) => Edit[];
 
 /** What the workspace tells and asks. */
@@ -59,6 +59,8 @@ export class RuleWorkspace {
   private revealed: Blockly.BlockSvg | null = null;
   private readonly badges = new Badges();
   private states: ReadonlyMap<string, RuleState> = new Map();
+  /** What blocks said when somebody left them: nothing reads or changes a block after that. */
+  private left: Standing | null = null;
 
   constructor(
     private readonly host: HTMLElement,
@@ -81,20 +83,20 @@ export class RuleWorkspace {
    */
   show(document: RuleDocument): void {
     if (this.isAhead()) return;
-    this.take(document, saidBy);
+    this.take(document, printOf);
   }
 
   /** Shows a document that changed before what blocks say came into it; blocks that are ahead of it stay. */
   catchUp(document: RuleDocument): void {
-    if (document !== this.document) this.take(document, (slot) => slot.print);
+    if (document !== this.document && !this.left) this.take(document, (slot) => slot.print);
   }
 
-  private take(document: RuleDocument, printOf: PrintOf): void {
+  private take(document: RuleDocument, print: Print): void {
     const all = statementsOf(document);
     this.document = document;
     this.pages = follow(this.pages, this.placed, all);
     this.placed = all;
-    this.showPage(printOf);
+    this.showPage(print);
   }
 
   /** Shows the page that holds the statement with this number. */
@@ -108,15 +110,16 @@ export class RuleWorkspace {
 
   /** Whether blocks say something that is not in the text yet. Blockly tells of a change a picture or two later. */
   private isAhead(): boolean {
-    return this.waiting || this.underWay > 0 || this.slots.some((slot) => (saidBy(slot) ?? slot.print) !== slot.print);
+    if (this.waiting || this.underWay > 0) return true;
+    return !this.left && this.slots.some((slot) => (printOf(slot) ?? slot.print) !== slot.print);
   }
 
-  private showPage(printOf: PrintOf = saidBy): void {
+  private showPage(print: Print = printOf): void {
     this.quietly(() => {
       const placed = onPage(this.placed, this.pages);
       const reused = this.reuse(
         placed.map(({ statement }) => statement),
-        printOf,
+        print,
       );
       const old = new Set(this.slots.map((slot) => slot.block));
       for (const block of reused) if (block) old.delete(block);
@@ -183,12 +186,15 @@ export class RuleWorkspace {
     while (!(await this.handOver(false))) await new Promise(requestAnimationFrame);
     let done: ActedOn | null = null;
     await this.owner.changed((document) => {
-      const slot = document === this.document ? this.slots.findIndex((each) => each.block === block) : -1;
-      done = slot < 0 ? null : actedOn(this.placed, this.pages.first + slot, act);
-      if (done === null) return [];
-      return [done.edit];
+      const slot = this.slots.findIndex((each) => each.block === block);
+      const at = this.pages.first + slot;
+      const all = statementsOf(document);
+      const said = all[at]?.statement;
+      const isKnown = said !== undefined && fingerprint(said) === this.slots[slot]?.print;
+      done = isKnown ? actedOn(all, at, act) : null;
+      return done === null ? [] : [done.edit];
     });
-    if (done !== null) this.goToBlock((done as ActedOn).at);
+    if (done !== null && !this.left) this.goToBlock((done as ActedOn).at);
   }
 
   setReadOnly(readOnly: boolean): void {
@@ -220,8 +226,19 @@ export class RuleWorkspace {
     this.workspace.setTheme(blocklyTheme(this.host));
   }
 
+  /** Hands over what is not in the text yet, what is typed too, and removes the blocks. */
   dispose(): void {
+    this.workspace.cancelCurrentGesture();
+    closeField();
+    const isAhead = this.isAhead();
+    this.left = asOfNow(this.standing(), this.slots);
+    if (isAhead) void this.hand();
     this.workspace.dispose();
+  }
+
+  private standing(): Standing {
+    const { column } = this;
+    return this.left ?? { order: column.order, isDropped: (block) => column.isDropped(block), says: saidBy };
   }
 
   private listen(event: Blockly.Events.Abstract): void {
@@ -238,11 +255,12 @@ export class RuleWorkspace {
 
   /** Whether somebody drags or types, so that blocks say what is not meant yet. */
   private isInHand(): boolean {
-    return Blockly.Gesture.inProgress() || this.workspace.isDragging() || isTyping();
+    return !this.left && (Blockly.Gesture.inProgress() || this.workspace.isDragging() || isTyping());
   }
 
   /** Waits until nobody drags or types, then says what changed. */
   private settle(): void {
+    if (this.left) return;
     if (this.isInHand()) {
       this.settleSoon();
       return;
@@ -256,6 +274,7 @@ export class RuleWorkspace {
    * What somebody drags or types comes later.
    */
   async handOver(withOpenField: boolean): Promise<boolean> {
+    if (this.left) return true;
     if (withOpenField) closeField();
     if (this.isInHand()) return false;
     await this.hand();
@@ -264,9 +283,11 @@ export class RuleWorkspace {
 
   private async hand(): Promise<void> {
     this.waiting = false;
-    this.quietly(() => showJoins(this.workspace, this.owner.suggestions));
-    this.mark(this.findings);
-    const handed = this.column.order;
+    if (!this.left) {
+      this.quietly(() => showJoins(this.workspace, this.owner.suggestions));
+      this.mark(this.findings);
+    }
+    const handed = this.standing().order;
     this.underWay++;
     await this.owner.changed((document) => {
       if (this.isInHand()) {
@@ -274,16 +295,15 @@ export class RuleWorkspace {
         this.settleSoon();
         return [];
       }
-      const edits = editsOf(document, this.pages.first, this.slots, {
-        order: this.column.order,
-        isDropped: (block) => this.column.isDropped(block),
-      });
+      const edits = editsOf(document, this.pages.first, this.slots, this.standing());
       this.column.settle();
       return edits;
     });
     this.underWay--;
-    this.takeBack(handed);
-    this.owner.showAgain();
+    if (!this.left) {
+      this.takeBack(handed);
+      this.owner.showAgain();
+    }
     this.owner.ahead(this.isAhead());
   }
 
@@ -304,11 +324,11 @@ export class RuleWorkspace {
   }
 
   /** For each statement the block that shows it already. */
-  private reuse(statements: Statement[], printOf: PrintOf): (Blockly.BlockSvg | null)[] {
+  private reuse(statements: Statement[], print: Print): (Blockly.BlockSvg | null)[] {
     const free = new Map<string, Blockly.BlockSvg[]>();
     for (const slot of this.slots) {
-      const print = printOf(slot);
-      if (print !== null) free.set(print, [...(free.get(print) ?? []), slot.block]);
+      const said = print(slot);
+      if (said !== null) free.set(said, [...(free.get(said) ?? []), slot.block]);
     }
     return statements.map((statement) => free.get(fingerprint(statement))?.shift() ?? null);
   }

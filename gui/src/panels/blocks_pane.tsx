@@ -110,9 +110,7 @@ function openWorkspace(
         return editsOf(document);
       }),
     leftOut: (count) => (editor.blocksLeftOut = count),
-    ahead: (isAhead) => {
-      editor.blocksAhead.value = isAhead;
-    },
+    ahead: (isAhead) => editor.setAhead(workspace, isAhead),
     showAgain: show,
     paged: (shown) => {
       if (!isSamePage(shown, pages.peek())) pages.value = shown;
@@ -143,7 +141,6 @@ function openWorkspace(
     for (const stop of stops) stop();
     workspace.dispose();
     editor.blocksLeftOut = 0;
-    editor.blocksAhead.value = false;
     editor.handOver = null;
   };
   return { workspace, close };
