@@ -15,6 +15,7 @@ import {
   saveOver,
 } from "./conflict";
 import { type Draft, type Drafts, NO_ROOM, type Restored } from "./drafts";
+import { Folds } from "./folds";
 import { History } from "./history";
 import { layoutName, type MapSetting, PLAIN_GRID, readLayout, sideFileOf, writeLayout } from "./layout";
 import { Words } from "./words";
@@ -99,6 +100,8 @@ export class RuleEditor implements Contested {
     private readonly api: Api,
     readonly name: string,
     private readonly drafts: Drafts,
+    /** Which rules are folded. */
+    readonly folds = new Folds(),
   ) {
     this.words = new Words(api);
   }
