@@ -4,6 +4,7 @@ import * as Blockly from "blockly/core";
 import type { TruthName } from "../api/types";
 import { checkWords, RULE_WORDS, timeWords } from "./badge_words";
 import { stacked, timesOn } from "./conditions";
+import { FOLDED } from "./folded_type";
 import type { RuleState } from "./live_states";
 
 const GAP = 10;
@@ -36,7 +37,8 @@ export class Badges {
   show(states: ReadonlyMap<Blockly.BlockSvg, RuleState>, unitOf: UnitOf): void {
     const wanted = new Map<Blockly.BlockSvg, Badge>();
     for (const [rule, state] of states) {
-      const badges = conditionBadges(rule, state, unitOf);
+      // A folded rule has no checks to stand beside.
+      const badges = rule.type === FOLDED ? new Map() : conditionBadges(rule, state, unitOf);
       if (badges === null) continue;
       wanted.set(rule, { look: state.state, words: RULE_WORDS[state.state] });
       for (const [block, badge] of badges) wanted.set(block, badge);

@@ -14,12 +14,14 @@ import {
   operatorField,
   PLUS,
   propertyField,
+  SHUT,
   type Suggestions,
   SWITCH,
   textField,
   topicField,
   UP,
 } from "./fields";
+import { defineFolded } from "./folded_type";
 
 /** What the small buttons on blocks do. */
 export interface BlockButtons {
@@ -29,6 +31,8 @@ export interface BlockButtons {
   addRecord(block: Blockly.BlockSvg, input: string): void;
   toggleElse(block: Blockly.BlockSvg): void;
   remove(block: Blockly.BlockSvg): void;
+  /** Folds a rule to one line, or unfolds it. */
+  toggleFold(block: Blockly.BlockSvg): void;
   /** Does something with a whole rule, in the text. */
   act(block: Blockly.BlockSvg, act: RuleAct): void;
 }
@@ -66,6 +70,7 @@ export function defineBlocks(suggest: Suggestions, buttons: BlockButtons): void 
   };
 
   defineActionBlocks(suggest, buttons.remove);
+  defineFolded(buttons.toggleFold);
 
   init(
     "adirf_check",
@@ -114,6 +119,7 @@ export function defineBlocks(suggest: Suggestions, buttons: BlockButtons): void 
     "adirf_rule",
     function () {
       this.appendDummyInput()
+        .appendField(button(SHUT, "Fold this rule", buttons.toggleFold), "FOLD")
         .appendField("rule")
         .appendField(textField("", "name of the rule", "name this rule"), "NAME")
         .appendField("priority")

@@ -3,13 +3,25 @@
 import * as Blockly from "blockly/core";
 import { DEFAULT_TYPES } from "./actions";
 import { dropIndex, stacksOf, topsOf, withLoose } from "./column_order";
+import { FOLDED } from "./folded_type";
 import { statementOf } from "./slots";
 
 type Block = Blockly.BlockSvg;
 
-const GAP = 18;
+export const GAP = 18;
+/** The room for the words above a section. */
+export const HEADING = 34;
 const LEFT = 24;
 const GLIDE_MS = 160;
+
+/** What stands around and between the blocks of a part of the text. */
+export interface Shape {
+  /** The heights of what is not drawn, in the units of the canvas. */
+  readonly above: number;
+  readonly below: number;
+  /** The words above the first blocks of sections. */
+  readonly headings: ReadonlyMap<Block, string>;
+}
 
 /**
  * The blocks of a workspace, one below the other in the order of the text.
@@ -24,9 +36,23 @@ export class Column {
   private placed = new Set<Block>();
   private first = GAP;
   private isDue = false;
+  private shape: Shape = { above: 0, below: 0, headings: new Map() };
+  private readonly drawnHeadings: SVGElement[] = [];
 
   constructor(private readonly workspace: Blockly.WorkspaceSvg) {
     for (const definition of Object.values(Blockly.Blocks)) this.lendTo(definition);
+    const drawn = workspace.getBlocksBoundingBox.bind(workspace);
+    workspace.getBlocksBoundingBox = () => {
+      const { top, bottom, left, right } = drawn();
+      const { above, below, headings } = this.shape;
+      const heading = headings.has(this.blocks[0] as Block) ? HEADING : 0;
+      return new Blockly.utils.Rect(top - above - heading, bottom + below, left, right);
+    };
+  }
+
+  /** Where the column begins, with what is not drawn above its first block. */
+  get top(): number {
+    return this.first - this.shape.above;
   }
 
   /** All statements and what could become some, from above. */
@@ -51,11 +77,13 @@ export class Column {
     this.layOut();
   }
 
-  /** Takes over the order of the text. */
-  follow(text: readonly Block[]): void {
+  /** Takes over the order of the text; `isMoved` is whether another part of it is drawn, which leaves the rest where it is. */
+  follow(text: readonly Block[], shape: Shape, isMoved: boolean): void {
     const known = text.filter((block) => !this.dropped.has(block));
     this.blocks = withLoose(known, this.blocks);
-    this.layOut();
+    this.shape = shape;
+    const anchor = isMoved ? text.find((block) => this.placed.has(block)) : undefined;
+    this.layOut(anchor);
   }
 
   /** Scrolls up or down to a block; a block that is wider than the view begins at its left edge. */
@@ -66,9 +94,9 @@ export class Column {
     this.workspace.scrollBoundsIntoView(begin, LEFT);
   }
 
-  /** Begins at the upper end, as of another page. */
-  restart(): void {
-    this.first = GAP;
+  /** Draws the first block there, as of another part of the text. */
+  restart(top: number): void {
+    this.first = top;
     this.placed.clear();
   }
 
@@ -148,42 +176,61 @@ export class Column {
     return isOfKind ? above + 1 : usualPlace(this.blocks, block);
   }
 
-  private layOut(): void {
+  private layOut(anchor?: Block): void {
     const fresh = this.takeIn();
     Blockly.Events.disable();
     this.workspace.setResizesEnabled(false);
-    const stacks = stacksOf(this.blocks, ({ type }) => DEFAULT_TYPES.has(type));
+    const { headings } = this.shape;
+    const hangs = ({ type }: Block) => DEFAULT_TYPES.has(type);
+    const stacks = stacksOf(this.blocks, hangs, (block) => headings.has(block));
     const before = new Map(this.blocks.map((block) => [block, block.getRelativeToSurfaceXY()]));
     for (const stack of stacks) hangTogether(stack);
     // A block has no size before it is drawn.
     Blockly.renderManagement.triggerQueuedRenders(this.workspace);
     const heads = stacks.map(([head]) => head as Block);
-    const heights = heads.map((head) => head.getHeightWidth().height);
-    const tops = topsOf(heights, GAP, this.first, this.pinned(stacks, before));
+    const heights = heads.map((head, index) => {
+      const next = heads[index + 1];
+      return head.getHeightWidth().height + (next && headings.has(next) ? HEADING : 0);
+    });
+    const tops = topsOf(heights, GAP, this.first, this.pinned(stacks, before, anchor));
     this.first = tops[0] ?? GAP;
     heads.forEach((head, index) => {
       this.place(head, tops[index] ?? GAP, before.get(head));
     });
     this.placed = new Set(this.blocks);
+    this.drawHeadings();
     this.workspace.setResizesEnabled(true);
     Blockly.Events.enable();
     const [newest] = fresh.slice(-1);
     if (newest) this.bringIntoView(newest);
   }
 
-  /** The stack that somebody types in, which stays where it is on the screen. */
+  private drawHeadings(): void {
+    for (const drawn of this.drawnHeadings.splice(0)) drawn.remove();
+    for (const [block, words] of this.shape.headings) {
+      if (block.isDisposed()) continue;
+      const place = { class: "section-heading", x: LEFT, y: topOf(block) - GAP / 2 };
+      const text = Blockly.utils.dom.createSvgElement(Blockly.utils.Svg.TEXT, place, this.workspace.getCanvas());
+      text.textContent = words;
+      this.drawnHeadings.push(text);
+    }
+  }
+
+  /** The stack that somebody types in, or that of `anchor`, which stays where it is on the screen. */
   private pinned(
     stacks: readonly Block[][],
     before: ReadonlyMap<Block, Blockly.utils.Coordinate>,
+    anchor: Block | undefined,
   ): { index: number; top: number } | null {
     const focused = Blockly.getFocusManager().getFocusedNode();
     const block = focused instanceof Blockly.Field ? focused.getSourceBlock() : focused;
-    if (!(block instanceof Blockly.BlockSvg) || !Blockly.WidgetDiv.isVisible()) return null;
-    const typedIn = statementOf(block);
-    const index = stacks.findIndex((stack) => stack.includes(typedIn));
+    const isTyped = block instanceof Blockly.BlockSvg && Blockly.WidgetDiv.isVisible();
+    const pin = isTyped ? statementOf(block) : anchor;
+    if (pin === undefined) return null;
+    const index = stacks.findIndex((stack) => stack.includes(pin));
     const head = stacks[index]?.[0];
-    if (head === undefined || !this.placed.has(typedIn)) return null;
-    return { index, top: (before.get(typedIn)?.y ?? GAP) - (topOf(typedIn) - topOf(head)) };
+    if (head === undefined || !this.placed.has(pin)) return null;
+    return { index, top: (before.get(pin)?.y ?? GAP) - (topOf(pin) - topOf(head)) };
   }
 
   private place(head: Block, top: number, before: Blockly.utils.Coordinate | undefined): void {
@@ -215,7 +262,7 @@ function usualPlace(blocks: readonly Block[], block: Block): number {
 }
 
 function isRule({ type }: Block): boolean {
-  return type === "adirf_rule";
+  return type === "adirf_rule" || type === FOLDED;
 }
 
 function chainFrom(head: Block): Block[] {

@@ -37,12 +37,16 @@ export function dropIndex(things: readonly { top: number; height: number }[], y:
   return below < 0 ? things.length : below;
 }
 
-/** Neighbours that hang together, in stacks. */
-export function stacksOf<T>(order: readonly T[], hangs: (thing: T) => boolean): T[][] {
+/** Neighbours that hang together, in stacks; one that begins something hangs on nothing above it. */
+export function stacksOf<T>(
+  order: readonly T[],
+  hangs: (thing: T) => boolean,
+  begins: (thing: T) => boolean = () => false,
+): T[][] {
   const stacks: T[][] = [];
   order.forEach((each, index) => {
     const above = order[index - 1];
-    if (above !== undefined && hangs(above) && hangs(each)) stacks.at(-1)?.push(each);
+    if (above !== undefined && hangs(above) && hangs(each) && !begins(each)) stacks.at(-1)?.push(each);
     else stacks.push([each]);
   });
   return stacks;

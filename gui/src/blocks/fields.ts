@@ -48,6 +48,8 @@ export const SWITCH = icon("M12 6v6M8.2 8.6a5.6 5.6 0 1 0 7.6 0");
 export const COPY = icon("M7 7h7v7h-7zM10.5 17.5h7v-7");
 export const UP = icon("M12 17V7M8 11l4-4 4 4");
 export const DOWN = icon("M12 7v10M8 13l4 4 4-4");
+export const OPEN = icon("M10 8l4 4-4 4");
+export const SHUT = icon("M8 10l4 4 4-4");
 export const CLOCK = icon("M12 5a7 7 0 1 0 .01 0M12 8v4l3 2");
 
 type Act = (block: Blockly.BlockSvg, field: Blockly.FieldImage) => void;

@@ -3,6 +3,7 @@
 import * as Blockly from "blockly/core";
 import type { BlockButtons, RuleAct, RuleBlock } from "./block_types";
 import { timeChoices } from "./clocks";
+import { FOLDED } from "./folded_type";
 import type { Choice } from "./open_menu";
 
 type Block = Blockly.BlockSvg;
@@ -15,12 +16,14 @@ export interface MenuPage {
   canRedo(): boolean;
   newRate(): void;
   newRule(): void;
+  foldAll(isFolded: boolean): void;
 }
 
 const CONDITIONS = new Set(["adirf_check", "adirf_all", "adirf_any", "adirf_not"]);
-const STATEMENTS = new Set(["adirf_set", "adirf_within", "adirf_keep", "adirf_rule"]);
+const STATEMENTS = new Set(["adirf_set", "adirf_within", "adirf_keep", "adirf_rule", FOLDED]);
 const WORDS: Readonly<Record<string, string>> = {
   adirf_rule: "rule",
+  [FOLDED]: "rule",
   adirf_set: "rate",
   adirf_within: "bound",
   adirf_keep: "floor",
@@ -39,6 +42,8 @@ export function useOwnMenus(workspace: Blockly.WorkspaceSvg, buttons: BlockButto
     const own = [
       { text: "New rate", enabled: !isOff, callback: () => page.newRate() },
       { text: "New rule", enabled: !isOff, callback: () => page.newRule() },
+      { text: "Fold all", enabled: true, callback: () => page.foldAll(true) },
+      { text: "Unfold all", enabled: true, callback: () => page.foldAll(false) },
       ...pageChoices(page),
     ];
     options.splice(0, options.length, ...(own as unknown as typeof options));
@@ -68,7 +73,7 @@ function blockChoices(block: Block, buttons: BlockButtons): Choice[] {
   const word = WORDS[block.type];
   const choices = [
     ...(CONDITIONS.has(block.type) ? timeChoices(block) : []),
-    ...(block.type === "adirf_rule" ? ruleChoices(block as RuleBlock, buttons) : []),
+    ...(WORDS[block.type] === "rule" ? ruleChoices(block as RuleBlock, buttons) : []),
     ...(isStatement ? commentChoices(block) : []),
     ...(word ? [{ text: `Remove this ${word}`, enabled: true, callback: () => buttons.remove(block) }] : []),
   ];
@@ -78,6 +83,11 @@ function blockChoices(block: Block, buttons: BlockButtons): Choice[] {
 function ruleChoices(rule: RuleBlock, buttons: BlockButtons): Choice[] {
   const choice = (text: string, act: RuleAct) => ({ text, enabled: true, callback: () => buttons.act(rule, act) });
   return [
+    {
+      text: rule.type === FOLDED ? "Unfold this rule" : "Fold this rule",
+      enabled: true,
+      callback: () => buttons.toggleFold(rule),
+    },
     choice(rule.isSwitchedOff() ? "Switch this rule on" : "Switch this rule off", "switch"),
     choice("Duplicate this rule", "duplicate"),
     choice("Move this rule up", "up"),

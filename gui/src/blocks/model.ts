@@ -5,12 +5,14 @@ import type { Action, Statement } from "../api/types";
 import { actionBlock, actionPrint, toAction } from "./actions";
 import type { RuleBlock } from "./block_types";
 import { conditionIn, conditionPrint, conditionStack, stack, stacked } from "./conditions";
+import { FOLDED, type FoldedRule } from "./folded_type";
 
 type State = Blockly.serialization.blocks.State;
 
-/** A statement as a block to load. */
-export function toBlock(statement: Statement): State {
+/** A statement as a block to load; a rule may be folded to one line. */
+export function toBlock(statement: Statement, isFolded = false): State {
   const icons = statement.comments?.length ? { icons: { comment: { text: statement.comments.join("\n") } } } : {};
+  if (isFolded) return { type: FOLDED, extraState: { rule: statement }, ...icons };
   return { ...statementBlock(statement), ...icons };
 }
 
@@ -66,6 +68,8 @@ export function toStatement(block: Blockly.Block): Statement | { missing: string
       const is_disabled = (block as RuleBlock).isSwitchedOff();
       return { kind: "rule", name, priority, is_disabled, condition, then, else: actions(block, "ELSE"), comments };
     }
+    case FOLDED:
+      return { ...(block as FoldedRule).rule, comments };
     default:
       return { missing: "This belongs in a rule" };
   }

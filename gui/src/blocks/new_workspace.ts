@@ -6,7 +6,7 @@ import type { Statement } from "../api/types";
 import { NARROW } from "../ui/narrow";
 import { addAnotherOnShiftEnter } from "./another";
 import { addBound, addCheck, addRate, addRecord, toggleElse } from "./block_buttons";
-import { type BlockButtons, defineBlocks, type RuleAct } from "./block_types";
+import { type BlockButtons, defineBlocks } from "./block_types";
 import type { Suggestions } from "./fields";
 import { type MenuPage, useOwnMenus } from "./menus";
 import { useOwnKeys } from "./own_keys";
@@ -16,12 +16,12 @@ import { toolbox } from "./toolbox";
 const SCALE = 0.72;
 const SCALE_FOR_FINGERS = 1.1;
 
-/** A workspace of Blockly that knows the blocks of rules; `act` is called by the buttons of a whole rule. */
+/** A workspace of Blockly that knows the blocks of rules; `act` and `toggleFold` are called by the buttons of a whole rule. */
 export function newWorkspace(
   host: HTMLElement,
   suggestions: Suggestions,
   recipes: readonly Statement[],
-  act: (block: Blockly.BlockSvg, act: RuleAct) => void,
+  { act, toggleFold }: Pick<BlockButtons, "act" | "toggleFold">,
   page: MenuPage,
 ): Blockly.WorkspaceSvg {
   Blockly.setLocale(english as unknown as Record<string, string>);
@@ -32,6 +32,7 @@ export function newWorkspace(
     addRecord,
     toggleElse: (block) => toggleElse(block, suggestions.topics()),
     remove: (block) => block.checkAndDelete(),
+    toggleFold,
     act,
   };
   defineBlocks(suggestions, buttons);

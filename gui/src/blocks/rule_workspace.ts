@@ -2,31 +2,46 @@
 // SPDX-License-Identifier: Apache-2.0
 import * as Blockly from "blockly/core";
 import type { Edit, PlacedFinding, RuleDocument, Statement } from "../api/types";
+import type { Folds } from "../state/folds";
 import { Badges } from "./badges";
 import { type RuleAct, showRawText } from "./block_types";
-import { Column } from "./column";
+import { Column, GAP, HEADING } from "./column";
 import type { Suggestions } from "./fields";
+import { FOLDED } from "./folded_type";
 import { showJoins } from "./joins";
 import type { RuleState } from "./live_states";
 import type { MenuPage } from "./menus";
 import { fingerprint, toBlock, toStatement } from "./model";
 import { newWorkspace } from "./new_workspace";
 import { closeField, isTyping, openField } from "./open_field";
-import { follow, onPage, type Pages, pageAt } from "./pages";
 import { blocklyTheme } from "./palette";
+import { covers, follow, inPart, type Part, partAround, partAt } from "./part";
+import { Rows } from "./rows";
 import { type ActedOn, actedOn } from "./rule_acts";
-import { editsOf, isTop, newSlot, type Placed, type Slot, saidBy, statementOf, statementsOf } from "./slots";
+import {
+  asOfNow,
+  editsOf,
+  isTop,
+  newSlot,
+  type Placed,
+  printOf,
+  type Slot,
+  type Standing,
+  saidBy,
+  statementOf,
+  statementsOf,
+} from "./slots";
 import { NEW_RATE, NEW_RULE } from "./toolbox";
 import { Warnings } from "./warnings";
 
-type PrintOf = (slot: Slot) => string | null;
+type Print = (slot: Slot) => string | null;
 type EditsOf = (document: RuleDocument) => Edit[];
 
 /** What the workspace tells and asks. */
 export interface WorkspaceOwner {
   suggestions: Suggestions;
   /** What the menus on blocks do with the page. */
-  menus: Omit<MenuPage, "newRate" | "newRule">;
+  menus: Omit<MenuPage, "newRate" | "newRule" | "foldAll">;
   /** Rules to take from the list of blocks. */
   recipes: readonly Statement[];
   /** Blocks say something else than the text: `editsOf` it bring it there. */
@@ -38,8 +53,7 @@ export interface WorkspaceOwner {
   selected(statement: string | null): void;
   /** How many blocks say nothing that the text could say. */
   leftOut(count: number): void;
-  /** Which part of the statements is shown. */
-  paged(pages: Pages): void;
+  folds: Folds;
 }
 
 /** The blocks of one rule file, kept in step with its text. */
@@ -53,20 +67,30 @@ export class RuleWorkspace {
   private findings: readonly PlacedFinding[] = [];
   /** All statements of the document that is shown, and which of them are blocks. */
   private placed: readonly Placed[] = [];
-  private pages: Pages = { first: 0, count: 0, total: 0 };
+  private sections: ReadonlyMap<number, string> = new Map();
+  private part: Part = { first: 0, count: 0, total: 0 };
+  private readonly rows: Rows;
+  private isLooking = false;
   private document: RuleDocument | null = null;
   private readonly warnings = new Warnings();
   private revealed: Blockly.BlockSvg | null = null;
   private readonly badges = new Badges();
   private states: ReadonlyMap<string, RuleState> = new Map();
+  /** What blocks said when somebody left them: nothing reads or changes a block after that. */
+  private left: Standing | null = null;
 
   constructor(
     private readonly host: HTMLElement,
     private readonly owner: WorkspaceOwner,
   ) {
-    const act = (block: Blockly.BlockSvg, what: RuleAct) => void this.act(block, what);
-    this.workspace = newWorkspace(host, owner.suggestions, owner.recipes, act, {
+    const acts = {
+      act: (block: Blockly.BlockSvg, what: RuleAct) => void this.act(block, what),
+      toggleFold: (block: Blockly.BlockSvg) => void this.toggleFold(block),
+    };
+    this.rows = new Rows((statement) => owner.folds.isFolded(statement));
+    this.workspace = newWorkspace(host, owner.suggestions, owner.recipes, acts, {
       ...owner.menus,
+      foldAll: (isFolded) => void this.foldAll(isFolded),
       newRate: () => this.add(toBlock(NEW_RATE)),
       newRule: () => this.add(toBlock(NEW_RULE)),
     });
@@ -79,55 +103,117 @@ export class RuleWorkspace {
    *
    * Does nothing while blocks are ahead of the text; it asks for another call then.
    */
-  show(document: RuleDocument): void {
-    if (this.isAhead()) return;
-    this.take(document, saidBy);
+  show(document: RuleDocument, sections: ReadonlyMap<number, string>): void {
+    if (this.isAhead() || this.left) return;
+    this.sections = sections;
+    this.take(document, printOf);
   }
 
   /** Shows a document that changed before what blocks say came into it; blocks that are ahead of it stay. */
   catchUp(document: RuleDocument): void {
-    if (document !== this.document) this.take(document, (slot) => slot.print);
+    if (document !== this.document && !this.left) this.take(document, (slot) => slot.print);
   }
 
-  private take(document: RuleDocument, printOf: PrintOf): void {
+  private take(document: RuleDocument, print: Print): void {
     const all = statementsOf(document);
+    const { folds } = this.owner;
+    const isFirst = this.placed.length === 0;
+    folds.follow(
+      this.statements(),
+      all.map(({ statement }) => statement),
+    );
     this.document = document;
-    this.pages = follow(this.pages, this.placed, all);
+    const keys = (placed: readonly Placed[]) => placed.map(({ statement }) => statement.key ?? "");
+    this.part = follow(this.part, keys(this.placed), keys(all));
     this.placed = all;
-    this.showPage(printOf);
+    if (isFirst) this.column.restart(GAP + (this.sections.has(0) ? HEADING : 0));
+    this.showPart(print);
+    this.lookSoon();
   }
 
-  /** Shows the page that holds the statement with this number. */
-  goTo(index: number): void {
+  private statements(): Statement[] {
+    return this.placed.map(({ statement }) => statement);
+  }
+
+  /** Draws the part of the text around the statement with this number. */
+  private goTo(index: number): void {
     if (this.isAhead()) return;
-    this.pages = pageAt(index, this.placed.length);
-    this.column.restart();
-    this.showPage();
-    this.workspace.scroll(0, 0);
+    this.move(partAround(index, this.placed.length));
+  }
+
+  /** Draws another part of the text; what both have stays where it is. */
+  private move(part: Part): void {
+    const offsets = this.offsets();
+    const { top } = this.column;
+    const { first, count } = this.part;
+    const isApart = part.first >= first + count || first >= part.first + part.count;
+    if (isApart) this.column.restart(top + (offsets[part.first] ?? 0));
+    this.part = part;
+    this.showPart(printOf, true);
+  }
+
+  private offsets(): number[] {
+    return this.rows.offsets(this.statements(), this.sections);
+  }
+
+  /** Draws what came near the view, once nobody has anything in hand. */
+  private lookSoon(): void {
+    if (this.isLooking) return;
+    this.isLooking = true;
+    requestAnimationFrame(() => {
+      this.isLooking = false;
+      if (this.left) return;
+      if (this.isAhead() || this.isInHand()) this.lookSoon();
+      else this.look();
+    });
+  }
+
+  private look(): void {
+    const view = this.workspace.getMetricsManager().getViewMetrics(true);
+    const offsets = this.offsets();
+    const top = view.top - this.column.top;
+    const bottom = top + view.height;
+    if (covers(this.part, partAt(offsets, top, bottom))) return;
+    this.move(partAt(offsets, top - view.height / 2, bottom + view.height / 2));
   }
 
   /** Whether blocks say something that is not in the text yet. Blockly tells of a change a picture or two later. */
   private isAhead(): boolean {
-    return this.waiting || this.underWay > 0 || this.slots.some((slot) => (saidBy(slot) ?? slot.print) !== slot.print);
+    if (this.waiting || this.underWay > 0) return true;
+    return !this.left && this.slots.some((slot) => (printOf(slot) ?? slot.print) !== slot.print);
   }
 
-  private showPage(printOf: PrintOf = saidBy): void {
+  private showPart(print: Print = printOf, isMoved = false): void {
+    const statements = inPart(this.statements(), this.part);
     this.quietly(() => {
-      const placed = onPage(this.placed, this.pages);
-      const reused = this.reuse(
-        placed.map(({ statement }) => statement),
-        printOf,
-      );
+      const reused = this.reuse(statements, print);
       const old = new Set(this.slots.map((slot) => slot.block));
       for (const block of reused) if (block) old.delete(block);
       for (const block of old) if (!block.isDisposed()) block.dispose(true);
-      this.slots = placed.map(({ statement }, index) => newSlot(reused[index] ?? this.create(statement), statement));
+      this.slots = statements.map((statement, index) => newSlot(reused[index] ?? this.create(statement), statement));
       showJoins(this.workspace, this.owner.suggestions);
     });
-    this.column.follow(this.slots.map(({ block }) => block));
+    this.arrange(isMoved);
+    this.rows.measure(statements, this.slots);
     this.mark(this.findings);
     this.showLive(this.states);
-    this.owner.paged(this.pages);
+  }
+
+  private arrange(isMoved: boolean): void {
+    const { first, count } = this.part;
+    const offsets = this.offsets();
+    const at = (index: number) => offsets[index] ?? 0;
+    const headings = new Map<Blockly.BlockSvg, string>();
+    this.slots.forEach(({ block }, index) => {
+      const words = this.sections.get(first + index);
+      if (words !== undefined) headings.set(block, words);
+    });
+    const shape = { above: at(first), below: at(this.placed.length) - at(first + count), headings };
+    this.column.follow(
+      this.slots.map(({ block }) => block),
+      shape,
+      isMoved,
+    );
   }
 
   /** Shows beside rules and checks what a robot says of them, by statement id. */
@@ -146,7 +232,7 @@ export class RuleWorkspace {
   /** Puts findings on the blocks of their statements. */
   mark(findings: readonly PlacedFinding[]): void {
     this.findings = findings;
-    const statements = onPage(this.placed, this.pages).map(({ statement }) => statement);
+    const statements = inPart(this.statements(), this.part);
     const missing = new Map<Blockly.BlockSvg, string>();
     for (const block of this.column.order) {
       const said = block.type === "adirf_raw" ? {} : toStatement(block);
@@ -156,11 +242,11 @@ export class RuleWorkspace {
     this.owner.leftOut(missing.size);
   }
 
-  /** Shows which block says a statement, turning to its page; the focus stays where somebody works. */
+  /** Shows which block says a statement, drawing it first; the focus stays where somebody works. */
   reveal(id: string | null): void {
     const index = id === null ? -1 : this.placed.findIndex(({ statement }) => statement.id === id);
-    if (index >= 0 && !onPage(this.placed, this.pages).includes(this.placed[index] as Placed)) this.goTo(index);
-    const block = this.slots.find((each) => each.id === id)?.block ?? null;
+    if (index >= 0 && !this.blockAt(index)) this.goTo(index);
+    const block = this.blockAt(index);
     // Scrolling draws anew, so that each key stroke in one statement must not do it.
     if (block === this.revealed) return;
     this.revealed = block;
@@ -168,14 +254,55 @@ export class RuleWorkspace {
     if (block) this.column.bringIntoView(block);
   }
 
-  /** Shows the block of the statement with this number, and puts the focus on it. */
-  goToBlock(index: number): void {
-    const isHere = index >= this.pages.first && index < this.pages.first + this.pages.count;
-    if (!isHere) this.goTo(index);
-    const block = this.slots[index - this.pages.first]?.block;
+  private blockAt(index: number): Blockly.BlockSvg | null {
+    return this.slots[index - this.part.first]?.block ?? null;
+  }
+
+  /** Shows the block of the statement with this number unfolded, and puts the focus on it. */
+  async goToBlock(index: number): Promise<void> {
+    const statement = this.placed[index]?.statement;
+    if (statement === undefined || !(await this.settled())) return;
+    this.owner.folds.set(statement, false);
+    if (!this.blockAt(index)) this.goTo(index);
+    else this.showPart();
+    const block = this.blockAt(index);
     if (!block || block.isDisposed()) return;
     Blockly.getFocusManager().focusNode(block);
     this.column.bringIntoView(block);
+  }
+
+  /** Waits until the text says what blocks say; whether they are still shown then. */
+  private async settled(): Promise<boolean> {
+    while (!(await this.handOver(false)) || this.isAhead()) await new Promise(requestAnimationFrame);
+    return !this.left;
+  }
+
+  private async toggleFold(block: Blockly.BlockSvg): Promise<void> {
+    if (!(await this.settled())) return;
+    const at = this.slots.findIndex((slot) => slot.block === block);
+    const statement = this.placed[this.part.first + at]?.statement;
+    // What is not in the text yet would be lost.
+    if (at < 0 || statement === undefined || "missing" in (saidBy(block) ?? {})) return;
+    this.owner.folds.set(statement, block.type !== FOLDED);
+    this.showPart();
+    const shown = this.slots[at]?.block;
+    if (shown) Blockly.getFocusManager().focusNode(shown.getField("FOLD") ?? shown);
+    this.lookSoon();
+  }
+
+  /** Folds all rules to one line, or unfolds them; the first one in view stays there. */
+  async foldAll(isFolded: boolean): Promise<void> {
+    if (!(await this.settled())) return;
+    const view = this.workspace.getMetricsManager().getViewMetrics(true);
+    const at = this.slots.findIndex(({ block }) => block.getRelativeToSurfaceXY().y + block.height > view.top);
+    const index = this.part.first + Math.max(at, 0);
+    this.owner.folds.setAll(isFolded);
+    this.part = partAround(index, this.placed.length);
+    this.column.restart(GAP + (this.offsets()[this.part.first] ?? 0));
+    this.showPart();
+    const block = this.blockAt(index);
+    if (block) this.column.bringIntoView(block);
+    this.lookSoon();
   }
 
   /** Does something with a whole rule, once the text says what the blocks say. */
@@ -183,12 +310,15 @@ export class RuleWorkspace {
     while (!(await this.handOver(false))) await new Promise(requestAnimationFrame);
     let done: ActedOn | null = null;
     await this.owner.changed((document) => {
-      const slot = document === this.document ? this.slots.findIndex((each) => each.block === block) : -1;
-      done = slot < 0 ? null : actedOn(this.placed, this.pages.first + slot, act);
-      if (done === null) return [];
-      return [done.edit];
+      const slot = this.slots.findIndex((each) => each.block === block);
+      const at = this.part.first + slot;
+      const all = statementsOf(document);
+      const said = all[at]?.statement;
+      const isKnown = said !== undefined && fingerprint(said) === this.slots[slot]?.print;
+      done = isKnown ? actedOn(all, at, act) : null;
+      return done === null ? [] : [done.edit];
     });
-    if (done !== null) this.goToBlock((done as ActedOn).at);
+    if (done !== null && !this.left) await this.goToBlock((done as ActedOn).at);
   }
 
   setReadOnly(readOnly: boolean): void {
@@ -220,12 +350,24 @@ export class RuleWorkspace {
     this.workspace.setTheme(blocklyTheme(this.host));
   }
 
+  /** Hands over what is not in the text yet, what is typed too, and removes the blocks. */
   dispose(): void {
+    this.workspace.cancelCurrentGesture();
+    closeField();
+    const isAhead = this.isAhead();
+    this.left = asOfNow(this.standing(), this.slots);
+    if (isAhead) void this.hand();
     this.workspace.dispose();
+  }
+
+  private standing(): Standing {
+    const { column } = this;
+    return this.left ?? { order: column.order, isDropped: (block) => column.isDropped(block), says: saidBy };
   }
 
   private listen(event: Blockly.Events.Abstract): void {
     if (event.type === Blockly.Events.SELECTED) this.tellSelected();
+    if (event.type === Blockly.Events.VIEWPORT_CHANGE) this.lookSoon();
     if (!event.isUiEvent) this.column.layOutSoon();
     if (!event.isUiEvent && !this.waiting) this.settleSoon();
   }
@@ -238,11 +380,12 @@ export class RuleWorkspace {
 
   /** Whether somebody drags or types, so that blocks say what is not meant yet. */
   private isInHand(): boolean {
-    return Blockly.Gesture.inProgress() || this.workspace.isDragging() || isTyping();
+    return !this.left && (Blockly.Gesture.inProgress() || this.workspace.isDragging() || isTyping());
   }
 
   /** Waits until nobody drags or types, then says what changed. */
   private settle(): void {
+    if (this.left) return;
     if (this.isInHand()) {
       this.settleSoon();
       return;
@@ -256,6 +399,7 @@ export class RuleWorkspace {
    * What somebody drags or types comes later.
    */
   async handOver(withOpenField: boolean): Promise<boolean> {
+    if (this.left) return true;
     if (withOpenField) closeField();
     if (this.isInHand()) return false;
     await this.hand();
@@ -264,9 +408,11 @@ export class RuleWorkspace {
 
   private async hand(): Promise<void> {
     this.waiting = false;
-    this.quietly(() => showJoins(this.workspace, this.owner.suggestions));
-    this.mark(this.findings);
-    const handed = this.column.order;
+    if (!this.left) {
+      this.quietly(() => showJoins(this.workspace, this.owner.suggestions));
+      this.mark(this.findings);
+    }
+    const handed = this.standing().order;
     this.underWay++;
     await this.owner.changed((document) => {
       if (this.isInHand()) {
@@ -274,16 +420,15 @@ export class RuleWorkspace {
         this.settleSoon();
         return [];
       }
-      const edits = editsOf(document, this.pages.first, this.slots, {
-        order: this.column.order,
-        isDropped: (block) => this.column.isDropped(block),
-      });
+      const edits = editsOf(document, this.part.first, this.slots, this.standing());
       this.column.settle();
       return edits;
     });
     this.underWay--;
-    this.takeBack(handed);
-    this.owner.showAgain();
+    if (!this.left) {
+      this.takeBack(handed);
+      this.owner.showAgain();
+    }
     this.owner.ahead(this.isAhead());
   }
 
@@ -304,17 +449,23 @@ export class RuleWorkspace {
   }
 
   /** For each statement the block that shows it already. */
-  private reuse(statements: Statement[], printOf: PrintOf): (Blockly.BlockSvg | null)[] {
+  private reuse(statements: Statement[], print: Print): (Blockly.BlockSvg | null)[] {
     const free = new Map<string, Blockly.BlockSvg[]>();
     for (const slot of this.slots) {
-      const print = printOf(slot);
-      if (print !== null) free.set(print, [...(free.get(print) ?? []), slot.block]);
+      const said = print(slot);
+      if (said !== null) free.set(said, [...(free.get(said) ?? []), slot.block]);
     }
-    return statements.map((statement) => free.get(fingerprint(statement))?.shift() ?? null);
+    return statements.map((statement) => {
+      const isFolded = this.owner.folds.isFolded(statement);
+      const equal = free.get(fingerprint(statement)) ?? [];
+      const at = equal.findIndex(({ type }) => (type === FOLDED) === isFolded);
+      return at < 0 ? null : (equal.splice(at, 1)[0] ?? null);
+    });
   }
 
   private create(statement: Statement): Blockly.BlockSvg {
-    const block = Blockly.serialization.blocks.append(toBlock(statement), this.workspace) as Blockly.BlockSvg;
+    const state = toBlock(statement, this.owner.folds.isFolded(statement));
+    const block = Blockly.serialization.blocks.append(state, this.workspace) as Blockly.BlockSvg;
     if (statement.kind === "raw") showRawText(block, statement.text);
     return block;
   }

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import type { Action, PlacedFinding, Statement } from "../api/types";
+import type { PlacedFinding, Statement } from "../api/types";
 import { checksOf, type RuleState } from "./live_states";
-import { rateText } from "./rate_text";
+import { actionWords } from "./rule_words";
 
 /** What a search is limited to. */
 export type Limit = "all" | "off" | "findings" | "holds";
@@ -57,7 +57,7 @@ function saidIn(statement: Statement): string[] {
         property,
         `${property} ${op} ${value}`,
       ]);
-      const actions = [...statement.then, ...statement.else].flatMap(saidInAction);
+      const actions = [...statement.then, ...statement.else].map(actionWords);
       return [statement.name ?? statement.label ?? "", ...comments, ...checks, ...actions];
     }
     case "keep":
@@ -65,17 +65,6 @@ function saidIn(statement: Statement): string[] {
     case "raw":
       return [...comments, statement.text];
     default:
-      return [...comments, ...saidInAction(statement)];
-  }
-}
-
-function saidInAction(action: Action): string[] {
-  switch (action.kind) {
-    case "set":
-      return [`${action.topic} ${rateText(action.rate)}${action.rate.kind === "hz" ? " Hz" : ""}`];
-    case "within":
-      return [`${action.topic} ${action.property} ${action.bound}`];
-    case "record":
-      return [action.name, ...action.topics];
+      return [...comments, actionWords(statement)];
   }
 }

@@ -49,6 +49,22 @@ export interface Standing {
   readonly order: readonly Blockly.BlockSvg[];
   /** Whether somebody dragged a block to its place. */
   isDropped(block: Blockly.BlockSvg): boolean;
+  /** What a block says as a statement of its own; null where it is none any more. */
+  says(block: Blockly.BlockSvg): Said;
+}
+
+export type Said = Statement | { missing: string } | null;
+
+/** What blocks say now, for a time at which they are gone. */
+export function asOfNow({ order, isDropped, says }: Standing, slots: readonly Slot[]): Standing {
+  const all = new Set([...order, ...slots.map(({ block }) => block)]);
+  const said = new Map([...all].map((block) => [block, says(block)]));
+  const dropped = new Set([...all].filter(isDropped));
+  return {
+    order: [...order],
+    isDropped: (block) => dropped.has(block),
+    says: (block) => said.get(block) ?? null,
+  };
 }
 
 /** The edits, one after the other, that bring the text to what the blocks say; as `nextEdit` for each. */
@@ -77,8 +93,8 @@ function nextEdit(collections: PlacedCollection[], first: number, slots: Slot[],
     slot.id = places[index]?.statement.id ?? "";
   });
   return (
-    nextDelete(slots) ??
-    nextReplace(slots) ??
+    nextDelete(slots, standing) ??
+    nextReplace(slots, standing) ??
     nextInsert(collections[0], places, slots, standing) ??
     nextMove(places, slots, standing)
   );
@@ -89,17 +105,16 @@ function printAt(places: Placed[], index: number): string | null {
   return place ? fingerprint(place.statement) : null;
 }
 
-function nextDelete(slots: Slot[]): Edit | null {
-  const index = slots.findIndex((slot) => slot.block.isDisposed() || !isTop(slot.block));
+function nextDelete(slots: Slot[], { says }: Standing): Edit | null {
+  const index = slots.findIndex(({ block }) => says(block) === null);
   const [slot] = index < 0 ? [] : slots.splice(index, 1);
   return slot ? { kind: "delete", id: slot.id } : null;
 }
 
-function nextReplace(slots: Slot[]): Edit | null {
+function nextReplace(slots: Slot[], { says }: Standing): Edit | null {
   for (const slot of slots) {
-    if (slot.block.type === "adirf_raw") continue;
-    const statement = toStatement(slot.block);
-    if ("missing" in statement) continue;
+    const statement = says(slot.block);
+    if (statement === null || "missing" in statement) continue;
     const print = fingerprint(statement);
     if (print === slot.print) continue;
     slot.print = print;
@@ -119,12 +134,12 @@ function nextInsert(
   fallback: PlacedCollection | undefined,
   places: Placed[],
   slots: Slot[],
-  { order }: Standing,
+  { order, says }: Standing,
 ): Edit | null {
   for (const block of order) {
     if (slotOf(slots, block) >= 0) continue;
-    const statement = toStatement(block);
-    if ("missing" in statement) continue;
+    const statement = says(block);
+    if (statement === null || "missing" in statement) continue;
     const at = slotAbove(slots, order, block) + 1;
     const target = collectionAt(places, at, fallback);
     if (target === null) continue;
@@ -184,9 +199,13 @@ export function statementOf(block: Blockly.BlockSvg): Blockly.BlockSvg {
   return around ? statementOf(around) : block;
 }
 
-/** What the block of a slot says now, null where that is nothing that a text could say. */
-export function saidBy({ block }: Slot): string | null {
-  if (block.isDisposed() || !isTop(block) || block.type === "adirf_raw") return null;
-  const said = toStatement(block);
-  return "missing" in said ? null : fingerprint(said);
+/** What a block says now as a statement of its own. */
+export function saidBy(block: Blockly.BlockSvg): Said {
+  return block.isDisposed() || !isTop(block) ? null : toStatement(block);
+}
+
+/** The meaning of what the block of a slot says now, null where that is nothing that a text could say. */
+export function printOf({ block }: Slot): string | null {
+  const said = saidBy(block);
+  return said === null || "missing" in said ? null : fingerprint(said);
 }

@@ -1,19 +1,20 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { effect, type ReadonlySignal, type Signal, useSignal } from "@preact/signals";
+import { effect, type ReadonlySignal, useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { toBlock } from "../blocks/model";
-import { isSamePage, type Pages } from "../blocks/pages";
 import { RuleWorkspace } from "../blocks/rule_workspace";
+import { sectionsOf } from "../blocks/sections";
 import { suggestionsOf } from "../blocks/suggestions";
 import { NEW_RATE, NEW_RULE } from "../blocks/toolbox";
 import type { RobotRules } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
 import type { Trial } from "../state/trial";
+import { NARROW } from "../ui/narrow";
 import { useRobot } from "../ui/robot_state";
 import { NeedsServer } from "../ui/server_gone";
 import { watchSize, watchTheme } from "../ui/watch";
-import { PageChoice } from "./page_choice";
+import { isLong, RuleOutline } from "./rule_outline";
 import { RuleSearch } from "./rule_search";
 
 /** The left half: the rules as blocks. */
@@ -21,10 +22,10 @@ export function BlocksPane(props: { editor: RuleEditor; robotRules: RobotRules; 
   const { editor, robotRules, tried } = props;
   const host = useRef<HTMLDivElement>(null);
   const workspace = useRef<RuleWorkspace | null>(null);
-  const pages = useSignal<Pages>({ first: 0, count: 0, total: 0 });
+  const hasOutline = useSignal(!matchMedia(NARROW).matches);
   useEffect(() => {
     if (!host.current) return;
-    const opened = openWorkspace(host.current, { editor, robotRules, tried, pages, isServerGone });
+    const opened = openWorkspace(host.current, { editor, robotRules, tried, isServerGone });
     workspace.current = opened.workspace;
     return opened.close;
   }, []);
@@ -32,6 +33,8 @@ export function BlocksPane(props: { editor: RuleEditor; robotRules: RobotRules; 
   const isBehind = !editor.document.value.parses && editor.shown.value?.text !== editor.text.value;
   const isReadOnly = editor.isBroken.value || editor.shown.value === null;
   const errors = editor.errors.value.length;
+  const isMany = isLong(editor);
+  const go = (index: number) => void workspace.current?.goToBlock(index);
   const isEmpty = editor.shown.value?.document.collections.every((each) => each.statements.length === 0) ?? true;
   return (
     <section class={isBehind ? "pane blocks behind" : "pane blocks"} aria-label="Blocks">
@@ -55,15 +58,33 @@ export function BlocksPane(props: { editor: RuleEditor; robotRules: RobotRules; 
             New rule
           </button>
         </NeedsServer>
-        <RuleSearch editor={editor} robotRules={robotRules} onGo={(index) => workspace.current?.goToBlock(index)} />
-        <PageChoice pages={pages.value} onGo={(index) => workspace.current?.goTo(index)} />
+        <RuleSearch editor={editor} robotRules={robotRules} onGo={go} />
+        {isMany && (
+          <button
+            type="button"
+            class="small"
+            aria-expanded={hasOutline.value}
+            onClick={() => (hasOutline.value = !hasOutline.value)}
+          >
+            Outline
+          </button>
+        )}
         {isBehind && (
           <p class="pane-note" role="status">
             The text has {errors === 1 ? "an error" : `${errors} errors`}: the blocks show how it was before.
           </p>
         )}
       </div>
-      <div class="blocks-host" ref={host} />
+      <div class="blocks-body">
+        {isMany && hasOutline.value && (
+          <RuleOutline
+            {...{ editor, robotRules }}
+            onGo={go}
+            onFoldAll={(isFolded) => void workspace.current?.foldAll(isFolded)}
+          />
+        )}
+        <div class="blocks-host" ref={host} />
+      </div>
       {isEmpty && (
         <p class="empty-hint">
           Nothing here yet. <strong>New rate</strong> says how often a topic is sent; <strong>New rule</strong> says
@@ -78,17 +99,23 @@ interface Shown {
   editor: RuleEditor;
   robotRules: RobotRules;
   tried: ReadonlySignal<Trial | null>;
-  pages: Signal<Pages>;
   isServerGone: ReadonlySignal<boolean>;
 }
 
 function openWorkspace(
   host: HTMLElement,
-  { editor, robotRules, tried, pages, isServerGone }: Shown,
+  { editor, robotRules, tried, isServerGone }: Shown,
 ): { workspace: RuleWorkspace; close: () => void } {
   const show = () => {
     const shown = editor.shown.peek();
-    if (shown) workspace.show(shown.document);
+    if (shown)
+      workspace.show(
+        shown.document,
+        sectionsOf(
+          shown.text,
+          shown.document.collections.flatMap(({ statements }) => statements),
+        ),
+      );
   };
   const workspace = new RuleWorkspace(host, {
     recipes: editor.recipes,
@@ -110,13 +137,9 @@ function openWorkspace(
         return editsOf(document);
       }),
     leftOut: (count) => (editor.blocksLeftOut = count),
-    ahead: (isAhead) => {
-      editor.blocksAhead.value = isAhead;
-    },
+    ahead: (isAhead) => editor.setAhead(workspace, isAhead),
     showAgain: show,
-    paged: (shown) => {
-      if (!isSamePage(shown, pages.peek())) pages.value = shown;
-    },
+    folds: editor.folds,
     selected: (id) => {
       const { offset, end_offset } = editor.statement(id) ?? {};
       if (offset !== undefined && end_offset !== undefined) editor.spot.value = { offset, end_offset, from: "blocks" };
@@ -143,7 +166,6 @@ function openWorkspace(
     for (const stop of stops) stop();
     workspace.dispose();
     editor.blocksLeftOut = 0;
-    editor.blocksAhead.value = false;
     editor.handOver = null;
   };
   return { workspace, close };

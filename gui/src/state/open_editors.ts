@@ -3,6 +3,7 @@
 import type { ReadonlySignal } from "@preact/signals";
 import type { Api } from "../api/client";
 import type { Drafts } from "./drafts";
+import { Folds } from "./folds";
 import { ProfileEditor } from "./profile_editor";
 import { RuleEditor } from "./rule_editor";
 
@@ -11,11 +12,15 @@ export class OpenEditors {
   private readonly rules = new Map<string, RuleEditor>();
   private readonly profiles = new Map<string, ProfileEditor>();
 
+  private readonly folds = new Map<string, Folds>();
+
   constructor(private readonly drafts: Drafts) {}
 
   /** The editor of a rule file: the one with unsaved changes, else a new one. */
   of(api: Api, name: string): RuleEditor {
-    return unsavedOrNew(this.rules, name, () => new RuleEditor(api, name, this.drafts));
+    const folds = this.folds.get(name) ?? new Folds();
+    this.folds.set(name, folds);
+    return unsavedOrNew(this.rules, name, () => new RuleEditor(api, name, this.drafts, folds));
   }
 
   /** What is not saved of a rule file that is open; null where nothing is. */

@@ -15,6 +15,7 @@ import {
   saveOver,
 } from "./conflict";
 import { type Draft, type Drafts, NO_ROOM, type Restored } from "./drafts";
+import { Folds } from "./folds";
 import { History } from "./history";
 import { layoutName, type MapSetting, PLAIN_GRID, readLayout, sideFileOf, writeLayout } from "./layout";
 import { Words } from "./words";
@@ -55,14 +56,14 @@ export class RuleEditor implements Contested {
     hash: null,
     map: PLAIN_GRID,
   });
-  /** Whether blocks say something that is not in the text yet. */
-  readonly blocksAhead = signal(false);
+  /** Those who have something that is on its way into the text, such as the blocks that are shown or were left. */
+  private readonly ahead = signal<ReadonlySet<object>>(new Set());
   /** Whether the file holds the text, and its side file the map. */
   readonly isInFile = computed(
     () => this.text.value === this.saved.value.text && this.map.value === this.saved.value.map,
   );
   /** Whether the file holds all that the page shows. */
-  readonly isSaved = computed(() => this.isInFile.value && !this.blocksAhead.value);
+  readonly isSaved = computed(() => this.isInFile.value && this.ahead.value.size === 0);
   /** What the file says. */
   readonly savedText = computed(() => this.saved.value.text);
   readonly isTextSaved = computed(() => this.text.value === this.savedText.value);
@@ -99,6 +100,8 @@ export class RuleEditor implements Contested {
     private readonly api: Api,
     readonly name: string,
     private readonly drafts: Drafts,
+    /** Which rules are folded. */
+    readonly folds = new Folds(),
   ) {
     this.words = new Words(api);
   }
@@ -374,6 +377,13 @@ export class RuleEditor implements Contested {
   private withoutBlocks(): string {
     const blocks = this.blocksLeftOut === 1 ? "1 block that is" : `${this.blocksLeftOut} blocks that are`;
     return this.blocksLeftOut === 0 ? "" : ` without ${blocks} not in the text`;
+  }
+
+  /** Tells whether `who` has something that is not in the text yet. */
+  setAhead(who: object, isAhead: boolean): void {
+    const ahead = this.ahead.peek();
+    if (ahead.has(who) === isAhead) return;
+    this.ahead.value = new Set(isAhead ? [...ahead, who] : [...ahead].filter((each) => each !== who));
   }
 
   private accept(document: RuleDocument, text: string): void {

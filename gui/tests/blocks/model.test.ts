@@ -49,6 +49,7 @@ beforeAll(() => {
     addBound: ignore,
     addRecord: ignore,
     toggleElse: ignore,
+    toggleFold: ignore,
     remove: ignore,
     act: ignore,
   };

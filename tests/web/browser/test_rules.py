@@ -85,6 +85,33 @@ def test_half_a_topic_is_not_sent_when_an_earlier_edit_is_answered_meanwhile(rul
     ruler.expect_lines("SetFrequency /odom Competitive", "SetFrequency /camera/image_raw Competitive")
 
 
+def test_blocks_that_are_left_still_bring_their_edits_into_the_text(ruler: RulerPage, project: Path) -> None:
+    held: list[Route] = []
+    ruler.page.route("**/api/edit", lambda route: held.append(route), times=1)  # noqa: PLW0108 - no builtin
+    rates = "".join(f"    SetFrequency /{topic} 5\n" for topic in "abc")
+    (project / "left.adirf").write_text(f"begin\n{rates}end\n")
+    ruler.home()
+    ruler.open("left.adirf")
+    with ruler.page.expect_request("**/api/edit"):
+        _retype(ruler, "a", "/in_flight")
+    # The answer is awaited, so this one waits in the blocks, and the next one is typed when they are left.
+    _retype(ruler, "b", "/queued")
+    ruler.field("Edit topic to send: /c").click()
+    ruler.page.keyboard.press("Control+a")
+    ruler.page.keyboard.type("/typed")
+    ruler.page.evaluate("location.hash = '#/'")
+    expect(ruler.button("Create New Project")).to_be_visible()
+    with ruler.page.expect_response("**/api/edit"):
+        held[0].continue_()
+    ruler.open("left.adirf")
+    ruler.expect_lines("SetFrequency /in_flight 5", "SetFrequency /queued 5", "SetFrequency /typed 5")
+
+
+def _retype(ruler: RulerPage, topic: str, instead: str) -> None:
+    ruler.field(f"Edit topic to send: /{topic}").click()
+    ruler.type_value(instead)
+
+
 def _press_add_check(ruler: RulerPage) -> None:
     ruler.walk("ArrowUp", "Begin stack, rule")
     ruler.walk("ArrowRight", "Add check")
