@@ -3,6 +3,7 @@
 import { effect } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import type { Api } from "../api/client";
+import type { Keepings } from "../state/keepings";
 import type { RuleEditor } from "../state/rule_editor";
 import type { Trial } from "../state/trial";
 import { showOnNarrow } from "../ui/narrow";
@@ -16,8 +17,17 @@ import { TrialScrubber } from "./trial_scrubber";
 import { TriedIncidents } from "./tried_incidents";
 import { TryMap } from "./try_map";
 
+interface Props {
+  editor: RuleEditor;
+  api: Api;
+  trial: Trial;
+  keepings: Keepings;
+  /** What is another one since the try: `rules`, `profile`, `recording`. */
+  changed: readonly string[];
+}
+
 /** A try: what it saved, and below one scrubber the map, the rules, the rates, the loss and every decision. */
-export function TryResult({ editor, api, trial }: { editor: RuleEditor; api: Api; trial: Trial }) {
+export function TryResult({ editor, api, trial, keepings, changed }: Props) {
   const { answer } = trial;
   const isOld = editor.text.value !== trial.text;
   const result = useRef<HTMLDivElement>(null);
@@ -30,9 +40,9 @@ export function TryResult({ editor, api, trial }: { editor: RuleEditor; api: Api
         {readable(answer.before_kb)} KB in {readable(answer.duration_s)} s. The rules decided {answer.decision_count}{" "}
         times{answer.path.length > 1 && ", where the map has dots"}.
       </p>
-      {isOld && (
+      {changed.length > 0 && (
         <p class="notice warning" role="status">
-          The rules changed since. Run them again to see what they do now.
+          Stale: {andWords(changed)} changed since. Run the rules again to see what they do now.
         </p>
       )}
       {answer.notices.length > 0 && (
@@ -44,7 +54,7 @@ export function TryResult({ editor, api, trial }: { editor: RuleEditor; api: Api
       )}
       <TrialScrubber trial={trial} />
       <RuleStates trial={trial} show={isOld ? null : (line) => showInEditor(editor, line)} />
-      <TriedIncidents api={api} trial={trial} />
+      <TriedIncidents keepings={keepings} trial={trial} />
       <div class="try-columns">
         <div class="try-column">
           {answer.path.length > 1 && <TryMap {...{ editor, api, trial }} />}
@@ -70,4 +80,9 @@ function followInEditor(editor: RuleEditor, trial: Trial): () => void {
     shown = line;
     showInEditor(editor, line);
   });
+}
+
+/** `rules and recording`. */
+function andWords(words: readonly string[]): string {
+  return [words.slice(0, -1).join(", "), ...words.slice(-1)].filter(Boolean).join(" and ");
 }
