@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+import { sentence } from "../ui/sentence";
 import type { Draft, Edit, Problem, ProfileEntry, ProfileTable, Routes } from "./types";
 
 /** What the server refused, or that it did not answer (status 0). */
@@ -8,7 +9,7 @@ export class ApiError extends Error {
     readonly status: number,
     readonly problem: Problem,
   ) {
-    super([problem.message, problem.remedy].filter(Boolean).join(". "));
+    super([problem.message, problem.remedy].filter(Boolean).map(sentence).join(". "));
   }
 }
 

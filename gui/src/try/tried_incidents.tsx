@@ -1,10 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import type { TryIncident } from "../api/types";
-import { counted, missingWords, sizeWords, windowWords } from "../incidents/missing_words";
+import { missingWords, windowWords } from "../incidents/missing_words";
 import { href } from "../route";
 import type { Keepings } from "../state/keepings";
 import type { Trial } from "../state/trial";
+import { counted, sizeWords } from "../ui/numbers";
 import { NeedsServer } from "../ui/server_gone";
 
 /** What the rules would have recorded of the bag; a time leads there, and each can be kept in the project. */

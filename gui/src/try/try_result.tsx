@@ -7,7 +7,7 @@ import type { Keepings } from "../state/keepings";
 import type { RuleEditor } from "../state/rule_editor";
 import type { Trial } from "../state/trial";
 import { showOnNarrow } from "../ui/narrow";
-import { readable } from "../ui/numbers";
+import { counted, durationWords, sizeWords } from "../ui/numbers";
 import { DecisionTable } from "./decision_table";
 import { LossTables } from "./loss_tables";
 import { RateStrips } from "./rate_strips";
@@ -16,6 +16,7 @@ import { showInEditor } from "./show_in_editor";
 import { TrialScrubber } from "./trial_scrubber";
 import { TriedIncidents } from "./tried_incidents";
 import { TryMap } from "./try_map";
+import { worstLoss } from "./worst_loss";
 
 interface Props {
   editor: RuleEditor;
@@ -29,6 +30,7 @@ interface Props {
 /** A try: what it saved, and below one scrubber the map, the rules, the rates, the loss and every decision. */
 export function TryResult({ editor, api, trial, keepings, changed }: Props) {
   const { answer } = trial;
+  const worst = worstLoss(answer.loss);
   const isOld = editor.text.value !== trial.text;
   const result = useRef<HTMLDivElement>(null);
   useEffect(() => followInEditor(editor, trial), [trial]);
@@ -36,9 +38,13 @@ export function TryResult({ editor, api, trial, keepings, changed }: Props) {
   return (
     <div class="try-result" ref={result}>
       <p class="headline" role="status">
-        <strong>{answer.percent.toFixed(1)} % less</strong> sent: {readable(answer.after_kb)} of{" "}
-        {readable(answer.before_kb)} KB in {readable(answer.duration_s)} s. The rules decided {answer.decision_count}{" "}
-        times{answer.path.length > 1 && ", where the map has dots"}.
+        <strong>{answer.percent.toFixed(1)} % less sent</strong>
+        {worst && `; ${worst}`}
+      </p>
+      <p class="quiet">
+        {sizeWords(answer.after_kb)} of {sizeWords(answer.before_kb)} in {durationWords(answer.duration_s)}. The rules
+        decided {counted(answer.decision_count, "time")}
+        {answer.path.length > 1 && ", where the map has dots"}.
       </p>
       {changed.length > 0 && (
         <p class="notice warning" role="status">

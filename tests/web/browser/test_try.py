@@ -130,6 +130,25 @@ def test_a_try_goes_on_while_another_page_is_looked_at(ruler: RulerPage) -> None
     assert _asked(ruler, "api/try") == 1
 
 
+def test_gain_and_loss_stand_on_one_line_and_messages_are_sentences(ruler: RulerPage, project: Path) -> None:
+    (project / "few.adirf").write_text("begin\n    SetFrequency /image 1\n    SetFrequency /scan Marginal\nend\n")
+    ruler.home()
+    ruler.open("few.adirf")
+    expect(ruler.page.get_by_text("1 finding", exact=True)).to_have_count(1)
+    [finding] = ruler.page.get_by_role("list", name="Findings").locator(".message").all()
+    expect(finding).to_have_text(re.compile(r"^[A-Z/]"))
+    ruler.text.get_by_text("SetFrequency /scan").click()
+    ruler.page.keyboard.press("End")
+    for _ in "Marginal":
+        ruler.page.keyboard.press("Backspace")
+    ruler.page.keyboard.type("Full")
+    ruler.button("Try on a recording").click()
+    ruler.button("Run the rules on it").click()
+    gain = re.compile(r"^[\d.]+ % less sent; /image: \d+ of \d+, dark for [\d.]+ s$")
+    expect(ruler.page.get_by_text(gain)).to_be_visible()
+    expect(ruler.page.get_by_text("The rules decided 2 times")).to_be_visible()
+
+
 def test_cancel_ends_the_replay(ruler: RulerPage) -> None:
     ruler.open("far.adirf")
     ruler.button("Try on a recording").click()
