@@ -22,8 +22,9 @@ from smarttestudo.domain.rate import Tier
 from smarttestudo.use_cases.ruler.robot_incidents import RobotIncidents
 from smarttestudo.use_cases.ruler.robot_link import RobotLink
 from smarttestudo.web import socket
-from smarttestudo.web.app import api_routes, robot_incident_routes
+from smarttestudo.web.app import api_routes, keeping_routes, robot_incident_routes
 from smarttestudo.web.errors import ErrorAnswer
+from smarttestudo.web.keeping import Keepings
 from smarttestudo.web.routes import ApiRoute
 
 TYPES = Path(__file__).resolve().parent.parent / "gui" / "src" / "api" / "types.ts"
@@ -49,6 +50,7 @@ def types_text() -> str:
     project = ProjectFolder(Path())
     routes = [
         *api_routes(project, RobotLink(partial(open_graph_robots, "")), socket.Listeners()),
+        *keeping_routes(Keepings(project)),
         *robot_incident_routes(RobotIncidents(project, None)),
     ]
     asked = [socket.Watch, *(route.asked for route in routes if route.asked is not None)]

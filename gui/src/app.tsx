@@ -8,9 +8,11 @@ import { HomePage } from "./pages/home";
 import type { PageProps } from "./pages/page_props";
 import { type Route, readRoute, toRoute } from "./route";
 import { browserStorage, Drafts } from "./state/drafts";
+import { Keepings } from "./state/keepings";
 import { OpenEditors } from "./state/open_editors";
 import { OpenTabs } from "./state/open_tabs";
 import { TourOffer } from "./tour/tour_offer";
+import { KeepingBar } from "./ui/keeping_bar";
 import { Notice } from "./ui/notice";
 import { useRobot } from "./ui/robot_state";
 import { ServerGone, useReturn } from "./ui/server_gone";
@@ -30,6 +32,7 @@ export function App({ api }: { api: Api }) {
   const [problem, setProblem] = useState("");
   const root = project?.root_hash;
   const editors = useMemo(() => (root === undefined ? null : openEditors(root)), [root]);
+  const keepings = useMemo(() => new Keepings(api), []);
   useUnsavedWarning(editors);
   const route = useRoute();
   const refresh = async () => {
@@ -45,17 +48,19 @@ export function App({ api }: { api: Api }) {
   useEffect(() => {
     if (project?.opened && location.hash === "") toRoute({ page: "rules", name: project.opened });
   }, [project]);
-  useReturn(refresh);
+  useEffect(() => void keepings.follow(), []);
+  useReturn(() => Promise.all([refresh(), keepings.follow()]));
   const { returns } = useRobot();
   if (problem && project === null)
     return <Notice kind="error" text={problem} action={{ label: "Try again", act: refresh }} />;
   if (project === null || editors === null) return <p class="quiet center">Opening the project …</p>;
-  const props = { ...route, api, project, refresh, editors };
+  const props = { ...route, api, project, refresh, editors, keepings };
   // What these pages show is all the server's: they begin anew with it.
   const anew = route.page === "rules" || route.page === "topics" ? 0 : returns.value;
   return (
     <>
       <ServerGone />
+      <KeepingBar keepings={keepings} />
       {route.page === "home" ? (
         <HomePage {...props} />
       ) : (

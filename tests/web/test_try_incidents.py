@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import json
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ import pytest
 from adapters.rosbag.bag_reading import read_bag
 from smarttestudo.use_cases.ruler.checked_text import Draft
 from smarttestudo.use_cases.ruler.trial import TrialLimits, try_rules
+from smarttestudo.web.keeping import MAX_KEEPS
 from web.incident_projects import ALL_OF_IT, NEAR_MISS, RULES, write_incidents
 from web.ruler_server import Page, served
 
@@ -36,6 +38,18 @@ def page(folder: Path) -> Iterator[Page]:
 
 def contents(folder: Path) -> dict[str, bytes]:
     return {one.name: one.read_bytes() for one in folder.iterdir()}
+
+
+def keep(page: Page, number: object = 0, run: str = "a", **change: object) -> dict[str, Any]:
+    """What came of the keeping of an incident, once it has ended."""
+    answer = page.post("/api/try/keep", {**TRY, "number": number, "run": run, **change})
+    assert answer.status == 200, answer.error
+    while True:
+        [state] = [one for one in page.get("/api/try/keeps").json["keeps"] if one["run"] == run]
+        if state["state"] != "running":
+            return dict(state)
+        # The next look, not a deadline.
+        time.sleep(0.02)
 
 
 def test_a_try_shows_what_a_replay_records(page: Page, folder: Path) -> None:
@@ -77,7 +91,7 @@ def test_what_is_not_shown_is_said(folder: Path) -> None:
 @pytest.mark.parametrize(("number", "name"), [(0, NEAR_MISS), (1, ALL_OF_IT)])
 def test_what_is_kept_is_what_a_replay_writes(page: Page, folder: Path, number: int, name: str) -> None:
     before = sorted(one.name for one in folder.iterdir())
-    assert page.post("/api/try/keep", {**TRY, "number": number}).json == {"name": name}
+    assert keep(page, number)["kept"] == name
     kept, cut = contents(folder / name), contents(folder.parent / name)
     # The rule file has another path there.
     record = json.loads(cut["incident.json"])
@@ -89,19 +103,18 @@ def test_what_is_kept_is_what_a_replay_writes(page: Page, folder: Path, number: 
 
 
 def test_what_is_kept_twice_is_there_once_and_nothing_is_replaced(page: Page, folder: Path) -> None:
-    assert page.post("/api/try/keep", {**TRY, "number": 0}).json == {"name": NEAR_MISS}
-    assert page.post("/api/try/keep", {**TRY, "number": 0}).json == {"name": NEAR_MISS}
+    assert keep(page)["kept"] == NEAR_MISS
+    assert keep(page)["kept"] == NEAR_MISS
     (folder / NEAR_MISS / "incident.json").write_text("mine")
-    assert page.post("/api/try/keep", {**TRY, "number": 0}).json == {"name": f"{NEAR_MISS}-2"}
+    assert keep(page)["kept"] == f"{NEAR_MISS}-2"
     assert (folder / NEAR_MISS / "incident.json").read_text() == "mine"
 
 
 @pytest.mark.parametrize(
     ("change", "status"),
     [
-        ({"number": 2}, 422),
-        ({"number": -1}, 422),
         ({"number": "first"}, 400),
+        ({"run": ""}, 422),
         ({"bag": "../monday"}, 403),
         ({"bag": "tuesday"}, 404),
         ({"text": "begin nonsense"}, 409),
@@ -111,15 +124,50 @@ def test_what_there_is_not_is_not_kept(
     page: Page, folder: Path, change: dict[str, object], status: int
 ) -> None:
     before = sorted(folder.rglob("*"))
-    assert page.post("/api/try/keep", {**TRY, "number": 0, **change}).status == status
+    assert page.post("/api/try/keep", {**TRY, "number": 0, "run": "a", **change}).status == status
     assert sorted(folder.rglob("*")) == before
+    assert page.get("/api/try/keeps").json == {"keeps": []}
+
+
+@pytest.mark.parametrize("number", [2, -1])
+def test_an_incident_that_there_is_not_leaves_nothing_and_says_why(
+    page: Page, folder: Path, number: int
+) -> None:
+    before = sorted(folder.rglob("*"))
+    kept = keep(page, number, title="near miss")
+    assert (kept["state"], kept["title"], kept["kept"]) == ("failed", "near miss", None)
+    assert kept["problem"].startswith("the recording gives no such incident. ")
+    assert sorted(folder.rglob("*")) == before
+
+
+def test_keeping_goes_on_without_the_page_until_it_is_cancelled_or_the_server_ends(folder: Path) -> None:
+    before = sorted(folder.rglob("*"))
+    with served(folder) as page:
+        for run in ("a", "b"):
+            page.post("/api/try/keep", {**TRY, "number": 0, "run": run, "title": f"{run}!"})
+        cancelled = page.post("/api/try/keep/cancel", {"run": "b"}).json["keeps"]
+        assert [(one["run"], one["title"], one["bag"]) for one in cancelled] == [("a", "a!", "monday")]
+        assert page.post("/api/try/keep/cancel", {"run": "a"}).json == {"keeps": []}
+        assert sorted(folder.rglob("*")) == before
+        page.post("/api/try/keep", {**TRY, "number": 0, "run": "c"})
+    assert [one for one in folder.iterdir() if one.name.startswith(".keeping")] == []
+
+
+def test_what_has_ended_is_told_until_it_is_read_and_stays_kept(page: Page, folder: Path) -> None:
+    assert keep(page)["kept"] == NEAR_MISS
+    assert page.post("/api/try/keep/cancel", {"run": "a"}).json == {"keeps": []}
+    assert (folder / NEAR_MISS / "incident.json").exists()
+
+
+def test_so_many_are_kept_at_once_and_no_more(page: Page) -> None:
+    for run in range(MAX_KEEPS):
+        assert page.post("/api/try/keep", {**TRY, "number": 0, "run": f"{run}"}).status == 200
+    assert page.post("/api/try/keep", {**TRY, "number": 0, "run": "one more"}).status == 422
 
 
 def test_a_file_where_the_folder_should_be_stays(page: Page, folder: Path) -> None:
     (folder / "incidents").write_text("mine")
-    answer = page.post("/api/try/keep", {**TRY, "number": 0})
-    assert answer.status == 422
-    assert answer.json["error"]["place"] == "incidents"
+    assert keep(page)["state"] == "failed"
     assert (folder / "incidents").read_text() == "mine"
     assert [one.name for one in folder.iterdir() if one.name.startswith(".keeping")] == []
 
@@ -127,5 +175,5 @@ def test_a_file_where_the_folder_should_be_stays(page: Page, folder: Path) -> No
 def test_a_link_does_not_lead_what_is_kept_out_of_the_project(page: Page, folder: Path) -> None:
     (folder.parent / "outside").mkdir()
     (folder / "incidents").symlink_to(folder.parent / "outside")
-    assert page.post("/api/try/keep", {**TRY, "number": 0}).status in {403, 422}
+    assert keep(page)["state"] == "failed"
     assert list((folder.parent / "outside").iterdir()) == []

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+import { sentence } from "../ui/sentence";
 import type { Draft, Edit, Problem, ProfileEntry, ProfileTable, Routes } from "./types";
 
 /** What the server refused, or that it did not answer (status 0). */
@@ -8,7 +9,7 @@ export class ApiError extends Error {
     readonly status: number,
     readonly problem: Problem,
   ) {
-    super([problem.message, problem.remedy].filter(Boolean).join(". "));
+    super([problem.message, problem.remedy].filter(Boolean).map(sentence).join(". "));
   }
 }
 
@@ -214,9 +215,18 @@ export class Api {
     return call("POST /api/try", { ...rules, bag, run }, { signal });
   }
 
-  /** Writes an incident that a try showed into the project. */
-  keepIncident(tried: Tried, number: number, run: string, signal: AbortSignal): Answer<"POST /api/try/keep"> {
-    return call("POST /api/try/keep", { ...tried.rules, bag: tried.bag, number, run }, { signal });
+  /** Begins to write an incident that a try showed into the project. */
+  keepIncident(tried: Tried, incident: { number: number; run: string; title: string }): Answer<"POST /api/try/keep"> {
+    return call("POST /api/try/keep", { ...tried.rules, bag: tried.bag, ...incident });
+  }
+
+  /** The incidents that are being kept, and those that were since. */
+  keeps(): Answer<"GET /api/try/keeps"> {
+    return call("GET /api/try/keeps", null);
+  }
+
+  endKeeping(run: string): Answer<"POST /api/try/keep/cancel"> {
+    return call("POST /api/try/keep/cancel", { run });
   }
 
   curve(bag: string, topic: string, run: string, signal: AbortSignal): Answer<"POST /api/profile/curve"> {

@@ -480,7 +480,16 @@ export interface Insert {
   statement: Statement;
 }
 
-/** `POST /api/try/keep` → `KeptIncident`: the `number`-th incident of that try. */
+/** `POST /api/try/keep/cancel` → `KeepsAnswer`: ends that one, or forgets it where it has ended. */
+export interface KeepEndRequest {
+  run: string;
+}
+
+/**
+ * `POST /api/try/keep` → `KeepsAnswer`: the `number`-th incident of that try.
+ *
+ * `run` tells it from others that are being kept; `title` is what the page calls it.
+ */
 export interface KeepRequest {
   text: string;
   name?: string;
@@ -489,6 +498,22 @@ export interface KeepRequest {
   bag: string;
   run?: string;
   number: number;
+  title?: string;
+}
+
+/**
+ * How far the keeping of an incident is, `share` 0 … 1.
+ *
+ * `kept` is what the project calls it once done, `problem` why it failed, else empty.
+ */
+export interface KeepState {
+  run: string;
+  title: string;
+  bag: string;
+  state: "running" | "done" | "failed";
+  share: number;
+  kept: string | null;
+  problem: string;
 }
 
 /** `KeepAtLeast topic hz`. */
@@ -505,9 +530,9 @@ export interface KeepStatement {
   hz: number;
 }
 
-/** What the project calls it. */
-export interface KeptIncident {
-  name: string;
+/** `GET /api/try/keeps`, and what starting and ending one answers: the oldest first. */
+export interface KeepsAnswer {
+  keeps: KeepState[];
 }
 
 /**
@@ -1725,9 +1750,11 @@ export interface Routes {
   "POST /api/push/write": { asked: WriteRequest; answered: WriteAnswer };
   "POST /api/profile/measure-live": { asked: MeasureLiveRequest; answered: TextAnswer };
   "POST /api/try": { asked: TryRequest; answered: TryAnswer };
-  "POST /api/try/keep": { asked: KeepRequest; answered: KeptIncident };
   "POST /api/profile/curve": { asked: CurveRequest; answered: Curve };
   "POST /api/profile/accuracy": { asked: AccuracyCurveRequest; answered: AccuracyNeeds };
+  "GET /api/try/keeps": { asked: null; answered: KeepsAnswer };
+  "POST /api/try/keep": { asked: KeepRequest; answered: KeepsAnswer };
+  "POST /api/try/keep/cancel": { asked: KeepEndRequest; answered: KeepsAnswer };
   "GET /api/robot-incidents": { asked: null; answered: RobotIncidentsAnswer };
   "GET /api/robot-incidents/fetches": { asked: null; answered: FetchesAnswer };
   "POST /api/robot-incidents/fetch": { asked: RobotIncidentRequest; answered: FetchesAnswer };

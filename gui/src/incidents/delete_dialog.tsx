@@ -4,8 +4,8 @@ import { useState } from "preact/hooks";
 import { type Api, ApiError } from "../api/client";
 import type { IncidentSummary, IncidentsAnswer } from "../api/types";
 import { FormDialog } from "../ui/dialog";
+import { counted, sizeWords } from "../ui/numbers";
 import { moment } from "../ui/times";
-import { counted, sizeWords } from "./missing_words";
 
 interface DeleteDialogProps {
   api: Api;

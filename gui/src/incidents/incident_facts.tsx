@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { IncidentAnswer, IncidentValue, RecordedTopic } from "../api/types";
 import { href } from "../route";
-import { readable } from "../ui/numbers";
+import { counted, readable, sizeWords } from "../ui/numbers";
 import { moment } from "../ui/times";
-import { counted, missingWords, sinceMoment, sizeWords, windowWords } from "./missing_words";
+import { missingWords, sinceMoment, windowWords } from "./missing_words";
 
 /** Why an incident was recorded, and what is missing of it. */
 export function IncidentFacts({ incident }: { incident: IncidentAnswer }) {

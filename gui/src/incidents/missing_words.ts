@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import type { MissingMessages, MissingReason } from "../api/types";
-import { readable } from "../ui/numbers";
+import { counted, readable } from "../ui/numbers";
 
 /** Why an incident is not whole, in a list. */
 const BRIEFLY: Record<MissingReason, string> = {
@@ -61,16 +61,4 @@ export function sinceMoment(seconds: number): string {
 /** How long a window is: `5 s before to 2 s after`. */
 export function windowWords({ before_s, after_s }: { before_s: number; after_s: number }): string {
   return `${readable(before_s)} s before to ${readable(after_s)} s after`;
-}
-
-/** KB as what a person calls it. */
-export function sizeWords(kb: number): string {
-  if (kb < 1) return `${readable(1000 * kb)} B`;
-  if (kb < 1000) return `${readable(kb)} KB`;
-  return kb < 1_000_000 ? `${readable(kb / 1000)} MB` : `${readable(kb / 1_000_000)} GB`;
-}
-
-/** `1 message`, `1 200 messages`. */
-export function counted(count: number, noun: string): string {
-  return `${readable(count)} ${noun}${count === 1 ? "" : "s"}`;
 }

@@ -4,8 +4,7 @@ import type { FetchState, IncidentsOfRobot, RobotIncident } from "../api/types";
 import { href } from "../route";
 import type { RobotIncidents } from "../state/robot_incidents";
 import { ColumnHeads } from "../ui/column_heads";
-import { readable } from "../ui/numbers";
-import { counted, sizeWords } from "./missing_words";
+import { counted, readable, sizeWords } from "../ui/numbers";
 import { SUMMARY_COLUMNS, SummaryCells } from "./summary_cells";
 
 /** What the robots on the link recorded: listed at once, fetched one by one. Nothing without a link. */

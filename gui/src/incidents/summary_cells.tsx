@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import type { IncidentSummary } from "../api/types";
+import { sizeWords } from "../ui/numbers";
 import { ago, moment } from "../ui/times";
-import { briefly, sizeWords, windowWords } from "./missing_words";
+import { briefly, windowWords } from "./missing_words";
 
 export const SUMMARY_COLUMNS = ["Incident", "When", "Rule", "Kept", "Size", "Missing"];
 

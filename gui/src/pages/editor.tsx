@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { computed, type Signal, useComputed, useSignal, useSignalEffect } from "@preact/signals";
+import { computed, type Signal, useComputed, useSignal } from "@preact/signals";
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { ApiError } from "../api/client";
 import { BlocksPane } from "../panels/blocks_pane";
@@ -13,7 +13,6 @@ import { SendDialog } from "../panels/send_dialog";
 import { type Side, SidePane } from "../panels/side_pane";
 import { TryPanel } from "../panels/try_panel";
 import { toRoute } from "../route";
-import { BagWork } from "../state/bag_work";
 import { browserStorage } from "../state/drafts";
 import { FullScreen } from "../state/full_screen";
 import { PaneSizes } from "../state/pane_sizes";
@@ -22,7 +21,7 @@ import { RobotRules } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
 import { RulePush } from "../state/rule_push";
 import { type SelfSaving, saveByItself } from "../state/save_by_itself";
-import type { Trial } from "../state/trial";
+import type { FileTries } from "../state/tries";
 import { showInEditor } from "../try/show_in_editor";
 import { ConflictDialog } from "../ui/conflict_dialog";
 import { FullScreenButton } from "../ui/full_screen_button";
@@ -47,17 +46,10 @@ const DOCK = { least: 10, most: 85 };
 const USUAL_BLOCKS = 58;
 
 /** Blocks and text of one rule file side by side, and below them what can be said about it. */
-export function EditorPage({ api, project, name, robot: node, line, editors, refresh }: PageProps) {
+export function EditorPage({ api, project, name, robot: node, line, editors, keepings, refresh }: PageProps) {
   const editor = useMemo(() => editors.of(api, name), []);
   const robot = useRobotSide(api, editor);
-  const tries = useMemo(() => new BagWork<Trial>(), []);
-  useEffect(() => () => tries.cancel(), []);
-  /** The last try, also while the next one runs. */
-  const tried = useSignal<Trial | null>(null);
-  useSignalEffect(() => {
-    const { value } = tries.state;
-    if (value.kind === "done") tried.value = value.answer;
-  });
+  const tries = useMemo(() => editors.tries.of(name), []);
   const repair = useMemo(() => new ProfileRepair(api, editor), []);
   const tool = useSignal<Tool>("findings");
   const side = useSignal<Side>("text");
@@ -105,7 +97,7 @@ export function EditorPage({ api, project, name, robot: node, line, editors, ref
       </div>
       <main class="panes">
         <div class="split">
-          <BlocksPane {...{ editor, tried }} robotRules={robot.robotRules} />
+          <BlocksPane {...{ editor }} tried={tries.last} robotRules={robot.robotRules} />
           <Splitter
             label="Width of the blocks"
             orientation="vertical"
@@ -143,7 +135,7 @@ export function EditorPage({ api, project, name, robot: node, line, editors, ref
                 <RobotPanel {...{ editor, ...robot }} />
               </NeedsServer>
             )}
-            {tool.value === "try" && <TryPanel {...{ editor, api, project }} work={tries} />}
+            {tool.value === "try" && <TryPanel {...{ editor, api, project, tries, keepings, refresh }} />}
           </div>
         </section>
       </main>
@@ -166,9 +158,9 @@ interface Room {
 }
 
 /** How much of the page panes have: as somebody left them for what they show, else as much as that needs. */
-function useRoom(tool: Signal<Tool>, side: Signal<Side>, tries: BagWork<Trial>): Room {
+function useRoom(tool: Signal<Tool>, side: Signal<Side>, tries: FileTries): Room {
   const sizes = useMemo(() => new PaneSizes(browserStorage()), []);
-  const isTried = tool.value === "try" && tries.state.value.kind === "done";
+  const isTried = tool.value === "try" && tries.last.value !== null;
   const usualDock = isTried ? 62 : side.value === "map" ? 18 : 34;
   const dock = isTried ? "a try" : side.value === "map" ? "results below the map" : "results";
   return {

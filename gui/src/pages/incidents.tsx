@@ -7,7 +7,6 @@ import { DeleteDialog } from "../incidents/delete_dialog";
 import { CourseView } from "../incidents/incident_course";
 import { IncidentFacts, RecordedTopics } from "../incidents/incident_facts";
 import { IncidentTable } from "../incidents/incident_table";
-import { counted } from "../incidents/missing_words";
 import { RobotIncidentList } from "../incidents/robot_incident_list";
 import { useRuleGround } from "../incidents/rule_ground";
 import { href, toRoute } from "../route";
@@ -15,6 +14,7 @@ import { BagWork } from "../state/bag_work";
 import { RobotIncidents } from "../state/robot_incidents";
 import { Header } from "../ui/header";
 import { Notice } from "../ui/notice";
+import { counted } from "../ui/numbers";
 import { WorkProgress } from "../ui/work_progress";
 import type { PageProps } from "./page_props";
 

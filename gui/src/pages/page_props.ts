@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { Api } from "../api/client";
 import type { Project } from "../api/types";
+import type { Keepings } from "../state/keepings";
 import type { OpenEditors } from "../state/open_editors";
 
 /** What every page gets. */
@@ -18,6 +19,8 @@ export interface PageProps {
   line?: string | undefined;
   /** Files with what was changed in them. */
   editors: OpenEditors;
+  /** The incidents of tries that are being kept. */
+  keepings: Keepings;
   /** Reads the list of files again. */
   refresh: () => Promise<void>;
 }

@@ -6,7 +6,9 @@ import { href } from "../route";
 import { statementTitle } from "../sharing/statement_title";
 import type { ProfileRepair } from "../state/profile_repair";
 import type { RuleEditor } from "../state/rule_editor";
+import { counted } from "../ui/numbers";
 import { useRobot } from "../ui/robot_state";
+import { sentence } from "../ui/sentence";
 import { NeedsServer } from "../ui/server_gone";
 import { clock } from "../ui/times";
 import { ProfileChangeNotice } from "./profile_change_notice";
@@ -34,7 +36,7 @@ export function FindingsPanel({ editor, repair }: { editor: RuleEditor; repair: 
   return (
     <>
       <p class="visually-hidden" role="status" aria-live="polite">
-        {findings.length === 0 ? "No findings" : `${findings.length} findings`}
+        {findings.length === 0 ? "No findings" : counted(findings.length, "finding")}
       </p>
       <ProfileChangeNotice repair={repair} />
       {isGone && (
@@ -74,11 +76,11 @@ function FindingRow(props: { editor: RuleEditor; repair: ProfileRepair; finding:
         title="Show in text and blocks"
         onClick={() => show(finding.offset, finding.end_offset)}
       >
-        line {finding.line}
+        Line {finding.line}
       </button>
       <span class="message">
-        {finding.message}
-        {finding.hint && <span class="quiet"> {finding.hint}</span>}
+        {sentence(finding.message)}
+        {finding.hint && <span class="quiet"> {sentence(finding.hint)}</span>}
       </span>
       {related.length > 0 && (
         <span class="pair" role="group" aria-label="Statements that this is about">

@@ -11,6 +11,7 @@ import type { RuleEditor } from "../state/rule_editor";
 import { topicsIn } from "../state/topics_in";
 import { download } from "../ui/download";
 import { kilobytes } from "../ui/numbers";
+import { sentence } from "../ui/sentence";
 import { ProfileChangeNotice } from "./profile_change_notice";
 import { SituationBars } from "./situation_bars";
 
@@ -130,7 +131,7 @@ function ratesName(editor: RuleEditor): string {
 function RefusalCard({ api, editor, refusal, text }: { api: Api; editor: RuleEditor; refusal: Refusal; text: string }) {
   return (
     <div class="notice warning column" role="alert">
-      <p>{refusal.message}</p>
+      <p>{sentence(refusal.message)}</p>
       <div class="row">
         {refusal.repairs.map((repair) => (
           <button

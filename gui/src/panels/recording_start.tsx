@@ -6,7 +6,7 @@ import type { Project, RecordingAnswer } from "../api/types";
 import { toRoute } from "../route";
 import { layoutName, PLAIN_GRID, writeLayout } from "../state/layout";
 import { FormDialog } from "../ui/dialog";
-import { readable } from "../ui/numbers";
+import { counted, durationWords } from "../ui/numbers";
 import { ownProfile } from "./profile_choice";
 
 interface Props {
@@ -109,5 +109,5 @@ function nameOf(bag: string): string {
 }
 
 function sentence({ topics, duration_s }: RecordingAnswer): string {
-  return `${topics.length === 1 ? "1 topic" : `${topics.length} topics`}, ${readable(duration_s)} s.`;
+  return `${counted(topics.length, "topic")}, ${durationWords(duration_s)}.`;
 }

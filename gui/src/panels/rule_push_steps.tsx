@@ -5,6 +5,7 @@ import type { Problem } from "../api/types";
 import { RULES_WORDS } from "../state/connection";
 import type { RuleEditor } from "../state/rule_editor";
 import type { RulePush, Stage } from "../state/rule_push";
+import { sentence } from "../ui/sentence";
 
 type Kept = Extract<Stage, { kind: "kept" }>;
 type Trying = Extract<Stage, { kind: "trying" }>;
@@ -161,12 +162,12 @@ function Refusal({ outcome, problem, editor }: { outcome: string; problem: Probl
   return (
     <div class="notice error column" role="alert">
       <p>
-        <strong>{outcome}</strong> {problem.message}
+        <strong>{outcome}</strong> {sentence(problem.message)}
         {problem.remedy && `. ${problem.remedy}`}
       </p>
       {problem.findings.map((finding) => (
         <p key={`${finding.line} ${finding.column} ${finding.code}`}>
-          <LineLink line={finding.line} editor={editor} /> {finding.message}
+          <LineLink line={finding.line} editor={editor} /> {sentence(finding.message)}
         </p>
       ))}
       {problem.findings.length === 0 && line !== null && <LineLink line={line} editor={editor} />}

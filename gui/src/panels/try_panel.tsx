@@ -1,24 +1,38 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { useState } from "preact/hooks";
+import { useEffect } from "preact/hooks";
 import type { Api } from "../api/client";
 import type { Project } from "../api/types";
-import type { BagWork } from "../state/bag_work";
+import type { Keepings } from "../state/keepings";
 import type { RuleEditor } from "../state/rule_editor";
 import { Trial } from "../state/trial";
+import { changedSince, type FileTries, fileOf, recordingFor } from "../state/tries";
 import { TryResult } from "../try/try_result";
 import { NeedsServer } from "../ui/server_gone";
 import { WorkProgress } from "../ui/work_progress";
 
+interface Props {
+  editor: RuleEditor;
+  api: Api;
+  project: Project;
+  tries: FileTries;
+  keepings: Keepings;
+  refresh: () => Promise<void>;
+}
+
 /** What the rules would have done to a recording. */
-export function TryPanel(props: { editor: RuleEditor; api: Api; project: Project; work: BagWork<Trial> }) {
-  const { editor, api, project, work } = props;
+export function TryPanel({ editor, api, project, tries, keepings, refresh }: Props) {
+  useEffect(() => {
+    // A recording may have been changed, or come, while nobody looked.
+    const look = () => void refresh();
+    look();
+    addEventListener("focus", look);
+    return () => removeEventListener("focus", look);
+  }, []);
   const bags = project.files
     .filter((file) => file.kind === "bag")
     .sort((a, b) => b.size_bytes - a.size_bytes)
     .map((file) => file.name);
-  const state = work.state.value;
-  const [bag, setBag] = useState((state.kind === "done" ? state.answer.bag : bags[0]) ?? "");
   if (bags.length === 0) {
     return (
       <p class="quiet">
@@ -27,23 +41,28 @@ export function TryPanel(props: { editor: RuleEditor; api: Api; project: Project
       </p>
     );
   }
+  const { work, last } = tries;
+  const trial = last.value;
+  const [rules, chosen] = [editor.rules, tries.bag.value];
+  const bag = chosen !== null && bags.includes(chosen) ? chosen : recordingFor(bags, rules, editor.map.value.bag);
+  const isRunning = work.state.value.kind === "running";
   const run = () =>
     work.start(async (name, signal) => {
-      const { rules } = editor;
-      return new Trial(await api.tryOnBag(rules, bag, name, signal), rules, bag);
+      const { files } = await api.project();
+      return new Trial(await api.tryOnBag(rules, bag, name, signal), rules, bag, fileOf(bag, files));
     });
   return (
     <div class="try">
       <div class="row">
         <label>
           Recording
-          <select value={bag} onChange={(event) => setBag(event.currentTarget.value)}>
+          <select value={bag} disabled={isRunning} onChange={(event) => (tries.bag.value = event.currentTarget.value)}>
             {bags.map((name) => (
               <option key={name}>{name}</option>
             ))}
           </select>
         </label>
-        {state.kind !== "running" && (
+        {!isRunning && (
           <NeedsServer>
             <button type="button" class="primary" onClick={() => void run()}>
               Run the rules on it
@@ -52,7 +71,13 @@ export function TryPanel(props: { editor: RuleEditor; api: Api; project: Project
         )}
         <WorkProgress work={work} doing={`Replaying ${bag}`} />
       </div>
-      {state.kind === "done" && <TryResult key={state.answer.bag} {...{ editor, api }} trial={state.answer} />}
+      {trial !== null && (
+        <TryResult
+          key={trial.bag}
+          {...{ editor, api, trial, keepings }}
+          changed={editor.knowsProfile.value ? changedSince(trial, rules, project.files) : []}
+        />
+      )}
     </div>
   );
 }

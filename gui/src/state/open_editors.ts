@@ -6,9 +6,11 @@ import type { Drafts } from "./drafts";
 import { Folds } from "./folds";
 import { ProfileEditor } from "./profile_editor";
 import { RuleEditor } from "./rule_editor";
+import { Tries } from "./tries";
 
 /** The files that were opened: what is not saved is still there when somebody comes back to it. */
 export class OpenEditors {
+  readonly tries = new Tries();
   private readonly rules = new Map<string, RuleEditor>();
   private readonly profiles = new Map<string, ProfileEditor>();
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { computed } from "@preact/signals";
 import type { Rules } from "../api/client";
-import type { TruthName, TryAnswer, TryDecision } from "../api/types";
+import type { FoundFile, TruthName, TryAnswer, TryDecision } from "../api/types";
 import { Timeline, upTo } from "./timeline";
 
 /** A rule, or its Else, at one time. */
@@ -29,6 +29,8 @@ export class Trial extends Timeline {
     /** What was tried. */
     readonly tried: Rules,
     readonly bag: string,
+    /** The recording as the project had it then. */
+    readonly recording: FoundFile | undefined,
   ) {
     super(answer, answer.topics[0]?.before_hz_bins.length ?? 0, 0, answer.incidents?.map(({ t }) => t) ?? []);
     for (const decision of answer.decisions) {

@@ -9,7 +9,7 @@ import { EXAMPLE_RULES, ExampleApi, exampleEditors, exampleProject } from "./exa
 import { TourCard } from "./tour_card";
 
 /** The editor on an example that is in no file, and the tour of it; `rules` is the file that it was called from. */
-export function TourPage({ project, refresh, rules }: PageProps) {
+export function TourPage({ project, refresh, rules, keepings }: PageProps) {
   const own = useMemo(
     () => ({ api: new ExampleApi(), editors: exampleEditors(), project: exampleProject(project) }),
     [],
@@ -18,7 +18,7 @@ export function TourPage({ project, refresh, rules }: PageProps) {
   const end = () => toRoute(rules === undefined ? { page: "home", name: "" } : { page: "rules", name: rules });
   return (
     <div class="touring">
-      <EditorPage {...own} refresh={refresh} name={EXAMPLE_RULES} />
+      <EditorPage {...own} {...{ refresh, keepings }} name={EXAMPLE_RULES} />
       <TourCard onEnd={end} />
     </div>
   );

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import type { Trial } from "../state/trial";
-import { readable } from "../ui/numbers";
+import { durationWords } from "../ui/numbers";
 import { Scrubber } from "./scrubber";
 
 /** The time of a try, with a tick for each decision. */
@@ -13,7 +13,7 @@ export function TrialScrubber({ trial }: { trial: Trial }) {
     <Scrubber
       timeline={trial}
       label="Time in the recording (s)"
-      words={`${time.toFixed(1)} s of ${readable(trial.durationS)} s, ${decides}`}
+      words={`${time.toFixed(1)} s of ${durationWords(trial.durationS)}, ${decides}`}
       said={`${time.toFixed(1)} s`}
       ticksS={trial.decisionTimes}
       before={<DecisionStep trial={trial} step={-1} label="Decision before" sign="◀" />}

@@ -1,16 +1,15 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { useEffect, useMemo } from "preact/hooks";
-import type { Api } from "../api/client";
-import type { KeptIncident, TryIncident } from "../api/types";
-import { counted, missingWords, sizeWords, windowWords } from "../incidents/missing_words";
+import type { TryIncident } from "../api/types";
+import { missingWords, windowWords } from "../incidents/missing_words";
 import { href } from "../route";
-import { BagWork } from "../state/bag_work";
+import type { Keepings } from "../state/keepings";
 import type { Trial } from "../state/trial";
-import { WorkProgress } from "../ui/work_progress";
+import { counted, sizeWords } from "../ui/numbers";
+import { NeedsServer } from "../ui/server_gone";
 
 /** What the rules would have recorded of the bag; a time leads there, and each can be kept in the project. */
-export function TriedIncidents({ api, trial }: { api: Api; trial: Trial }) {
+export function TriedIncidents({ keepings, trial }: { keepings: Keepings; trial: Trial }) {
   const { incidents } = trial.answer;
   if (incidents === null) return null;
   return (
@@ -19,6 +18,11 @@ export function TriedIncidents({ api, trial }: { api: Api; trial: Trial }) {
         What the rules would have recorded{" "}
         {incidents.length > 0 && <span class="quiet">(red on the slider and the charts)</span>}
       </h3>
+      {keepings.problem.value && (
+        <p class="problem" role="alert">
+          {keepings.problem.value}
+        </p>
+      )}
       {incidents.length === 0 ? (
         <p class="quiet">
           Nothing: no rule with a recording began to hold. One that holds from the start on begins nothing either,
@@ -27,7 +31,7 @@ export function TriedIncidents({ api, trial }: { api: Api; trial: Trial }) {
       ) : (
         <ul>
           {incidents.map((incident) => (
-            <TriedIncident key={incident.number} {...{ api, trial, incident }} />
+            <TriedIncident key={incident.number} {...{ keepings, trial, incident }} />
           ))}
         </ul>
       )}
@@ -35,13 +39,11 @@ export function TriedIncidents({ api, trial }: { api: Api; trial: Trial }) {
   );
 }
 
-function TriedIncident({ api, trial, incident }: { api: Api; trial: Trial; incident: TryIncident }) {
+function TriedIncident(props: { keepings: Keepings; trial: Trial; incident: TryIncident }) {
+  const { keepings, trial, incident } = props;
   const { t, title, rule, topics, missing } = incident;
-  const work = useMemo(() => new BagWork<KeptIncident>(), [trial]);
-  useEffect(() => () => work.cancel(), [work]);
-  const keep = () =>
-    work.start((run, signal) => api.keepIncident({ rules: trial.tried, bag: trial.bag }, incident.number, run, signal));
-  const state = work.state.value;
+  const keep = keepings.of(trial, incident.number);
+  const name = `${title} at ${t.toFixed(1)} s`;
   return (
     <li>
       <div class="row">
@@ -52,22 +54,25 @@ function TriedIncident({ api, trial, incident }: { api: Api; trial: Trial; incid
         <span>
           by {rule}, {windowWords(incident)}: {counted(incident.messages, "message")}, {sizeWords(incident.size_kb)}
         </span>
-        {(state.kind === "idle" || state.kind === "failed") && (
-          <button
-            type="button"
-            class="small"
-            onClick={() => void keep()}
-            aria-label={`Keep it: ${title} at ${t.toFixed(1)} s`}
-          >
-            Keep it
-          </button>
+        {(keep === null || keep.state === "failed") && (
+          <NeedsServer>
+            <button
+              type="button"
+              class="small"
+              onClick={() => void keepings.keep(trial, incident.number, name)}
+              aria-label={`Keep it: ${name}`}
+            >
+              Keep it
+            </button>
+          </NeedsServer>
         )}
-        {state.kind === "done" && (
-          <span role="status">
-            Kept: <a href={href({ page: "incidents", name: state.answer.name })}>{state.answer.name}</a>
+        {keep?.state === "running" && <span class="quiet">Being kept: {Math.round(100 * keep.share)} %</span>}
+        {keep?.kept != null && (
+          <span>
+            Kept: <a href={href({ page: "incidents", name: keep.kept })}>{keep.kept}</a>
           </span>
         )}
-        <WorkProgress work={work} doing={`Keeping ${title}`} />
+        {keep?.state === "failed" && <span class="problem">{keep.problem}</span>}
       </div>
       <p class="quiet">
         {topics

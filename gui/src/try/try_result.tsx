@@ -3,10 +3,11 @@
 import { effect } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import type { Api } from "../api/client";
+import type { Keepings } from "../state/keepings";
 import type { RuleEditor } from "../state/rule_editor";
 import type { Trial } from "../state/trial";
 import { showOnNarrow } from "../ui/narrow";
-import { readable } from "../ui/numbers";
+import { counted, durationWords, sizeWords } from "../ui/numbers";
 import { DecisionTable } from "./decision_table";
 import { LossTables } from "./loss_tables";
 import { RateStrips } from "./rate_strips";
@@ -15,10 +16,21 @@ import { showInEditor } from "./show_in_editor";
 import { TrialScrubber } from "./trial_scrubber";
 import { TriedIncidents } from "./tried_incidents";
 import { TryMap } from "./try_map";
+import { worstLoss } from "./worst_loss";
+
+interface Props {
+  editor: RuleEditor;
+  api: Api;
+  trial: Trial;
+  keepings: Keepings;
+  /** What is another one since the try: `rules`, `profile`, `recording`. */
+  changed: readonly string[];
+}
 
 /** A try: what it saved, and below one scrubber the map, the rules, the rates, the loss and every decision. */
-export function TryResult({ editor, api, trial }: { editor: RuleEditor; api: Api; trial: Trial }) {
+export function TryResult({ editor, api, trial, keepings, changed }: Props) {
   const { answer } = trial;
+  const worst = worstLoss(answer.loss);
   const isOld = editor.text.value !== trial.text;
   const result = useRef<HTMLDivElement>(null);
   useEffect(() => followInEditor(editor, trial), [trial]);
@@ -26,13 +38,17 @@ export function TryResult({ editor, api, trial }: { editor: RuleEditor; api: Api
   return (
     <div class="try-result" ref={result}>
       <p class="headline" role="status">
-        <strong>{answer.percent.toFixed(1)} % less</strong> sent: {readable(answer.after_kb)} of{" "}
-        {readable(answer.before_kb)} KB in {readable(answer.duration_s)} s. The rules decided {answer.decision_count}{" "}
-        times{answer.path.length > 1 && ", where the map has dots"}.
+        <strong>{answer.percent.toFixed(1)} % less sent</strong>
+        {worst && `; ${worst}`}
       </p>
-      {isOld && (
+      <p class="quiet">
+        {sizeWords(answer.after_kb)} of {sizeWords(answer.before_kb)} in {durationWords(answer.duration_s)}. The rules
+        decided {counted(answer.decision_count, "time")}
+        {answer.path.length > 1 && ", where the map has dots"}.
+      </p>
+      {changed.length > 0 && (
         <p class="notice warning" role="status">
-          The rules changed since. Run them again to see what they do now.
+          Stale: {andWords(changed)} changed since. Run the rules again to see what they do now.
         </p>
       )}
       {answer.notices.length > 0 && (
@@ -44,7 +60,7 @@ export function TryResult({ editor, api, trial }: { editor: RuleEditor; api: Api
       )}
       <TrialScrubber trial={trial} />
       <RuleStates trial={trial} show={isOld ? null : (line) => showInEditor(editor, line)} />
-      <TriedIncidents api={api} trial={trial} />
+      <TriedIncidents keepings={keepings} trial={trial} />
       <div class="try-columns">
         <div class="try-column">
           {answer.path.length > 1 && <TryMap {...{ editor, api, trial }} />}
@@ -70,4 +86,9 @@ function followInEditor(editor: RuleEditor, trial: Trial): () => void {
     shown = line;
     showInEditor(editor, line);
   });
+}
+
+/** `rules and recording`. */
+function andWords(words: readonly string[]): string {
+  return [words.slice(0, -1).join(", "), ...words.slice(-1)].filter(Boolean).join(" and ");
 }

@@ -70,3 +70,22 @@ function thousandsApart(value: number, digits: Intl.NumberFormatOptions): string
 export function hz(value: number | null): string {
   return value === null ? "Full" : `${readable(value)} Hz`;
 }
+
+/** KB as what a person calls it. */
+export function sizeWords(kb: number): string {
+  if (kb < 1) return `${readable(1000 * kb)} B`;
+  if (kb < 1000) return `${readable(kb)} KB`;
+  return kb < 1_000_000 ? `${readable(kb / 1000)} MB` : `${readable(kb / 1_000_000)} GB`;
+}
+
+/** `1 message`, `1 200 messages`. */
+export function counted(count: number, noun: string): string {
+  return `${readable(count)} ${noun}${count === 1 ? "" : "s"}`;
+}
+
+const MINUTES_FROM_S = 120;
+
+/** A duration for reading: seconds below two minutes, minutes from there on. */
+export function durationWords(seconds: number): string {
+  return seconds < MINUTES_FROM_S ? `${readable(seconds)} s` : `${readable(seconds / 60)} min`;
+}

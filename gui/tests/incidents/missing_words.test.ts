@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 import { expect, test } from "vitest";
 import type { MissingMessages } from "../../src/api/types";
-import { briefly, missingWords, sinceMoment, sizeWords } from "../../src/incidents/missing_words";
+import { briefly, missingWords, sinceMoment } from "../../src/incidents/missing_words";
+import { sizeWords } from "../../src/ui/numbers";
 
 function gap(topic: string, messages: number | null, reason: MissingMessages["reason"] = "ended"): MissingMessages {
   return { topic, reason, messages, from_s: -5, to_s: 0.04 };

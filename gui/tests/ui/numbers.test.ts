@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { expect, test } from "vitest";
 import table from "../../../tests/golden/numbers.json";
-import { fixed, hz, kilobytes, numberProblem, readable, typedNumber } from "../../src/ui/numbers";
+import { durationWords, fixed, hz, kilobytes, numberProblem, readable, typedNumber } from "../../src/ui/numbers";
 
 test.each([
   ["3.5", 3.5],
@@ -75,6 +75,15 @@ test.each(table.kilobytes as [number, string][])(
     expect(Math.abs(typedNumber(text) - value)).toBeLessThan(0.01);
   },
 );
+
+test.each([
+  [0, "0 s"],
+  [119.4, "119 s"],
+  [120, "2 min"],
+  [4534, "75.6 min"],
+])("%d s are read as %s", (seconds, words) => {
+  expect(durationWords(seconds)).toBe(words);
+});
 
 test("a rate says its unit, and every message is Full", () => {
   expect([hz(2.5), hz(0), hz(null)]).toEqual(["2.5 Hz", "0 Hz", "Full"]);

@@ -33,7 +33,7 @@ from smarttestudo.use_cases.ruler.child_process import ChildWork
 from smarttestudo.use_cases.ruler.curve import Curve, CurveRequest
 from smarttestudo.use_cases.ruler.edits import TextAnswer
 from smarttestudo.use_cases.ruler.incident_course import IncidentCourse, IncidentCourseRequest
-from smarttestudo.use_cases.ruler.incident_keeping import KeepRequest, KeptIncident
+from smarttestudo.use_cases.ruler.incident_keeping import KeepEndRequest, KeepRequest, KeepsAnswer
 from smarttestudo.use_cases.ruler.incidents import KnownIncidents, OneIncidentRequest
 from smarttestudo.use_cases.ruler.project import ProjectFiles, SaveRequest, SettingsRequest
 from smarttestudo.use_cases.ruler.pushing import ConfirmRequest, LastingRequest, PushRequest, WriteRequest
@@ -48,10 +48,11 @@ from smarttestudo.use_cases.ruler.robots import WatchedRobots
 from smarttestudo.use_cases.ruler.trial import TryAnswer, TryRequest
 from smarttestudo.use_cases.ruler.vocabulary import Vocabulary, VocabularyRequest, vocabulary
 from smarttestudo.web.bodies import read_query
-from smarttestudo.web.child_work import CurveApi, IncidentApi, KeepApi, MeasureApi, TryApi
+from smarttestudo.web.child_work import CurveApi, IncidentApi, MeasureApi, TryApi
 from smarttestudo.web.downloads import sending_zip
 from smarttestudo.web.errors import GONE, RequestError, error_answer
 from smarttestudo.web.guard import Guard, ServerAddress
+from smarttestudo.web.keeping import Keepings
 from smarttestudo.web.live_feed import LiveFeed
 from smarttestudo.web.page import page_files
 from smarttestudo.web.routes import ApiRoute, Handler, answering, long_work, telling
@@ -71,6 +72,7 @@ def ruler_app(
 ) -> ASGIApp:
     """The server of the project in ``folder``, for whom ``access`` lets in, with these robots."""
     listeners = Listeners()
+    keepings = Keepings(folder)
     robot_incidents = RobotIncidents(folder, open_incidents)
     link = RobotLink(open_robots)
     feed = LiveFeed(link, listeners)
@@ -79,10 +81,12 @@ def ruler_app(
     async def lifespan(_: Starlette) -> AsyncIterator[None]:
         yield
         await feed.close()
+        await keepings.close()
         await run_in_threadpool(robot_incidents.close)
 
     routes: list[BaseRoute] = [
         *api_routes(folder, link, listeners, opened=opened),
+        *keeping_routes(keepings),
         *robot_incident_routes(robot_incidents),
         Route("/api/background/picture", _picture(Backgrounds(folder)), methods=["GET"]),
         Route("/api/incident/zip", sending_zip(KnownIncidents(folder)), methods=["GET"]),
@@ -120,7 +124,6 @@ def api_routes(
         "/api/profile/measure-live", profiles.MeasureLiveRequest, MeasureApi(listeners).answer, TextAnswer
     )
     yield long_work("/api/try", TryRequest, TryApi(folder, listeners).answer, TryAnswer)
-    yield long_work("/api/try/keep", KeepRequest, KeepApi(folder, listeners).answer, KeptIncident)
     losses = CurveApi(folder, listeners, ChildWork.CURVE)
     yield long_work("/api/profile/curve", CurveRequest, losses.answer, Curve)
     needs = CurveApi(folder, listeners, ChildWork.ACCURACY)
@@ -144,6 +147,13 @@ def _incident_routes(known: KnownIncidents) -> Iterator[ApiRoute]:
     yield telling("/api/incidents", known.incidents)
     yield answering("/api/incident", OneIncidentRequest, known.incident)
     yield answering("/api/incident/delete", OneIncidentRequest, known.delete)
+
+
+def keeping_routes(keepings: Keepings) -> Iterator[ApiRoute]:
+    """What the page can ask of the incidents of tries that are being kept."""
+    yield ApiRoute("GET", "/api/try/keeps", keepings.told, asked=None, answered=KeepsAnswer)
+    yield long_work("/api/try/keep", KeepRequest, keepings.start, KeepsAnswer)
+    yield long_work("/api/try/keep/cancel", KeepEndRequest, keepings.end, KeepsAnswer)
 
 
 def robot_incident_routes(robots: RobotIncidents) -> Iterator[ApiRoute]:

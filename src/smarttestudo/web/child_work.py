@@ -8,10 +8,8 @@ import asyncio
 import math
 import sys
 from asyncio.subprocess import DEVNULL, PIPE, Process
-from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TypeAlias
 
 import msgspec
@@ -21,8 +19,6 @@ from starlette.requests import Request
 from starlette.responses import Response
 
 from smarttestudo.adapters.files.project_folder import ProjectFolder
-from smarttestudo.adapters.files.removal import temporary_folder
-from smarttestudo.adapters.files.whole_file import not_written
 from smarttestudo.domain.errors import TestudoError, UsageError
 from smarttestudo.domain.names import is_topic_name, resolve_topic
 from smarttestudo.use_cases.ruler.accuracy_curve import AccuracyCurveRequest
@@ -31,7 +27,6 @@ from smarttestudo.use_cases.ruler.child_messages import Done, Failure, Share
 from smarttestudo.use_cases.ruler.child_process import ChildWork, MeasureOrder
 from smarttestudo.use_cases.ruler.curve import CurveRequest
 from smarttestudo.use_cases.ruler.incident_course import IncidentCourseRequest
-from smarttestudo.use_cases.ruler.incident_keeping import INCIDENTS_FOLDER, KeepOrder, KeepRequest
 from smarttestudo.use_cases.ruler.incidents import KnownIncidents
 from smarttestudo.use_cases.ruler.profiles import MeasureLiveRequest
 from smarttestudo.use_cases.ruler.trial import TryRequest
@@ -60,42 +55,46 @@ class Order:
 
 
 class ChildProcesses:
-    """Does one order at a time; ``listeners`` get its progress."""
+    """Does one order at a time; ``tell`` gets its progress."""
 
-    def __init__(self, listeners: Listeners) -> None:
-        self._listeners = listeners
+    def __init__(self, tell: Callable[[Progress], None]) -> None:
+        self._tell = tell
         self._turn = asyncio.Semaphore(1)
 
     async def answer(self, request: Request, order: Order) -> Response:
         """The result; ``TestudoError`` where there is none. Who leaves ends the work."""
-        work = asyncio.ensure_future(self._done(order))
+        work = asyncio.ensure_future(self.result(order))
         leaving = asyncio.ensure_future(_left(request))
         try:
-            done, _ = await asyncio.wait(
-                {work, leaving}, timeout=order.timeout_s, return_when=asyncio.FIRST_COMPLETED
-            )
-            if work in done:
+            await asyncio.wait({work, leaving}, return_when=asyncio.FIRST_COMPLETED)
+            if work.done():
                 return Response(work.result(), media_type=JSON)
-            if leaving in done:
-                raise RequestError("the page was closed", GONE)
-            raise RequestError(order.too_long.cause, _TIMED_OUT, remedy=order.too_long.remedy)
+            raise RequestError("the page was closed", GONE)
         finally:
             for one in (work, leaving):
                 one.cancel()
             await asyncio.gather(work, leaving, return_exceptions=True)
 
-    async def _done(self, order: Order) -> bytes:
+    async def result(self, order: Order) -> bytes:
+        """The result as JSON; ``TestudoError`` where there is none. Who cancels it ends the work."""
         async with self._turn:
-            command = (sys.executable, "-m", _MODULE, order.work.value)
-            process = await asyncio.create_subprocess_exec(
-                *command, stdin=PIPE, stdout=PIPE, stderr=DEVNULL, limit=_MAX_LINE_BYTES
-            )
             try:
-                return await self._followed(process, order)
-            finally:
-                if process.returncode is None:
-                    process.kill()
-                    await process.wait()
+                return await asyncio.wait_for(self._done(order), order.timeout_s)
+            except asyncio.TimeoutError as error:
+                remedy = order.too_long.remedy
+                raise RequestError(order.too_long.cause, _TIMED_OUT, remedy=remedy) from error
+
+    async def _done(self, order: Order) -> bytes:
+        command = (sys.executable, "-m", _MODULE, order.work.value)
+        process = await asyncio.create_subprocess_exec(
+            *command, stdin=PIPE, stdout=PIPE, stderr=DEVNULL, limit=_MAX_LINE_BYTES
+        )
+        try:
+            return await self._followed(process, order)
+        finally:
+            if process.returncode is None:
+                process.kill()
+                await process.wait()
 
     async def _followed(self, process: Process, order: Order) -> bytes:
         if process.stdin is None or process.stdout is None:
@@ -105,7 +104,7 @@ class ChildProcesses:
         async for line in process.stdout:
             match msgspec.json.decode(line, type=Share | Done | Failure):
                 case Share(share=share):
-                    self._listeners.tell(Progress(run=order.run, share=share))
+                    self._tell(Progress(run=order.run, share=share))
                 case Done(result=result):
                     return bytes(result)
                 case Failure(message=message, place=place, remedy=remedy):
@@ -128,47 +127,15 @@ class TryApi:
 
     def __init__(self, folder: ProjectFolder, listeners: Listeners) -> None:
         self._folder = folder
-        self._work = ChildProcesses(listeners)
+        self._work = ChildProcesses(listeners.tell)
 
     async def answer(self, request: Request, asked: TryRequest) -> Response:
         """Replay a bag; who leaves ends it."""
         bag = await run_in_threadpool(self._folder.bag, asked.bag)
         await run_in_threadpool(require_usable, asked)
         return await self._work.answer(
-            request, _order(ChildWork.TRIAL, replace(asked, bag=str(bag)), asked.bag)
+            request, order_about_bag(ChildWork.TRIAL, replace(asked, bag=str(bag)), asked.bag)
         )
-
-
-class KeepApi:
-    """Writes incidents that tries showed into ``folder``, one at a time."""
-
-    def __init__(self, folder: ProjectFolder, listeners: Listeners) -> None:
-        self._folder = folder
-        self._work = ChildProcesses(listeners)
-
-    async def answer(self, request: Request, asked: KeepRequest) -> Response:
-        """Write one; who leaves ends it, and no part of it stays."""
-        bag = await run_in_threadpool(self._folder.bag, asked.bag)
-        await run_in_threadpool(require_usable, asked)
-        project = self._folder.path(".keeping").parent
-        with _workshop(project) as workshop:
-            order = KeepOrder(
-                **{**msgspec.structs.asdict(asked), "bag": str(bag)},
-                project=str(project),
-                workshop=str(workshop),
-            )
-            return await self._work.answer(request, _order(ChildWork.KEEP, order, asked.bag))
-
-
-@contextmanager
-def _workshop(project: Path) -> Iterator[Path]:
-    """Where an incident is written. Raises ``OutputFileError`` where nothing can be."""
-    with ExitStack() as opened:
-        try:
-            workshop = opened.enter_context(temporary_folder(project, prefix=".keeping-"))
-        except OSError as error:
-            raise not_written(Path(INCIDENTS_FOLDER), "an incident", error) from error
-        yield workshop
 
 
 class CurveApi:
@@ -177,7 +144,7 @@ class CurveApi:
     def __init__(self, folder: ProjectFolder, listeners: Listeners, work: ChildWork) -> None:
         self._folder = folder
         self._kind = work
-        self._work = ChildProcesses(listeners)
+        self._work = ChildProcesses(listeners.tell)
 
     async def answer(self, request: Request, asked: CurveRequest | AccuracyCurveRequest) -> Response:
         """Measure a topic of a bag; who leaves ends it."""
@@ -185,7 +152,7 @@ class CurveApi:
             raise RequestError(f"{asked.topic!r} is not a valid ROS 2 topic name", _BAD_REQUEST)
         bag = await run_in_threadpool(self._folder.bag, asked.bag)
         order = replace(asked, bag=str(bag), topic=resolve_topic(asked.topic))
-        return await self._work.answer(request, _order(self._kind, order, asked.bag))
+        return await self._work.answer(request, order_about_bag(self._kind, order, asked.bag))
 
 
 class IncidentApi:
@@ -193,19 +160,20 @@ class IncidentApi:
 
     def __init__(self, folder: ProjectFolder, listeners: Listeners) -> None:
         self._known = KnownIncidents(folder)
-        self._work = ChildProcesses(listeners)
+        self._work = ChildProcesses(listeners.tell)
 
     async def answer(self, request: Request, asked: IncidentCourseRequest) -> Response:
         """The course of an incident; who leaves ends it."""
         bag = await run_in_threadpool(self._known.bag, asked.name)
-        order = _order(ChildWork.INCIDENT, replace(asked, name=str(bag)), asked.name)
+        order = order_about_bag(ChildWork.INCIDENT, replace(asked, name=str(bag)), asked.name)
         return await self._work.answer(request, order)
 
 
 _BagOrder: TypeAlias = TryRequest | CurveRequest | AccuracyCurveRequest | IncidentCourseRequest
 
 
-def _order(work: ChildWork, asked: _BagOrder, name: str) -> Order:
+def order_about_bag(work: ChildWork, asked: _BagOrder, name: str) -> Order:
+    """The order of ``work`` on a recording that the page calls ``name``."""
     return Order(
         work=work,
         asked=asked,
@@ -228,7 +196,7 @@ class MeasureApi:
     """Measures one at a time: it subscribes to everything."""
 
     def __init__(self, listeners: Listeners) -> None:
-        self._work = ChildProcesses(listeners)
+        self._work = ChildProcesses(listeners.tell)
 
     async def answer(self, request: Request, order: MeasureLiveRequest) -> Response:
         """A profile of what is published now; who leaves ends it."""

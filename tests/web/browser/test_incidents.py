@@ -160,6 +160,38 @@ def test_a_try_shows_what_would_have_been_recorded_and_keeps_it(ruler: RulerPage
     slider = ruler.page.get_by_role("slider", name="Time in the recording (s)")
     expect(slider).to_have_attribute("aria-valuetext", re.compile(r"^5\.0 s"))
     near_miss.get_by_role("button", name="Keep it: near miss").click()
-    near_miss.get_by_role("link", name=NEAR_MISS).click()
+    # It goes on in the server, and is told of wherever one is.
+    ruler.page.reload()
+    bar = ruler.page.get_by_role("region", name="Incidents being kept")
+    expect(bar).to_contain_text("near miss at 5.0 s of monday")
+    ruler.page.get_by_role("link", name="Home").click()
+    bar.get_by_role("link", name=NEAR_MISS).click()
+    expect(bar).to_have_count(0)
     expect(ruler.page.get_by_role("main")).to_contain_text("/odom pose_y was 5.04 m")
+    assert [one.name for one in (project / "incidents").iterdir()] == [NEAR_MISS.rpartition("/")[2]]
+
+
+def test_keeping_is_cancelled_on_any_page_and_leaves_nothing(ruler: RulerPage, project: Path) -> None:
+    shutil.rmtree(project / "incidents")
+    ruler.home()
+    ruler.open("far.adirf")
+    ruler.button("Try on a recording").click()
+    ruler.button("Run the rules on it").click()
+    kept = ruler.page.get_by_role("region", name="What the rules would have recorded")
+    for name in ("near miss", "all of it"):
+        kept.get_by_role("button", name=f"Keep it: {name}").click()
+    # The second waits for the first, so that there is time.
+    ruler.page.get_by_role("link", name="Home").click()
+    bar = ruler.page.get_by_role("region", name="Incidents being kept")
+    bar.get_by_role("button", name="Cancel keeping all of it").click()
+    expect(bar.get_by_text("all of it")).to_have_count(0)
+    expect(bar.get_by_role("link", name=NEAR_MISS)).to_be_visible()
+    for width in (1440, 390):
+        ruler.page.set_viewport_size({"width": width, "height": 844})
+        box, home = bar.bounding_box(), ruler.page.get_by_role("main").bounding_box()
+        assert box is not None
+        assert home is not None
+        assert box["y"] + box["height"] <= home["y"] + 1
+    bar.get_by_role("button", name="Close: near miss").click()
+    expect(bar).to_have_count(0)
     assert [one.name for one in (project / "incidents").iterdir()] == [NEAR_MISS.rpartition("/")[2]]

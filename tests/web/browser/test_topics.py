@@ -87,7 +87,7 @@ def test_a_rule_file_opens_with_the_topic_parameters_that_fit_it_or_were_chosen_
         choice.select_option("arm.toml")
     ruler.button("Optimize and Download").click()
     refused = ruler.page.get_by_text("/imu is in the rules but not in the chosen profile")
-    expect(refused).to_contain_text("add a row for /imu to its table")
+    expect(refused).to_contain_text("Add a row for /imu to its table")
     ruler.complaints.clear()
     ruler.home()
     ruler.open("shelf.adirf")

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import os
 import re
+import shutil
 import signal
 import time
 from collections.abc import Callable, Iterator
@@ -83,9 +84,69 @@ def test_the_loss_stands_beside_and_old_numbers_say_that_they_are_old(ruler: Rul
     ruler.text.get_by_text("SetFrequency /odom 5").click()
     ruler.page.keyboard.press("End")
     ruler.page.keyboard.type("0")
-    expect(ruler.page.get_by_text("The rules changed since.")).to_be_visible()
+    expect(ruler.page.get_by_text("Stale: rules changed since.")).to_be_visible()
     ruler.button("Run the rules on it").click()
-    expect(ruler.page.get_by_text("The rules changed since.")).to_have_count(0)
+    expect(ruler.page.get_by_text("Stale: rules changed since.")).to_have_count(0)
+
+
+def test_a_result_stays_with_its_file_and_says_what_changed_since(ruler: RulerPage, project: Path) -> None:
+    write_bag(project / "longer", small_mission(12))
+    (project / "other.adirf").write_text("begin\n    SetFrequency /scan 1\nend\n")
+    shutil.copy(project / "far.adirf", project / "monday.adirf")
+    ruler.home()
+    ruler.open("monday.adirf")
+    ruler.button("Try on a recording").click()
+    # The one that the rules have their name from, though another is longer.
+    expect(ruler.page.get_by_role("combobox", name="Recording")).to_have_value("monday")
+    _try_rules(ruler)
+    ruler.page.get_by_role("slider", name="Time in the recording (s)").press("End")
+    replays = _asked(ruler, "api/try")
+
+    ruler.page.get_by_role("link", name="Home").click()
+    ruler.open("other.adirf")
+    ruler.button("Try on a recording").click()
+    expect(ruler.page.get_by_text("% less sent")).to_have_count(0)
+    ruler.page.get_by_role("link", name="Home").click()
+    ruler.open("monday.adirf")
+    ruler.button("Try on a recording").click()
+    expect(ruler.page.get_by_role("slider", name="Time in the recording (s)")).to_have_value("7.96")
+    expect(ruler.page.get_by_text("Stale:")).to_have_count(0)
+    assert _asked(ruler, "api/try") == replays
+
+    shutil.rmtree(project / "monday")
+    write_bag(project / "monday", small_mission(9))
+    ruler.page.evaluate("dispatchEvent(new Event('focus'))")
+    expect(ruler.page.get_by_text("Stale: recording changed since.")).to_be_visible()
+
+
+def test_a_try_goes_on_while_another_page_is_looked_at(ruler: RulerPage) -> None:
+    ruler.open("far.adirf")
+    ruler.button("Try on a recording").click()
+    ruler.button("Run the rules on it").click()
+    ruler.page.get_by_role("link", name="Home").click()
+    ruler.open("far.adirf")
+    ruler.button("Try on a recording").click()
+    expect(ruler.page.get_by_text("% less")).to_be_visible()
+    assert _asked(ruler, "api/try") == 1
+
+
+def test_gain_and_loss_stand_on_one_line_and_messages_are_sentences(ruler: RulerPage, project: Path) -> None:
+    (project / "few.adirf").write_text("begin\n    SetFrequency /image 1\n    SetFrequency /scan Marginal\nend\n")
+    ruler.home()
+    ruler.open("few.adirf")
+    expect(ruler.page.get_by_text("1 finding", exact=True)).to_have_count(1)
+    [finding] = ruler.page.get_by_role("list", name="Findings").locator(".message").all()
+    expect(finding).to_have_text(re.compile(r"^[A-Z/]"))
+    ruler.text.get_by_text("SetFrequency /scan").click()
+    ruler.page.keyboard.press("End")
+    for _ in "Marginal":
+        ruler.page.keyboard.press("Backspace")
+    ruler.page.keyboard.type("Full")
+    ruler.button("Try on a recording").click()
+    ruler.button("Run the rules on it").click()
+    gain = re.compile(r"^[\d.]+ % less sent; /image: \d+ of \d+, dark for [\d.]+ s$")
+    expect(ruler.page.get_by_text(gain)).to_be_visible()
+    expect(ruler.page.get_by_text("The rules decided 2 times")).to_be_visible()
 
 
 def test_cancel_ends_the_replay(ruler: RulerPage) -> None:
@@ -133,6 +194,11 @@ def _try_rules(ruler: RulerPage) -> None:
     ruler.button("Run the rules on it").click()
     expect(ruler.page.get_by_text(re.compile(r"[\d.]+ % less"))).to_be_visible()
     expect(ruler.page.get_by_text("The rules decided")).to_be_visible()
+
+
+def _asked(ruler: RulerPage, path: str) -> int:
+    """How often the page asked for that."""
+    return ruler.requests.count(f"{ruler.url.rstrip('/')}/{path}")
 
 
 def _press_at(chart: Locator, share: float) -> None:

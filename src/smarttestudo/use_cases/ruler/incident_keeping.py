@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
+from typing import Literal
 
 from msgspec import Struct
 
@@ -30,9 +31,13 @@ INCIDENTS_FOLDER = "incidents"
 
 
 class KeepRequest(TryRequest, frozen=True, kw_only=True):
-    """``POST /api/try/keep`` → ``KeptIncident``: the ``number``-th incident of that try."""
+    """``POST /api/try/keep`` → ``KeepsAnswer``: the ``number``-th incident of that try.
+
+    ``run`` tells it from others that are being kept; ``title`` is what the page calls it.
+    """
 
     number: int
+    title: str = ""
 
 
 class KeepOrder(KeepRequest, frozen=True, kw_only=True):
@@ -46,6 +51,33 @@ class KeptIncident(Struct, frozen=True, kw_only=True):
     """What the project calls it."""
 
     name: str
+
+
+class KeepState(Struct, frozen=True, kw_only=True):
+    """How far the keeping of an incident is, ``share`` 0 … 1.
+
+    ``kept`` is what the project calls it once done, ``problem`` why it failed, else empty.
+    """
+
+    run: str
+    title: str
+    bag: str
+    state: Literal["running", "done", "failed"] = "running"
+    share: float = 0.0
+    kept: str | None = None
+    problem: str = ""
+
+
+class KeepsAnswer(Struct, frozen=True, kw_only=True):
+    """``GET /api/try/keeps``, and what starting and ending one answers: the oldest first."""
+
+    keeps: tuple[KeepState, ...]
+
+
+class KeepEndRequest(Struct, frozen=True, kw_only=True):
+    """``POST /api/try/keep/cancel`` → ``KeepsAnswer``: ends that one, or forgets it where it has ended."""
+
+    run: str
 
 
 def keep_incident(order: KeepOrder, report: Callable[[float], None]) -> KeptIncident:

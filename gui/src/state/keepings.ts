@@ -1,0 +1,55 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import { signal } from "@preact/signals";
+import { type Api, ApiError } from "../api/client";
+import type { KeepState, KeepsAnswer } from "../api/types";
+import type { Trial } from "./trial";
+
+const LOOK_MS = 500;
+
+/** The incidents of tries that the server writes into the project, which goes on though the page is closed. */
+export class Keepings {
+  readonly keeps = signal<readonly KeepState[]>([]);
+  readonly problem = signal("");
+  private readonly runs = new WeakMap<Trial, string>();
+  private timer = 0;
+
+  constructor(private readonly api: Api) {}
+
+  /** Asks what is being kept, and again until all of that has ended. */
+  async follow(ask: () => Promise<KeepsAnswer> = () => this.api.keeps()): Promise<void> {
+    window.clearTimeout(this.timer);
+    try {
+      this.keeps.value = (await ask()).keeps;
+      this.problem.value = "";
+    } catch (error) {
+      if (!(error instanceof ApiError)) throw error;
+      this.problem.value = error.message;
+    }
+    window.clearTimeout(this.timer);
+    const isRunning = this.keeps.peek().some(({ state }) => state === "running");
+    if (isRunning) this.timer = window.setTimeout(() => void this.follow(), LOOK_MS);
+  }
+
+  keep(trial: Trial, number: number, title: string): Promise<void> {
+    const run = this.runOf(trial, number);
+    return this.follow(() => this.api.keepIncident({ rules: trial.tried, bag: trial.bag }, { number, run, title }));
+  }
+
+  /** Ends one that is running; forgets one that has ended. */
+  end(run: string): Promise<void> {
+    return this.follow(() => this.api.endKeeping(run));
+  }
+
+  /** How far an incident of a try is kept; null where nobody asked for it. */
+  of(trial: Trial, number: number): KeepState | null {
+    const run = this.runOf(trial, number);
+    return this.keeps.value.find((one) => one.run === run) ?? null;
+  }
+
+  private runOf(trial: Trial, number: number): string {
+    const run = this.runs.get(trial) ?? `${Date.now()} ${Math.random()}`;
+    this.runs.set(trial, run);
+    return `${run} ${number}`;
+  }
+}

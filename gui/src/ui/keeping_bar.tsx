@@ -1,0 +1,54 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import type { KeepState } from "../api/types";
+import { href } from "../route";
+import type { Keepings } from "../state/keepings";
+
+/** Which incidents the server keeps now, and what came of it, on every page until somebody has read it. */
+export function KeepingBar({ keepings }: { keepings: Keepings }) {
+  const keeps = keepings.keeps.value;
+  if (keeps.length === 0) return null;
+  return (
+    <section class="keeping-bar" aria-label="Incidents being kept">
+      {keeps.map((keep) => (
+        <Keeping key={keep.run} keep={keep} end={() => void keepings.end(keep.run)} />
+      ))}
+    </section>
+  );
+}
+
+function Keeping({ keep, end }: { keep: KeepState; end: () => void }) {
+  const { title, bag, state, share, kept, problem } = keep;
+  const what = `${title} of ${bag}`;
+  if (state === "running") {
+    return (
+      <div class="row">
+        <span role="status">Keeping {what} …</span>
+        <progress max={1} value={share} aria-label={`Keeping ${what}`} />
+        <span class="number">{Math.round(100 * share)} %</span>
+        <button type="button" class="small" aria-label={`Cancel keeping ${what}`} onClick={end}>
+          Cancel
+        </button>
+      </div>
+    );
+  }
+  return (
+    <div class={`row ${state}`}>
+      {kept === null ? (
+        <span role="alert">
+          {what} was not kept: {problem}
+        </span>
+      ) : (
+        <span role="status">
+          Kept {what}:{" "}
+          <a href={href({ page: "incidents", name: kept })} onClick={end}>
+            {kept}
+          </a>
+        </span>
+      )}
+      <button type="button" class="small" aria-label={`Close: ${what}`} onClick={end}>
+        Close
+      </button>
+    </div>
+  );
+}
