@@ -58,6 +58,7 @@ THEMES = (
                 "rate-below-floor",
                 "off-despite-floor",
                 "no-margin",
+                "rate-without-effect",
                 "block-disabled",
             }
         ),

@@ -39,7 +39,7 @@ CHECK = RuleCheck(
     bad=Example(
         rules="""\
 begin
-  SetFrequency /odom Full
+  SetFrequency /odom 10
   KeepWithin /odom position 0.05
   If CheckValue /battery_state level < 20 Then
     SetFrequency /odom Off
@@ -49,7 +49,7 @@ end
     good=Example(
         rules="""\
 begin
-  SetFrequency /odom Full
+  SetFrequency /odom 10
   KeepWithin /odom position 0.05
   If CheckValue /battery_state level < 20 Then
     SetFrequency /odom 1

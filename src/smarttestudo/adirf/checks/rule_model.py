@@ -151,7 +151,7 @@ class _Reader:
             checks=tuple(self._checks),
             blocks=tuple(self._blocks),
             branches=tuple(self._branches),
-            analysis=analyse(self._blocks, self._branches, defaults, self._context),
+            analysis=analyse(self._blocks, self._branches, defaults, self._floors, self._context),
             glued=self.glued,
             bounds=tuple(self._bounds),
             recordings=tuple(self._recordings),

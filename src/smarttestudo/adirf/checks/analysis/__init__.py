@@ -3,6 +3,22 @@
 """What the conditions of all blocks mean beside each other."""
 
 from smarttestudo.adirf.checks.analysis.interval_analysis import analyse, wins_over
-from smarttestudo.adirf.checks.analysis.results import Analysis, Clash, Gap, Shadow, SharedBorder
+from smarttestudo.adirf.checks.analysis.results import (
+    Analysis,
+    Clash,
+    Gap,
+    RedundantRate,
+    Shadow,
+    SharedBorder,
+)
 
-__all__ = ["Analysis", "Clash", "Gap", "Shadow", "SharedBorder", "analyse", "wins_over"]
+__all__ = [
+    "Analysis",
+    "Clash",
+    "Gap",
+    "RedundantRate",
+    "Shadow",
+    "SharedBorder",
+    "analyse",
+    "wins_over",
+]

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache, partial
 from typing import TypeVar
 
@@ -12,9 +12,10 @@ from smarttestudo.adirf.boxes import Domain, Effort, TooComplexError, find_box
 from smarttestudo.adirf.checks.analysis.branch_index import BranchIndex, ConditionBoxes, boxes_of
 from smarttestudo.adirf.checks.analysis.conflict_finder import ConflictFinder
 from smarttestudo.adirf.checks.analysis.cover import Covers
+from smarttestudo.adirf.checks.analysis.redundant_rates import redundant_rates
 from smarttestudo.adirf.checks.analysis.results import Analysis, Clash, Gap, Shadow, SharedBorder
 from smarttestudo.adirf.checks.context import CheckContext
-from smarttestudo.adirf.checks.written import BlockSite, Branch
+from smarttestudo.adirf.checks.written import BlockSite, Branch, WrittenRate
 from smarttestudo.adirf.normal_form import Form, negation
 from smarttestudo.domain.signal import Signal, Truth
 
@@ -22,16 +23,18 @@ _T = TypeVar("_T")
 
 LOOKS_IN_ALL = 5_000_000
 LOOKS_AT_A_QUESTION = 50_000
+LOOKS_AT_REDUNDANT_RATES = 1_000_000
 MAX_CLASHES_SHOWN = 3
 
 
 def analyse(
     blocks: Sequence[BlockSite],
     branches: Sequence[Branch],
-    defaults: Collection[str],
+    defaults: Mapping[str, WrittenRate],
+    floors: Mapping[str, WrittenRate],
     context: CheckContext,
 ) -> Analysis:
-    """What the conditions of ``blocks`` mean; ``defaults`` are the topics that have one.
+    """What the conditions of ``blocks`` mean; ``defaults`` and ``floors`` are by topic.
 
     Of each branch the first clashes with branches before it are found, or else the first shared.
     """
@@ -47,13 +50,17 @@ def analyse(
     covers = Covers(index, analyst.domain)
     without_default = {topic for branch in branches for topic in branch.settings}.difference(defaults)
     gaps = (analyst.gap(topic, covers) for topic in sorted(without_default))
+    shadows = [shadow for branch in possible for shadow in analyst.shadows(branch, covers)]
+    shadowed = {shadow.branch.order for shadow in shadows}
+    redundant = redundant_rates(possible, defaults, floors, Effort(LOOKS_AT_REDUNDANT_RATES))
     conflicts = [found for branch in possible for found in analyst.conflicts(branch, index)]
     return Analysis(
         truths=truths,
         clashes=tuple(found for found in conflicts if isinstance(found, Clash)),
         shared_borders=tuple(found for found in conflicts if isinstance(found, SharedBorder)),
-        shadows=tuple(shadow for branch in possible for shadow in analyst.shadows(branch, covers)),
+        shadows=tuple(shadows),
         gaps=tuple(gap for gap in gaps if gap is not None),
+        redundant_rates=tuple(one for one in redundant if one.branch.order not in shadowed),
         unfinished=analyst.unfinished,
     )
 

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from smarttestudo.adirf.boxes import Border
-from smarttestudo.adirf.checks.written import BlockSite, Branch
+from smarttestudo.adirf.checks.written import BlockSite, Branch, WrittenRate
 from smarttestudo.domain.signal import Signal, Truth
 
 State = Mapping[Signal, float]
@@ -52,11 +52,21 @@ class Gap:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class RedundantRate:
+    """A rate that ``branch`` sets and that holds without it as well, because it is the default's."""
+
+    branch: Branch
+    setting: WrittenRate
+    default: WrittenRate
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Analysis:
     """Facts about all states in which every signal is known.
 
     ``truths`` says of each block, by order, whether its condition never (FALSE), always (TRUE) or sometimes
-    holds. ``unfinished`` are the blocks that were too complex to say everything about.
+    holds. ``unfinished`` are the blocks that were too complex to say everything about. ``redundant_rates``
+    hold for states with unknown signals as well; a shadowed branch has none.
     """
 
     truths: Mapping[int, Truth]
@@ -64,4 +74,5 @@ class Analysis:
     shared_borders: tuple[SharedBorder, ...]
     shadows: tuple[Shadow, ...]
     gaps: tuple[Gap, ...]
+    redundant_rates: tuple[RedundantRate, ...]
     unfinished: tuple[BlockSite, ...]
