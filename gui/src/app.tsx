@@ -6,7 +6,7 @@ import { type Api, ApiError } from "./api/client";
 import type { Project } from "./api/types";
 import { HomePage } from "./pages/home";
 import type { PageProps } from "./pages/page_props";
-import { type Route, readRoute, toRoute } from "./route";
+import { href, NEW_PROFILE, type Route, readRoute, toRoute } from "./route";
 import { browserStorage, Drafts } from "./state/drafts";
 import { Keepings } from "./state/keepings";
 import { OpenEditors } from "./state/open_editors";
@@ -35,6 +35,10 @@ export function App({ api }: { api: Api }) {
   const keepings = useMemo(() => new Keepings(api), []);
   useUnsavedWarning(editors);
   const route = useRoute();
+  const [missing, setMissing] = useState("");
+  useEffect(() => {
+    if (route.page !== "home") setMissing("");
+  }, [route]);
   const refresh = async () => {
     try {
       setProject(await api.project());
@@ -61,14 +65,57 @@ export function App({ api }: { api: Api }) {
     <>
       <ServerGone />
       <KeepingBar keepings={keepings} />
+      <button type="button" class="skip" onClick={() => document.querySelector<HTMLElement>("h1")?.focus()}>
+        Skip to the content
+      </button>
       {route.page === "home" ? (
-        <HomePage {...props} />
+        <HomePage {...props} missing={missing} />
       ) : (
-        <LazyPage key={`${root} ${anew} ${route.page} ${route.name}`} load={LAZY[route.page]} props={props} />
+        <KnownFile
+          key={`${root} ${anew} ${route.page} ${route.name}`}
+          load={LAZY[route.page]}
+          {...{ route, props }}
+          onMissing={setMissing}
+        />
       )}
       <TourOffer route={route} />
     </>
   );
+}
+
+interface KnownProps {
+  load: () => Promise<ComponentType<PageProps>>;
+  route: Route;
+  props: PageProps;
+  onMissing: (name: string) => void;
+}
+
+/** The page of a file that is there, or of none; the address of one that is not there leads home. */
+function KnownFile({ load, route, props, onMissing }: KnownProps) {
+  const [isThere, setIsThere] = useState(mayBeNew(route, props));
+  useEffect(() => {
+    if (isThere) return;
+    props.api.fileState(route.name).then(
+      ({ hash }) => {
+        if (hash !== null) return setIsThere(true);
+        onMissing(route.name);
+        location.replace(href({ page: "home", name: "" }));
+      },
+      // The page says itself why a file cannot be read.
+      () => setIsThere(true),
+    );
+  }, []);
+  if (!isThere) return <p class="quiet center">Loading …</p>;
+  return <LazyPage {...{ load, props }} />;
+}
+
+/** Whether the page of the address shows no file, one that is known, or a table that begins with it. */
+function mayBeNew({ page, name, rules }: Route, { project, editors }: PageProps): boolean {
+  if (page !== "rules" && page !== "topics") return true;
+  const isKnown = (kind: "rules" | "profile") =>
+    editors.unsaved(kind).includes(name) || project.files.some((file) => file.kind === kind && file.name === name);
+  if (page === "rules") return isKnown("rules");
+  return isKnown("profile") || rules !== undefined || name === NEW_PROFILE;
 }
 
 function LazyPage({ load, props }: { load: () => Promise<ComponentType<PageProps>>; props: PageProps }) {

@@ -15,6 +15,8 @@ export interface Route {
 
 /** What an address may say besides the page and its file. */
 const BESIDES = ["robot", "rules", "line"] as const;
+/** What a table of topic parameters is called before somebody names it. */
+export const NEW_PROFILE = "profile.toml";
 const PAGES = new Set(["rules", "topics", "help", "robots", "incidents", "tour"]);
 
 export function readRoute(): Route {

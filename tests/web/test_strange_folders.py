@@ -89,8 +89,7 @@ def test_a_bag_that_cannot_be_read_is_said_with_the_name_that_the_page_gave(
         ("circle.adirf", 403),
         (f"{'n' * 256}.adirf", 403),
         ("two\nmore.adirf", 403),
-        ("nodir/x.adirf", 404),
-        ("good.adirf/x.adirf", 404),
+        ("good.adirf/x.adirf", 422),
     ],
 )
 def test_what_cannot_be_written_is_said_with_the_name_that_the_page_gave(

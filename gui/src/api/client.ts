@@ -64,6 +64,15 @@ export class Api {
     return call("PUT /api/file", { name, text, base_hash: baseHash, by_itself: byItself });
   }
 
+  /** Calls a file otherwise; `hash` is what the page knows to be in it. */
+  rename(name: string, newName: string, hash: string): Answer<"POST /api/file/rename"> {
+    return call("POST /api/file/rename", { name, new_name: newName, base_hash: hash });
+  }
+
+  remove(name: string, hash: string): Answer<"POST /api/file/delete"> {
+    return call("POST /api/file/delete", { name, base_hash: hash });
+  }
+
   /** Whether changes are saved without being asked, for everybody who opens the project. */
   setSavesByItself(savesByItself: boolean): Answer<"PUT /api/project/settings"> {
     return call("PUT /api/project/settings", { saves_by_itself: savesByItself });

@@ -172,6 +172,12 @@ export interface Delete {
   id: string;
 }
 
+/** `POST /api/file/delete` → `Project`: `base_hash` is what the page keeps for its *Undo*. */
+export interface DeleteRequest {
+  name: string;
+  base_hash: string;
+}
+
 /** What a robot does otherwise with the new text, in sentences; which of the two has errors of syntax. */
 export interface DifferenceAnswer {
   differences: string[];
@@ -1153,6 +1159,13 @@ export interface Refusal {
   repairs: Repair[];
 }
 
+/** `POST /api/file/rename` → `Project`: `base_hash` is what the page knows to be in `name`. */
+export interface RenameRequest {
+  name: string;
+  new_name: string;
+  base_hash: string;
+}
+
 /**
  * One way to make a part fit, best first: edits of the rules' text, or a greater budget in KB/s.
  *
@@ -1712,6 +1725,8 @@ export interface Routes {
   "GET /api/file": { asked: null; answered: FileAnswer };
   "GET /api/file/state": { asked: null; answered: FileOnDisk };
   "PUT /api/file": { asked: SaveRequest; answered: SaveAnswer };
+  "POST /api/file/rename": { asked: RenameRequest; answered: Project };
+  "POST /api/file/delete": { asked: DeleteRequest; answered: Project };
   "PUT /api/project/settings": { asked: SettingsRequest; answered: Project };
   "POST /api/recording": { asked: RecordingRequest; answered: RecordingAnswer };
   "PUT /api/recording": { asked: null; answered: ReceivedAnswer };

@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useId, useState } from "preact/hooks";
 import { type Api, ApiError } from "../api/client";
-import type { Project } from "../api/types";
+import type { FileAnswer, Project } from "../api/types";
 import { FileLists } from "../panels/file_lists";
 import { ownProfile } from "../panels/profile_choice";
 import { RecordingList, RecordingStart } from "../panels/recording_start";
 import { RECIPES } from "../recipes/recipes";
-import { type Route, toRoute } from "../route";
+import { NEW_PROFILE, type Route, toRoute } from "../route";
 import { FormDialog } from "../ui/dialog";
 import { useDroppedFile } from "../ui/dropped_file";
 import { FileProblem, fileText } from "../ui/file_text";
@@ -18,15 +18,22 @@ import type { PageProps } from "./page_props";
 
 const EMPTY_RULES = "begin\nend\n";
 
-export function HomePage({ api, project, refresh, editors }: PageProps) {
-  /** The recipe that a new project starts from, "" for none. */
+interface HomeProps extends PageProps {
+  /** The file that the address named and that is not there, "" for none. */
+  missing: string;
+}
+
+export function HomePage({ api, project, refresh, editors, missing }: HomeProps) {
+  /** The recipe that new rules start from, "" for none. */
   const [creating, setCreating] = useState<string | null>(null);
   const [refused, setRefused] = useState("");
   /** The recording that rules are to start from. */
   const [bag, setBag] = useState<string | null>(null);
   const [doing, setDoing] = useState("");
+  const [deleted, setDeleted] = useState<FileAnswer | null>(null);
   const take = async (file: File) => {
     try {
+      if (/\.bag$/.test(file.name)) throw new FileProblem(ros1Words(file.name));
       if (/\.(mcap|db3)$/.test(file.name)) {
         setDoing(`Copying ${file.name} into ${project.root_name} …`);
         const added = await api.addRecording(file);
@@ -48,6 +55,22 @@ export function HomePage({ api, project, refresh, editors }: PageProps) {
     }
   };
   useDroppedFile((file) => void take(file));
+  const bringBack = async (file: FileAnswer) => {
+    setDeleted(null);
+    try {
+      await api.save(file.name, file.text, null);
+    } catch (error) {
+      if (!(error instanceof ApiError)) throw error;
+      setRefused(error.message);
+    }
+    await refresh();
+  };
+  const lists = (
+    <FileLists
+      {...{ api, project, refresh, editors, onDeleted: setDeleted, onRefused: setRefused }}
+      onNew={() => setCreating("")}
+    />
+  );
   // Who comes back looks for the own files, who is new for a way to begin.
   const hasFiles = project.files.some(({ kind }) => kind === "rules" || kind === "profile");
   return (
@@ -60,16 +83,28 @@ export function HomePage({ api, project, refresh, editors }: PageProps) {
       </div>
       {doing && <p role="status">{doing}</p>}
       {refused && <Notice kind="error" text={refused} action={{ label: "Close", act: () => setRefused("") }} />}
-      {hasFiles && <FileLists {...{ project, editors }} />}
+      {missing && (
+        <Notice kind="warning" text={`${project.root_name} has no ${missing}: it was renamed, moved or deleted`} />
+      )}
+      {deleted && (
+        <Notice
+          kind="info"
+          text={`${deleted.name} is deleted`}
+          action={{ label: "Undo", act: () => bringBack(deleted) }}
+        />
+      )}
+      {hasFiles && lists}
       {hasFiles && <SavesByItself {...{ api, project }} onSet={refresh} onRefused={setRefused} />}
       <nav class="cards" aria-label="Start">
-        <NeedsServer>
-          <Card
-            title="Create New Project"
-            text="Build rules from blocks, check them, try them on a recording."
-            act={() => setCreating("")}
-          />
-        </NeedsServer>
+        {!hasFiles && (
+          <NeedsServer>
+            <Card
+              title="New Rule File"
+              text="Build rules from blocks, check them, try them on a recording."
+              act={() => setCreating("")}
+            />
+          </NeedsServer>
+        )}
         <Card
           title="Configure Topic Parameters"
           text="Message sizes, the six quality levels and the bandwidth of the link."
@@ -104,16 +139,20 @@ export function HomePage({ api, project, refresh, editors }: PageProps) {
         </section>
         <RecordingList project={project} onStart={setBag} />
       </NeedsServer>
-      {!hasFiles && <FileLists {...{ project, editors }} />}
       <footer class="quiet">
         {project.root_name} · SmartTestudo {project.version} · {project.ros ? "ROS 2 found" : "works without ROS 2"}
       </footer>
       {bag !== null && <RecordingStart {...{ api, project, refresh, bag }} onClose={() => setBag(null)} />}
       {creating !== null && (
-        <NewProject {...{ api, project, refresh }} recipe={creating} onClose={() => setCreating(null)} />
+        <NewRules {...{ api, project, refresh }} recipe={creating} onClose={() => setCreating(null)} />
       )}
     </main>
   );
+}
+
+function ros1Words(name: string): string {
+  const convert = `rosbags-convert --src ${name} --dst ${name.replace(/\.bag$/, "")}`;
+  return `${name} is a ROS 1 bag. Convert it in a terminal, then drop the file of the new folder: ${convert}`;
 }
 
 /** The table of topic parameters to open: the first, else a new one, for the rules where there is but one file of them. */
@@ -121,7 +160,7 @@ function tableOf({ files }: Project): Route {
   const known = files.find(({ kind }) => kind === "profile");
   if (known) return { page: "topics", name: known.name };
   const [rules, another] = files.filter(({ kind }) => kind === "rules");
-  if (rules === undefined || another) return { page: "topics", name: "profile.toml" };
+  if (rules === undefined || another) return { page: "topics", name: NEW_PROFILE };
   return { page: "topics", name: ownProfile(rules.name), rules: rules.name };
 }
 
@@ -171,7 +210,7 @@ function aboutOf(recipe: string): string {
   return RECIPES.find(({ title }) => title === recipe)?.about ?? "";
 }
 
-function NewProject(props: Pick<PageProps, "api" | "refresh" | "project"> & { recipe: string; onClose: () => void }) {
+function NewRules(props: Pick<PageProps, "api" | "refresh" | "project"> & { recipe: string; onClose: () => void }) {
   const [problem, setProblem] = useState("");
   const [about, setAbout] = useState(aboutOf(props.recipe));
   const create = async (form: FormData) => {
@@ -189,7 +228,7 @@ function NewProject(props: Pick<PageProps, "api" | "refresh" | "project"> & { re
     }
   };
   return (
-    <FormDialog title="Create New Project" submit="Create" onSubmit={create} onClose={props.onClose}>
+    <FormDialog title="New Rule File" submit="Create" onSubmit={create} onClose={props.onClose}>
       <label>
         Name
         <input name="name" required autofocus placeholder="warehouse" autocomplete="off" />
@@ -206,7 +245,7 @@ function NewProject(props: Pick<PageProps, "api" | "refresh" | "project"> & { re
         </select>
       </label>
       {about && <p>{about}</p>}
-      <p class="quiet">A rule file of this name is created in {props.project.root_name}.</p>
+      <p class="quiet">It is created in {props.project.root_name}; a / in the name puts it into a folder.</p>
       {problem && (
         <p class="problem" role="alert">
           {problem}

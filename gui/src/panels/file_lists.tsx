@@ -1,58 +1,141 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+import { useState } from "preact/hooks";
 import type { FileKind, FoundFile, Project } from "../api/types";
 import { href, type Route } from "../route";
 import type { OpenEditors } from "../state/open_editors";
 import { followersOf } from "../state/robot_trouble";
 import { useRobot } from "../ui/robot_state";
+import { NeedsServer } from "../ui/server_gone";
 import { ago, moment } from "../ui/times";
+import { FileActs, type FileActsProps } from "./file_acts";
 
-interface Props {
-  project: Project;
+interface Props extends FileActsProps {
   editors: OpenEditors;
 }
 
-/** The files of the project, those that were changed last first, with what is not saved of them and who follows them. */
-export function FileLists({ project, editors }: Props) {
+/** A file of the project, or one that is in this browser only. */
+interface Row {
+  name: string;
+  file: FoundFile | null;
+}
+
+/** The files of the project by folder, those that were changed last first, with what can be done with them. */
+export function FileLists({ onNew, ...props }: Props & { onNew: () => void }) {
+  const [wanted, setWanted] = useState("");
   return (
-    <div class="file-lists">
-      <FileList {...{ project, editors }} kind="rules" title="Rules" page="rules" />
-      <FileList {...{ project, editors }} kind="profile" title="Topic parameters" page="topics" />
-    </div>
+    <>
+      <div class="row file-bar">
+        <input
+          type="search"
+          class="file-search"
+          aria-label="Find a file"
+          placeholder="Find a file"
+          value={wanted}
+          onInput={(event) => setWanted(event.currentTarget.value)}
+        />
+        <NeedsServer>
+          <button type="button" onClick={onNew}>
+            New Rule File
+          </button>
+        </NeedsServer>
+      </div>
+      <div class="file-lists">
+        <FileList {...props} {...{ wanted }} kind="rules" title="Rules" page="rules" />
+        <FileList {...props} {...{ wanted }} kind="profile" title="Topic parameters" page="topics" />
+      </div>
+    </>
   );
 }
 
 interface ListProps extends Props {
+  wanted: string;
   kind: Extract<FileKind, "rules" | "profile">;
   title: string;
   page: Route["page"];
 }
 
-function FileList({ project, editors, kind, title, page }: ListProps) {
-  const saved = project.files.filter((file) => file.kind === kind).sort((a, b) => b.changed_at_s - a.changed_at_s);
+function FileList({ wanted, kind, title, ...props }: ListProps) {
+  const { project, editors } = props;
   const unsaved = new Set(editors.unsaved(kind));
+  const all = rowsOf(project, kind, unsaved);
+  const words = wanted.toLowerCase().split(/\s+/);
+  const rows = all.filter(({ name }) => words.every((word) => name.toLowerCase().includes(word)));
+  const list = (some: readonly Row[]) => <FileRows {...props} {...{ kind, unsaved }} rows={some} />;
+  const count = rows.length === all.length ? all.length : `${rows.length} of ${all.length}`;
+  return (
+    <section aria-label={title}>
+      <h2>
+        {title} {all.length > 0 && <span class="quiet">{count}</span>}
+      </h2>
+      {rows.length === 0 && (
+        <p class="quiet">{all.length === 0 ? `None in ${project.root_name} yet.` : `None with “${wanted}”.`}</p>
+      )}
+      <div class="file-list">
+        {[...byFolder(rows)].map(([folder, some]) =>
+          folder === "" ? (
+            list(some)
+          ) : (
+            <details key={folder} open>
+              <summary>
+                {folder} <span class="quiet">{some.length}</span>
+              </summary>
+              {list(some)}
+            </details>
+          ),
+        )}
+      </div>
+    </section>
+  );
+}
+
+function rowsOf({ files }: Project, kind: FileKind, unsaved: ReadonlySet<string>): Row[] {
+  const saved = files.filter((file) => file.kind === kind).sort((a, b) => b.changed_at_s - a.changed_at_s);
   const isThere = new Set(saved.map(({ name }) => name));
-  const rows = [
+  return [
     ...[...unsaved].filter((name) => !isThere.has(name)).map((name) => ({ name, file: null })),
     ...saved.map((file) => ({ name: file.name, file })),
   ];
+}
+
+/** The rows of each folder, those of the project's own first; folders in the order of their first row. */
+function byFolder(rows: readonly Row[]): ReadonlyMap<string, Row[]> {
+  const folders = new Map<string, Row[]>();
+  const own = rows.filter(({ name }) => folderOf(name) === "");
+  if (own.length > 0) folders.set("", own);
+  for (const row of rows) {
+    const folder = folderOf(row.name);
+    if (folder !== "") folders.set(folder, [...(folders.get(folder) ?? []), row]);
+  }
+  return folders;
+}
+
+function folderOf(name: string): string {
+  return name.slice(0, name.lastIndexOf("/") + 1);
+}
+
+interface RowsProps extends Omit<ListProps, "wanted" | "title"> {
+  rows: readonly Row[];
+  unsaved: ReadonlySet<string>;
+}
+
+function FileRows({ rows, unsaved, kind, page, ...props }: RowsProps) {
   return (
-    <section aria-label={title}>
-      <h2>{title}</h2>
-      {rows.length === 0 && <p class="quiet">None in {project.root_name} yet.</p>}
-      <ul class="files">
-        {rows.map(({ name, file }) => (
-          <li key={name}>
-            <a href={href({ page, name })}>{name}</a>
-            <span class="file-notes quiet">
-              {kind === "rules" && <Followers name={name} />}
-              {unsaved.has(name) && <span>not saved</span>}
-              {file && <ChangedAt file={file} />}
-            </span>
-          </li>
-        ))}
-      </ul>
-    </section>
+    <ul class="files">
+      {rows.map(({ name, file }) => (
+        <li key={name}>
+          <a href={href({ page, name })} aria-label={name}>
+            {name.slice(folderOf(name).length)}
+          </a>
+          <span class="file-notes quiet">
+            {kind === "rules" && <Followers name={name} />}
+            {unsaved.has(name) && <span>not saved</span>}
+            {file && <ChangedAt file={file} />}
+          </span>
+          {file && !unsaved.has(name) && <FileActs {...props} {...{ name }} />}
+        </li>
+      ))}
+    </ul>
   );
 }
 

@@ -26,6 +26,7 @@ export function RecordingList({ project, onStart }: { project: Project; onStart:
         {bags.map(({ name }) => (
           <button key={name} type="button" onClick={() => onStart(name)}>
             {name}
+            {name.endsWith(".bag") && " (ROS 1)"}
           </button>
         ))}
       </div>

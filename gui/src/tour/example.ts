@@ -68,6 +68,6 @@ const FORGETTING: DraftStorage = {
 };
 
 function refusal(status: number, message: string): ApiError {
-  const remedy = "Create New Project on the first screen makes rules of your own";
+  const remedy = "New Rule File on the first screen makes rules of your own";
   return new ApiError(status, { message, remedy, place: "", findings: [] });
 }

@@ -45,7 +45,7 @@ export const STEPS: readonly TourStep[] = [
     text:
       "Optimize and Download turns words such as Desirable into rates that fit your radio link. Send to robot shows " +
       "what would change, tries it for ten seconds, and goes back by itself unless you keep it. " +
-      "Create New Project, on the first screen, is where your own rules begin.",
+      "New Rule File, on the first screen, is where your own rules begin.",
     part: '[role="group"][aria-label="Ship"]',
   },
 ];

@@ -35,7 +35,13 @@ from smarttestudo.use_cases.ruler.edits import TextAnswer
 from smarttestudo.use_cases.ruler.incident_course import IncidentCourse, IncidentCourseRequest
 from smarttestudo.use_cases.ruler.incident_keeping import KeepEndRequest, KeepRequest, KeepsAnswer
 from smarttestudo.use_cases.ruler.incidents import KnownIncidents, OneIncidentRequest
-from smarttestudo.use_cases.ruler.project import ProjectFiles, SaveRequest, SettingsRequest
+from smarttestudo.use_cases.ruler.project import (
+    DeleteRequest,
+    ProjectFiles,
+    RenameRequest,
+    SaveRequest,
+    SettingsRequest,
+)
 from smarttestudo.use_cases.ruler.pushing import ConfirmRequest, LastingRequest, PushRequest, WriteRequest
 from smarttestudo.use_cases.ruler.recordings import ReceivedAnswer, RecordingRequest, Recordings
 from smarttestudo.use_cases.ruler.robot_incidents import (
@@ -135,6 +141,8 @@ def _project_routes(files: ProjectFiles) -> Iterator[ApiRoute]:
     yield telling("/api/file", files.read, query="name")
     yield telling("/api/file/state", files.state, query="name")
     yield answering("/api/file", SaveRequest, files.save, method="PUT")
+    yield answering("/api/file/rename", RenameRequest, files.rename)
+    yield answering("/api/file/delete", DeleteRequest, files.delete)
     yield answering("/api/project/settings", SettingsRequest, files.set, method="PUT")
 
 

@@ -67,7 +67,8 @@ def test_a_file_of_another_kind(tmp_path: Path) -> None:
 def test_a_ros_1_bag(tmp_path: Path) -> None:
     path = tmp_path / "old.bag"
     path.write_bytes(b"#ROSBAG V2.0\nxxxxxxxxxxx")
-    assert refusal(path) == "a ROS 1 bag, not a rosbag2; convert it with `rosbags-convert`"
+    remedy = f"convert it: rosbags-convert --src {path.name} --dst {path.stem}"
+    assert refusal(path) == f"a ROS 1 bag, not a rosbag2; {remedy}"
 
 
 def test_a_database_that_is_no_bag(tmp_path: Path) -> None:

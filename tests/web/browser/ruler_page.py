@@ -67,7 +67,7 @@ class RulerPage:
 
     def home(self) -> None:
         self.page.goto(self.url)
-        self.page.get_by_role("button", name="Create New Project").wait_for()
+        self.page.get_by_role("button", name="New Rule File").wait_for()
 
     def button(self, name: str) -> Locator:
         return self.page.get_by_role("button", name=name, exact=True)

@@ -55,7 +55,7 @@ def _home(ruler: RulerPage) -> None:
 
 
 def _new_project(ruler: RulerPage) -> None:
-    ruler.button("Create New Project").click()
+    ruler.button("New Rule File").click()
     ruler.page.get_by_role("dialog").wait_for()
 
 
@@ -285,7 +285,7 @@ def _opened_at_home(ruler: RulerPage) -> None:
 @pytest.mark.parametrize(
     ("reach", "opener"),
     [
-        (_opened_at_home, "Create New Project"),
+        (_opened_at_home, "New Rule File"),
         (_opened_at_home, "monday"),
         (_rules, "Import"),
         (_rules, "Export"),

@@ -284,7 +284,7 @@ class _Walk:
 
 
 def _new_file(ruler: RulerPage) -> None:
-    ruler.button("Create New Project").click()
+    ruler.button("New Rule File").click()
     ruler.page.get_by_label("Name").fill("fresh")
     ruler.button("Create").click()
     expect(ruler.button("New rate")).to_be_enabled()

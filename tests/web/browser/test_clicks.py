@@ -22,7 +22,7 @@ MOST_KEYS_WITHOUT_A_MOUSE = 90
 
 def test_the_rule_of_the_thesis_takes_few_clicks_and_keys(ruler: RulerPage, project: Path) -> None:
     somebody = CountedPage(ruler.page)
-    somebody.click("button", "Create New Project")
+    somebody.click("button", "New Rule File")
     _name(somebody, "shelf")
     somebody.press("Enter")
     build_rule(somebody)
@@ -35,7 +35,7 @@ def test_the_rule_of_the_thesis_takes_few_clicks_and_keys(ruler: RulerPage, proj
 
 def test_the_rule_takes_few_clicks_for_who_clicks_each_field(ruler: RulerPage, project: Path) -> None:
     somebody = CountedPage(ruler.page)
-    somebody.click("button", "Create New Project")
+    somebody.click("button", "New Rule File")
     _name(somebody, "shelf")
     somebody.click("button", "Create")
     somebody.click("button", "New rule")
@@ -64,7 +64,7 @@ def test_the_rule_takes_few_clicks_for_who_clicks_each_field(ruler: RulerPage, p
 
 def test_the_rule_is_built_without_a_mouse(ruler: RulerPage, project: Path) -> None:
     somebody = CountedPage(ruler.page)
-    somebody.walk("Tab", "Create New Project")
+    somebody.walk("Tab", "New Rule File")
     somebody.press("Enter")
     _name(somebody, "shelf")
     somebody.press("Enter")

@@ -96,7 +96,7 @@ def test_a_project_starts_from_a_recipe_and_its_rules_are_in_the_list_of_blocks(
 def test_a_name_in_a_folder_that_is_not_there_is_refused_with_the_real_cause(
     ruler: RulerPage, project: Path
 ) -> None:
-    ruler.button("Create New Project").click()
+    ruler.button("New Rule File").click()
     dialog = ruler.page.get_by_role("dialog")
     dialog.get_by_label("Name").fill("a/b c")
     dialog.get_by_role("button", name="Create").click()

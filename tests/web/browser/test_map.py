@@ -45,7 +45,7 @@ def saved(ruler: RulerPage, path: Path) -> str:
 
 
 def test_a_zone_drawn_with_the_mouse_is_the_rule_in_the_text(ruler: RulerPage, project: Path) -> None:
-    ruler.button("Create New Project").click()
+    ruler.button("New Rule File").click()
     ruler.page.get_by_label("Name").fill("shelf")
     ruler.button("Create").click()
     map_page = MapPage(ruler)

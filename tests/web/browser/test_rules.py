@@ -13,7 +13,7 @@ from web.browser.thesis import FIGURE_6_6
 
 
 def test_the_rule_is_built_with_the_mouse(ruler: RulerPage, project: Path) -> None:
-    ruler.button("Create New Project").click()
+    ruler.button("New Rule File").click()
     ruler.page.get_by_label("Name").fill("shelf")
     ruler.button("Create").click()
     ruler.button("New rule").click()
@@ -33,7 +33,7 @@ def test_the_rule_is_built_with_the_mouse(ruler: RulerPage, project: Path) -> No
 
 def test_the_rule_is_built_with_the_keyboard_alone(ruler: RulerPage, project: Path) -> None:
     keyboard = ruler.page.keyboard
-    ruler.walk("Tab", "Create New Project")
+    ruler.walk("Tab", "New Rule File")
     keyboard.press("Enter")
     expect(ruler.page.get_by_label("Name")).to_be_focused()
     keyboard.type("shelf")
@@ -66,7 +66,7 @@ def test_the_rule_is_built_with_the_keyboard_alone(ruler: RulerPage, project: Pa
 
 def test_half_a_topic_is_not_sent_when_an_earlier_edit_is_answered_meanwhile(ruler: RulerPage) -> None:
     held: list[Route] = []
-    ruler.button("Create New Project").click()
+    ruler.button("New Rule File").click()
     ruler.page.get_by_label("Name").fill("shelf")
     ruler.button("Create").click()
     ruler.button("New rule").click()
@@ -100,7 +100,7 @@ def test_blocks_that_are_left_still_bring_their_edits_into_the_text(ruler: Ruler
     ruler.page.keyboard.press("Control+a")
     ruler.page.keyboard.type("/typed")
     ruler.page.evaluate("location.hash = '#/'")
-    expect(ruler.button("Create New Project")).to_be_visible()
+    expect(ruler.button("New Rule File")).to_be_visible()
     with ruler.page.expect_response("**/api/edit"):
         held[0].continue_()
     ruler.open("left.adirf")

@@ -200,7 +200,7 @@ def _drag_below(ruler: RulerPage, category: str, name: str, above: Locator) -> N
 
 
 def _new_project(ruler: RulerPage) -> None:
-    ruler.button("Create New Project").click()
+    ruler.button("New Rule File").click()
     ruler.page.get_by_label("Name").fill("low")
     ruler.button("Create").click()
 

@@ -23,7 +23,7 @@ def test_the_session_of_the_thesis_with_blocks_dragged_from_the_list(
 ) -> None:
     enter_table(ruler, "275000", project)
     ruler.home()
-    ruler.button("Create New Project").click()
+    ruler.button("New Rule File").click()
     ruler.page.get_by_label("Name").fill("shelf")
     ruler.button("Create").click()
     _drag_rule(ruler)

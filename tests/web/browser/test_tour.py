@@ -58,10 +58,10 @@ def test_the_tour_is_walked_with_one_key_and_touches_no_file(ruler: RulerPage, p
             ruler.expect_lines('Rule "Loading Dock"')
             expect(page.get_by_role("tab", name="Findings (1)")).to_be_visible()
         page.keyboard.press("Enter")
-    expect(ruler.button("Create New Project")).to_be_visible()
+    expect(ruler.button("New Rule File")).to_be_visible()
     expect(page.get_by_role("heading", name="ADIRF Ruler")).to_be_focused()
     page.reload()
-    expect(ruler.button("Create New Project")).to_be_visible()
+    expect(ruler.button("New Rule File")).to_be_visible()
     expect(page.get_by_role("dialog", name=OFFER)).to_have_count(0)
     assert list(project.iterdir()) == []
 

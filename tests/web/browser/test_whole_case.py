@@ -38,7 +38,7 @@ def project(tmp_path: Path) -> Path:
 
 def test_the_whole_case_needs_few_clicks(ruler: RulerPage, project: Path, tmp_path: Path) -> None:
     me = CountedPage(ruler.page)
-    me.click("button", "Create New Project")
+    me.click("button", "New Rule File")
     expect(ruler.page.get_by_label("Name")).to_be_focused()
     me.type("shelf")
     me.press("Enter")
@@ -68,7 +68,7 @@ def test_the_whole_case_is_done_with_the_keyboard_alone(
     ruler: RulerPage, project: Path, tmp_path: Path
 ) -> None:
     me = CountedPage(ruler.page)
-    me.walk("Tab", "Create New Project")
+    me.walk("Tab", "New Rule File")
     me.press("Enter")
     expect(ruler.page.get_by_label("Name")).to_be_focused()
     me.type("shelf")

@@ -18,6 +18,7 @@ from itertools import islice
 from pathlib import Path, PurePosixPath
 
 from smarttestudo.adapters.files.input_file import read_input, require_file
+from smarttestudo.adapters.files.removal import remove
 from smarttestudo.adapters.files.rule_files import write_rule_text
 from smarttestudo.adapters.files.whole_file import OutputFileError
 from smarttestudo.domain.errors import TestudoError
@@ -28,6 +29,8 @@ MAX_FOLDERS = 10_000
 _MAX_DEPTH = 5
 _LAYOUT = re.compile(r"\.[^/]+\.layout\.json\Z")
 _BAG_SUFFIXES = frozenset({".db3", ".mcap"})
+_ROS1_SUFFIX = ".bag"
+"""Listed, so that whoever opens one is told what it is."""
 _IMAGE_SUFFIXES = frozenset({".png", ".jpg", ".jpeg"})
 MAX_IMAGES = 200
 _UNSHOWN = frozenset({"Cc", "Cs", "Zl", "Zp"})
@@ -184,29 +187,52 @@ class ProjectFolder:
         """Write ``text`` in one step; the SHA-256 of it.
 
         Raises ``ChangedFileError`` where the file is not the one that ``base_sha256`` was read of; ``None``
-        means that there is none.
+        means that there is none, and then the folder of its name is made, too.
         """
-        if self.kind(name) not in _WRITABLE:
-            raise ForbiddenPathError("the Ruler does not write such files", place=name)
-        path, data = self.path(name), text.encode("utf-8")
+        path, data = self._writable(name), text.encode("utf-8")
         if len(data) > MAX_TEXT_BYTES:
             raise TestudoError(
                 "the text is larger than 1 MB", place=name, remedy="split it into several files"
             )
-        if not path.parent.is_dir():
-            folder = PurePosixPath(name).parent
-            cause = f"there is no folder {folder} in the project"
-            remedy = "leave the / out of the name, or create the folder first"
-            raise MissingFileError(cause, place=name, remedy=remedy)
         with self._writing:
-            if self._current_sha256(path, name) != base_sha256:
-                remedy = "read it again, or save under another name"
-                raise ChangedFileError("the file has changed on disk", place=name, remedy=remedy)
+            self._require_unchanged(path, name, base_sha256)
+            if base_sha256 is None:
+                _make_parent(path, name)
             try:
                 write_rule_text(path, text)
             except OutputFileError as error:
                 raise OutputFileError(error.cause, place=name, remedy=error.remedy) from error
         return _sha256(data)
+
+    def remove(self, name: str, base_sha256: str) -> None:
+        """Remove the text file ``name``, if it is still the one that ``base_sha256`` was read of.
+
+        Raises ``ChangedFileError`` if it is not, and ``ForbiddenPathError`` for a link.
+        """
+        path = self._writable(name)
+        if self._root.joinpath(*PurePosixPath(name).parts).is_symlink():
+            raise ForbiddenPathError("this is a link", place=name, remedy="remove it where you made it")
+        with self._writing:
+            self._require_unchanged(path, name, base_sha256)
+            try:
+                remove(path.parent, [path.name])
+            except OSError as error:
+                cause = f"the file cannot be removed: {error.strerror}"
+                raise TestudoError(cause, place=name, remedy="check its permissions") from error
+
+    def _writable(self, name: str) -> Path:
+        if self.kind(name) not in _WRITABLE:
+            raise ForbiddenPathError("the Ruler does not write such files", place=name)
+        return self.path(name)
+
+    def _require_unchanged(self, path: Path, name: str, base_sha256: str | None) -> None:
+        if self._current_sha256(path, name) == base_sha256:
+            return
+        if base_sha256 is None:
+            cause = "the project has a file of this name"
+            raise ChangedFileError(cause, place=name, remedy="choose another name")
+        remedy = "read it again, or save under another name"
+        raise ChangedFileError("the file has changed on disk", place=name, remedy=remedy)
 
     def _current_sha256(self, path: Path, name: str) -> str | None:
         try:
@@ -269,7 +295,7 @@ class ProjectFolder:
     def _file(self, entry: os.DirEntry[str]) -> Iterator[FoundFile]:
         path = Path(entry.path)
         kind = FileKind.LAYOUT if _LAYOUT.fullmatch(entry.name) else _kind_of(path.name)
-        if path.suffix in _BAG_SUFFIXES:
+        if path.suffix in {*_BAG_SUFFIXES, _ROS1_SUFFIX}:
             kind = FileKind.BAG
         if path.suffix.lower() in _IMAGE_SUFFIXES:
             kind = FileKind.IMAGE
@@ -283,6 +309,12 @@ class ProjectFolder:
     def _found(self, path: Path, kind: FileKind, found: os.stat_result, size_bytes: int) -> FoundFile:
         name = path.relative_to(self._root).as_posix()
         return FoundFile(name=name, kind=kind, size_bytes=size_bytes, changed_at_s=found.st_mtime)
+
+
+def layout_name(name: str) -> str:
+    """The file with the map of the rule file ``name``: of ``a/b.adirf`` it is ``a/.b.adirf.layout.json``."""
+    path = PurePosixPath(name)
+    return str(path.with_name(f".{path.name}.layout.json"))
 
 
 def _entries(folder: Path) -> list[os.DirEntry[str]]:
@@ -310,6 +342,19 @@ def _resolved(path: Path, name: str) -> Path:
         cause = f"this is not the name of a file in the project: {reason}"
         raise ForbiddenPathError(cause, place=name) from error
     return resolved
+
+
+def _make_parent(path: Path, name: str) -> None:
+    """Make the folder of a new file; ``ForbiddenPathError`` for one whose files would not be shown."""
+    folders = PurePosixPath(name).parts[:-1]
+    if len(folders) > _MAX_DEPTH or not all(_is_shown(folder) for folder in folders):
+        remedy = f"at most {_MAX_DEPTH} folders deep, and none that begins with a dot"
+        raise ForbiddenPathError("the Ruler shows no files of such a folder", place=name, remedy=remedy)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        cause = f"the folder cannot be made: {error.strerror}"
+        raise TestudoError(cause, place=name, remedy="choose another name") from error
 
 
 def _mode(path: Path) -> int | None:

@@ -64,6 +64,18 @@ class SettingsFile:
 
         self._change(chosen)
 
+    def follow(self, name: str, new_name: str) -> None:
+        """Write that what was called ``name`` is called ``new_name``; ``OutputFileError`` as above."""
+
+        def renamed(one: str) -> str:
+            return new_name if one == name else one
+
+        def followed(settings: ProjectSettings) -> ProjectSettings:
+            chosen = {renamed(rules): renamed(profile) for rules, profile in settings.profiles.items()}
+            return replace(settings, profiles=chosen)
+
+        self._change(followed)
+
     def _change(self, changed: Callable[[ProjectSettings], ProjectSettings]) -> None:
         with self._changing:
             before = self.read()

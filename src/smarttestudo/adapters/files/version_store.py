@@ -103,6 +103,26 @@ class VersionStore:
                 with suppress(OSError, TestudoError):
                     remove(place, [f"{one.id}{_SUFFIX}"])
 
+    def move(self, name: str, new_name: str) -> None:
+        """Keep the versions of the rule file ``name`` as those of ``new_name``, beside what that has.
+
+        Raises ``OutputFileError`` where they cannot be moved.
+        """
+        old, new = self._place(name), self._place(new_name)
+        with self._writing:
+            kept = self.versions(name)
+            if not kept:
+                return
+            self._prepare(new)
+            try:
+                for one in kept:
+                    (old / f"{one.id}{_SUFFIX}").rename(new / f"{one.id}{_SUFFIX}")
+            except OSError as error:
+                raise not_written(new, "the versions", error) from error
+            # A folder of versions with something else in it stays.
+            with suppress(OSError, TestudoError):
+                remove(old, [], with_folder=True)
+
     def _place(self, name: str) -> Path:
         """The folder of the versions of ``name``; ``ForbiddenPathError`` outside the project."""
         if self._folder.kind(name) is not FileKind.RULES:

@@ -54,7 +54,7 @@ def require_bag_file(path: Path) -> None:
     if not magic:
         raise RecordingError("the file is empty", place=str(path), remedy=_EXPECTED)
     if magic.startswith(_ROS1_MAGIC):
-        remedy = "convert it with `rosbags-convert`"
+        remedy = f"convert it: rosbags-convert --src {path.name} --dst {path.stem}"
         raise RecordingError("a ROS 1 bag, not a rosbag2", place=str(path), remedy=remedy)
     expected = _expected_magic(path)
     if expected is None:

@@ -6,17 +6,21 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from importlib.util import find_spec
 
 from msgspec import Struct
 
 from smarttestudo import __version__
 from smarttestudo.adapters.files.project_folder import (
+    ChangedFileError,
     FileKind,
     FileText,
+    ForbiddenPathError,
     FoundFile,
     MissingFileError,
     ProjectFolder,
+    layout_name,
 )
 from smarttestudo.adapters.files.project_settings import SettingsFile
 from smarttestudo.adapters.files.version_store import VersionStore
@@ -78,6 +82,21 @@ class SaveAnswer(Struct, frozen=True, kw_only=True):
 
     hash: str
     note: str
+
+
+class RenameRequest(Struct, frozen=True, kw_only=True):
+    """``POST /api/file/rename`` → ``Project``: ``base_hash`` is what the page knows to be in ``name``."""
+
+    name: str
+    new_name: str
+    base_hash: str
+
+
+class DeleteRequest(Struct, frozen=True, kw_only=True):
+    """``POST /api/file/delete`` → ``Project``: ``base_hash`` is what the page keeps for its *Undo*."""
+
+    name: str
+    base_hash: str
 
 
 class ProjectFiles:
@@ -145,6 +164,40 @@ class ProjectFiles:
             # The file itself is saved, and that must be said.
             return SaveAnswer(hash=sha256, note=error.cause)
         return SaveAnswer(hash=sha256, note="")
+
+    def rename(self, request: RenameRequest) -> Project:
+        """Call a rule file or a profile otherwise; its versions, its map and its profile go with it."""
+        name, new_name = request.name, request.new_name
+        kind = self._folder.kind(name)
+        if self._folder.kind(new_name) is not kind:
+            remedy = "rule files end in .adirf, profiles in .toml"
+            raise ForbiddenPathError("a file keeps its kind", place=new_name, remedy=remedy)
+        self._move(name, new_name, request.base_hash)
+        layout, new_layout = layout_name(name), layout_name(new_name)
+        with suppress(MissingFileError, ChangedFileError):
+            self._move(layout, new_layout, self._folder.read(layout).sha256)
+        if kind is FileKind.RULES:
+            self._versions.move(name, new_name)
+        self._settings.follow(name, new_name)
+        return self.project()
+
+    def delete(self, request: DeleteRequest) -> Project:
+        """Remove a rule file, of which a version is kept, or a profile."""
+        name = request.name
+        if self._folder.kind(name) is FileKind.RULES:
+            found = self._folder.read(name)
+            self._versions.keep(name, found.text, found.changed_at_ms)
+        self._folder.remove(name, request.base_hash)
+        return self.project()
+
+    def _move(self, name: str, new_name: str, base_sha256: str) -> None:
+        self._folder.write(new_name, self._folder.read(name).text, None)
+        try:
+            self._folder.remove(name, base_sha256)
+        except TestudoError:
+            # Whoever is refused finds what was there before.
+            self._folder.remove(new_name, self._folder.read(new_name).sha256)
+            raise
 
     def _written(self, request: SaveRequest) -> str:
         return self._folder.write(request.name, request.text, request.base_hash)

@@ -1,0 +1,131 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import { useState } from "preact/hooks";
+import { type Api, ApiError } from "../api/client";
+import type { FileAnswer, Project } from "../api/types";
+import { followersOf } from "../state/robot_trouble";
+import { FormDialog } from "../ui/dialog";
+import { useRobot } from "../ui/robot_state";
+import { NeedsServer } from "../ui/server_gone";
+
+export interface FileActsProps {
+  api: Api;
+  project: Project;
+  refresh: () => Promise<void>;
+  /** What was deleted, so that it can be brought back. */
+  onDeleted: (file: FileAnswer) => void;
+  onRefused: (why: string) => void;
+}
+
+type Asked = "rename" | "duplicate" | null;
+
+/** What can be done with a file besides opening it. */
+export function FileActs(props: FileActsProps & { name: string }) {
+  const { api, name, refresh, onDeleted, onRefused } = props;
+  const [isOpen, setIsOpen] = useState(false);
+  const [asked, setAsked] = useState<Asked>(null);
+  const remove = async () => {
+    try {
+      const file = await api.read(name);
+      await api.remove(name, file.hash);
+      onDeleted(file);
+    } catch (error) {
+      if (!(error instanceof ApiError)) throw error;
+      onRefused(error.message);
+    }
+    await refresh();
+  };
+  return (
+    <>
+      <button
+        type="button"
+        class="more"
+        aria-label={`More for ${name}`}
+        title="Rename, duplicate or delete"
+        aria-expanded={isOpen}
+        onClick={() => setIsOpen(!isOpen)}
+      >
+        …
+      </button>
+      {isOpen && (
+        <span class="file-acts">
+          <NeedsServer>
+            <button type="button" aria-label={`Rename ${name}`} onClick={() => setAsked("rename")}>
+              Rename
+            </button>
+            <button type="button" aria-label={`Duplicate ${name}`} onClick={() => setAsked("duplicate")}>
+              Duplicate
+            </button>
+            <button type="button" aria-label={`Delete ${name}`} onClick={() => void remove()}>
+              Delete
+            </button>
+          </NeedsServer>
+        </span>
+      )}
+      {asked !== null && <NameDialog {...props} isCopy={asked === "duplicate"} onClose={() => setAsked(null)} />}
+    </>
+  );
+}
+
+/** Asks for a name, for a copy or for the file itself. */
+function NameDialog(props: FileActsProps & { name: string; isCopy: boolean; onClose: () => void }) {
+  const { api, name, isCopy, project, refresh, onClose } = props;
+  const [problem, setProblem] = useState("");
+  const followers = followersOf(name, useRobot().robots.value?.robots ?? []);
+  const ending = name.slice(name.lastIndexOf("."));
+  const call = async (form: FormData) => {
+    const typed = String(form.get("name")).trim();
+    const wanted = typed.endsWith(ending) ? typed : typed + ending;
+    try {
+      const file = await api.read(name);
+      if (isCopy) await api.save(wanted, file.text, null);
+      else if (wanted !== name) await api.rename(name, wanted, file.hash);
+      onClose();
+    } catch (error) {
+      if (!(error instanceof ApiError)) throw error;
+      setProblem(error.message);
+    }
+    await refresh();
+  };
+  return (
+    <FormDialog
+      title={isCopy ? `Duplicate ${name}` : `Rename ${name}`}
+      submit={isCopy ? "Duplicate" : "Rename"}
+      onSubmit={call}
+      onClose={onClose}
+    >
+      <label>
+        Name
+        <input
+          name="name"
+          required
+          autofocus
+          autocomplete="off"
+          defaultValue={isCopy ? copyName(name, project) : name}
+        />
+      </label>
+      <p class="quiet">A / in the name puts the file into a folder of {project.root_name}.</p>
+      {!isCopy && followers.length > 0 && (
+        <p>
+          {followers.map(({ label }) => label).join(", ")} {followers.length === 1 ? "follows" : "follow"} a file of
+          this name, and will not find it under another one.
+        </p>
+      )}
+      {problem && (
+        <p class="problem" role="alert">
+          {problem}
+        </p>
+      )}
+    </FormDialog>
+  );
+}
+
+/** The first free of `a_copy.adirf`, `a_copy_2.adirf`, … */
+function copyName(name: string, { files }: Project): string {
+  const dot = name.lastIndexOf(".");
+  const named = (count: number) => `${name.slice(0, dot)}_copy${count === 1 ? "" : `_${count}`}${name.slice(dot)}`;
+  const taken = new Set(files.map((file) => file.name));
+  let count = 1;
+  while (taken.has(named(count))) count++;
+  return named(count);
+}
