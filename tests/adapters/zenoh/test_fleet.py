@@ -100,7 +100,8 @@ def test_a_robot_has_the_keys_of_its_name_alone_and_a_viewer_changes_nothing(
         if member != "router":
             config.insert_json5("mode", '"client"')
         session: zenoh.Session = zenoh.open(config)
-        return processes.enter_context(session)
+        processes.enter_context(session)
+        return session
 
     opened("router")
     ada, bob, operator, viewer = map(opened, ("ada", "bob", "operator", "viewer"))
