@@ -49,7 +49,8 @@ quick: lint
 	$(BIN)/pytest --numprocesses 2 --dist worksteal -m "not process and not slow" --examples-factor 0.05 --quiet tests
 
 test-plain: $(VENV)/dev.stamp
-	$(BIN)/pytest --numprocesses auto --dist worksteal -m "not process" --examples-factor $(EXAMPLES_FACTOR) --quiet tests
+	$(BIN)/pytest --numprocesses auto --dist worksteal -m "not process" --examples-factor $(EXAMPLES_FACTOR) --quiet \
+		--ignore tests/adapters/ros tests
 
 # Each law tries a third of its examples, and pages are looked at on two screens; continuous integration asks for
 # all: make test EXAMPLES_FACTOR=1 SWEEPS=all
