@@ -5,7 +5,8 @@
 usage: source.py '{"imu": {"type": "sensor_msgs/msg/Imu", "hz": 195, "reliable": true}, …}'
 The stamp of a message, or the ``linear.y`` of a Twist, is the monotonic time at which it was due. An Odometry
 is at ``x``, or drives from there with ``twist``, forward in m/s and around in rad/s; a Twist asks for that. A
-String is numbered, and padded to ``size_bytes``. A Clock begins at ``from_s`` and goes on by ``step_ms`` with each message.
+String is numbered, and padded to ``size_bytes``. A Clock begins at ``from_s`` and goes on by ``step_ms`` with
+each message.
 A topic without ``hz`` is latched: ``texts`` are published once, each by a publisher of its own. ``topic`` is
 the topic's name where it is not the key.
 

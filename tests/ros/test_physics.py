@@ -72,7 +72,7 @@ def test_the_quadrotor_takes_off_by_rules_and_says_what_real_time_it_lost(robot:
     quadrotor = physics(robot, "--robot", "quadrotor", "--battery", "90")
     runtime.line_with("/range: Full → 2 Hz (default)")
     quadrotor.signal(signal.SIGSTOP)
-    time.sleep(1.0)
+    time.sleep(1.5)
     quadrotor.signal(signal.SIGCONT)
     assert "of real time so far" in quadrotor.line_with("Lost ")
     quadrotor.signal(signal.SIGINT)

@@ -24,7 +24,7 @@ from smarttestudo.use_cases.demo.mission import JPEG_BYTES, route_of
 from smarttestudo.use_cases.demo.simulate import advertise, left_out
 
 _LONGEST_WAIT_S = 0.05
-_MOST_BEHIND_NS = NS_PER_S // 5
+_MOST_BEHIND_NS = NS_PER_S
 _WARNING_NS = 10 * NS_PER_S
 _REMEMBERED = 50
 _RANGE = "sensor_msgs/msg/Range"
@@ -53,8 +53,8 @@ class SimulatePhysicsRequest:
 def simulate_physics(request: SimulatePhysicsRequest, robot: Robot, stopped: Callable[[], bool]) -> None:
     """Publish what the robot's devices say in real time, and obey /cmd_vel, until it drove or ``stopped``.
 
-    A machine that is too slow loses time, never truth: stamps follow the node's clock, physics stands still
-    for what is lost, and the log says how much that is.
+    What is late by less than a second is caught up with, with the stamps of its time. More than that is lost:
+    the robot stands still meanwhile, stamps go on with the node's clock, and the log says how much it was.
 
     Raises:
         MissingPackageError: MuJoCo is not installed.
