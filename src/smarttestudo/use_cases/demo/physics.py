@@ -19,7 +19,6 @@ from smarttestudo.simulation.physics.drive import PhysicalRobot, PhysicsRequest,
 from smarttestudo.simulation.physics.teleop import Teleop
 from smarttestudo.simulation.readings import TimedReading, Topic
 from smarttestudo.simulation.warehouse import warehouse
-from smarttestudo.use_cases.demo.live import LOST_TIME
 from smarttestudo.use_cases.demo.mission import JPEG_BYTES, route_of
 from smarttestudo.use_cases.demo.simulate import advertise, left_out
 
@@ -129,7 +128,7 @@ class _RealTimeDrive:
         if self._warned_ns is None or now_ns - self._warned_ns >= _WARNING_NS:
             self._warned_ns = now_ns
             self._robot.log.warning(
-                f"Lost {self._lost_ns / NS_PER_S:.1f} {LOST_TIME}: "
+                f"Lost {self._lost_ns / NS_PER_S:.1f} s of real time so far, in which the robot stood still: "
                 "this machine is too slow for its physics or its camera"
             )
 
@@ -160,7 +159,7 @@ def _heard_commands(
         try:
             velocity = messages.velocity(payload)
         except ValueError as error:
-            robot.log.warning(f"{channel.topic}: ignored: {error}")
+            robot.log.warning(f"A command on {channel.topic} is ignored: {error}")
             return
         physical.hear(velocity)
 
