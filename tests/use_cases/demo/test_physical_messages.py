@@ -25,7 +25,7 @@ def test_every_message_decodes_with_its_stamp_and_what_was_measured(kind: RobotK
         messages = RobotMessages(topics=robot.topics, has_range_variance=release is not Stores.ROS2_HUMBLE)
         for timed in until(robot, robot.readings(START_NS), 1.2):
             payload = messages.payload(timed.topic, timed.reading)
-            message = types.deserialize_cdr(payload, messages.channels[timed.topic].type_name)
+            message: Any = types.deserialize_cdr(payload, messages.channels[timed.topic].type_name)
             last[timed.topic] = message
             if not isinstance(timed.reading, Command):
                 header = message.transforms[0].header if "transforms" in dir(message) else message.header
