@@ -93,6 +93,7 @@ def test_with_the_standard_library_alone_rules_are_checked_and_every_command_exp
         (["top", "--once"], "ros"),
         (["echo", "/odom"], "ros"),
         (["simulate"], "ros"),
+        (["simulate", "--physics"], "physics"),
     ],
 )
 def test_what_is_not_installed_is_one_line_with_the_command_that_installs_it(

@@ -4,8 +4,9 @@
 
 usage: source.py '{"imu": {"type": "sensor_msgs/msg/Imu", "hz": 195, "reliable": true}, …}'
 The stamp of a message, or the ``linear.y`` of a Twist, is the monotonic time at which it was due. An Odometry
-is at ``x``, or drives from there with ``twist``, forward in m/s and around in rad/s. A String is numbered,
-and padded to ``size_bytes``. A Clock begins at ``from_s`` and goes on by ``step_ms`` with each message.
+is at ``x``, or drives from there with ``twist``, forward in m/s and around in rad/s; a Twist asks for that. A
+String is numbered, and padded to ``size_bytes``. A Clock begins at ``from_s`` and goes on by ``step_ms`` with
+each message.
 A topic without ``hz`` is latched: ``texts`` are published once, each by a publisher of its own. ``topic`` is
 the topic's name where it is not the key.
 
@@ -63,7 +64,11 @@ class Stream:
         )
         if is_odometry(self.message):
             self.message.pose.pose.position.x = topic.get("x", 0.0)
-        self.drive = Drive(*topic["twist"]) if "twist" in topic else None
+        self.drive = None
+        if "twist" in topic and hasattr(self.message, "linear"):
+            self.message.linear.x, self.message.angular.z = topic["twist"]
+        elif "twist" in topic:
+            self.drive = Drive(*topic["twist"])
         self.usual_period_s = self.period_s = 1.0 / topic["hz"]
         self.clock_ns = topic.get("from_s", 0) * NS_PER_S
         self.text_bytes = topic.get("size_bytes", 0)

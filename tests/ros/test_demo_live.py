@@ -7,6 +7,8 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import pytest
+
 from ros.ros_processes import SmallRobot
 from smarttestudo.adapters.rosbag.reader import open_recording
 
@@ -21,9 +23,12 @@ LIVE_TOPICS = {
 }
 
 
-def test_the_live_demo_records_what_was_published_and_what_was_received(robot: SmallRobot) -> None:
+@pytest.mark.parametrize("options", [(), ("--physics",)], ids=["exact", "physics"])
+def test_the_live_demo_records_what_was_published_and_what_was_received(
+    robot: SmallRobot, options: tuple[str, ...]
+) -> None:
     out = robot.folder / "out"
-    demo = robot.testudo("demo", "--live", "--seconds", "4", "--out", str(out))
+    demo = robot.testudo("demo", "--live", *options, "--seconds", "4", "--out", str(out))
     demo.line_with("note: /camera/image_raw: off without --full-images")
     assert demo.exit_code() == 0, "".join(demo.output)
     counts = {name: messages_of(out / name) for name in ("baseline", "adaptive")}
@@ -32,7 +37,9 @@ def test_the_live_demo_records_what_was_published_and_what_was_received(robot: S
     assert counts["adaptive"]["/imu"] < counts["baseline"]["/imu"]
     decisions = [json.loads(line) for line in (out / "decisions.jsonl").read_text("utf-8").splitlines()]
     assert {decision["topic"] for decision in decisions} >= LIVE_TOPICS
-    assert "Traceback" not in "".join(demo.output)
+    printed = "".join(demo.output)
+    assert "Traceback" not in printed
+    assert all(table in printed for table in ("Frequency", "Bandwidth", "All topics"))
 
 
 def messages_of(bag: Path) -> dict[str, int]:

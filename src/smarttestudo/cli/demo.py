@@ -21,6 +21,7 @@ from smarttestudo.adapters.ros.discovery import discovery_variables
 from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.loop_options import add_mission, add_simulation, add_when_slow, seconds
 from smarttestudo.cli.paths import file_path
+from smarttestudo.cli.physics_options import load_physics
 from smarttestudo.cli.progress import progress
 from smarttestudo.cli.tables import print_table
 from smarttestudo.domain.errors import UsageError
@@ -118,9 +119,7 @@ def run(arguments: argparse.Namespace) -> int:
         )
     with ExitStack() as opened:
         if arguments.physics:
-            from smarttestudo.simulation.physics.engine import load_mujoco  # noqa: PLC0415  needs the extra
-
-            load_mujoco()
+            load_physics()
         robot = _recorder(opened) if arguments.live else None
         outcome = run_demo(
             DemoRequest(

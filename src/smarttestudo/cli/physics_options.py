@@ -8,6 +8,7 @@ import argparse
 import math
 
 from smarttestudo.domain.errors import UsageError
+from smarttestudo.domain.packages import Extra, MissingPackageError, how_to_install
 
 _ROBOTS = ("waffle", "quadrotor")
 
@@ -59,6 +60,21 @@ def require_physics(arguments: argparse.Namespace, *, is_terminal: bool) -> None
         raise UsageError(
             "standard input is no terminal", place="--teleop", remedy="publish on /cmd_vel instead"
         )
+
+
+def load_physics() -> None:
+    """Have MuJoCo loaded, or say in one line what lacks, before a node is seen that would not come to drive.
+
+    Raises:
+        MissingPackageError: it, or what it needs, is not installed.
+        PhysicsError: it does not load.
+    """
+    try:
+        from smarttestudo.simulation.physics.engine import load_mujoco  # noqa: PLC0415  needs the extra
+    except ModuleNotFoundError as error:
+        cause = f"--physics needs the package {error.name}"
+        raise MissingPackageError(cause, remedy=how_to_install(Extra.PHYSICS)) from error
+    load_mujoco()
 
 
 def _percent(text: str) -> float:

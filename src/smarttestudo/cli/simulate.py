@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from smarttestudo.adapters.ros import open_robot
 from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.loop_options import add_mission, add_ros_arguments, add_simulation, seconds
-from smarttestudo.cli.physics_options import add_physics, require_physics
+from smarttestudo.cli.physics_options import add_physics, load_physics, require_physics
 from smarttestudo.cli.terminal import key_presses, stop_signals
 
 if TYPE_CHECKING:
@@ -44,10 +44,7 @@ def run(arguments: argparse.Namespace) -> int:
     node = "quadrotor" if arguments.robot == "quadrotor" else "turtlebot3"
     with stop_signals() as stopped:
         if arguments.physics:
-            # Before a node is seen that would not come to drive.
-            from smarttestudo.simulation.physics.engine import load_mujoco  # noqa: PLC0415  needs the extra physics
-
-            load_mujoco()
+            load_physics()
         with open_robot(["-r", f"__node:={node}", *arguments.ros_args]) as robot:
             # This needs packages that a robot lacks.
             from smarttestudo.simulation.camera import FrameSize  # noqa: PLC0415

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 
+from rosbags.serde import SerdeError
 from rosbags.typesys import Stores, get_typestore
 from rosbags.typesys.store import Typestore
 
@@ -101,7 +102,11 @@ class RobotMessages:
 
     def velocity(self, payload: Payload) -> BodyVelocity:
         """The velocity that a message on /cmd_vel asks for. Raises ``ValueError`` for one that is damaged."""
-        return motion.velocity(self._types.deserialize_cdr(payload[:], _TYPE_NAMES[Topic.CMD_VEL]))
+        try:
+            message = self._types.deserialize_cdr(payload[:], _TYPE_NAMES[Topic.CMD_VEL])
+        except SerdeError as error:
+            raise ValueError("it is no Twist") from error
+        return motion.velocity(message)
 
     def _types_of(self, topic: Topic) -> Typestore:
         return self._range_types if topic is Topic.RANGE else self._types

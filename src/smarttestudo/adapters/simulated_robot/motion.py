@@ -80,7 +80,7 @@ def velocity(message: Any) -> BodyVelocity:
     linear, angular = message.linear, message.angular
     numbers = (linear.x, angular.z, linear.y, linear.z)
     if not all(map(math.isfinite, numbers)):
-        raise ValueError("a velocity is made of finite numbers")
+        raise ValueError("its numbers are not all finite")
     return BodyVelocity(*numbers)
 
 

@@ -69,6 +69,7 @@ class PhysicsRequest:
     battery_percent: float = 100.0
     cover_s: float | None = None
     steer: Steer | None = None
+    has_camera: bool = True
 
 
 class PhysicalRobot:
@@ -145,7 +146,7 @@ def physical_robot(request: PhysicsRequest) -> Iterator[PhysicalRobot]:
     )
     engine = Engine(model)
     try:
-        problem = _open_camera(engine, lens)
+        problem = _open_camera(engine, lens) if request.has_camera else "not asked for"
         engine.settle([0.0] * machine.actuator_count, _SETTLING_STEPS)
         battery = WAFFLE_BATTERY if isinstance(machine, Waffle) else QUADROTOR_BATTERY
         body = PhysicalBody(

@@ -23,6 +23,7 @@ from smarttestudo.simulation.readings import Pixels
 Floats = NDArray[np.float64]
 _GL_LIBRARIES: Mapping[str, str] = {"egl": "EGL", "osmesa": "OSMesa"}
 _DRAWING_REMEDY = "install libegl1 and libgl1, and leave MUJOCO_GL unset"
+_ENDLESS_M = 1e10
 _VISIBLE_GROUPS = np.array([group != HIDDEN_GROUP for group in range(6)], np.uint8)
 
 
@@ -189,7 +190,8 @@ class Engine:
             # Newer ones also give the normals of surfaces.
             *([None] if "normal" in (self._mujoco.mj_multiRay.__doc__ or "") else []),
             count,
-            range_m,
+            # A cutoff would leave out a floor whose middle is farther than that.
+            _ENDLESS_M,
         )
         return np.where((distances < 0) | (distances > range_m), np.inf, distances)
 

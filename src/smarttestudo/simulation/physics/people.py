@@ -28,7 +28,7 @@ class Walk:
 WALKS = (
     Walk(start=Point(11.9, 11.0), end=Point(11.9, -2.0), speed_m_per_s=0.9),
     Walk(start=Point(4.5, 4.6), end=Point(-4.5, 4.6), speed_m_per_s=1.1),
-    Walk(start=Point(-8.0, 15.6), end=Point(10.5, 15.6), speed_m_per_s=1.0),
+    Walk(start=Point(-8.0, 15.6), end=Point(7.8, 15.6), speed_m_per_s=1.0),
 )
 """In the hall, in the corridor and behind the scaffolds."""
 

@@ -20,6 +20,7 @@ _COLOURS: Mapping[ObstacleKind, str] = {
     ObstacleKind.UPRIGHT: "0.93 0.69 0.13 1",
 }
 _FLOOR_COLOUR = "0.59 0.58 0.56 1"
+_CEILING_COLOUR = "0.27 0.29 0.32"
 _PERSON_COLOUR = "0.85 0.35 0.15 1"
 
 
@@ -47,6 +48,11 @@ def world_model(
     visual = SubElement(root, "visual")
     SubElement(visual, "global", offwidth=str(image[0]), offheight=str(image[1]))
     SubElement(visual, "map", znear="0.001", zfar="2")
+    SubElement(visual, "headlight", ambient="0.35 0.35 0.35", diffuse="0.3 0.3 0.3", specular="0 0 0")
+    SubElement(
+        SubElement(root, "asset"), "texture", type="skybox", builtin="flat", rgb1=_CEILING_COLOUR, width="16",
+        height="16",
+    )  # fmt: skip
     world = SubElement(root, "worldbody")
     SubElement(world, "light", directional="true", pos="0 0 8", dir="-0.3 0.2 -1", castshadow="false")
     add_geom(

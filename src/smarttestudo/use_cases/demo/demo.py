@@ -52,9 +52,10 @@ class DemoRequest:
     """How long a mission, with which noise, and into which folder.
 
     ``full_images`` asks for whole camera frames, about 0.2 GB each second, instead of small ones. With a
-    ``robot``, the node that records, the mission takes place in real time on a real ROS graph, with ``physics``
-    by a robot that has masses and forces; with ``link_bit_per_s`` across a link that carries so much, once for
-    each contender. ``mission`` is the file of a tour; without one the robot drives the patrol of the thesis.
+    ``robot``, the node that records, the mission takes place in real time on a real ROS graph, with
+    ``physics`` by a robot that has masses and forces; with ``link_bit_per_s`` across a link that carries so
+    much, once for each contender. ``mission`` is the file of a tour; without one the robot drives the patrol
+    of the thesis.
     """
 
     out: Path

@@ -59,7 +59,7 @@ def _heard(robot: Robot, channel: Channel, topic: str, recording: RecordingWrite
 
 
 LOGS = ("runtime.log", "robot.log")
-LOST_TIME = "s of real time so far, in which the robot stood still"
+_LOST_TIME = "s of real time so far, in which the robot stood still"
 _LOOK_S = 0.1
 _START_TIMEOUT_S = 40.0
 
@@ -116,8 +116,10 @@ def record_live(request: LiveDemoRequest, robot: Robot, report: Callable[[float]
 
 def _lost_time(log: Path) -> list[str]:
     """What the robot said last of time that it lost, if it did."""
-    said = [line for line in log.read_text("utf-8", "replace").splitlines() if LOST_TIME in line]
-    return [f"the robot: {line.partition(LOST_TIME)[0].rpartition(': ')[2]}{LOST_TIME}" for line in said[-1:]]
+    said = [line for line in log.read_text("utf-8", "replace").splitlines() if _LOST_TIME in line]
+    return [
+        f"the robot: {line.partition(_LOST_TIME)[0].rpartition(': ')[2]}{_LOST_TIME}" for line in said[-1:]
+    ]
 
 
 def _camera_problem() -> str | None:

@@ -19,12 +19,11 @@ from smarttestudo.simulation.physics.drive import PhysicalRobot, PhysicsRequest,
 from smarttestudo.simulation.physics.teleop import Teleop
 from smarttestudo.simulation.readings import TimedReading, Topic
 from smarttestudo.simulation.warehouse import warehouse
-from smarttestudo.use_cases.demo.live import LOST_TIME
 from smarttestudo.use_cases.demo.mission import JPEG_BYTES, route_of
 from smarttestudo.use_cases.demo.simulate import advertise, left_out
 
 _LONGEST_WAIT_S = 0.05
-_MOST_BEHIND_NS = NS_PER_S // 5
+_MOST_BEHIND_NS = NS_PER_S
 _WARNING_NS = 10 * NS_PER_S
 _REMEMBERED = 50
 _RANGE = "sensor_msgs/msg/Range"
@@ -53,8 +52,8 @@ class SimulatePhysicsRequest:
 def simulate_physics(request: SimulatePhysicsRequest, robot: Robot, stopped: Callable[[], bool]) -> None:
     """Publish what the robot's devices say in real time, and obey /cmd_vel, until it drove or ``stopped``.
 
-    A machine that is too slow loses time, never truth: stamps follow the node's clock, physics stands still
-    for what is lost, and the log says how much that is.
+    What is late by less than a second is caught up with, with the stamps of its time. More than that is lost:
+    the robot stands still meanwhile, stamps go on with the node's clock, and the log says how much it was.
 
     Raises:
         MissingPackageError: MuJoCo is not installed.
@@ -129,7 +128,7 @@ class _RealTimeDrive:
         if self._warned_ns is None or now_ns - self._warned_ns >= _WARNING_NS:
             self._warned_ns = now_ns
             self._robot.log.warning(
-                f"Lost {self._lost_ns / NS_PER_S:.1f} {LOST_TIME}: "
+                f"Lost {self._lost_ns / NS_PER_S:.1f} s of real time so far, in which the robot stood still: "
                 "this machine is too slow for its physics or its camera"
             )
 
@@ -160,7 +159,7 @@ def _heard_commands(
         try:
             velocity = messages.velocity(payload)
         except ValueError as error:
-            robot.log.warning(f"{channel.topic}: ignored: {error}")
+            robot.log.warning(f"A command on {channel.topic} is ignored: {error}")
             return
         physical.hear(velocity)
 

@@ -1,0 +1,77 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Short drives of robots with physics, as fast as they are computed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Any
+
+from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.simulation.geometry import Vector
+from smarttestudo.simulation.physics.drive import PhysicalRobot, PhysicsRequest, RobotKind, physical_robot
+from smarttestudo.simulation.readings import Imu, SpatialOdometry, TimedReading, Topic
+from smarttestudo.simulation.warehouse import patrol, warehouse
+
+START_NS = 1_750_000_000 * NS_PER_S
+
+
+@contextmanager
+def robot_of(kind: RobotKind = RobotKind.WAFFLE, **options: Any) -> Iterator[PhysicalRobot]:
+    request = PhysicsRequest(plan=warehouse(), route=patrol(), kind=kind, **{"seed": 1, **options})
+    with physical_robot(request) as robot:
+        yield robot
+
+
+def until(robot: PhysicalRobot, readings: Iterator[TimedReading], seconds: float) -> list[TimedReading]:
+    """What arrives within the first ``seconds`` of the drive."""
+    found = []
+    for timed in readings:
+        if timed.time_ns >= START_NS + seconds * NS_PER_S:
+            break
+        found.append(timed)
+    assert robot.body.now_ns >= START_NS
+    return found
+
+
+@dataclass(slots=True)
+class Driven:
+    """What became of a drive."""
+
+    off_m: list[float] = field(default_factory=list)
+    touched: set[str] = field(default_factory=set)
+    counts: dict[Topic, int] = field(default_factory=dict)
+    hardest_m_per_s2: float = 0.0
+
+    def note(self, robot: PhysicalRobot, timed: TimedReading) -> None:
+        self.counts[timed.topic] = self.counts.get(timed.topic, 0) + 1
+        reading = timed.reading
+        if isinstance(reading, SpatialOdometry):
+            self.off_m.append(distance_m(reading.pose.position, robot.body.engine.position))
+            self.touched |= robot.body.engine.touched()
+        elif isinstance(reading, Imu):
+            self.hardest_m_per_s2 = max(self.hardest_m_per_s2, length(reading.linear_acceleration))
+
+
+def driven(robot: PhysicalRobot, seconds: float) -> Driven:
+    result = Driven()
+    for timed in robot.readings(START_NS):
+        if timed.time_ns >= START_NS + seconds * NS_PER_S:
+            return result
+        result.note(robot, timed)
+    raise AssertionError("a drive has no end")
+
+
+def rates_hz(counts: Mapping[Topic, int], seconds: float) -> dict[Topic, float]:
+    return {topic: count / seconds for topic, count in counts.items()}
+
+
+def distance_m(a: Vector, b: Vector) -> float:
+    return math.hypot(a.x - b.x, a.y - b.y)
+
+
+def length(vector: Vector) -> float:
+    return math.sqrt(vector.x**2 + vector.y**2 + vector.z**2)

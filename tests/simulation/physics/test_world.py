@@ -1,0 +1,75 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What stands and walks in the world with physics, what its camera sees, and keys that drive."""
+
+from __future__ import annotations
+
+import pytest
+
+from simulation.physics.physical_drives import START_NS, robot_of, until
+from smarttestudo.domain.floor_plan import Point
+from smarttestudo.simulation.geometry import BodyVelocity
+from smarttestudo.simulation.physics.drive import RobotKind, teleop_of
+from smarttestudo.simulation.physics.people import WALKS, Walk, WalkingPerson
+from smarttestudo.simulation.physics.world_model import PersonSize
+from smarttestudo.simulation.readings import CompressedImage
+from smarttestudo.simulation.robot import DriveModel
+from smarttestudo.simulation.warehouse import patrol, warehouse
+
+FAR = Point(-100.0, 0.0)
+
+
+@pytest.mark.parametrize("walk", WALKS)
+def test_people_walk_clear_of_everything_and_of_the_patrol(walk: Walk) -> None:
+    person, radius_m = WalkingPerson(walk), PersonSize().radius_m
+    robot_m = DriveModel().radius_m
+    for _ in range(400):
+        person.walk(0.1, FAR)
+        place = Point(person.pose.x_m, person.pose.y_m)
+        assert warehouse().clearance_m(place) > radius_m + 0.1
+        assert min(place.distance_m(point) for point in patrol().points) > radius_m + robot_m + 0.2
+
+
+def test_a_person_waits_for_a_robot_ahead_and_goes_on_without_it() -> None:
+    person = WalkingPerson(Walk(start=Point(0.0, 0.0), end=Point(5.0, 0.0), speed_m_per_s=1.0))
+    person.walk(1.0, Point(1.5, 0.2))
+    assert person.pose.x_m == pytest.approx(1.0)
+    person.walk(1.0, Point(1.5, 0.2))
+    assert person.pose.x_m == pytest.approx(1.0)
+    person.walk(1.0, Point(1.5, 2.0))
+    assert person.pose.x_m == pytest.approx(2.0)
+
+
+def test_the_camera_sees_the_warehouse() -> None:
+    with robot_of() as robot:
+        if robot.camera_problem is not None:
+            pytest.skip(robot.camera_problem)
+        images = [
+            one.reading.pixels
+            for one in until(robot, robot.readings(START_NS), 3)
+            if isinstance(one.reading, CompressedImage)
+        ]
+    first, last = images[0].astype(int), images[-1].astype(int)
+    assert first.shape == (27, 48, 3)
+    assert first.std() > 15
+    assert abs(first - last).mean() > 2
+
+
+def test_keys_step_stop_and_end_at_the_robots_speed() -> None:
+    teleop = teleop_of(RobotKind.WAFFLE)
+    teleop.press("wwa")
+    assert teleop.velocity == BodyVelocity(0.1, 0.2)
+    teleop.press("rW?d")
+    assert teleop.velocity == BodyVelocity(0.15, 0.0)
+    teleop.press("w" * 20)
+    assert teleop.velocity.linear_m_per_s == DriveModel().max_linear_m_per_s
+    teleop.press("x" * 40)
+    assert teleop.velocity.linear_m_per_s == -DriveModel().max_linear_m_per_s
+    teleop.press(" ")
+    assert teleop.velocity == BodyVelocity(0.0, 0.0)
+
+
+def test_only_what_flies_climbs() -> None:
+    teleop = teleop_of(RobotKind.QUADROTOR)
+    teleop.press("rrf")
+    assert teleop.velocity == BodyVelocity(0.0, 0.0, climb_m_per_s=0.1)
