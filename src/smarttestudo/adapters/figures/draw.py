@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable, Collection, Mapping
-from enum import Enum
 from pathlib import Path
 
 from matplotlib import rc_context
@@ -15,6 +14,7 @@ from matplotlib.figure import Figure
 
 from smarttestudo.adapters.figures.accuracy import accuracy_figure
 from smarttestudo.adapters.figures.intervals import intervals_figure
+from smarttestudo.adapters.figures.kinds import FigureKind
 from smarttestudo.adapters.figures.over_time import bandwidth_figure, rates_figure, total_figure
 from smarttestudo.adapters.figures.path import path_figure
 from smarttestudo.adapters.figures.styles import SETTINGS
@@ -27,17 +27,6 @@ _METADATA: Mapping[str, dict[str, None]] = {
     "png": {"Software": None},
     "svg": {"Date": None, "Creator": None},
 }
-
-
-class FigureKind(Enum):
-    """What a figure shows; the value is its file's name."""
-
-    RATES = "rates"
-    BANDWIDTH = "bandwidth"
-    TOTAL = "total"
-    INTERVALS = "intervals"
-    ACCURACY = "accuracy"
-    PATH = "path"
 
 
 _DRAWN: Mapping[FigureKind, Callable[[RunReport], Figure | None]] = {
