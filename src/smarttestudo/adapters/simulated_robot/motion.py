@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 from rosbags.typesys.stores.ros2_humble import builtin_interfaces__msg__Time as TimeMessage
@@ -30,6 +32,9 @@ from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.simulation.geometry import BodyVelocity, Quaternion, Vector
 from smarttestudo.simulation.readings import Command, Imu, JointStates, Odometry, Transforms
 from smarttestudo.simulation.robot import BASE_FRAME, BASE_LINK, IMU_FRAME, ODOM_FRAME, WHEEL_JOINTS
+
+# A robot has few sensors, each with the same noise in all of its messages.
+_MATRICES_KEPT = 16
 
 
 def header(stamp_ns: int, frame_id: str) -> HeaderMessage:
@@ -115,8 +120,10 @@ def _twist(velocity: BodyVelocity) -> TwistMessage:
     )
 
 
+@lru_cache(maxsize=_MATRICES_KEPT)
 def _covariance(*deviations: float) -> NDArray[np.float64]:
-    """The diagonal covariance matrix, row by row, of independent standard deviations."""
+    """The diagonal covariance matrix, row by row, of independent standard deviations; not to be changed."""
     matrix = np.zeros(len(deviations) ** 2)
     matrix[:: len(deviations) + 1] = np.square(deviations)
+    matrix.flags.writeable = False
     return matrix

@@ -259,6 +259,7 @@ def _accuracy(
     if request.full_images or request.link_bit_per_s is not None:
         return None
     within, predicted = bounding
+    is_replay = request.robot is None
     shown = ((rules, View.HOLD), (within, View.HOLD), (within, View.RECKONED), (predicted, View.RECKONED))
     comparison = compare_accuracy(
         AccuracyRequest(
@@ -268,6 +269,7 @@ def _accuracy(
             ],
             progress=request.progress,
             called=BASELINE,
+            received=folder / ADAPTIVE if is_replay and request.when_slow is WhenSlow.PASS else None,
         )
     )
     if comparison is not None:

@@ -60,7 +60,8 @@ class AccuracyRequest:
     """A recording, and the rules to compare; fixed rates get the bytes of the first.
 
     Where the rules bound no property, the poses and joints of what the first relay are compared. ``called``
-    is what the user calls the recording, where that is not its path.
+    is what the user calls the recording, where that is not its path. ``received`` is the recording that a
+    replay under the first rules made, if there is one: rules without a bound are then not replayed again.
     """
 
     bag: Path
@@ -68,6 +69,7 @@ class AccuracyRequest:
     progress: Progress
     called: str | None = None
     profile: Profile = field(default_factory=Profile)
+    received: Path | None = None
 
 
 def compare_accuracy(request: AccuracyRequest) -> AccuracyComparison | None:
@@ -212,7 +214,9 @@ def _read(
 ) -> tuple[_Source, list[_Run]]:
     """What the robot sent, and what passes of it under each of the rules."""
     sent = _Sent(recording, compared, measured)
-    passed = [_Passed(measured, recording.declared_bytes) for _ in request.rules]
+    known = _received(request, measured)
+    passed = [_Passed(measured, recording.declared_bytes) for _ in request.rules[len(known) :]]
+    replayed = request.rules[len(known) :]
     with request.progress("Comparing fixed rates and rules") as report:
         requests = [
             ReplayRequest(
@@ -222,25 +226,55 @@ def _read(
                 output=request.bag,
                 writer=writer,
                 predict=frozenset(_bounds(rules.rule_set)) if rules.view is View.RECKONED else (),
+                left_out=_images_without_effect(recording.channels, rules.rule_set, request.profile),
             )
-            for rules, writer in zip(request.rules, passed, strict=True)
+            for rules, writer in zip(replayed, passed, strict=True)
         ]
         requests[0] = replace(requests[0], arrived=sent.take, report=report)
-        outcomes = replay_together(requests)
-    runs = [_run(*one, compared) for one in zip(request.rules, passed, outcomes, strict=True)]
+        records = [_records(outcome) for outcome in replay_together(requests)]
+    runs = [
+        _Run(
+            name=rules.name,
+            view=rules.view,
+            messages=one.messages,
+            counts=one.counts,
+            sizes={topic: one.sizes[topic] for topic in compared},
+            bounds=_bounds(rules.rule_set),
+            records=found,
+        )
+        for rules, one, found in zip(
+            request.rules, (*known, *passed), (*({} for _ in known), *records), strict=True
+        )
+    ]
     return sent.source(), runs
 
 
-def _run(rules: NamedRules, passed: _Passed, outcome: ReplayOutcome, compared: Sequence[str]) -> _Run:
-    return _Run(
-        name=rules.name,
-        view=rules.view,
-        messages=passed.messages,
-        counts=passed.counts,
-        sizes={topic: passed.sizes[topic] for topic in compared},
-        bounds=_bounds(rules.rule_set),
-        records={topic: one.bounds for topic, one in outcome.topics.items()},
-    )
+def _received(request: AccuracyRequest, measured: Measured) -> list[_Passed]:
+    """What passes under the first rules, where it was recorded and no bound of theirs could be broken."""
+    first, *others = request.rules
+    if request.received is None or not others or _bounds(first.rule_set) or first.view is View.RECKONED:
+        return []
+    with open_recording(request.received) as recording:
+        passed = _Passed(measured, recording.declared_bytes)
+        for message in recording.messages():
+            passed.write(*message)
+    return [passed]
+
+
+def _images_without_effect(
+    channels: Sequence[Channel], rule_set: RuleSet, profile: Profile
+) -> frozenset[str]:
+    """The topics of images that no check reads, no bound is for, and no other topic is paced with."""
+    needed = {
+        *(signal.topic for signal in rule_set.signals),
+        *(entry.paced_with for entry in profile.topics.values()),
+        *_bounds(rule_set),
+    }
+    return frozenset(one.topic for one in channels if one.type_name in IMAGE_TYPES).difference(needed)
+
+
+def _records(outcome: ReplayOutcome) -> Mapping[str, Mapping[str, BoundRecord]]:
+    return {topic: one.bounds for topic, one in outcome.topics.items()}
 
 
 def _fixed_rates(source: _Source, first: _Run) -> dict[str, float]:

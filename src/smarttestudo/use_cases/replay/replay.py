@@ -50,7 +50,8 @@ class ReplayRequest:
     ``{topic}`` for the source's full name. ``decided`` is given decisions in order, some at a time,
     ``report`` the share of the recording that is done, 0 … 1. Where there is a ``writer``, it takes what
     is relayed, and no recording is made; ``arrived`` is shown every message, ``stepped`` the
-    time and the loop whenever that may have changed. ``incidents`` asks for what the rules record.
+    time and the loop whenever that may have changed. ``incidents`` asks for what the rules record. Messages
+    of topics in ``left_out`` are not relayed: nothing must depend on them.
     """
 
     recording: RecordingReader
@@ -68,6 +69,7 @@ class ReplayRequest:
     arrived: Callable[[Channel, int, bytes], None] | None = None
     stepped: Callable[[int, RelayLoop], None] | None = None
     incidents: IncidentRequest | None = None
+    left_out: Collection[str] = ()
 
 
 def replay(request: ReplayRequest) -> ReplayOutcome:
@@ -281,6 +283,7 @@ class _Run:
         """The sources that are relayed or that checks read; the loop need not know of the others."""
         rule_set = self._request.rule_set
         needed = {*rule_set.relayed, *(signal.topic for signal in rule_set.signals)}
+        needed.difference_update(self._request.left_out)
         return {topic: channel for topic, channel in self._topics.sources.items() if topic in needed}
 
     def _wake_before(self, stamp_ns: int) -> None:
