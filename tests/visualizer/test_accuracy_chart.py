@@ -14,7 +14,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from smarttestudo.adapters.figures import FigureKind, draw_figures
+from smarttestudo.adapters.figures.draw import draw_figures
+from smarttestudo.adapters.figures.kinds import FigureKind
 from smarttestudo.visualizer.loss.accuracy_curve import (
     AccuracyCurve,
     AccuracyPoint,

@@ -15,7 +15,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from PIL import Image
 
-from smarttestudo.adapters.figures import FigureKind, draw_figures
+from smarttestudo.adapters.figures.draw import draw_figures
+from smarttestudo.adapters.figures.kinds import FigureKind
 from smarttestudo.adapters.figures.over_time import rates_figure
 from smarttestudo.adapters.figures.styles import HATCHES, rule_look
 from smarttestudo.adapters.files.whole_file import OutputFileError

@@ -64,9 +64,9 @@ def require_separate_figures(figures: Path | None, bags: Sequence[Path]) -> None
 
 def figure_files(folder: Path) -> Sequence[Path]:
     """All that may be written into ``folder``."""
-    from smarttestudo.adapters import figures  # noqa: PLC0415  needs packages a robot lacks
+    from smarttestudo.adapters.figures import draw  # noqa: PLC0415  needs packages a robot lacks
 
-    return figures.figure_files(folder)
+    return draw.figure_files(folder)
 
 
 def _folders(bags: Sequence[Path], figures: Path) -> list[Path]:

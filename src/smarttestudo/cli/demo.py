@@ -91,6 +91,11 @@ def add_arguments(parser: CommandParser) -> None:
     )
     add_mission(parser)
     add_when_slow(parser)
+    parser.add_argument(
+        "--thesis",
+        action="store_true",
+        help="also write the tables and figures of the thesis's evaluation; it ran with --when-slow repeat",
+    )
     parser.set_defaults(run=run)
 
 
@@ -133,9 +138,10 @@ def run(arguments: argparse.Namespace) -> int:
                 link_bit_per_s=arguments.link,
                 mission=arguments.mission,
                 physics=arguments.physics,
+                with_thesis=arguments.thesis,
             )
         )
-    _print(outcome, arguments.out)
+    _print(outcome, arguments.out, with_thesis=arguments.thesis)
     return 0
 
 
@@ -157,7 +163,7 @@ def _recorder(opened: ExitStack) -> Robot:
     return opened.enter_context(open_robot(["-r", "__node:=recorder"]))
 
 
-def _print(outcome: DemoOutcome, out: Path) -> None:
+def _print(outcome: DemoOutcome, out: Path, *, with_thesis: bool) -> None:
     from smarttestudo.use_cases.demo import demo  # noqa: PLC0415  see run
     from smarttestudo.use_cases.demo.rules import PREDICTED, RULES, WITHIN  # noqa: PLC0415
     from smarttestudo.visualizer.summary import declared_sentence  # noqa: PLC0415
@@ -186,6 +192,11 @@ def _print(outcome: DemoOutcome, out: Path) -> None:
         RULES: "the rules",
         **(bounding if outcome.accuracy else {}),
         demo.REPORT: "all of it in one page: map, decisions, rates, bandwidth, losses",
+        **(
+            {demo.THESIS: "tables 7.1 and 7.2 of the thesis, a figure of each topic, zones"}
+            if with_thesis
+            else {}
+        ),
     }
     width = max(len(str(out / name)) for name in written)
     for name, meaning in written.items():

@@ -84,16 +84,6 @@ def test_no_topic_comes_more_often_than_its_source(baseline: Messages, adaptive:
     assert _change_percent(baseline, adaptive, "/scan") < 0
 
 
-def test_repeating_makes_the_scan_come_more_often_than_its_source_as_in_the_thesis(
-    demo_out: Path, baseline: Messages, tmp_path: Path
-) -> None:
-    _replay(demo_out, tmp_path / "repeated", "--when-slow", "repeat")
-    repeated = messages_of(tmp_path / "repeated")
-
-    assert _change_percent(baseline, repeated, "/scan") > 10
-    assert {payload for _, payload in repeated["/scan"]} <= {payload for _, payload in baseline["/scan"]}
-
-
 def test_a_demo_that_repeats_is_a_replay_that_repeats(tmp_path: Path) -> None:
     out = tmp_path / "out"
     run_testudo("demo", "--out", out, "--seconds", 3, "--when-slow", "repeat")

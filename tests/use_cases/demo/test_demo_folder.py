@@ -15,14 +15,14 @@ from smarttestudo.use_cases.demo.folder import MARKER, DemoFolderError, demo_fol
 
 
 def _make(out: Path, text: str) -> None:
-    with demo_folder(out, needed_bytes=0, made={MARKER}) as work:
+    with demo_folder(out, needed_bytes=0, made={MARKER}, filled={}) as work:
         (work / MARKER).write_text(text)
 
 
 def test_the_folder_appears_whole_when_everything_is_written(tmp_path: Path) -> None:
     out = tmp_path / "deep" / "demo-out"
 
-    with demo_folder(out, needed_bytes=0, made={MARKER}) as work:
+    with demo_folder(out, needed_bytes=0, made={MARKER}, filled={}) as work:
         (work / MARKER).write_text("1")
         assert not out.exists()
 
@@ -35,7 +35,7 @@ def test_a_failure_leaves_nothing_and_keeps_the_former_demo(tmp_path: Path) -> N
     _make(out, "former")
 
     def interrupted() -> None:
-        with demo_folder(out, needed_bytes=0, made={MARKER}) as work:
+        with demo_folder(out, needed_bytes=0, made={MARKER}, filled={}) as work:
             (work / MARKER).write_text("half")
             raise KeyboardInterrupt
 
@@ -64,7 +64,7 @@ def test_a_former_demo_and_an_empty_folder_are_replaced_and_what_others_put_ther
 
 
 def _make_with_bag(out: Path, text: str) -> None:
-    with demo_folder(out, needed_bytes=0, made={MARKER, "bag", "old.log"}) as work:
+    with demo_folder(out, needed_bytes=0, made={MARKER, "bag", "old.log"}, filled={}) as work:
         write_bag(work / "bag", small_mission(1))
         (work / MARKER).write_text(text)
 
@@ -113,7 +113,7 @@ def test_what_cannot_be_put_in_place_leaves_the_former_demo_as_it_was(tmp_path: 
     (out / "report").write_text("mine")
 
     def not_announced() -> None:
-        with demo_folder(out, needed_bytes=0, made={MARKER, "bag"}) as work:
+        with demo_folder(out, needed_bytes=0, made={MARKER, "bag"}, filled={}) as work:
             write_bag(work / "bag", small_mission(1))
             (work / "report").write_text("the demo's")
             (work / MARKER).write_text("second")
@@ -153,7 +153,7 @@ def test_a_folder_that_cannot_be_made_is_named(tmp_path: Path) -> None:
 def test_a_disk_that_is_too_small_is_refused_before_anything_is_written(tmp_path: Path) -> None:
     with (
         pytest.raises(DemoFolderError, match=r"needs 10 000 000 000 MB"),
-        demo_folder(tmp_path / "out", needed_bytes=10**16, made=()),
+        demo_folder(tmp_path / "out", needed_bytes=10**16, made=(), filled={}),
     ):
         pass
 
@@ -162,7 +162,7 @@ def test_a_disk_that_is_too_small_is_refused_before_anything_is_written(tmp_path
 
 def test_a_file_that_cannot_be_written_is_one_clear_error(tmp_path: Path) -> None:
     def fill() -> None:
-        with demo_folder(tmp_path / "demo-out", needed_bytes=0, made={MARKER}) as work:
+        with demo_folder(tmp_path / "demo-out", needed_bytes=0, made={MARKER}, filled={}) as work:
             (work / "no-such-folder" / "report.html").write_text("")
 
     with pytest.raises(
@@ -197,3 +197,25 @@ def test_progress_names_the_folder_that_was_asked_for_and_not_where_it_is_made(t
         f"Reading {out / 'baseline'}",
         f"Reading {out / 'adaptive'}",
     ]
+
+
+def test_a_folder_of_other_files_than_a_recording_is_replaced_if_it_holds_nothing_else(
+    tmp_path: Path,
+) -> None:
+    out = tmp_path / "out"
+
+    def make(text: str) -> None:
+        filled = {"tables": {"a.md"}}
+        with demo_folder(out, needed_bytes=0, made={MARKER, "tables"}, filled=filled) as work:
+            (work / "tables").mkdir()
+            (work / "tables" / "a.md").write_text(text)
+            (work / MARKER).touch()
+
+    make("first")
+    make("second")
+    assert (out / "tables" / "a.md").read_text() == "second"
+
+    (out / "tables" / "mine.md").touch()
+    with pytest.raises(DemoFolderError, match=r"tables/mine\.md"):
+        make("third")
+    assert (out / "tables" / "a.md").read_text() == "second"

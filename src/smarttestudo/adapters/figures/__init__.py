@@ -1,7 +1,3 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
 """Figures for papers and slides, drawn with matplotlib; the only importer of it."""
-
-from smarttestudo.adapters.figures.draw import FigureKind, draw_figures, figure_files
-
-__all__ = ["FigureKind", "draw_figures", "figure_files"]

@@ -5,8 +5,8 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Collection, Mapping
-from enum import Enum
+from collections.abc import Callable, Collection, Iterator, Mapping
+from itertools import chain
 from pathlib import Path
 
 from matplotlib import rc_context
@@ -15,8 +15,14 @@ from matplotlib.figure import Figure
 
 from smarttestudo.adapters.figures.accuracy import accuracy_figure
 from smarttestudo.adapters.figures.intervals import intervals_figure
-from smarttestudo.adapters.figures.over_time import bandwidth_figure, rates_figure, total_figure
-from smarttestudo.adapters.figures.path import path_figure
+from smarttestudo.adapters.figures.kinds import FigureKind
+from smarttestudo.adapters.figures.over_time import (
+    bandwidth_figure,
+    rates_figure,
+    topic_rate_figures,
+    total_figure,
+)
+from smarttestudo.adapters.figures.path import path_figure, zones_figure
 from smarttestudo.adapters.figures.styles import SETTINGS
 from smarttestudo.adapters.files.whole_file import not_written, whole_binary_file
 from smarttestudo.visualizer.report import RunReport
@@ -27,17 +33,6 @@ _METADATA: Mapping[str, dict[str, None]] = {
     "png": {"Software": None},
     "svg": {"Date": None, "Creator": None},
 }
-
-
-class FigureKind(Enum):
-    """What a figure shows; the value is its file's name."""
-
-    RATES = "rates"
-    BANDWIDTH = "bandwidth"
-    TOTAL = "total"
-    INTERVALS = "intervals"
-    ACCURACY = "accuracy"
-    PATH = "path"
 
 
 _DRAWN: Mapping[FigureKind, Callable[[RunReport], Figure | None]] = {
@@ -70,18 +65,41 @@ def figure_files(folder: Path) -> list[Path]:
     return [folder / f"{kind.value}.{form}" for kind in FigureKind for form in _METADATA]
 
 
+def draw_topics(report: RunReport, folder: Path, file_names: Mapping[str, str]) -> list[Path]:
+    """Draw the rate of each topic and the map of zones, each as a PNG in ``folder``.
+
+    ``file_names`` are by topic, that of the map by an empty name; topics without one are left out.
+
+    Raises:
+        OutputFileError: a file cannot be written.
+    """
+    written = []
+    with rc_context(SETTINGS):
+        figures: Iterator[tuple[str, Figure | None]] = chain(
+            topic_rate_figures(report), [("", zones_figure(report))]
+        )
+        for topic, figure in figures:
+            if figure is not None and topic in file_names:
+                path = folder / file_names[topic]
+                _save_as(figure, path, "png")
+                written.append(path)
+    return written
+
+
 def _save(figure: Figure, folder: Path, name: str) -> list[Path]:
-    FigureCanvasAgg(figure)
-    paths = []
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise not_written(folder, "the figures", error) from error
-    for form, metadata in _METADATA.items():
-        path = folder / f"{name}.{form}"
-        with whole_binary_file(path, "the figure") as write:
-            drawn = io.BytesIO()
-            figure.savefig(drawn, format=form, dpi=_DPI, metadata=metadata, bbox_inches="tight")
-            write(drawn.getvalue())
-        paths.append(path)
+    paths = [folder / f"{name}.{form}" for form in _METADATA]
+    for path, form in zip(paths, _METADATA, strict=True):
+        _save_as(figure, path, form)
     return paths
+
+
+def _save_as(figure: Figure, path: Path, form: str) -> None:
+    FigureCanvasAgg(figure)
+    with whole_binary_file(path, "the figure") as write:
+        drawn = io.BytesIO()
+        figure.savefig(drawn, format=form, dpi=_DPI, metadata=_METADATA[form], bbox_inches="tight")
+        write(drawn.getvalue())

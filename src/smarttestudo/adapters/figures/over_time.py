@@ -43,7 +43,9 @@ from smarttestudo.visualizer.summary import bandwidth_text
 
 _WIDTH_IN = 7.2
 _COLUMNS = 3
+_RATE_LABEL = "Rate in Hz"
 _ROW_IN = 1.45
+_TOPIC_IN = 3.2
 _MARGIN_IN = 0.75
 _LOOKS = {Run.BEFORE: BEFORE, Run.AFTER: AFTER}
 _STRIP_AT, _BELOW_STRIP = -0.04, 7.0
@@ -52,11 +54,32 @@ _GAP_WIDTH, _GAP_HEIGHT = 0.02, 0.015
 
 def rates_figure(report: RunReport) -> Figure | None:
     """The rate of each topic, one recording over the other, with what was planned and which rule decided."""
+    return _by_topic(rate_charts(report), _RATE_LABEL, _rate_handles(report))
+
+
+def topic_rate_figures(report: RunReport) -> Iterator[tuple[str, Figure]]:
+    """What ``rates_figure`` shows, as a figure of each topic, with its name."""
+    handles = _rate_handles(report)
+    for chart in rate_charts(report):
+        if chart.is_empty:
+            continue
+        figure = Figure(figsize=(_WIDTH_IN, _TOPIC_IN), layout="constrained")
+        axes = figure.subplots()
+        _draw(axes, chart)
+        axes.tick_params(axis="x", pad=2 * _BELOW_STRIP)
+        axes.set_title(plain(chart.name))
+        axes.set_xlabel("Time in s")
+        axes.set_ylabel(_RATE_LABEL)
+        figure.legend(handles=handles, loc="outside lower center", ncols=min(len(handles), 5), fontsize=7)
+        yield chart.name, figure
+
+
+def _rate_handles(report: RunReport) -> list[Artist]:
     handles = list(_run_handles(report))
     if report.decisions:
         styles = styles_of(report.decisions, report.duration_s).all
         handles += [handle("Target", TARGET), *(handle(style.name, rule_look(style)) for style in styles)]
-    return _by_topic(rate_charts(report), "Rate in Hz", handles)
+    return handles
 
 
 def bandwidth_figure(report: RunReport) -> Figure | None:

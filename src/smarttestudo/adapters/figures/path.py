@@ -36,17 +36,7 @@ def path_figure(report: RunReport) -> Figure | None:
     floor = floor_map(report.floor_plan, report.path, spans, styles, incident=report.incident)
     if floor is None or not floor.known:
         return None
-    (left, right), (low, high) = floor.frame.x.values, floor.frame.y.values
-    height_in = min(_WIDTH_IN * (high - low) / (right - left) + 0.5, _TALLEST_IN)
-    figure = Figure(figsize=(_WIDTH_IN, height_in), layout="constrained")
-    axes = figure.subplots()
-    axes.set_xlim(left, right)
-    axes.set_ylim(low, high)
-    axes.set_aspect("equal")
-    axes.set_xlabel("x in m")
-    axes.set_ylabel("y in m")
-    axes.grid(color=FAINT, linewidth=0.5)
-    _draw_floor(axes, floor)
+    figure, axes = _floor_figure(floor)
     _draw_path(axes, floor)
     first, last = floor.known[0], floor.known[-1]
     ends = [
@@ -60,6 +50,28 @@ def path_figure(report: RunReport) -> Figure | None:
     rules = [handle(style.name, rule_look(style)) for style in styles.all if style in shown]
     axes.legend(handles=[*rules, *ends], loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=7)
     return figure
+
+
+def zones_figure(report: RunReport) -> Figure | None:
+    """The zones of the rules on the floor plan; ``None`` where there is neither."""
+    styles = styles_of(report.decisions, report.duration_s)
+    floor = floor_map(report.floor_plan, report.path, (), styles)
+    return None if floor is None else _floor_figure(floor)[0]
+
+
+def _floor_figure(floor: FloorMap) -> tuple[Figure, Axes]:
+    (left, right), (low, high) = floor.frame.x.values, floor.frame.y.values
+    height_in = min(_WIDTH_IN * (high - low) / (right - left) + 0.5, _TALLEST_IN)
+    figure = Figure(figsize=(_WIDTH_IN, height_in), layout="constrained")
+    axes = figure.subplots()
+    axes.set_xlim(left, right)
+    axes.set_ylim(low, high)
+    axes.set_aspect("equal")
+    axes.set_xlabel("x in m")
+    axes.set_ylabel("y in m")
+    axes.grid(color=FAINT, linewidth=0.5)
+    _draw_floor(axes, floor)
+    return figure, axes
 
 
 def _draw_floor(axes: Axes, floor: FloorMap) -> None:

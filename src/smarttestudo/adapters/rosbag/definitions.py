@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from rosbags.serde import SerdeError
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     from rosbags.interfaces.typing import Typesdict
     from rosbags.typesys.store import Typestore
 
+_STORES_KEPT = 256
 _SEPARATOR = "=" * 80 + "\n"
 _IDL_HEADER = f"{_SEPARATOR}IDL: "
 # A bag without definitions was recorded by Humble or an older release, so Humble's come first.
@@ -79,6 +81,8 @@ class TypeLibrary:
         return self._stores[release]
 
 
+# Every reader of a recording asks for the same few, and compiling one takes milliseconds.
+@lru_cache(maxsize=_STORES_KEPT)
 def _store_of(definition: str, type_name: str) -> Typestore | None:
     store = get_typestore(Stores.EMPTY)
     try:

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -52,6 +53,9 @@ from smarttestudo.simulation.robot import (
     ODOM_FRAME,
     WHEEL_JOINTS,
 )
+
+# A robot has few sensors, each with the same noise in all of its messages.
+_MATRICES_KEPT = 16
 
 
 def header(stamp_ns: int, frame_id: str) -> HeaderMessage:
@@ -170,8 +174,10 @@ def _twist(velocity: BodyVelocity) -> TwistMessage:
     )
 
 
+@lru_cache(maxsize=_MATRICES_KEPT)
 def _covariance(*deviations: float) -> NDArray[np.float64]:
-    """The diagonal covariance matrix, row by row, of independent standard deviations."""
+    """The diagonal covariance matrix, row by row, of independent standard deviations; not to be changed."""
     matrix = np.zeros(len(deviations) ** 2)
     matrix[:: len(deviations) + 1] = np.square(deviations)
+    matrix.flags.writeable = False
     return matrix

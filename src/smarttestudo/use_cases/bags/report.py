@@ -9,7 +9,7 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from smarttestudo.adapters.figures import FigureKind, draw_figures
+from smarttestudo.adapters.figures.kinds import FigureKind
 from smarttestudo.adirf.rule_set import RuleSet
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.errors import RecordingError
@@ -184,9 +184,15 @@ def draw_over_time(request: ReportRequest, kinds: Collection[FigureKind], folder
         RecordingError: one cannot be read or is empty, or they share no topic.
         OutputFileError: a figure cannot be written.
     """
-    return draw_figures(series_over_time(request), kinds, folder)
+    return _draw(series_over_time(request), kinds, folder)
 
 
 def draw_report(report: RunReport, folder: Path) -> list[Path]:
     """Draw everything that ``report`` shows over time or on the floor. Raises ``OutputFileError``."""
-    return draw_figures(report, EVERYTHING, folder)
+    return _draw(report, EVERYTHING, folder)
+
+
+def _draw(report: RunReport, kinds: Collection[FigureKind], folder: Path) -> list[Path]:
+    from smarttestudo.adapters.figures.draw import draw_figures  # noqa: PLC0415  matplotlib takes a second
+
+    return draw_figures(report, kinds, folder)

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -20,7 +20,7 @@ from smarttestudo.simulation.route import Route
 from smarttestudo.simulation.tour import Tour
 from smarttestudo.simulation.warehouse import warehouse
 from smarttestudo.use_cases.bags.report import Progress, ReportRequest, bag_report
-from smarttestudo.use_cases.demo import linked
+from smarttestudo.use_cases.demo import linked, thesis_files
 from smarttestudo.use_cases.demo.folder import MARKER, demo_folder
 from smarttestudo.use_cases.demo.live import LOGS, LiveDemoRequest, record_live
 from smarttestudo.use_cases.demo.mission import bytes_per_second, record_mission, route_of
@@ -39,7 +39,11 @@ ADAPTIVE = "adaptive"
 DECISIONS = "decisions.jsonl"
 REPORT = "report.html"
 ACCURACY = "accuracy.json"
-_MADE = frozenset({BASELINE, ADAPTIVE, DECISIONS, REPORT, ACCURACY, RULES, WITHIN, PREDICTED, MARKER, *LOGS})
+THESIS = thesis_files.FOLDER
+_MADE = frozenset(
+    {BASELINE, ADAPTIVE, DECISIONS, REPORT, ACCURACY, RULES, WITHIN, PREDICTED, MARKER, *LOGS, THESIS}
+)
+_FILLED = {THESIS: thesis_files.file_names()}
 _TITLE = "A TurtleBot3 patrols a warehouse"
 _EXPLANATION = (
     "Source is everything that the robot published. SmartTestudo is what an operator received of it while "
@@ -55,7 +59,7 @@ class DemoRequest:
     ``robot``, the node that records, the mission takes place in real time on a real ROS graph, with
     ``physics`` by a robot that has masses and forces; with ``link_bit_per_s`` across a link that carries so
     much, once for each contender. ``mission`` is the file of a tour; without one the robot drives the patrol
-    of the thesis.
+    of the thesis. ``with_thesis`` asks for the tables and figures of the thesis, too.
     """
 
     out: Path
@@ -68,6 +72,7 @@ class DemoRequest:
     link_bit_per_s: float | None = None
     mission: Path | None = None
     physics: bool = False
+    with_thesis: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -101,7 +106,8 @@ def run_demo(request: DemoRequest) -> DemoOutcome:
     """
     arrivals: tuple[LinkArrivals, ...] = ()
     route = route_of(request.mission)
-    with demo_folder(request.out, needed_bytes=_needed_bytes(request), made=_MADE) as folder:
+    also_write = _thesis_writer() if request.with_thesis else None
+    with demo_folder(request.out, needed_bytes=_needed_bytes(request), made=_MADE, filled=_FILLED) as folder:
         rules = put_rules(folder, request.out)
         bounding = [put_rules(folder, request.out, name) for name in (WITHIN, PREDICTED)]
         if request.link_bit_per_s is not None:
@@ -114,6 +120,8 @@ def run_demo(request: DemoRequest) -> DemoOutcome:
             decisions = _recorded_decisions(folder)
         accuracy = _accuracy(request, folder, rules, bounding)
         report = _write_report(request, folder, rules, decisions, accuracy)
+        if also_write is not None:
+            also_write(report, folder / THESIS)
         (folder / MARKER).write_text(json.dumps(_settings(request), indent=2) + "\n", "utf-8")
     return DemoOutcome(
         comparison=report.comparison,
@@ -123,6 +131,13 @@ def run_demo(request: DemoRequest) -> DemoOutcome:
         notices=(*_rule_notices(request, (rules, *bounding)), *notices),
         arrivals=arrivals,
     )
+
+
+def _thesis_writer() -> Callable[[RunReport, Path], None]:
+    """What writes the thesis's tables and figures; a missing package is known before the drive begins."""
+    from smarttestudo.use_cases.demo.thesis import write_thesis  # noqa: PLC0415  matplotlib takes a second
+
+    return write_thesis
 
 
 def _needed_bytes(request: DemoRequest) -> int:
@@ -246,6 +261,7 @@ def _accuracy(
     if request.full_images or request.link_bit_per_s is not None:
         return None
     within, predicted = bounding
+    is_replay = request.robot is None
     shown = ((rules, View.HOLD), (within, View.HOLD), (within, View.RECKONED), (predicted, View.RECKONED))
     comparison = compare_accuracy(
         AccuracyRequest(
@@ -255,6 +271,7 @@ def _accuracy(
             ],
             progress=request.progress,
             called=BASELINE,
+            received=folder / ADAPTIVE if is_replay and request.when_slow is WhenSlow.PASS else None,
         )
     )
     if comparison is not None:

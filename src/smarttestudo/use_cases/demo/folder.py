@@ -8,7 +8,7 @@ import errno
 import os
 import shutil
 import tempfile
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
@@ -25,11 +25,14 @@ class DemoFolderError(TestudoError):
 
 
 @contextmanager
-def demo_folder(out: Path, *, needed_bytes: int, made: Collection[str]) -> Iterator[Path]:
+def demo_folder(
+    out: Path, *, needed_bytes: int, made: Collection[str], filled: Mapping[str, Collection[str]]
+) -> Iterator[Path]:
     """A new folder next to ``out`` that takes its place when the block ends well, and is removed when not.
 
     The block must write ``MARKER``, by which a later demo knows that it may replace what is in ``out`` under
-    the names in ``made``. Whatever else lies there stays where it is.
+    the names in ``made``. Whatever else lies there stays where it is. ``filled`` has what may lie in those
+    folders among them that are no recordings.
 
     Raises:
         DemoFolderError: ``out`` is something else than a former demo's folder, one of the folders that a
@@ -39,7 +42,7 @@ def demo_folder(out: Path, *, needed_bytes: int, made: Collection[str]) -> Itera
     out = Path(os.path.realpath(out))
     with ExitStack() as opened:
         try:
-            _refuse_foreign(out, made)
+            _refuse_foreign(out, made, filled)
             out.parent.mkdir(parents=True, exist_ok=True)
             _refuse_small_disk(out.parent, needed_bytes)
             workshop = opened.enter_context(
@@ -49,13 +52,13 @@ def demo_folder(out: Path, *, needed_bytes: int, made: Collection[str]) -> Itera
             work = workshop / out.name
             work.mkdir()
             yield work
-            _refuse_foreign(out, made)
+            _refuse_foreign(out, made, filled)
             _put(out, work, made)
         except OSError as error:
             raise _not_written(out, error) from error
 
 
-def _refuse_foreign(out: Path, made: Collection[str]) -> None:
+def _refuse_foreign(out: Path, made: Collection[str], filled: Mapping[str, Collection[str]]) -> None:
     if not os.path.lexists(out) or (out.is_dir() and not any(out.iterdir())):
         return
     if not (out / MARKER).is_file():
@@ -64,7 +67,7 @@ def _refuse_foreign(out: Path, made: Collection[str]) -> None:
             place=str(out),
             remedy="name another folder with --out",
         )
-    foreign = next((one for name in sorted(made) for one in _foreign(out / name)), None)
+    foreign = next((one for name in sorted(made) for one in _foreign(out / name, filled.get(name))), None)
     if foreign is not None:
         raise DemoFolderError(
             f"holds what was not made by 'testudo demo': {foreign.relative_to(out)}",
@@ -73,16 +76,20 @@ def _refuse_foreign(out: Path, made: Collection[str]) -> None:
         )
 
 
-def _foreign(made: Path) -> Iterator[Path]:
-    """What a demo does not make: anything but a file, or a folder with the files of a recording."""
+def _foreign(made: Path, names: Collection[str] | None) -> Iterator[Path]:
+    """What a demo does not make: anything but a file, or a folder with ``names`` or a recording's files."""
     if made.is_symlink():
         yield made
     elif made.is_dir():
-        try:
-            files = {FILE_NAME, *read_metadata(made).file_names}
-        except RecordingError:
-            files = {FILE_NAME}
+        files = _recording_files(made) if names is None else names
         yield from (one for one in sorted(made.iterdir()) if one.is_symlink() or one.name not in files)
+
+
+def _recording_files(folder: Path) -> Collection[str]:
+    try:
+        return {FILE_NAME, *read_metadata(folder).file_names}
+    except RecordingError:
+        return {FILE_NAME}
 
 
 def _refuse_small_disk(parent: Path, needed_bytes: int) -> None:

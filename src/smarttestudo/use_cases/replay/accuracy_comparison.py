@@ -8,7 +8,7 @@ import math
 from collections import Counter, defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from smarttestudo.adapters.rosbag.definitions import RosbagDecoder
@@ -22,12 +22,13 @@ from smarttestudo.adirf.properties import (
 from smarttestudo.adirf.rule_set import RuleSet
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.profile import Profile
-from smarttestudo.domain.recording import Channel
+from smarttestudo.domain.recording import Channel, RecordingReader
 from smarttestudo.pacing.bound import BoundRecord
 from smarttestudo.pacing.sample import StreamKind
 from smarttestudo.reckoning.picture import Picture
 from smarttestudo.use_cases.bags.samples import SampleTaker, TopicReading
-from smarttestudo.use_cases.replay.replay import ReplayRequest, replay
+from smarttestudo.use_cases.replay.outcome import ReplayOutcome
+from smarttestudo.use_cases.replay.replay import ReplayRequest, replay_together
 from smarttestudo.visualizer.accuracy_comparison import (
     AccuracyComparison,
     Arm,
@@ -41,7 +42,6 @@ from smarttestudo.visualizer.accuracy_comparison import (
 from smarttestudo.visualizer.loss.samples import IMAGE_TYPES, TopicSamples
 
 FIXED = "fixed rates"
-_MESSAGES_PER_REPORT = 4096
 _HALVINGS = 16
 Progress = Callable[[str], AbstractContextManager[Callable[[float], None]]]
 
@@ -60,7 +60,8 @@ class AccuracyRequest:
     """A recording, and the rules to compare; fixed rates get the bytes of the first.
 
     Where the rules bound no property, the poses and joints of what the first relay are compared. ``called``
-    is what the user calls the recording, where that is not its path.
+    is what the user calls the recording, where that is not its path. ``received`` is the recording that a
+    replay under the first rules made, if there is one: rules without a bound are then not replayed again.
     """
 
     bag: Path
@@ -68,30 +69,29 @@ class AccuracyRequest:
     progress: Progress
     called: str | None = None
     profile: Profile = field(default_factory=Profile)
+    received: Path | None = None
 
 
 def compare_accuracy(request: AccuracyRequest) -> AccuracyComparison | None:
-    """Replay the recording under each of the rules, thin it to fixed rates, and measure the pictures.
+    """Replay the recording under all of the rules, thin it to fixed rates, and measure the pictures.
 
-    Topics of images are left out. ``None`` where nothing that is relayed can be measured.
+    It is read once. Topics of images are left out. ``None`` where nothing that is relayed can be measured.
 
     Raises:
         RecordingError: the recording cannot be read, or a check reads a topic of unknown type.
     """
     with open_recording(request.bag) as recording:
         channels = {channel.topic: channel for channel in reversed(recording.channels)}
-    first = request.rules[0].rule_set
-    measured = _measured(request.rules, channels)
-    if not measured:
-        return None
-    compared = [
-        topic
-        for topic in dict.fromkeys(topic for one in request.rules for topic in one.rule_set.relayed)
-        if topic in channels and channels[topic].type_name not in IMAGE_TYPES
-    ]
-    left_out = [topic for topic in first.relayed if topic in channels and topic not in compared]
-    source = _source(request, compared, measured)
-    runs = [_replayed(request, one, compared, measured) for one in request.rules]
+        first = request.rules[0].rule_set
+        measured = _measured(request.rules, channels)
+        if not measured:
+            return None
+        relayed = dict.fromkeys(topic for one in request.rules for topic in one.rule_set.relayed)
+        compared = [
+            topic for topic in relayed if topic in channels and channels[topic].type_name not in IMAGE_TYPES
+        ]
+        left_out = [topic for topic in first.relayed if topic in channels and topic not in compared]
+        source, runs = _read(request, recording, compared, measured)
     rates_hz = _fixed_rates(source, runs[0])
     fixed = _thinned(source, rates_hz, measured)
     judge = _Judge(source, {topic: (channels[topic], names) for topic, names in measured.items()})
@@ -145,33 +145,6 @@ class _Source:
     notices: tuple[str, ...]
 
 
-def _source(request: AccuracyRequest, compared: Sequence[str], measured: Measured) -> _Source:
-    messages: dict[str, list[Message]] = {topic: [] for topic in measured}
-    with (
-        request.progress("Comparing fixed rates and rules") as report,
-        open_recording(request.bag) as recording,
-    ):
-        taker = SampleTaker(
-            dict.fromkeys(compared, TopicReading()),
-            recording.declared_bytes,
-            start_ns=recording.start_ns,
-            end_ns=recording.end_ns,
-        )
-        for channel in recording.channels:
-            taker.add(channel)
-        for number, (channel, stamp_ns, payload) in enumerate(recording.messages()):
-            if number % _MESSAGES_PER_REPORT == 0 and recording.message_count:
-                report(number / recording.message_count)
-            if taker.take(channel, stamp_ns, payload) and channel.topic in messages:
-                messages[channel.topic].append((stamp_ns, payload))
-        return _Source(
-            messages=messages,
-            samples=taker.samples,
-            end_ns=recording.end_ns,
-            notices=(*recording.notices(), *taker.notices()),
-        )
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Run:
     """What passed: all of the measured topics, and of each compared one how much."""
@@ -206,35 +179,102 @@ class _Passed:
             self.messages[topic].append((stamp_ns, payload))
 
 
-def _replayed(
-    request: AccuracyRequest, rules: NamedRules, compared: Sequence[str], measured: Measured
-) -> _Run:
-    bounds = _bounds(rules.rule_set)
-    with (
-        request.progress(f"Replaying under {rules.name}, {rules.view.value}") as report,
-        open_recording(request.bag) as recording,
-    ):
-        passed = _Passed(measured, recording.declared_bytes)
-        outcome = replay(
+class _Sent:
+    """Takes what the robot sent, in the time of the recording."""
+
+    def __init__(self, recording: RecordingReader, compared: Sequence[str], measured: Measured) -> None:
+        self._recording = recording
+        self._messages: dict[str, list[Message]] = {topic: [] for topic in measured}
+        self._taker = SampleTaker(
+            dict.fromkeys(compared, TopicReading()),
+            recording.declared_bytes,
+            start_ns=recording.start_ns,
+            end_ns=recording.end_ns,
+        )
+        for channel in recording.channels:
+            self._taker.add(channel)
+
+    def take(self, channel: Channel, stamp_ns: int, payload: bytes) -> None:
+        """Take one message."""
+        if self._taker.take(channel, stamp_ns, payload) and channel.topic in self._messages:
+            self._messages[channel.topic].append((stamp_ns, payload))
+
+    def source(self) -> _Source:
+        """What was taken."""
+        return _Source(
+            messages=self._messages,
+            samples=self._taker.samples,
+            end_ns=self._recording.end_ns,
+            notices=(*self._recording.notices(), *self._taker.notices()),
+        )
+
+
+def _read(
+    request: AccuracyRequest, recording: RecordingReader, compared: Sequence[str], measured: Measured
+) -> tuple[_Source, list[_Run]]:
+    """What the robot sent, and what passes of it under each of the rules."""
+    sent = _Sent(recording, compared, measured)
+    known = _received(request, measured)
+    passed = [_Passed(measured, recording.declared_bytes) for _ in request.rules[len(known) :]]
+    replayed = request.rules[len(known) :]
+    with request.progress("Comparing fixed rates and rules") as report:
+        requests = [
             ReplayRequest(
                 recording=recording,
                 rule_set=rules.rule_set,
                 profile=request.profile,
                 output=request.bag,
-                writer=passed,
-                predict=frozenset(bounds) if rules.view is View.RECKONED else (),
-                report=report,
+                writer=writer,
+                predict=frozenset(_bounds(rules.rule_set)) if rules.view is View.RECKONED else (),
+                left_out=_images_without_effect(recording.channels, rules.rule_set, request.profile),
             )
+            for rules, writer in zip(replayed, passed, strict=True)
+        ]
+        requests[0] = replace(requests[0], arrived=sent.take, report=report)
+        records = [_records(outcome) for outcome in replay_together(requests)]
+    runs = [
+        _Run(
+            name=rules.name,
+            view=rules.view,
+            messages=one.messages,
+            counts=one.counts,
+            sizes={topic: one.sizes[topic] for topic in compared},
+            bounds=_bounds(rules.rule_set),
+            records=found,
         )
-    return _Run(
-        name=rules.name,
-        view=rules.view,
-        messages=passed.messages,
-        counts=passed.counts,
-        sizes={topic: passed.sizes[topic] for topic in compared},
-        bounds=bounds,
-        records={topic: one.bounds for topic, one in outcome.topics.items()},
-    )
+        for rules, one, found in zip(
+            request.rules, (*known, *passed), (*({} for _ in known), *records), strict=True
+        )
+    ]
+    return sent.source(), runs
+
+
+def _received(request: AccuracyRequest, measured: Measured) -> list[_Passed]:
+    """What passes under the first rules, where it was recorded and no bound of theirs could be broken."""
+    first, *others = request.rules
+    if request.received is None or not others or _bounds(first.rule_set) or first.view is View.RECKONED:
+        return []
+    with open_recording(request.received) as recording:
+        passed = _Passed(measured, recording.declared_bytes)
+        for message in recording.messages():
+            passed.write(*message)
+    return [passed]
+
+
+def _images_without_effect(
+    channels: Sequence[Channel], rule_set: RuleSet, profile: Profile
+) -> frozenset[str]:
+    """The topics of images that no check reads, no bound is for, and no other topic is paced with."""
+    needed = {
+        *(signal.topic for signal in rule_set.signals),
+        *(entry.paced_with for entry in profile.topics.values()),
+        *_bounds(rule_set),
+    }
+    return frozenset(one.topic for one in channels if one.type_name in IMAGE_TYPES).difference(needed)
+
+
+def _records(outcome: ReplayOutcome) -> Mapping[str, Mapping[str, BoundRecord]]:
+    return {topic: one.bounds for topic, one in outcome.topics.items()}
 
 
 def _fixed_rates(source: _Source, first: _Run) -> dict[str, float]:
