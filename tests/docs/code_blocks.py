@@ -25,7 +25,8 @@ FOLLOWED = ("Start", "Tutorials", "How-to")
 """The parts of the site's menu whose pages a reader follows with a keyboard."""
 _BLOCK = re.compile(
     r"(?:^<!-- (?P<kind>not run|run in|run by): (?P<words>[^\n]+) -->\n)?"
-    r"^(?P<indent> *)```(?P<language>[\w-]*)(?: title=\"(?P<title>[^\"\n]*)\")?\n(?P<text>.*?)^(?P=indent)```$",
+    r"^(?P<indent> *)```(?P<language>[\w-]*)(?: title=\"(?P<title>[^\"\n]*)\")?\n"
+    r"(?P<text>.*?)^(?P=indent)```$",
     re.MULTILINE | re.DOTALL,
 )
 _COMMENT = re.compile(r"(?:^|\s+)#(?: .*)?$")
@@ -100,5 +101,5 @@ def blocks_of(page: str) -> tuple[CodeBlock, ...]:
 
 
 def shell_blocks_run_of(page: str) -> tuple[CodeBlock, ...]:
-    """The shell's blocks of ``page`` that have no mark, so that ``tests/ros/test_documented_commands.py`` runs them."""
+    """The shell's blocks of ``page`` without a mark: ``tests/ros/test_documented_commands.py`` runs them."""
     return tuple(block for block in blocks_of(page) if block.language == "sh" and block.mark is None)

@@ -52,7 +52,9 @@ def test_every_block_is_run_or_marked_with_a_reason(page: str) -> None:
     # A file that the reader saves is used by the commands of its page.
     bare = [block for block in found if block.mark is None and block.title is None]
     assert [str(block) for block in bare if block.language not in RUN_BY] == []
-    short = [str(block) for block in found if block.mark is Mark.NOT_RUN and len(block.mark_words) < LEAST_REASON]
+    short = [
+        str(block) for block in found if block.mark is Mark.NOT_RUN and len(block.mark_words) < LEAST_REASON
+    ]
     assert short == []
 
 
