@@ -24,7 +24,7 @@ RUN_BY = {
     "json5": "tests/docs/test_code_blocks.py",
     "yaml": "tests/docs/test_code_blocks.py",
 }
-"""The languages whose blocks are run, or read by what reads them, without a mark; and the file that does it."""
+"""The languages of the blocks that need no mark, and the file that runs them or reads them."""
 LEAST_REASON = 12
 PROGRAM = re.compile(r"(?:^|[ (])(?:\S*/)?(?:ros2 run smarttestudo )?(testudo|smart_testudo) (.+)")
 WORDS_OF_A_SHELL = {"&", ">", "|", "&&"}

@@ -73,14 +73,15 @@ def with_link(environment: MakeEnvironment, wheel: str) -> Environment:
 
 @pytest.fixture
 def checkout_with_studio(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A checkout in which somebody did what the documentation's first page says."""
+    """A checkout in which somebody installed what the documentation's first page says."""
 
-    def follow_the_start_page(folder: Path) -> None:
+    def install(folder: Path) -> None:
         copy_checkout(folder)
         block = next(block for block in blocks_of("docs/index.md") if block.language == "sh")
-        does(["sh", "-ec", block.text], cwd=folder, variables=with_python3())
+        for line in block.commands[:-1]:
+            does(["sh", "-ec", line], cwd=folder, variables=with_python3())
 
-    return made_once(tmp_path_factory, "checkout-with-studio", follow_the_start_page)
+    return made_once(tmp_path_factory, "checkout-with-studio", install)
 
 
 @pytest.fixture

@@ -76,7 +76,7 @@ def clean_variables() -> Mapping[str, str]:
 
 
 def with_python3() -> Mapping[str, str]:
-    """The variables with which ``python3`` in a shell is the Python of the tests, and pip compiles nothing."""
+    """With these ``python3`` in a shell is the Python of the tests, and pip compiles nothing."""
     programs = Path(sys.executable).resolve().parent
     return {"PATH": f"{programs}{os.pathsep}{os.environ['PATH']}", "PIP_NO_COMPILE": "1"}
 
