@@ -34,7 +34,14 @@ RULES = """begin
     EndIf
 end
 """
-SAYS = {"run": "Relaying", "receive": "Receiving", "ruler": "http://", "top": "/odom", "echo": " Hz "}
+SAYS = {
+    "run": "Relaying",
+    "receive": "Receiving",
+    "ruler": "http://",
+    "top": "/odom",
+    "echo": " Hz ",
+    "simulate": "Driving",
+}
 """What a command that goes on until Ctrl-C says once it does what it is for."""
 ENDED_BY_CTRL_C = (0, 130)
 OPERATOR, ROBOT = (
@@ -116,6 +123,8 @@ def make_desk(factory: pytest.TempPathFactory, desk: Path) -> None:
     """The files that the pages speak of: those that they show, of the checkout, or of a reader's own."""
     for name in ("examples", "profiles", "extras"):
         shutil.copytree(ROOT / name, desk / name)
+    for block in (block for page in PAGES for block in blocks_of(page) if block.title is not None):
+        (desk / str(block.title)).write_text(block.text, encoding="utf-8")
     (desk / "rules").mkdir()
     for path in ("rules.adirf", "rules/rules.adirf"):
         (desk / path).write_text(RULES, encoding="utf-8")
