@@ -29,6 +29,7 @@ _BLOCK = re.compile(
     r"(?P<text>.*?)^(?P=indent)```$",
     re.MULTILINE | re.DOTALL,
 )
+_GOES_ON = re.compile(r" *\\\n *")
 _COMMENT = re.compile(r"(?:^|\s+)#(?: .*)?$")
 
 
@@ -57,8 +58,8 @@ class CodeBlock:
 
     @property
     def commands(self) -> tuple[str, ...]:
-        """The lines of a shell's block, without their comments."""
-        lines = (_COMMENT.sub("", line).strip() for line in self.text.splitlines())
+        """The lines of a shell's block, those that a backslash goes on as one, without comments."""
+        lines = (_COMMENT.sub("", line).strip() for line in _GOES_ON.sub(" ", self.text).splitlines())
         return tuple(line for line in lines if line)
 
 
