@@ -25,9 +25,11 @@ FOLLOWED = ("Start", "Tutorials", "How-to")
 """The parts of the site's menu whose pages a reader follows with a keyboard."""
 _BLOCK = re.compile(
     r"(?:^<!-- (?P<kind>not run|run in|run by): (?P<words>[^\n]+) -->\n)?"
-    r"^(?P<indent> *)```(?P<language>[\w-]*)(?: title=\"(?P<title>[^\"\n]*)\")?\n(?P<text>.*?)^(?P=indent)```$",
+    r"^(?P<indent> *)```(?P<language>[\w-]*)(?: title=\"(?P<title>[^\"\n]*)\")?\n"
+    r"(?P<text>.*?)^(?P=indent)```$",
     re.MULTILINE | re.DOTALL,
 )
+_GOES_ON = re.compile(r" *\\\n *")
 _COMMENT = re.compile(r"(?:^|\s+)#(?: .*)?$")
 
 
@@ -56,8 +58,8 @@ class CodeBlock:
 
     @property
     def commands(self) -> tuple[str, ...]:
-        """The lines of a shell's block, without their comments."""
-        lines = (_COMMENT.sub("", line).strip() for line in self.text.splitlines())
+        """The lines of a shell's block, those that a backslash goes on as one, without comments."""
+        lines = (_COMMENT.sub("", line).strip() for line in _GOES_ON.sub(" ", self.text).splitlines())
         return tuple(line for line in lines if line)
 
 
@@ -100,5 +102,5 @@ def blocks_of(page: str) -> tuple[CodeBlock, ...]:
 
 
 def shell_blocks_run_of(page: str) -> tuple[CodeBlock, ...]:
-    """The shell's blocks of ``page`` that have no mark, so that ``tests/ros/test_documented_commands.py`` runs them."""
+    """The shell's blocks of ``page`` without a mark: ``tests/ros/test_documented_commands.py`` runs them."""
     return tuple(block for block in blocks_of(page) if block.language == "sh" and block.mark is None)

@@ -24,7 +24,7 @@ RUN_BY = {
     "json5": "tests/docs/test_code_blocks.py",
     "yaml": "tests/docs/test_code_blocks.py",
 }
-"""The languages whose blocks are run, or read by what reads them, without a mark; and the file that does it."""
+"""The languages of the blocks that need no mark, and the file that runs them or reads them."""
 LEAST_REASON = 12
 PROGRAM = re.compile(r"(?:^|[ (])(?:\S*/)?(?:ros2 run smarttestudo )?(testudo|smart_testudo) (.+)")
 WORDS_OF_A_SHELL = {"&", ">", "|", "&&"}
@@ -52,7 +52,9 @@ def test_every_block_is_run_or_marked_with_a_reason(page: str) -> None:
     # A file that the reader saves is used by the commands of its page.
     bare = [block for block in found if block.mark is None and block.title is None]
     assert [str(block) for block in bare if block.language not in RUN_BY] == []
-    short = [str(block) for block in found if block.mark is Mark.NOT_RUN and len(block.mark_words) < LEAST_REASON]
+    short = [
+        str(block) for block in found if block.mark is Mark.NOT_RUN and len(block.mark_words) < LEAST_REASON
+    ]
     assert short == []
 
 

@@ -96,7 +96,8 @@ def agrees(shown: str, printed: str) -> bool:
 def test_commands_print_what_the_document_shows(
     document: Path, tmp_path: Path, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
-    shutil.copytree(ROOT / "examples", tmp_path / "examples")
+    for folder in ("examples", "profiles"):
+        shutil.copytree(ROOT / folder, tmp_path / folder)
     write_named_files(document, tmp_path)
     for command in commands(document):
         printed = run(command, tmp_path, tmp_path_factory)

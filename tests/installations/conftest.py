@@ -9,7 +9,17 @@ from pathlib import Path
 
 import pytest
 
-from installations.environments import ROOT, Environment, make_environment, make_wheel, ros_packages
+from docs.code_blocks import blocks_of
+from installations.environments import (
+    ROOT,
+    Environment,
+    copy_checkout,
+    does,
+    make_environment,
+    make_wheel,
+    ros_packages,
+    with_python3,
+)
 from made_once import made_once
 from ros.conftest import domain, robot
 from ros_package.conftest import installed
@@ -26,10 +36,14 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> str:
 
 
 @pytest.fixture
-def environment(tmp_path_factory: pytest.TempPathFactory, tmp_path: Path) -> MakeEnvironment:
-    """Makes environments, each once for all tests; its commands run in a folder of the test's own."""
-    desk = tmp_path / "desk"
-    shutil.copytree(ROOT / "examples", desk)
+def desk(tmp_path: Path) -> Path:
+    """A folder of the test's own, with the examples."""
+    return Path(shutil.copytree(ROOT / "examples", tmp_path / "desk"))
+
+
+@pytest.fixture
+def environment(tmp_path_factory: pytest.TempPathFactory, desk: Path) -> MakeEnvironment:
+    """Makes environments, each once for all tests; its commands run in ``desk``."""
 
     def make(name: str, *requirements: str) -> Environment:
         def fill(folder: Path) -> None:
@@ -58,8 +72,21 @@ def with_link(environment: MakeEnvironment, wheel: str) -> Environment:
 
 
 @pytest.fixture
-def with_studio(environment: MakeEnvironment, wheel: str) -> Environment:
-    return environment("studio", f"{wheel}[studio]")
+def checkout_with_studio(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A checkout in which somebody installed what the documentation's first page says."""
+
+    def install(folder: Path) -> None:
+        copy_checkout(folder)
+        block = next(block for block in blocks_of("docs/index.md") if block.language == "sh")
+        for line in block.commands[:-1]:
+            does(["sh", "-ec", line], cwd=folder, variables=with_python3())
+
+    return made_once(tmp_path_factory, "checkout-with-studio", install)
+
+
+@pytest.fixture
+def with_studio(checkout_with_studio: Path, desk: Path) -> Environment:
+    return Environment(folder=checkout_with_studio / "testudo-venv", desk=desk)
 
 
 @pytest.fixture

@@ -75,6 +75,12 @@ def clean_variables() -> Mapping[str, str]:
     return {name: value for name, value in os.environ.items() if name not in dropped}
 
 
+def with_python3() -> Mapping[str, str]:
+    """With these ``python3`` in a shell is the Python of the tests, and pip compiles nothing."""
+    programs = Path(sys.executable).resolve().parent
+    return {"PATH": f"{programs}{os.pathsep}{os.environ['PATH']}", "PIP_NO_COMPILE": "1"}
+
+
 def run(
     command: list[str], *, cwd: Path, variables: Mapping[str, str] = MappingProxyType({})
 ) -> subprocess.CompletedProcess[str]:
@@ -114,9 +120,9 @@ def make_environment(folder: Path, *requirements: str) -> None:
     does([*UV, "pip", "install", "--quiet", "--python", python, *requirements], cwd=folder)
 
 
-def does(command: list[str], *, cwd: Path) -> str:
+def does(command: list[str], *, cwd: Path, variables: Mapping[str, str] = MappingProxyType({})) -> str:
     """What a command prints, which must succeed."""
-    done = run(command, cwd=cwd)
+    done = run(command, cwd=cwd, variables=variables)
     assert done.returncode == 0, f"{command}: {done.stdout}{done.stderr}"
     return done.stdout
 

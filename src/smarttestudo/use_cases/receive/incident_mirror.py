@@ -101,7 +101,7 @@ class IncidentMirror:
             if robot not in self._incidents.robots(0):
                 return
             self._rests[robot, name] = _AGAIN_AFTER_LOOKS
-            sentence = f"{robot} {name}: {said(error)}"
+            sentence = f"{f'{robot} {name}'.rstrip()}: {said(error)}"
             if sentence not in self._warned:
                 self._warned.add(sentence)
                 self._warn(sentence)
