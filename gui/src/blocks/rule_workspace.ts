@@ -148,8 +148,24 @@ export class RuleWorkspace {
     const { first, count } = this.part;
     const isApart = part.first >= first + count || first >= part.first + part.count;
     if (isApart) this.column.restart(top + (offsets[part.first] ?? 0));
+    const focused = this.focusedAt();
+    if (focused >= 0 && (focused < part.first || focused >= part.first + part.count)) this.letGoOfFocus();
     this.part = part;
     this.showPart(printOf, true);
+  }
+
+  /** The number of the statement whose block has the focus. */
+  private focusedAt(): number {
+    const node = Blockly.getFocusManager().getFocusedNode();
+    const block = node instanceof Blockly.Field ? node.getSourceBlock() : node;
+    const statement = block instanceof Blockly.BlockSvg ? statementOf(block) : null;
+    const at = this.slots.findIndex((slot) => slot.block === statement);
+    return at < 0 ? -1 : this.part.first + at;
+  }
+
+  /** Blockly gives the focus of a block that goes to a neighbour, a little later, and scrolls there. */
+  private letGoOfFocus(): void {
+    Blockly.getFocusManager().focusNode(this.workspace);
   }
 
   private offsets(): number[] {
@@ -185,6 +201,8 @@ export class RuleWorkspace {
 
   private showPart(print: Print = printOf, isMoved = false): void {
     const statements = inPart(this.statements(), this.part);
+    // Between two parts there is less to scroll over, which must not move the view. The column allows it again.
+    this.workspace.setResizesEnabled(false);
     this.quietly(() => {
       const reused = this.reuse(statements, print);
       const old = new Set(this.slots.map((slot) => slot.block));
@@ -258,13 +276,20 @@ export class RuleWorkspace {
     return this.slots[index - this.part.first]?.block ?? null;
   }
 
-  /** Shows the block of the statement with this number unfolded, and puts the focus on it. */
-  async goToBlock(index: number): Promise<void> {
+  /** Unfolds the rule with this number, and puts the focus on it. */
+  async unfold(index: number): Promise<void> {
+    if (!(await this.settled())) return;
     const statement = this.placed[index]?.statement;
-    if (statement === undefined || !(await this.settled())) return;
+    if (statement === undefined) return;
     this.owner.folds.set(statement, false);
+    if (this.blockAt(index)) this.showPart();
+    this.goToBlock(index);
+    this.lookSoon();
+  }
+
+  /** Puts the focus on the block of the statement with this number, drawing it first. */
+  private goToBlock(index: number): void {
     if (!this.blockAt(index)) this.goTo(index);
-    else this.showPart();
     const block = this.blockAt(index);
     if (!block || block.isDisposed()) return;
     Blockly.getFocusManager().focusNode(block);
@@ -284,6 +309,7 @@ export class RuleWorkspace {
     // What is not in the text yet would be lost.
     if (at < 0 || statement === undefined || "missing" in (saidBy(block) ?? {})) return;
     this.owner.folds.set(statement, block.type !== FOLDED);
+    this.letGoOfFocus();
     this.showPart();
     const shown = this.slots[at]?.block;
     if (shown) Blockly.getFocusManager().focusNode(shown.getField("FOLD") ?? shown);
@@ -296,6 +322,7 @@ export class RuleWorkspace {
     const view = this.workspace.getMetricsManager().getViewMetrics(true);
     const at = this.slots.findIndex(({ block }) => block.getRelativeToSurfaceXY().y + block.height > view.top);
     const index = this.part.first + Math.max(at, 0);
+    if (this.focusedAt() >= 0) this.letGoOfFocus();
     this.owner.folds.setAll(isFolded);
     this.part = partAround(index, this.placed.length);
     this.column.restart(GAP + (this.offsets()[this.part.first] ?? 0));
@@ -318,7 +345,7 @@ export class RuleWorkspace {
       done = isKnown ? actedOn(all, at, act) : null;
       return done === null ? [] : [done.edit];
     });
-    if (done !== null && !this.left) await this.goToBlock((done as ActedOn).at);
+    if (done !== null && !this.left) this.goToBlock((done as ActedOn).at);
   }
 
   setReadOnly(readOnly: boolean): void {
@@ -335,6 +362,10 @@ export class RuleWorkspace {
 
   /** Puts a new block where the text will have it, and opens its first field. */
   add(state: Blockly.serialization.blocks.State): void {
+    const statements = this.statements();
+    const rule = statements.findIndex(({ kind }) => kind === "rule");
+    const beside = state.type === "adirf_rule" || rule < 0 ? statements.length - 1 : rule;
+    if (!this.blockAt(beside)) this.goTo(beside);
     const block = Blockly.serialization.blocks.append(state, this.workspace) as Blockly.BlockSvg;
     this.column.add(block);
     this.column.bringIntoView(block);

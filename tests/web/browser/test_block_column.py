@@ -18,7 +18,7 @@ from web.browser.ruler_page import GRIP_PX, RulerPage
 
 EDITS = 200
 MOST_STATEMENTS = 24
-"""Above this many the walk rather removes: pages of blocks begin at 40."""
+"""Above this many the walk rather removes: from 40 on a part of them is blocks."""
 CANVAS = ".blocklySvg > .blocklyWorkspace > .blocklyBlockCanvas"
 STACKS = """() => [...document.querySelectorAll('CANVAS > .blocklyDraggable')].map(root => {
     const edge = element => element.getBoundingClientRect();
@@ -34,7 +34,7 @@ STACKS = """() => [...document.querySelectorAll('CANVAS > .blocklyDraggable')].m
         const checks = topics(root, 'check');
         return checks.length && actions > (hasElse ? 1 : 0) ? checks[0] : '?';
     };
-    const isRule = root.classList.contains('adirf_rule');
+    const isRule = root.matches('.adirf_rule, .adirf_folded');
     const isDefault = root.matches('.adirf_set, .adirf_within, .adirf_keep');
     return {
         top: Math.min(...boxes.map(({top}) => top)),
@@ -45,7 +45,7 @@ STACKS = """() => [...document.querySelectorAll('CANVAS > .blocklyDraggable')].m
 }).sort((one, other) => one.top - other.top)""".replace("CANVAS", CANVAS)
 """What stands on the canvas, from above: its extent on the screen, and the first topic of each statement.
 
-A rule that lacks a part says ``?``: the text has what it said before. A check alone says nothing.
+A rule that lacks a part says ``?``: the text has what it said before. So does one that is folded to a line. A check alone says nothing.
 """
 TEXT_SAYS = """() => {
     const text = document.querySelector('.cm-content').cmTile.view.state.doc.toString();
@@ -190,6 +190,9 @@ class _Walk:
             self.drag,
             self.drag,
             self.pull,
+            self.fold,
+            self.fold,
+            self.fold_all,
         ]
 
     def step(self) -> None:
@@ -221,6 +224,21 @@ class _Walk:
 
     def move(self) -> None:
         self.press(self.chance.choice(["Move this rule up", "Move this rule down", "Duplicate this rule"]))
+
+    def fold(self) -> None:
+        """Fold one rule to a line, or unfold it."""
+        self.press(self.chance.choice(["Fold this rule", "Unfold "]))
+
+    def fold_all(self) -> None:
+        self.ruler.page.mouse.click(*self.ground(), button="right")
+        name = self.chance.choice(["Fold all", "Unfold all"])
+        self.ruler.page.get_by_role("menuitem", name=name, exact=True).click()
+
+    def ground(self) -> tuple[float, float]:
+        """A place beside all blocks."""
+        host = self.ruler.blocks.locator(".blocks-host").bounding_box()
+        assert host is not None
+        return host["x"] + host["width"] - 60, host["y"] + 8
 
     def undo(self) -> None:
         self.press_tool("Undo")

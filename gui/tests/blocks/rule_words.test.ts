@@ -1,0 +1,15 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import { expect, test } from "vitest";
+import type { RuleStatement, SetStatement } from "../../src/api/types";
+import { ruleSets } from "../../src/blocks/rule_words";
+
+const set = (topic: string, value: number): SetStatement => ({ kind: "set", topic, rate: { kind: "hz", value } });
+const rule = (then: SetStatement[], otherwise: SetStatement[] = []) =>
+  ({ kind: "rule", then, else: otherwise }) as unknown as RuleStatement;
+
+test("what a rule sets is said in the room that there is", () => {
+  expect(ruleSets(rule([set("/a", 1)], [set("/a", 2)]), 40)).toBe("/a 1 Hz, else /a 2 Hz");
+  expect(ruleSets(rule([set("/a", 1), set("/b", 2), set("/c", 3)]), 18)).toBe("/a 1 Hz, /b 2 Hz and 1 more");
+  expect(ruleSets(rule([set("/a/very/long/topic", 1), set("/b", 2)]), 8)).toBe("/a/very… and 1 more");
+});
