@@ -141,7 +141,7 @@ function openWorkspace(
         return editsOf(document);
       }),
     leftOut: (count) => (editor.blocksLeftOut = count),
-    ahead: (isAhead) => editor.setAhead(workspace, isAhead),
+    ahead: (isAhead) => editor.ahead.tell(workspace, isAhead),
     showAgain: show,
     folds: editor.folds,
     selected: (id) => {

@@ -29,6 +29,7 @@ STACKS = """() => [...document.querySelectorAll('CANVAS > .blocklyDraggable')].m
     const topics = (part, use) => fromAbove(part.querySelectorAll(`[aria-label^="Edit topic to ${use}"]`))
         .map(field => field.getAttribute('aria-label').split(': ')[1]);
     const rule = () => {
+        if (root.matches('.adirf_folded')) return root.textContent.match(/if\\s(\\S+)/)[1];
         const actions = root.querySelectorAll('.adirf_set, .adirf_within, .adirf_record').length;
         const hasElse = root.querySelector('[aria-label="Remove ELSE"]') !== null;
         const checks = topics(root, 'check');
@@ -45,7 +46,7 @@ STACKS = """() => [...document.querySelectorAll('CANVAS > .blocklyDraggable')].m
 }).sort((one, other) => one.top - other.top)""".replace("CANVAS", CANVAS)
 """What stands on the canvas, from above: its extent on the screen, and the first topic of each statement.
 
-A rule that lacks a part says ``?``: the text has what it said before. So does one that is folded to a line. A check alone says nothing.
+A rule that lacks a part says ``?``: the text has what it said before. A check alone says nothing.
 """
 TEXT_SAYS = """() => {
     const text = document.querySelector('.cm-content').cmTile.view.state.doc.toString();
