@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import type { Action, RuleStatement } from "../api/types";
+import { checksOf } from "./live_states";
 import { rateText } from "./rate_text";
 
 /** What an action does, in the fewest words. */
@@ -15,8 +16,12 @@ export function actionWords(action: Action): string {
   }
 }
 
-export function ruleName({ name, label, line }: RuleStatement): string {
-  return name ?? label ?? `rule in line ${line ?? ""}`;
+/** What a rule is called, or when it holds. */
+export function ruleName({ name, condition }: RuleStatement): string {
+  if (name) return name;
+  const [first, ...others] = checksOf(condition);
+  const words = first ? `if ${first.topic} ${first.property} ${first.op} ${first.value}` : "if";
+  return others.length > 0 ? `${words} …` : words;
 }
 
 /** What a rule sets, in at most about so many letters. */

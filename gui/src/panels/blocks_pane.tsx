@@ -34,7 +34,7 @@ export function BlocksPane(props: { editor: RuleEditor; robotRules: RobotRules; 
   const isReadOnly = editor.isBroken.value || editor.shown.value === null;
   const errors = editor.errors.value.length;
   const isMany = isLong(editor);
-  const go = (index: number) => void workspace.current?.goToBlock(index);
+  const go = (index: number) => void workspace.current?.unfold(index);
   const isEmpty = editor.shown.value?.document.collections.every((each) => each.statements.length === 0) ?? true;
   return (
     <section class={isBehind ? "pane blocks behind" : "pane blocks"} aria-label="Blocks">
@@ -79,7 +79,11 @@ export function BlocksPane(props: { editor: RuleEditor; robotRules: RobotRules; 
         {isMany && hasOutline.value && (
           <RuleOutline
             {...{ editor, robotRules }}
-            onGo={go}
+            onGo={(index) => {
+              // On a narrow page it covers the blocks.
+              if (matchMedia(NARROW).matches) hasOutline.value = false;
+              go(index);
+            }}
             onFoldAll={(isFolded) => void workspace.current?.foldAll(isFolded)}
           />
         )}
@@ -137,7 +141,7 @@ function openWorkspace(
         return editsOf(document);
       }),
     leftOut: (count) => (editor.blocksLeftOut = count),
-    ahead: (isAhead) => editor.setAhead(workspace, isAhead),
+    ahead: (isAhead) => editor.ahead.tell(workspace, isAhead),
     showAgain: show,
     folds: editor.folds,
     selected: (id) => {

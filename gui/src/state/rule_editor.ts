@@ -19,6 +19,7 @@ import { Folds } from "./folds";
 import { History } from "./history";
 import { layoutName, type MapSetting, PLAIN_GRID, readLayout, sideFileOf, writeLayout } from "./layout";
 import { Words } from "./words";
+import { WorkAhead } from "./work_ahead";
 
 const CHECK_AFTER_MS = 150;
 const CHECK_WITHIN_MS = 1000;
@@ -56,14 +57,13 @@ export class RuleEditor implements Contested {
     hash: null,
     map: PLAIN_GRID,
   });
-  /** Those who have something that is on its way into the text, such as the blocks that are shown or were left. */
-  private readonly ahead = signal<ReadonlySet<object>>(new Set());
+  readonly ahead = new WorkAhead();
   /** Whether the file holds the text, and its side file the map. */
   readonly isInFile = computed(
     () => this.text.value === this.saved.value.text && this.map.value === this.saved.value.map,
   );
   /** Whether the file holds all that the page shows. */
-  readonly isSaved = computed(() => this.isInFile.value && this.ahead.value.size === 0);
+  readonly isSaved = computed(() => this.isInFile.value && !this.ahead.isAny.value);
   /** What the file says. */
   readonly savedText = computed(() => this.saved.value.text);
   readonly isTextSaved = computed(() => this.text.value === this.savedText.value);
@@ -377,13 +377,6 @@ export class RuleEditor implements Contested {
   private withoutBlocks(): string {
     const blocks = this.blocksLeftOut === 1 ? "1 block that is" : `${this.blocksLeftOut} blocks that are`;
     return this.blocksLeftOut === 0 ? "" : ` without ${blocks} not in the text`;
-  }
-
-  /** Tells whether `who` has something that is not in the text yet. */
-  setAhead(who: object, isAhead: boolean): void {
-    const ahead = this.ahead.peek();
-    if (ahead.has(who) === isAhead) return;
-    this.ahead.value = new Set(isAhead ? [...ahead, who] : [...ahead].filter((each) => each !== who));
   }
 
   private accept(document: RuleDocument, text: string): void {

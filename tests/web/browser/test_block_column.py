@@ -18,7 +18,7 @@ from web.browser.ruler_page import GRIP_PX, RulerPage
 
 EDITS = 200
 MOST_STATEMENTS = 24
-"""Above this many the walk rather removes: pages of blocks begin at 40."""
+"""Above this many the walk rather removes: from 40 on a part of them is blocks."""
 CANVAS = ".blocklySvg > .blocklyWorkspace > .blocklyBlockCanvas"
 STACKS = """() => [...document.querySelectorAll('CANVAS > .blocklyDraggable')].map(root => {
     const edge = element => element.getBoundingClientRect();
@@ -29,12 +29,13 @@ STACKS = """() => [...document.querySelectorAll('CANVAS > .blocklyDraggable')].m
     const topics = (part, use) => fromAbove(part.querySelectorAll(`[aria-label^="Edit topic to ${use}"]`))
         .map(field => field.getAttribute('aria-label').split(': ')[1]);
     const rule = () => {
+        if (root.matches('.adirf_folded')) return root.textContent.match(/if\\s(\\S+)/)[1];
         const actions = root.querySelectorAll('.adirf_set, .adirf_within, .adirf_record').length;
         const hasElse = root.querySelector('[aria-label="Remove ELSE"]') !== null;
         const checks = topics(root, 'check');
         return checks.length && actions > (hasElse ? 1 : 0) ? checks[0] : '?';
     };
-    const isRule = root.classList.contains('adirf_rule');
+    const isRule = root.matches('.adirf_rule, .adirf_folded');
     const isDefault = root.matches('.adirf_set, .adirf_within, .adirf_keep');
     return {
         top: Math.min(...boxes.map(({top}) => top)),
@@ -190,6 +191,9 @@ class _Walk:
             self.drag,
             self.drag,
             self.pull,
+            self.fold,
+            self.fold,
+            self.fold_all,
         ]
 
     def step(self) -> None:
@@ -221,6 +225,21 @@ class _Walk:
 
     def move(self) -> None:
         self.press(self.chance.choice(["Move this rule up", "Move this rule down", "Duplicate this rule"]))
+
+    def fold(self) -> None:
+        """Fold one rule to a line, or unfold it."""
+        self.press(self.chance.choice(["Fold this rule", "Unfold "]))
+
+    def fold_all(self) -> None:
+        self.ruler.page.mouse.click(*self.ground(), button="right")
+        name = self.chance.choice(["Fold all", "Unfold all"])
+        self.ruler.page.get_by_role("menuitem", name=name, exact=True).click()
+
+    def ground(self) -> tuple[float, float]:
+        """A place beside all blocks."""
+        host = self.ruler.blocks.locator(".blocks-host").bounding_box()
+        assert host is not None
+        return host["x"] + host["width"] - 60, host["y"] + 8
 
     def undo(self) -> None:
         self.press_tool("Undo")

@@ -30,7 +30,7 @@ def many(ruler: RulerPage, project: Path) -> RulerPage:
     (project / "many.adirf").write_text(f"begin\n{''.join(map(rule, range(COUNT)))}end\n")
     ruler.home()
     ruler.open("many.adirf")
-    ruler.field("Edit name of the rule: Aisle 19")
+    ruler.field("Unfold Aisle 1")
     return ruler
 
 

@@ -1,0 +1,200 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import * as Blockly from "blockly/core";
+import type { RuleDocument, Statement } from "../api/types";
+import type { Folds } from "../state/folds";
+import { showRawText } from "./block_types";
+import { type Column, GAP, HEADING } from "./column";
+import type { Suggestions } from "./fields";
+import { FOLDED } from "./folded_type";
+import { showJoins } from "./joins";
+import { fingerprint, toBlock } from "./model";
+import { covers, follow, inPart, type Part, partAround, partAt } from "./part";
+import { Rows } from "./rows";
+import { newSlot, printOf, type Slot, statementOf } from "./slots";
+
+type Print = (slot: Slot) => string | null;
+
+/** The statements of a document, those of them that are blocks now, and where those stand. */
+export class DrawnPart {
+  slots: Slot[] = [];
+  document: RuleDocument | null = null;
+  all: readonly Statement[] = [];
+  sections: ReadonlyMap<number, string> = new Map();
+  private part: Part = { first: 0, count: 0, total: 0 };
+  private readonly rows: Rows;
+
+  constructor(
+    private readonly workspace: Blockly.WorkspaceSvg,
+    private readonly column: Column,
+    private readonly owner: { folds: Folds; suggestions: Suggestions },
+    private readonly drawn: () => void,
+  ) {
+    this.rows = new Rows((statement) => owner.folds.isFolded(statement));
+  }
+
+  /** The number of the first statement that is a block. */
+  get first(): number {
+    return this.part.first;
+  }
+
+  /** The statements that are blocks. */
+  get statements(): Statement[] {
+    return inPart(this.all, this.part);
+  }
+
+  blockAt(index: number): Blockly.BlockSvg | null {
+    return this.slots[index - this.first]?.block ?? null;
+  }
+
+  /** What the statement with this number means in the text. */
+  printAt(index: number): string | undefined {
+    return this.slots[index - this.first]?.print;
+  }
+
+  /** The number of the statement that a block is; -1 where it is none. */
+  numberOf(block: Blockly.BlockSvg | null): number {
+    const at = this.slots.findIndex((slot) => slot.block === block);
+    return at < 0 ? -1 : this.first + at;
+  }
+
+  /** Draws a document; blocks whose `print` a statement has are those of the statement. */
+  take(document: RuleDocument, sections: ReadonlyMap<number, string>, print: Print): void {
+    const before = this.all;
+    const all = document.collections.flatMap(({ statements }) => statements);
+    const keys = (statements: readonly Statement[]) => statements.map(({ key = "" }) => key);
+    this.owner.folds.follow(before, all);
+    this.part = follow(this.part, keys(before), keys(all));
+    this.document = document;
+    this.all = all;
+    this.sections = sections;
+    if (before.length === 0) this.column.restart(this.begin);
+    this.draw(print);
+  }
+
+  /** Draws the part around the statement with this number, unless its block is there. */
+  include(index: number): void {
+    if (!this.blockAt(index)) this.move(partAround(index, this.all.length));
+  }
+
+  /** Draws what came near the view. */
+  look(): void {
+    const { top: viewTop, height } = this.view;
+    const offsets = this.offsets();
+    const top = viewTop - this.column.top;
+    const bottom = top + height;
+    if (covers(this.part, partAt(offsets, top, bottom))) return;
+    this.move(partAt(offsets, top - height / 2, bottom + height / 2));
+  }
+
+  /** Draws all anew after other rules are folded; returns the block that was the first in view. */
+  restart(): Blockly.BlockSvg | null {
+    const { top } = this.view;
+    const at = this.slots.findIndex(({ block }) => block.getRelativeToSurfaceXY().y + block.height > top);
+    const index = this.first + Math.max(at, 0);
+    if (this.focusedAt() >= 0) this.letGoOfFocus();
+    this.part = partAround(index, this.all.length);
+    this.column.restart(this.begin + (this.offsets()[this.first] ?? 0));
+    this.draw();
+    return this.blockAt(index);
+  }
+
+  draw(print: Print = printOf, isMoved = false): void {
+    const { statements } = this;
+    // Between two parts there is less to scroll over, which must not move the view. The column allows it again.
+    this.workspace.setResizesEnabled(false);
+    quietly(() => {
+      const reused = this.reuse(statements, print);
+      const old = new Set(this.slots.map((slot) => slot.block));
+      for (const block of reused) if (block) old.delete(block);
+      for (const block of old) if (!block.isDisposed()) block.dispose(true);
+      this.slots = statements.map((statement, index) => newSlot(reused[index] ?? this.create(statement), statement));
+      showJoins(this.workspace, this.owner.suggestions);
+    });
+    this.arrange(isMoved);
+    this.rows.measure(statements, this.slots);
+    this.drawn();
+  }
+
+  /** Blockly gives the focus of a block that goes to a neighbour, a little later, and scrolls there. */
+  letGoOfFocus(): void {
+    Blockly.getFocusManager().focusNode(this.workspace);
+  }
+
+  private get view(): { top: number; height: number } {
+    return this.workspace.getMetricsManager().getViewMetrics(true);
+  }
+
+  private get begin(): number {
+    return GAP + (this.sections.has(0) ? HEADING : 0);
+  }
+
+  /** Draws another part of the text; what both have stays where it is. */
+  private move(part: Part): void {
+    const { first, count } = this.part;
+    const end = part.first + part.count;
+    const isApart = part.first >= first + count || first >= end;
+    if (isApart) this.column.restart(this.column.top + (this.offsets()[part.first] ?? 0));
+    const focused = this.focusedAt();
+    if (focused >= 0 && (focused < part.first || focused >= end)) this.letGoOfFocus();
+    this.part = part;
+    this.draw(printOf, true);
+  }
+
+  /** The number of the statement whose block has the focus. */
+  private focusedAt(): number {
+    const node = Blockly.getFocusManager().getFocusedNode();
+    const block = node instanceof Blockly.Field ? node.getSourceBlock() : node;
+    return this.numberOf(block instanceof Blockly.BlockSvg ? statementOf(block) : null);
+  }
+
+  private offsets(): number[] {
+    return this.rows.offsets(this.all, this.sections);
+  }
+
+  private arrange(isMoved: boolean): void {
+    const { first, count } = this.part;
+    const offsets = this.offsets();
+    const at = (index: number) => offsets[index] ?? 0;
+    const blocks = this.slots.map(({ block }) => block);
+    const headings = new Map<Blockly.BlockSvg, string>();
+    blocks.forEach((block, index) => {
+      const words = this.sections.get(first + index);
+      if (words !== undefined) headings.set(block, words);
+    });
+    const below = at(this.all.length) - at(first + count);
+    this.column.follow(blocks, { above: at(first), below, headings }, isMoved);
+  }
+
+  /** For each statement the block that shows it already. */
+  private reuse(statements: Statement[], print: Print): (Blockly.BlockSvg | null)[] {
+    const free = new Map<string, Blockly.BlockSvg[]>();
+    for (const slot of this.slots) {
+      const said = print(slot);
+      if (said !== null) free.set(said, [...(free.get(said) ?? []), slot.block]);
+    }
+    return statements.map((statement) => {
+      const isFolded = this.owner.folds.isFolded(statement);
+      const equal = free.get(fingerprint(statement)) ?? [];
+      const at = equal.findIndex(({ type }) => (type === FOLDED) === isFolded);
+      return at < 0 ? null : (equal.splice(at, 1)[0] ?? null);
+    });
+  }
+
+  private create(statement: Statement): Blockly.BlockSvg {
+    const state = toBlock(statement, this.owner.folds.isFolded(statement));
+    const block = Blockly.serialization.blocks.append(state, this.workspace) as Blockly.BlockSvg;
+    if (statement.kind === "raw") showRawText(block, statement.text);
+    return block;
+  }
+}
+
+/** Does something that Blockly tells nobody of. */
+export function quietly(work: () => void): void {
+  Blockly.Events.disable();
+  try {
+    work();
+  } finally {
+    Blockly.Events.enable();
+  }
+}

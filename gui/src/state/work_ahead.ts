@@ -1,0 +1,15 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import { computed, signal } from "@preact/signals";
+
+/** Who has something that is on its way into a text, such as the blocks that are shown, or that were left. */
+export class WorkAhead {
+  private readonly those = signal<ReadonlySet<object>>(new Set());
+  readonly isAny = computed(() => this.those.value.size > 0);
+
+  tell(who: object, isAhead: boolean): void {
+    const those = this.those.peek();
+    if (those.has(who) === isAhead) return;
+    this.those.value = new Set(isAhead ? [...those, who] : [...those].filter((each) => each !== who));
+  }
+}
