@@ -131,7 +131,9 @@ def test_a_try_goes_on_while_another_page_is_looked_at(ruler: RulerPage) -> None
 
 
 def test_gain_and_loss_stand_on_one_line_and_messages_are_sentences(ruler: RulerPage, project: Path) -> None:
-    (project / "few.adirf").write_text("begin\n    SetFrequency /image 1\n    SetFrequency /scan Marginal\nend\n")
+    (project / "few.adirf").write_text(
+        "begin\n    SetFrequency /image 1\n    SetFrequency /scan Marginal\nend\n"
+    )
     ruler.home()
     ruler.open("few.adirf")
     expect(ruler.page.get_by_text("1 finding", exact=True)).to_have_count(1)
