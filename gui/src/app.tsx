@@ -13,18 +13,20 @@ import { OpenEditors } from "./state/open_editors";
 import { OpenTabs } from "./state/open_tabs";
 import { TourOffer } from "./tour/tour_offer";
 import { KeepingBar } from "./ui/keeping_bar";
+import { later } from "./ui/later";
 import { Notice } from "./ui/notice";
 import { useRobot } from "./ui/robot_state";
 import { ServerGone, useReturn } from "./ui/server_gone";
 
 // The heavy parts (Blockly, CodeMirror, plots) load with the page that needs them.
-const LAZY: Record<Exclude<Route["page"], "home">, () => Promise<ComponentType<PageProps>>> = {
-  rules: async () => (await import("./pages/editor")).EditorPage,
-  topics: async () => (await import("./pages/topics")).TopicsPage,
-  help: async () => (await import("./pages/help")).HelpPage,
-  tour: async () => (await import("./tour/tour_page")).TourPage,
-  robots: async () => (await import("./pages/robots")).RobotsPage,
-  incidents: async () => (await import("./pages/incidents")).IncidentsPage,
+const PAGES: Record<Route["page"], ComponentType<PageProps>> = {
+  home: HomePage,
+  rules: later(async () => (await import("./pages/editor")).EditorPage),
+  topics: later(async () => (await import("./pages/topics")).TopicsPage),
+  help: later(async () => (await import("./pages/help")).HelpPage),
+  tour: later(async () => (await import("./tour/tour_page")).TourPage),
+  robots: later(async () => (await import("./pages/robots")).RobotsPage),
+  incidents: later(async () => (await import("./pages/incidents")).IncidentsPage),
 };
 
 export function App({ api }: { api: Api }) {
@@ -56,25 +58,16 @@ export function App({ api }: { api: Api }) {
   if (project === null || editors === null) return <p class="quiet center">Opening the project …</p>;
   const props = { ...route, api, project, refresh, editors, keepings };
   // What these pages show is all the server's: they begin anew with it.
-  const anew = route.page === "rules" || route.page === "topics" ? 0 : returns.value;
+  const anew = ["home", "rules", "topics"].includes(route.page) ? 0 : returns.value;
+  const Page = PAGES[route.page];
   return (
     <>
       <ServerGone />
       <KeepingBar keepings={keepings} />
-      {route.page === "home" ? (
-        <HomePage {...props} />
-      ) : (
-        <LazyPage key={`${root} ${anew} ${route.page} ${route.name}`} load={LAZY[route.page]} props={props} />
-      )}
+      <Page key={`${root} ${anew} ${route.page} ${route.name}`} {...props} />
       <TourOffer route={route} />
     </>
   );
-}
-
-function LazyPage({ load, props }: { load: () => Promise<ComponentType<PageProps>>; props: PageProps }) {
-  const [page, setPage] = useState<{ Page: ComponentType<PageProps> } | null>(null);
-  useEffect(() => void load().then((Page) => setPage({ Page })), []);
-  return page ? <page.Page {...props} /> : <p class="quiet center">Loading …</p>;
 }
 
 /** The files of a project, with drafts in this browser. */

@@ -43,7 +43,7 @@ class CheckCourseRequest(Struct, frozen=True, kw_only=True):
     """
 
     bag: str
-    condition: CheckCondition | TimedCondition
+    condition: Condition
     profile_text: str | None = None
     run: str = ""
 
@@ -77,7 +77,7 @@ def check_course_order(request: CheckCourseRequest, bag: Path) -> CheckCourseOrd
     Raises:
         EditError: the condition cannot be written.
         RefusedTextError: it has errors.
-        UsageError: more than one check is asked about.
+        UsageError: it is no check, nor a ``For`` or ``Within`` on one.
     """
     check = _check_in(request.condition)
     conditions = [check] if request.condition is check else [check, request.condition]
