@@ -57,6 +57,7 @@ def test_the_values_are_those_of_the_recording_and_few(page: Page) -> None:
     ]
     assert len(course["least"]) + len(course["greatest"]) <= 2000
     assert all(least <= greatest for least, greatest in known)
+    assert len(known) == len(course["least"]), "a value holds until the next one"
     assert known == sorted(known)
     assert known[0][0] == pytest.approx(0, abs=0.1)
     assert known[-1][1] == pytest.approx(8, abs=0.1)

@@ -149,6 +149,8 @@ class _ValueWatch:
         self.greatest: list[float | None] = [None] * count
         self._loop: RelayLoop | None = None
         self._due_ns = start_ns
+        self._bin = 0
+        self._value: float | None = None
 
     def arrived(self, _channel: Channel, stamp_ns: int, _payload: bytes) -> None:
         """Time passed: a value may have aged, or be unknown by now."""
@@ -158,10 +160,15 @@ class _ValueWatch:
     def stepped(self, now_ns: int, loop: RelayLoop) -> None:
         """Look what the value is; it was that one in all bins since the last look."""
         self._loop = loop
-        value = self._read(loop, now_ns)
-        bin_ = min((now_ns - self._start_ns) // self.width_ns, len(self.least) - 1)
+        bin_ = max(min((now_ns - self._start_ns) // self.width_ns, len(self.least) - 1), 0)
+        for held in range(self._bin, bin_ + 1):
+            self._add(held, self._value)
+        self._bin, self._value = bin_, self._read(loop, now_ns)
+        self._add(bin_, self._value)
         self._due_ns = self._start_ns + (bin_ + 1) * self.width_ns
-        if value is None or bin_ < 0:
+
+    def _add(self, bin_: int, value: float | None) -> None:
+        if value is None:
             return
         least, greatest = self.least[bin_], self.greatest[bin_]
         self.least[bin_] = value if least is None else min(least, value)
