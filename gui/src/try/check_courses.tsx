@@ -79,7 +79,12 @@ function CourseOfCheck({ editor, api, trial, one }: Props & { one: WrittenCheck 
       <CourseChart {...{ trial, one, course, value }} />
       <div class="truth-bars" aria-busy={state.kind === "running"}>
         <TruthBar turns={course.condition.turns} timeline={trial} label="The condition" />
-        {condition.kind === "timed" && <TruthBar turns={course.check.turns} timeline={trial} label="The check alone" />}
+        {condition.kind === "timed" && (
+          <>
+            <span>The check without its time:</span>
+            <TruthBar turns={course.check.turns} timeline={trial} label="The check without its time" />
+          </>
+        )}
       </div>
       {state.kind === "failed" ? (
         <WorkProgress work={work} doing="" />

@@ -8,6 +8,8 @@ import { watchSize, watchTheme } from "../ui/watch";
 import { drawThreshold } from "./threshold_line";
 
 const HEIGHT_PX = 104;
+/** A line that is dragged needs more room. */
+const DRAGGED_HEIGHT_PX = 180;
 /** How much higher a chart is than what it shows. */
 const ROOM = 1.08;
 type Values = readonly (number | null)[];
@@ -37,13 +39,17 @@ export function openStrip(host: HTMLElement, timeline: Timeline, lines: StripLin
     follow = drawMarks(plot, timeline, lines);
   };
   const stops = [
-    watchSize(host, () => plot.setSize({ width: host.clientWidth, height: HEIGHT_PX })),
+    watchSize(host, () => plot.setSize({ width: host.clientWidth, height: heightOf(lines) })),
     watchTheme(again),
   ];
   return () => {
     for (const stop of stops) stop();
     close();
   };
+}
+
+function heightOf({ threshold }: StripLines): number {
+  return threshold ? DRAGGED_HEIGHT_PX : HEIGHT_PX;
 }
 
 function drawMarks(plot: uPlot, timeline: Timeline, { threshold }: StripLines): () => void {
@@ -83,7 +89,7 @@ function draw(host: HTMLElement, timeline: Timeline, lines: StripLines): uPlot {
   return new uPlot(
     {
       width: host.clientWidth,
-      height: HEIGHT_PX,
+      height: heightOf(lines),
       cursor: { sync: { key: "try" }, drag: { x: false, y: false }, y: false, points: { show: false } },
       scales: {
         x: { time: false, range: [-zeroS, timeline.durationS - zeroS] },

@@ -167,9 +167,13 @@ def test_a_threshold_that_is_dragged_says_when_it_would_have_held(ruler: RulerPa
     ruler.page.mouse.down()
     ruler.page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
     ruler.page.mouse.up()
-    expect(why.get_by_role("status")).to_have_text(re.compile(r"^> (3\.9|4).*: Holds for (3\.9|4).* s of 7\.96 s"))
+    expect(why.get_by_role("status")).to_have_text(
+        re.compile(r"^> (3\.9|4).*: Holds for (3\.9|4).* s of 7\.96 s")
+    )
     line.press("PageUp")
-    expect(why.get_by_role("status")).to_have_text(re.compile(r"^> [45]\S*: Holds for [23]\.\d+ s of 7\.96 s"))
+    expect(why.get_by_role("status")).to_have_text(
+        re.compile(r"^> [45]\S*: Holds for [23]\.\d+ s of 7\.96 s")
+    )
 
     # The bar of the condition moves the one time, as the charts do.
     _press_at(why.get_by_role("img", name=re.compile("^The condition: ")), 0.5)
