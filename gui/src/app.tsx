@@ -5,26 +5,28 @@ import { useEffect, useMemo, useState } from "preact/hooks";
 import { type Api, ApiError } from "./api/client";
 import type { Project } from "./api/types";
 import { HomePage } from "./pages/home";
+import { KnownFile } from "./pages/known_file";
 import type { PageProps } from "./pages/page_props";
-import { href, NEW_PROFILE, type Route, readRoute, toRoute } from "./route";
+import { type Route, readRoute, toRoute } from "./route";
 import { browserStorage, Drafts } from "./state/drafts";
 import { Keepings } from "./state/keepings";
 import { OpenEditors } from "./state/open_editors";
 import { OpenTabs } from "./state/open_tabs";
 import { TourOffer } from "./tour/tour_offer";
 import { KeepingBar } from "./ui/keeping_bar";
+import { later } from "./ui/later";
 import { Notice } from "./ui/notice";
 import { useRobot } from "./ui/robot_state";
 import { ServerGone, useReturn } from "./ui/server_gone";
 
 // The heavy parts (Blockly, CodeMirror, plots) load with the page that needs them.
-const LAZY: Record<Exclude<Route["page"], "home">, () => Promise<ComponentType<PageProps>>> = {
-  rules: async () => (await import("./pages/editor")).EditorPage,
-  topics: async () => (await import("./pages/topics")).TopicsPage,
-  help: async () => (await import("./pages/help")).HelpPage,
-  tour: async () => (await import("./tour/tour_page")).TourPage,
-  robots: async () => (await import("./pages/robots")).RobotsPage,
-  incidents: async () => (await import("./pages/incidents")).IncidentsPage,
+const PAGES: Record<Exclude<Route["page"], "home">, ComponentType<PageProps>> = {
+  rules: later(async () => (await import("./pages/editor")).EditorPage),
+  topics: later(async () => (await import("./pages/topics")).TopicsPage),
+  help: later(async () => (await import("./pages/help")).HelpPage),
+  tour: later(async () => (await import("./tour/tour_page")).TourPage),
+  robots: later(async () => (await import("./pages/robots")).RobotsPage),
+  incidents: later(async () => (await import("./pages/incidents")).IncidentsPage),
 };
 
 export function App({ api }: { api: Api }) {
@@ -60,7 +62,8 @@ export function App({ api }: { api: Api }) {
   if (project === null || editors === null) return <p class="quiet center">Opening the project …</p>;
   const props = { ...route, api, project, refresh, editors, keepings };
   // What these pages show is all the server's: they begin anew with it.
-  const anew = route.page === "rules" || route.page === "topics" ? 0 : returns.value;
+  const anew = ["home", "rules", "topics"].includes(route.page) ? 0 : returns.value;
+  const Page = PAGES[route.page];
   return (
     <>
       <ServerGone />
@@ -73,7 +76,7 @@ export function App({ api }: { api: Api }) {
       ) : (
         <KnownFile
           key={`${root} ${anew} ${route.page} ${route.name}`}
-          load={LAZY[route.page]}
+          Page={PAGES[route.page]}
           {...{ route, props }}
           onMissing={setMissing}
         />
@@ -81,47 +84,6 @@ export function App({ api }: { api: Api }) {
       <TourOffer route={route} />
     </>
   );
-}
-
-interface KnownProps {
-  load: () => Promise<ComponentType<PageProps>>;
-  route: Route;
-  props: PageProps;
-  onMissing: (name: string) => void;
-}
-
-/** The page of a file that is there, or of none; the address of one that is not there leads home. */
-function KnownFile({ load, route, props, onMissing }: KnownProps) {
-  const [isThere, setIsThere] = useState(mayBeNew(route, props));
-  useEffect(() => {
-    if (isThere) return;
-    props.api.fileState(route.name).then(
-      ({ hash }) => {
-        if (hash !== null) return setIsThere(true);
-        onMissing(route.name);
-        location.replace(href({ page: "home", name: "" }));
-      },
-      // The page says itself why a file cannot be read.
-      () => setIsThere(true),
-    );
-  }, []);
-  if (!isThere) return <p class="quiet center">Loading …</p>;
-  return <LazyPage {...{ load, props }} />;
-}
-
-/** Whether the page of the address shows no file, one that is known, or a table that begins with it. */
-function mayBeNew({ page, name, rules }: Route, { project, editors }: PageProps): boolean {
-  if (page !== "rules" && page !== "topics") return true;
-  const isKnown = (kind: "rules" | "profile") =>
-    editors.unsaved(kind).includes(name) || project.files.some((file) => file.kind === kind && file.name === name);
-  if (page === "rules") return isKnown("rules");
-  return isKnown("profile") || rules !== undefined || name === NEW_PROFILE;
-}
-
-function LazyPage({ load, props }: { load: () => Promise<ComponentType<PageProps>>; props: PageProps }) {
-  const [page, setPage] = useState<{ Page: ComponentType<PageProps> } | null>(null);
-  useEffect(() => void load().then((Page) => setPage({ Page })), []);
-  return page ? <page.Page {...props} /> : <p class="quiet center">Loading …</p>;
 }
 
 /** The files of a project, with drafts in this browser. */

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { sentence } from "../ui/sentence";
-import type { Draft, Edit, Problem, ProfileEntry, ProfileTable, Routes } from "./types";
+import type { Condition, Draft, Edit, Problem, ProfileEntry, ProfileTable, Routes } from "./types";
 
 /** What the server refused, or that it did not answer (status 0). */
 export class ApiError extends Error {
@@ -222,6 +222,15 @@ export class Api {
 
   tryOnBag(rules: Rules, bag: string, run: string, signal: AbortSignal): Answer<"POST /api/try"> {
     return call("POST /api/try", { ...rules, bag, run }, { signal });
+  }
+
+  /** What a check reads over a recording, and when it holds. */
+  checkCourse(
+    asked: { bag: string; condition: Condition; profile_text: string | null },
+    run: string,
+    signal: AbortSignal,
+  ): Answer<"POST /api/check/course"> {
+    return call("POST /api/check/course", { ...asked, run }, { signal });
   }
 
   /** Begins to write an incident that a try showed into the project. */

@@ -114,6 +114,34 @@ export interface CheckCondition {
   end_offset?: number;
 }
 
+/**
+ * The values of a check's property in bins of `bin_s`, and what held when; times are since the start.
+ *
+ * `least` and `greatest` are those that the check met in each bin, null where it was unknown
+ * throughout. `check` and `condition` say what each turned to when, in at most 2000 turns.
+ */
+export interface CheckCourse {
+  duration_s: number;
+  bin_s: number;
+  least: (number | null)[];
+  greatest: (number | null)[];
+  check: BlockTurns;
+  condition: BlockTurns;
+  notices: string[];
+}
+
+/**
+ * `POST /api/check/course` → `CheckCourse`: a check over a bag, and the `For` or `Within` on it.
+ *
+ * `run` names the work in `Progress` messages of `/ws`. `profile_text` says how levels are read.
+ */
+export interface CheckCourseRequest {
+  bag: string;
+  condition: Condition;
+  profile_text?: string | null;
+  run?: string;
+}
+
 export type ChoiceKind = "map" | "image" | "bag";
 
 export type Condition = CheckCondition | AndCondition | OrCondition | NotCondition | TimedCondition;
@@ -1765,6 +1793,7 @@ export interface Routes {
   "POST /api/push/write": { asked: WriteRequest; answered: WriteAnswer };
   "POST /api/profile/measure-live": { asked: MeasureLiveRequest; answered: TextAnswer };
   "POST /api/try": { asked: TryRequest; answered: TryAnswer };
+  "POST /api/check/course": { asked: CheckCourseRequest; answered: CheckCourse };
   "POST /api/profile/curve": { asked: CurveRequest; answered: Curve };
   "POST /api/profile/accuracy": { asked: AccuracyCurveRequest; answered: AccuracyNeeds };
   "GET /api/try/keeps": { asked: null; answered: KeepsAnswer };

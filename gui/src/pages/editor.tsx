@@ -11,7 +11,6 @@ import { ProfileChoice } from "../panels/profile_choice";
 import { RobotPanel } from "../panels/robot_panel";
 import { SendDialog } from "../panels/send_dialog";
 import { type Side, SidePane } from "../panels/side_pane";
-import { TryPanel } from "../panels/try_panel";
 import { toRoute } from "../route";
 import { browserStorage } from "../state/drafts";
 import { FullScreen } from "../state/full_screen";
@@ -25,6 +24,7 @@ import type { FileTries } from "../state/tries";
 import { showInEditor } from "../try/show_in_editor";
 import { ConflictDialog } from "../ui/conflict_dialog";
 import { FullScreenButton } from "../ui/full_screen_button";
+import { later } from "../ui/later";
 import { showOnNarrow } from "../ui/narrow";
 import { Notice } from "../ui/notice";
 import { RestoredNotice } from "../ui/restored_notice";
@@ -35,6 +35,8 @@ import { type Choice, Tabs } from "../ui/tabs";
 import { Toast } from "../ui/toast";
 import { useUndoKeys } from "../ui/undo_keys";
 import type { PageProps } from "./page_props";
+
+const TryPanel = later(async () => (await import("../panels/try_panel")).TryPanel);
 
 export type Tool = "findings" | "optimize" | "try" | "robot";
 

@@ -1,24 +1,34 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { effect } from "@preact/signals";
+import { effect, type Signal } from "@preact/signals";
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import type { Timeline } from "../state/timeline";
 import { watchSize, watchTheme } from "../ui/watch";
+import { drawThreshold } from "./threshold_line";
 
 const HEIGHT_PX = 104;
+/** A line that is dragged needs more room. */
+const DRAGGED_HEIGHT_PX = 180;
+/** How much higher a chart is than what it shows. */
+const ROOM = 1.08;
 type Values = readonly (number | null)[];
 
-/** What a chart shows, bin by bin: `before`, if given, thin and dashed, `after` filled. */
+/** What a chart shows, bin by bin: `before`, if given, thin and dashed, `after` filled down to `least`, or to 0. */
 export interface StripLines {
   before?: Values;
   after: Values;
+  least?: Values;
+  /** The times of the values, where they are not the timeline's. */
+  timesS?: readonly number[];
+  /** A value that can be dragged. */
+  threshold?: Signal<number>;
 }
 
 /** A chart over the recording's time; the scrubber is a line. */
 export function openStrip(host: HTMLElement, timeline: Timeline, lines: StripLines): () => void {
   let plot = draw(host, timeline, lines);
-  let follow = drawTime(plot, timeline);
+  let follow = drawMarks(plot, timeline, lines);
   const close = () => {
     follow();
     plot.destroy();
@@ -26,10 +36,10 @@ export function openStrip(host: HTMLElement, timeline: Timeline, lines: StripLin
   const again = () => {
     close();
     plot = draw(host, timeline, lines);
-    follow = drawTime(plot, timeline);
+    follow = drawMarks(plot, timeline, lines);
   };
   const stops = [
-    watchSize(host, () => plot.setSize({ width: host.clientWidth, height: HEIGHT_PX })),
+    watchSize(host, () => plot.setSize({ width: host.clientWidth, height: heightOf(lines) })),
     watchTheme(again),
   ];
   return () => {
@@ -38,7 +48,30 @@ export function openStrip(host: HTMLElement, timeline: Timeline, lines: StripLin
   };
 }
 
-function draw(host: HTMLElement, timeline: Timeline, { before, after }: StripLines): uPlot {
+function heightOf({ threshold }: StripLines): number {
+  return threshold ? DRAGGED_HEIGHT_PX : HEIGHT_PX;
+}
+
+function drawMarks(plot: uPlot, timeline: Timeline, { threshold }: StripLines): () => void {
+  const stops = [drawTime(plot, timeline), ...(threshold ? [drawThreshold(plot, threshold)] : [])];
+  return () => {
+    for (const stop of stops) stop();
+  };
+}
+
+/** The least and the greatest of what a chart of a band and a threshold shows, with room around them. */
+function limits({ after, least = [], threshold }: StripLines): [number, number] {
+  const all = [...least, ...after, threshold?.peek() ?? null].filter((value) => value !== null);
+  const [low, high] = all.reduce(
+    ([a, b], value) => [Math.min(a, value), Math.max(b, value)],
+    [all[0] ?? 0, all[0] ?? 0],
+  );
+  const room = (ROOM - 1) * (high - low || Math.abs(high) || 1);
+  return [low - room, high + room];
+}
+
+function draw(host: HTMLElement, timeline: Timeline, lines: StripLines): uPlot {
+  const { before, after, least } = lines;
   const style = getComputedStyle(host);
   const colour = (name: string) => style.getPropertyValue(name).trim();
   const axis = {
@@ -49,23 +82,26 @@ function draw(host: HTMLElement, timeline: Timeline, { before, after }: StripLin
   const sent = { stroke: colour("--accent"), width: 2, fill: colour("--accent-soft"), points: { show: false } };
   const recorded = { stroke: colour("--text-2"), width: 1, dash: [4, 3], points: { show: false } };
   const { zeroS } = timeline;
-  const times = timeline.binTimes.map((t) => t - zeroS);
-  const values = before ? [times, before, after] : [times, after];
+  const times = (lines.timesS ?? timeline.binTimes).map((t) => t - zeroS);
+  const other = before ?? least;
+  const values = other ? [times, other, after] : [times, after];
+  const edge = { stroke: sent.stroke, width: 1, points: sent.points };
   return new uPlot(
     {
       width: host.clientWidth,
-      height: HEIGHT_PX,
+      height: heightOf(lines),
       cursor: { sync: { key: "try" }, drag: { x: false, y: false }, y: false, points: { show: false } },
       scales: {
         x: { time: false, range: [-zeroS, timeline.durationS - zeroS] },
-        y: { range: (_, __, most) => [0, (most || 1) * 1.08] },
+        y: { range: least ? limits(lines) : (_, __, most) => [0, (most || 1) * ROOM] },
       },
       legend: { show: false },
       axes: [
         { ...axis, size: 24 },
         { ...axis, size: 46 },
       ],
-      series: before ? [{}, recorded, sent] : [{}, sent],
+      series: before ? [{}, recorded, sent] : least ? [{}, edge, edge] : [{}, sent],
+      bands: least ? [{ series: [2, 1], fill: colour("--accent-soft") }] : [],
     },
     values as uPlot.AlignedData,
     host,

@@ -8,6 +8,7 @@ import type { RuleEditor } from "../state/rule_editor";
 import type { Trial } from "../state/trial";
 import { showOnNarrow } from "../ui/narrow";
 import { counted, durationWords, sizeWords } from "../ui/numbers";
+import { CheckCourses } from "./check_courses";
 import { DecisionTable } from "./decision_table";
 import { LossTables } from "./loss_tables";
 import { RateStrips } from "./rate_strips";
@@ -60,6 +61,7 @@ export function TryResult({ editor, api, trial, keepings, changed }: Props) {
       )}
       <TrialScrubber trial={trial} />
       <RuleStates trial={trial} show={isOld ? null : (line) => showInEditor(editor, line)} />
+      <CheckCourses {...{ editor, api, trial }} />
       <TriedIncidents keepings={keepings} trial={trial} />
       <div class="try-columns">
         <div class="try-column">

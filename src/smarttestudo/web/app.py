@@ -28,6 +28,7 @@ from smarttestudo.use_cases.ruler import (
 )
 from smarttestudo.use_cases.ruler.accuracy_curve import AccuracyCurveRequest, AccuracyNeeds
 from smarttestudo.use_cases.ruler.backgrounds import BackgroundRequest, Backgrounds, PathRequest
+from smarttestudo.use_cases.ruler.check_course import CheckCourse, CheckCourseRequest
 from smarttestudo.use_cases.ruler.checked_text import Draft
 from smarttestudo.use_cases.ruler.child_process import ChildWork
 from smarttestudo.use_cases.ruler.curve import Curve, CurveRequest
@@ -54,7 +55,7 @@ from smarttestudo.use_cases.ruler.robots import WatchedRobots
 from smarttestudo.use_cases.ruler.trial import TryAnswer, TryRequest
 from smarttestudo.use_cases.ruler.vocabulary import Vocabulary, VocabularyRequest, vocabulary
 from smarttestudo.web.bodies import read_query
-from smarttestudo.web.child_work import CurveApi, IncidentApi, MeasureApi, TryApi
+from smarttestudo.web.child_work import CheckApi, CurveApi, IncidentApi, MeasureApi, TryApi
 from smarttestudo.web.downloads import sending_zip
 from smarttestudo.web.errors import GONE, RequestError, error_answer
 from smarttestudo.web.guard import Guard, ServerAddress
@@ -130,6 +131,7 @@ def api_routes(
         "/api/profile/measure-live", profiles.MeasureLiveRequest, MeasureApi(listeners).answer, TextAnswer
     )
     yield long_work("/api/try", TryRequest, TryApi(folder, listeners).answer, TryAnswer)
+    yield long_work("/api/check/course", CheckCourseRequest, CheckApi(folder, listeners).answer, CheckCourse)
     losses = CurveApi(folder, listeners, ChildWork.CURVE)
     yield long_work("/api/profile/curve", CurveRequest, losses.answer, Curve)
     needs = CurveApi(folder, listeners, ChildWork.ACCURACY)

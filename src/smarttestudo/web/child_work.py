@@ -22,6 +22,11 @@ from smarttestudo.adapters.files.project_folder import ProjectFolder
 from smarttestudo.domain.errors import TestudoError, UsageError
 from smarttestudo.domain.names import is_topic_name, resolve_topic
 from smarttestudo.use_cases.ruler.accuracy_curve import AccuracyCurveRequest
+from smarttestudo.use_cases.ruler.check_course import (
+    CheckCourseOrder,
+    CheckCourseRequest,
+    check_course_order,
+)
 from smarttestudo.use_cases.ruler.checked_text import require_usable
 from smarttestudo.use_cases.ruler.child_messages import Done, Failure, Share
 from smarttestudo.use_cases.ruler.child_process import ChildWork, MeasureOrder
@@ -155,6 +160,20 @@ class CurveApi:
         return await self._work.answer(request, order_about_bag(self._kind, order, asked.bag))
 
 
+class CheckApi:
+    """Looks at checks over bags of ``folder``, one at a time."""
+
+    def __init__(self, folder: ProjectFolder, listeners: Listeners) -> None:
+        self._folder = folder
+        self._work = ChildProcesses(listeners.tell)
+
+    async def answer(self, request: Request, asked: CheckCourseRequest) -> Response:
+        """The course of a check; who leaves ends it."""
+        bag = await run_in_threadpool(self._folder.bag, asked.bag)
+        order = await run_in_threadpool(check_course_order, asked, bag)
+        return await self._work.answer(request, order_about_bag(ChildWork.CHECK, order, asked.bag))
+
+
 class IncidentApi:
     """Reads the messages of incidents of ``folder``, one at a time."""
 
@@ -169,7 +188,9 @@ class IncidentApi:
         return await self._work.answer(request, order)
 
 
-_BagOrder: TypeAlias = TryRequest | CurveRequest | AccuracyCurveRequest | IncidentCourseRequest
+_BagOrder: TypeAlias = (
+    TryRequest | CheckCourseOrder | CurveRequest | AccuracyCurveRequest | IncidentCourseRequest
+)
 
 
 def order_about_bag(work: ChildWork, asked: _BagOrder, name: str) -> Order:

@@ -151,6 +151,41 @@ def test_gain_and_loss_stand_on_one_line_and_messages_are_sentences(ruler: Ruler
     expect(ruler.page.get_by_text("The rules decided 2 times")).to_be_visible()
 
 
+def test_a_threshold_that_is_dragged_says_when_it_would_have_held(ruler: RulerPage) -> None:
+    _try_rules(ruler)
+    rules = ruler.page.get_by_role("region", name="Rules at this time")
+    expect(rules.get_by_role("img", name=re.compile(r"^Far: Holds for 5\.\d+ s of 7\.96 s"))).to_be_visible()
+
+    why = ruler.page.get_by_role("region", name="Why this threshold")
+    why.get_by_role("combobox").select_option("/odom pose_y > 2 (Far)")
+    expect(why.get_by_role("figure", name="Value of /odom pose_y").locator("canvas")).to_be_visible()
+    expect(why.get_by_role("status")).to_have_text(re.compile(r"^> 2: Holds for 5\.\d+ s of 7\.96 s"))
+    line = why.get_by_role("slider", name="Threshold")
+    box = why.locator(".u-over").bounding_box()
+    assert box is not None
+    line.hover()
+    ruler.page.mouse.down()
+    ruler.page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    ruler.page.mouse.up()
+    expect(why.get_by_role("status")).to_have_text(
+        re.compile(r"^> (3\.9|4).*: Holds for (3\.9|4).* s of 7\.96 s")
+    )
+    line.press("PageUp")
+    expect(why.get_by_role("status")).to_have_text(
+        re.compile(r"^> [45]\S*: Holds for [23]\.\d+ s of 7\.96 s")
+    )
+
+    # The bar of the condition moves the one time, as the charts do.
+    _press_at(why.get_by_role("img", name=re.compile("^The condition: ")), 0.5)
+    slider = ruler.page.get_by_role("slider", name="Time in the recording (s)")
+    expect(slider).to_have_attribute("aria-valuetext", re.compile(r"^(3\.9|4\.0)"))
+
+    value = line.get_attribute("aria-valuenow")
+    why.get_by_role("button", name=re.compile("^Write .* into the rules$")).click()
+    ruler.expect_lines(f"CheckValue /odom pose_y > {value}")
+    expect(ruler.page.get_by_text("Stale: rules changed since.")).to_be_visible()
+
+
 def test_cancel_ends_the_replay(ruler: RulerPage) -> None:
     ruler.open("far.adirf")
     ruler.button("Try on a recording").click()

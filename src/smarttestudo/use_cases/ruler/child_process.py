@@ -24,6 +24,7 @@ class ChildWork(Enum):
     ACCURACY = "accuracy"
     INCIDENT = "incident"
     KEEP = "keep"
+    CHECK = "check"
     MEASURE = "measure"
 
 
@@ -73,6 +74,13 @@ def _main(work: ChildWork) -> int:
             )
 
             return answer_order(KeepOrder, keep_incident)
+        case ChildWork.CHECK:
+            from smarttestudo.use_cases.ruler.check_course import (  # noqa: PLC0415
+                CheckCourseOrder,
+                check_course,
+            )
+
+            return answer_order(CheckCourseOrder, check_course)
         case ChildWork.MEASURE:
             from smarttestudo.use_cases.ruler.profiles import measured_on_robots  # noqa: PLC0415
 

@@ -19,11 +19,11 @@ from smarttestudo.adapters.rosbag.reader import open_recording
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.incident import Missing
 from smarttestudo.domain.profile import Profile
-from smarttestudo.domain.recording import Channel
 from smarttestudo.runtime.incidents.recorder import Incident, IncidentSink
 from smarttestudo.runtime.incidents.topic_ring import IncidentMessage, SourceMessage
 from smarttestudo.use_cases.replay.incidents import IncidentRequest
 from smarttestudo.use_cases.replay.replay import ReplayRequest, replay
+from smarttestudo.use_cases.ruler.replay_watch import WritesNothing
 from smarttestudo.use_cases.ruler.trial import TryRequest, compiled_for
 from smarttestudo.use_cases.rules.rule_sets import sha256_of_rules
 
@@ -113,7 +113,7 @@ def _cut(order: KeepOrder, bag: Path, report: Callable[[float], None]) -> Path:
                 output=Path(),
                 profile=order.profile() or Profile(),
                 report=report,
-                writer=_NoWriter(),
+                writer=WritesNothing(),
                 incidents=IncidentRequest(into=opened, rules_sha256=sha256_of_rules(order.text)),
             )
         )
@@ -168,11 +168,3 @@ class _OnlyOne:
     def end(self, incident: Incident, missing: Sequence[Missing]) -> None:
         if incident is self._chosen:
             self._sink.end(incident, missing)
-
-
-class _NoWriter:
-    """A ``RecordingWriter`` that writes nothing."""
-
-    def add(self, channel: Channel) -> None: ...
-
-    def write(self, channel: Channel, stamp_ns: int, payload: bytes) -> None: ...

@@ -76,6 +76,16 @@ class CountingWriter:
         self._loss.relayed(channel, stamp_ns, payload)
 
 
+class WritesNothing:
+    """A ``RecordingWriter`` that writes nothing."""
+
+    def add(self, channel: Channel) -> None:
+        """Nothing."""
+
+    def write(self, channel: Channel, stamp_ns: int, payload: bytes) -> None:
+        """Nothing."""
+
+
 class BlockTurns(Struct, frozen=True, kw_only=True):
     """A rule, or its Else, by the line that it begins at, and what it turned to when; it starts unknown."""
 

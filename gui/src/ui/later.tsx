@@ -1,0 +1,22 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import type { ComponentType } from "preact";
+import { useEffect, useState } from "preact/hooks";
+
+/** A component that is loaded when it is shown first. */
+export function later<P extends object>(load: () => Promise<ComponentType<P>>): ComponentType<P> {
+  let loaded: ComponentType<P> | null = null;
+  return function Later(props: P) {
+    const [, setLoaded] = useState(loaded !== null);
+    useEffect(() => {
+      if (loaded !== null) return;
+      void load().then((component) => {
+        loaded = component;
+        setLoaded(true);
+      });
+    }, []);
+    if (loaded === null) return <p class="quiet center">Loading …</p>;
+    const Component = loaded;
+    return <Component {...props} />;
+  };
+}
