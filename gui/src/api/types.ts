@@ -200,10 +200,15 @@ export interface Draft {
 /**
  * Where the robot of a recording was: seconds since its start, x and y in metres.
  *
+ * `source` is the topic that says so, `has_pose` whether rules can read the place from it, `frame` the
+ * frame of its places, empty where it names none.
  * `notices` say what could not be read.
  */
 export interface DrivenPath {
   path: [number, number, number][];
+  source: string;
+  has_pose: boolean;
+  frame: string;
   notices: string[];
 }
 
