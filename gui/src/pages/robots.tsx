@@ -82,13 +82,18 @@ function OneRobot({ node }: { node: string }) {
     return link.watch();
   }, [node]);
   const live = link.live.value;
-  const { kind, why } = link.connection.value;
+  const { kind, isFailing, why } = link.connection.value;
   return (
     <>
       <Header title={link.robot.value?.label ?? node} />
       <main class="robots robot">
         <a href={href({ page: "robots", name: "" })}>All robots</a>
         {kind !== "connected" && <p>{why}</p>}
+        {isFailing && (
+          <p class="problem" role="alert">
+            {why}
+          </p>
+        )}
         {live && <RobotTotals live={live} />}
         {live && <RobotTopics link={link} live={live} />}
       </main>

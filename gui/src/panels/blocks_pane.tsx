@@ -32,7 +32,6 @@ export function BlocksPane(props: { editor: RuleEditor; robotRules: RobotRules; 
   const isBehind = !editor.document.value.parses && editor.shown.value?.text !== editor.text.value;
   const isReadOnly = editor.isBroken.value || editor.shown.value === null;
   const errors = editor.errors.value.length;
-  const isEmpty = editor.shown.value?.document.collections.every((each) => each.statements.length === 0) ?? true;
   return (
     <section class={isBehind ? "pane blocks behind" : "pane blocks"} aria-label="Blocks">
       <div class="pane-bar">
@@ -64,10 +63,10 @@ export function BlocksPane(props: { editor: RuleEditor; robotRules: RobotRules; 
         )}
       </div>
       <div class="blocks-host" ref={host} />
-      {isEmpty && (
+      {editor.isEmpty.value && (
         <p class="empty-hint">
-          Nothing here yet. <strong>New rate</strong> says how often a topic is sent; <strong>New rule</strong> says
-          when that changes. Recipes are in the list on the left.
+          Begin with <strong>New rate</strong>: how often a topic is sent while no rule decides. Then add a{" "}
+          <strong>New rule</strong>: when that changes. Recipes are in the list on the left.
         </p>
       )}
     </section>

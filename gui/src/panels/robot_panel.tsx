@@ -61,7 +61,7 @@ function RobotChoice({ link }: { link: RobotLink }) {
 }
 
 function Situation({ link }: { link: RobotLink }) {
-  const { kind, words, why } = link.connection.value;
+  const { kind, isFailing, words, why } = link.connection.value;
   const robot = link.robot.value;
   if (kind !== "connected" || robot === null) {
     return (
@@ -70,7 +70,11 @@ function Situation({ link }: { link: RobotLink }) {
       </>
     );
   }
-  return <>{RULES_WORDS[robot.rules]}</>;
+  return (
+    <span class={isFailing ? "problem" : ""} role={isFailing ? "alert" : undefined}>
+      {RULES_WORDS[robot.rules]}
+    </span>
+  );
 }
 
 function RulesNotice({ robotRules }: { robotRules: RobotRules }) {

@@ -290,7 +290,7 @@ def test_a_condition_on_y_alone_is_a_band_without_ends(ruler: RulerPage, rules: 
     )
     map_page = open_map(ruler, "bay.adirf")
     for _ in range(4):
-        ruler.button("Zoom out").click()
+        ruler.page.get_by_role("region", name="Map").get_by_role("button", name="Zoom out").click()
     map_page.press((60, 13.5))
     expect(ruler.button("Hall")).to_have_attribute("aria-pressed", "true")
     assert map_page.sides() == ["", "", "12", "15"]

@@ -172,6 +172,37 @@ def test_rules_that_wait_or_were_pushed_are_told_apart(page: RulerPage, fleet: P
     expect(page.page.get_by_role("row", name="/r02/")).to_contain_text("none: everything is relayed")
 
 
+def test_a_robot_without_valid_rules_is_an_error_wherever_it_is_named_and_grey_once_it_ended(
+    page: RulerPage, fleet: Process
+) -> None:
+    broken = replace(status(0), rules=RulesInForce(origin=RulesOrigin.FALLBACK))
+    publish(fleet, [broken])
+    pill = page.page.get_by_role("button", name="/r00/smarttestudo: no valid rules")
+    expect(pill).to_have_css("color", colour_of(page, "--error"), timeout=TIMEOUT_MS)
+    trouble = rows(page).first.get_by_text("no valid rules", exact=True)
+    expect(trouble).to_have_css("color", colour_of(page, "--error"))
+    page.page.get_by_role("link", name="/r00/smarttestudo").click()
+    expect(page.page.get_by_role("alert").get_by_text("It has no valid rules")).to_be_visible()
+    publish(fleet, [])
+    silent = page.page.get_by_role("button", name=re.compile("robot silent for [2-9] s"))
+    expect(silent).to_have_css("color", colour_of(page, "--text-2"), timeout=TIMEOUT_MS)
+
+
+def colour_of(page: RulerPage, name: str) -> str:
+    return str(
+        page.page.evaluate(
+            """name => {
+              const probe = document.body.appendChild(document.createElement('i'));
+              probe.style.color = `var(${name})`;
+              const colour = getComputedStyle(probe).color;
+              probe.remove();
+              return colour;
+            }""",
+            name,
+        )
+    )
+
+
 def test_the_keyboard_opens_a_robot_beside_its_rules_with_the_link_of_each_topic(
     page: RulerPage, fleet: Process
 ) -> None:
