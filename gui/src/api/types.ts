@@ -266,6 +266,9 @@ export interface ErrorSize {
   relative_maximum: number | null;
 }
 
+/** What changed; the value is its name in JSON. */
+export type EventKind = "rate" | "rule" | "rules";
+
 /**
  * `POST /api/export` → `TextAnswer`: a rule file of the statements `ids` only.
  *
@@ -1164,6 +1167,35 @@ export interface ResizeZone {
   rectangle: ZoneBounds;
 }
 
+/** A change of a topic's rate, a rule's state, or all rules; `because` is what decided the rate. */
+export interface RobotEvent {
+  s_ago: number;
+  kind: EventKind;
+  name: string;
+  before: string;
+  after: string;
+  because: string;
+}
+
+/**
+ * What was heard since `since_s_ago`, the newest first; `left_out` older events are not told.
+ *
+ * `path` is `[seconds ago, x, y]` in metres, the oldest first, by the checks of the rules that read
+ * `pose_topic`; null where none does.
+ */
+export interface RobotHistoryAnswer {
+  since_s_ago: number;
+  events: RobotEvent[];
+  left_out: number;
+  path: [number, number, number][];
+  pose_topic: string | null;
+}
+
+/** `POST /api/robot/history` → `RobotHistoryAnswer`. */
+export interface RobotHistoryRequest {
+  node: string;
+}
+
 /** An incident on a robot; `kept` is what the project calls it where it was fetched, else null. */
 export interface RobotIncident {
   name: string;
@@ -1723,6 +1755,7 @@ export interface Routes {
   "POST /api/incident": { asked: OneIncidentRequest; answered: IncidentAnswer };
   "POST /api/incident/delete": { asked: OneIncidentRequest; answered: IncidentsAnswer };
   "POST /api/incident/course": { asked: IncidentCourseRequest; answered: IncidentCourse };
+  "POST /api/robot/history": { asked: RobotHistoryRequest; answered: RobotHistoryAnswer };
   "POST /api/push/preview": { asked: PushRequest; answered: PushPreview };
   "POST /api/push": { asked: PushRequest; answered: PushAnswer };
   "POST /api/push/confirm": { asked: ConfirmRequest; answered: ConfirmAnswer };

@@ -140,7 +140,7 @@ export function EditorPage({ api, project, name, robot: node, line, editors, ref
             )}
             {tool.value === "robot" && (
               <NeedsServer>
-                <RobotPanel {...{ editor, ...robot }} />
+                <RobotPanel {...{ api, editor, ...robot }} />
               </NeedsServer>
             )}
             {tool.value === "try" && <TryPanel {...{ editor, api, project }} work={tries} />}

@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useComputed, useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
+import type { Api } from "../api/client";
 import type { Project } from "../api/types";
+import { RobotHistory } from "../panels/robot_history";
 import { RobotTable } from "../panels/robot_table";
 import { RobotTopics } from "../panels/robot_topics";
 import { RobotTotals } from "../panels/robot_totals";
@@ -13,8 +15,8 @@ import { useRobot } from "../ui/robot_state";
 import type { PageProps } from "./page_props";
 
 /** All robots that are heard, or, with a name, that robot without any rules beside it. */
-export function RobotsPage({ project, name }: PageProps) {
-  return name === "" ? <AllRobots project={project} /> : <OneRobot node={name} />;
+export function RobotsPage({ api, project, name }: PageProps) {
+  return name === "" ? <AllRobots project={project} /> : <OneRobot api={api} node={name} />;
 }
 
 function AllRobots({ project }: { project: Project }) {
@@ -75,7 +77,7 @@ function counted(all: number, troubled: number): string {
   return troubled === 0 ? `${robots}, no trouble` : `${robots}, ${troubled} with trouble`;
 }
 
-function OneRobot({ node }: { node: string }) {
+function OneRobot({ api, node }: { api: Api; node: string }) {
   const link = useRobot();
   useEffect(() => {
     link.choose(node);
@@ -96,6 +98,7 @@ function OneRobot({ node }: { node: string }) {
         )}
         {live && <RobotTotals live={live} />}
         {live && <RobotTopics link={link} live={live} />}
+        {link.robot.value?.node === node && <RobotHistory api={api} node={node} />}
       </main>
     </>
   );

@@ -38,6 +38,7 @@ from smarttestudo.use_cases.ruler.incidents import KnownIncidents, OneIncidentRe
 from smarttestudo.use_cases.ruler.project import ProjectFiles, SaveRequest, SettingsRequest
 from smarttestudo.use_cases.ruler.pushing import ConfirmRequest, LastingRequest, PushRequest, WriteRequest
 from smarttestudo.use_cases.ruler.recordings import ReceivedAnswer, RecordingRequest, Recordings
+from smarttestudo.use_cases.ruler.robot_history import RobotHistoryRequest
 from smarttestudo.use_cases.ruler.robot_incidents import (
     OpenIncidents,
     RobotIncidentRequest,
@@ -111,6 +112,7 @@ def api_routes(
     yield from _incident_routes(KnownIncidents(folder))
     course = IncidentApi(folder, listeners)
     yield long_work("/api/incident/course", IncidentCourseRequest, course.answer, IncidentCourse)
+    yield answering("/api/robot/history", RobotHistoryRequest, robots.history)
     yield answering("/api/push/preview", PushRequest, robots.preview)
     yield answering("/api/push", PushRequest, robots.push)
     yield answering("/api/push/confirm", ConfirmRequest, robots.confirm)
