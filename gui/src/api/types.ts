@@ -1221,6 +1221,18 @@ export interface RobotIncidentsAnswer {
   robots: IncidentsOfRobot[];
 }
 
+/** The topics that a robot relays, a rule file that relays every message of them, and their profile. */
+export interface RobotStartAnswer {
+  topics: string[];
+  rules_text: string;
+  profile_text: string;
+}
+
+/** `POST /api/robot/start` → `RobotStartAnswer`. */
+export interface RobotStartRequest {
+  node: string;
+}
+
 /**
  * One robot. `rules` is the origin of its rules; `waiting`: pushed, and not confirmed yet.
  *
@@ -1756,6 +1768,7 @@ export interface Routes {
   "POST /api/incident/delete": { asked: OneIncidentRequest; answered: IncidentsAnswer };
   "POST /api/incident/course": { asked: IncidentCourseRequest; answered: IncidentCourse };
   "POST /api/robot/history": { asked: RobotHistoryRequest; answered: RobotHistoryAnswer };
+  "POST /api/robot/start": { asked: RobotStartRequest; answered: RobotStartAnswer };
   "POST /api/push/preview": { asked: PushRequest; answered: PushPreview };
   "POST /api/push": { asked: PushRequest; answered: PushAnswer };
   "POST /api/push/confirm": { asked: ConfirmRequest; answered: ConfirmAnswer };

@@ -23,6 +23,7 @@ export function RobotPanel(props: { api: Api; editor: RuleEditor; robotRules: Ro
       <div class="row">
         <RobotChoice link={link} />
         <a href={href({ page: "robots", name: "" })}>All robots</a>
+        {link.node.value && <a href={href({ page: "robots", name: link.node.value })}>This robot alone</a>}
         <p>
           <Situation link={link} />
         </p>

@@ -45,6 +45,7 @@ from smarttestudo.use_cases.ruler.robot_incidents import (
     RobotIncidents,
 )
 from smarttestudo.use_cases.ruler.robot_link import OpenRobots, RobotLink
+from smarttestudo.use_cases.ruler.robot_start import RobotStartRequest
 from smarttestudo.use_cases.ruler.robots import WatchedRobots
 from smarttestudo.use_cases.ruler.trial import TryAnswer, TryRequest
 from smarttestudo.use_cases.ruler.vocabulary import Vocabulary, VocabularyRequest, vocabulary
@@ -113,6 +114,7 @@ def api_routes(
     course = IncidentApi(folder, listeners)
     yield long_work("/api/incident/course", IncidentCourseRequest, course.answer, IncidentCourse)
     yield answering("/api/robot/history", RobotHistoryRequest, robots.history)
+    yield answering("/api/robot/start", RobotStartRequest, robots.start)
     yield answering("/api/push/preview", PushRequest, robots.preview)
     yield answering("/api/push", PushRequest, robots.push)
     yield answering("/api/push/confirm", ConfirmRequest, robots.confirm)

@@ -162,7 +162,7 @@ def test_all_that_does_not_fit_is_repaired_at_once(ruler: RulerPage, project: Pa
     ruler.open("two.adirf")
     ruler.button("Optimize and Download").click()
     expect(ruler.page.get_by_text("Not everything fits into")).to_be_visible()
-    ruler.button("Repair all 3").click()
+    ruler.button("Repair all 2").click()
     expect(ruler.page.get_by_text("Everything fits into")).to_be_visible()
     ruler.button("Undo").click()
     expect(ruler.page.get_by_text("Not everything fits into")).to_be_visible()
