@@ -19,7 +19,7 @@ from playwright.sync_api import Locator, expect
 from axe import violations
 from ros.ros_domains import free_domain
 from ros.ros_processes import Process, SmallRobot
-from smarttestudo.adapters.files.profile import read_profile
+from smarttestudo.adapters.files.profile import load_profile
 from smarttestudo.adapters.json.status import status_to_json
 from smarttestudo.domain.decision import Reason
 from smarttestudo.domain.json_text import json_text
@@ -201,7 +201,7 @@ def test_a_project_starts_from_what_a_robot_relays(page: RulerPage, fleet: Proce
     expect(page.page.get_by_role("region", name="Blocks", exact=True)).to_be_visible()
     rules = (tmp_path / "project" / "r00.adirf").read_text()
     assert rules.endswith("begin\n    SetFrequency /imu Full\n    SetFrequency /scan Full\nend\n")
-    profile = read_profile(tmp_path / "project" / "r00.toml")
+    profile = load_profile(tmp_path / "project" / "r00.toml")
     assert profile.budget_kb_per_s == 1000.0
     imu = profile.topic("/imu")
     assert (imu.type_name, imu.source_hz, imu.message_kb) == (IMU, 195.0, 0.32)
