@@ -63,7 +63,6 @@ export function App({ api }: { api: Api }) {
   const props = { ...route, api, project, refresh, editors, keepings };
   // What these pages show is all the server's: they begin anew with it.
   const anew = ["home", "rules", "topics"].includes(route.page) ? 0 : returns.value;
-  const Page = PAGES[route.page];
   return (
     <>
       <ServerGone />

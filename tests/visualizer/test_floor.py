@@ -20,13 +20,14 @@ from smarttestudo.domain.floor_plan import FloorPlan, FloorZone, OccupancyMap, R
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.recording import Channel
 from smarttestudo.domain.units import ns_from_s
-from smarttestudo.use_cases.bags.robot_path import OdometryPlaces, TransformPlaces, places_in
+from smarttestudo.use_cases.bags.robot_path import PosePlaces, TransformPlaces, places_in
 from smarttestudo.visualizer.floor import PathPoint, rule_zones
 from smarttestudo.visualizer.report.floor_map import MOST_STRIPS, occupied_cells
 from smarttestudo.visualizer.report.map_frame import map_frame
 
 INF = math.inf
 ODOM = Channel(topic="/odom", type_name="nav_msgs/msg/Odometry")
+LOCALIZED = "geometry_msgs/msg/PoseWithCovarianceStamped"
 TF = Channel(topic="/tf", type_name="tf2_msgs/msg/TFMessage")
 
 
@@ -186,7 +187,30 @@ def test_transforms_in_a_circle_come_to_an_end() -> None:
 def test_a_robot_is_followed_by_odometry_and_by_transforms_where_a_map_asks_for_them() -> None:
     other = Channel(topic="/a/odometry", type_name=ODOM.type_name)
     follow = {by: places_in([TF, other, ODOM], Decoded(), 0, by_transforms=by) for by in (False, True)}
-    assert isinstance(follow[False], OdometryPlaces)
+    assert follow[False] is not None
+    assert follow[False].source == "/odom"
     assert isinstance(follow[True], TransformPlaces)
     assert isinstance(places_in([TF], Decoded(), 0, by_transforms=False), TransformPlaces)
+    assert isinstance(places_in([ODOM], Decoded(), 0, by_transforms=False), PosePlaces)
     assert places_in([], Decoded(), 0, by_transforms=False) is None
+
+
+def pose(frame: str, x: float) -> Any:
+    place = SimpleNamespace(position=SimpleNamespace(x=x, y=0.0))
+    return SimpleNamespace(header=SimpleNamespace(frame_id=frame), pose=SimpleNamespace(pose=place))
+
+
+@pytest.mark.parametrize(
+    ("frame", "expected"), [("map", ("/amcl_pose", 9.6)), ("odom_2", ("/odom", 0.0)), (None, ("/odom", 0.0))]
+)
+def test_a_robot_that_knows_its_place_in_the_map_is_where_that_says(
+    frame: str | None, expected: tuple[str, float]
+) -> None:
+    amcl, said = (Channel(topic=name, type_name=LOCALIZED) for name in ("/amcl_pose", "/initialpose"))
+    places = places_in([said, ODOM, amcl], Decoded(), 0, by_transforms=False)
+    assert places is not None
+    places.take(ODOM, 0, pose("odom", 0.0))
+    places.take(said, 0, pose("map", 5.0))
+    if frame is not None:
+        places.take(amcl, 0, pose(frame, 9.6))
+    assert (places.source, places.path[0].x_m) == expected

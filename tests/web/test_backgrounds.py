@@ -140,7 +140,9 @@ def test_what_cannot_be_shown_says_place_cause_and_remedy(
 
 
 def test_the_path_of_a_recording_is_where_its_robot_was(page: Page) -> None:
-    path = page.post("/api/background/path", {"bag": "monday"}).json["path"]
+    driven = page.post("/api/background/path", {"bag": "monday"}).json
+    path = driven["path"]
+    assert (driven["source"], driven["has_pose"]) == ("/odom", True)
     assert path[0] == [0, 0, 0]
     assert [(x, y) for _, x, y in path] == [(0, pytest.approx(t, abs=0.05)) for t, _, _ in path]
     assert page.post("/api/background/path", {"bag": "../monday"}).status == 403

@@ -111,7 +111,7 @@ def test_a_new_zone_is_a_rule_at_the_end_and_nothing_else_changes(examples_page:
         '\n    Rule "Zone 1"\n    If (\n'
         "        CheckValue /odom pose_x > 1\n        AND CheckValue /odom pose_x < 2.5\n"
         "        AND CheckValue /odom pose_y > 3\n        AND CheckValue /odom pose_y < 4\n"
-        "    )\n    Then\n        SetFrequency /odom 10\n    EndIf\nend\n"
+        "    )\n    Then\n        SetFrequency /odom Full\n    EndIf\nend\n"
     )
     assert zones(examples_page, made["text"])["rules"][-1]["label"] == "Zone 1"
 

@@ -191,6 +191,16 @@ export class Api {
     return call("POST /api/profile/measure-live", { seconds });
   }
 
+  /** What was heard of a robot within the last hour. */
+  robotHistory(node: string): Answer<"POST /api/robot/history"> {
+    return call("POST /api/robot/history", { node });
+  }
+
+  /** Rules and topic parameters from what a robot relays now. */
+  robotStart(node: string): Answer<"POST /api/robot/start"> {
+    return call("POST /api/robot/start", { node });
+  }
+
   /** What would change on a robot that gets these rules. */
   previewPush(rules: Rules, node: string): Answer<"POST /api/push/preview"> {
     return call("POST /api/push/preview", { ...rules, node });

@@ -234,10 +234,15 @@ export interface Draft {
 /**
  * Where the robot of a recording was: seconds since its start, x and y in metres.
  *
+ * `source` is the topic that says so, `has_pose` whether rules can read the place from it, `frame` the
+ * frame of its places, empty where it names none.
  * `notices` say what could not be read.
  */
 export interface DrivenPath {
   path: [number, number, number][];
+  source: string;
+  has_pose: boolean;
+  frame: string;
   notices: string[];
 }
 
@@ -294,6 +299,9 @@ export interface ErrorSize {
   relative_rmse: number | null;
   relative_maximum: number | null;
 }
+
+/** What changed; the value is its name in JSON. */
+export type EventKind = "rate" | "rule" | "rules";
 
 /**
  * `POST /api/export` → `TextAnswer`: a rule file of the statements `ids` only.
@@ -1225,6 +1233,35 @@ export interface ResizeZone {
   rectangle: ZoneBounds;
 }
 
+/** A change of a topic's rate, a rule's state, or all rules; `because` is what decided the rate. */
+export interface RobotEvent {
+  s_ago: number;
+  kind: EventKind;
+  name: string;
+  before: string;
+  after: string;
+  because: string;
+}
+
+/**
+ * What was heard since `since_s_ago`, the newest first; `left_out` older events are not told.
+ *
+ * `path` is `[seconds ago, x, y]` in metres, the oldest first, by the checks of the rules that read
+ * `pose_topic`; null where none does.
+ */
+export interface RobotHistoryAnswer {
+  since_s_ago: number;
+  events: RobotEvent[];
+  left_out: number;
+  path: [number, number, number][];
+  pose_topic: string | null;
+}
+
+/** `POST /api/robot/history` → `RobotHistoryAnswer`. */
+export interface RobotHistoryRequest {
+  node: string;
+}
+
 /** An incident on a robot; `kept` is what the project calls it where it was fetched, else null. */
 export interface RobotIncident {
   name: string;
@@ -1248,6 +1285,18 @@ export interface RobotIncidentsAnswer {
   is_linked: boolean;
   problem: string;
   robots: IncidentsOfRobot[];
+}
+
+/** The topics that a robot relays, a rule file that relays every message of them, and their profile. */
+export interface RobotStartAnswer {
+  topics: string[];
+  rules_text: string;
+  profile_text: string;
+}
+
+/** `POST /api/robot/start` → `RobotStartAnswer`. */
+export interface RobotStartRequest {
+  node: string;
 }
 
 /**
@@ -1786,6 +1835,8 @@ export interface Routes {
   "POST /api/incident": { asked: OneIncidentRequest; answered: IncidentAnswer };
   "POST /api/incident/delete": { asked: OneIncidentRequest; answered: IncidentsAnswer };
   "POST /api/incident/course": { asked: IncidentCourseRequest; answered: IncidentCourse };
+  "POST /api/robot/history": { asked: RobotHistoryRequest; answered: RobotHistoryAnswer };
+  "POST /api/robot/start": { asked: RobotStartRequest; answered: RobotStartAnswer };
   "POST /api/push/preview": { asked: PushRequest; answered: PushPreview };
   "POST /api/push": { asked: PushRequest; answered: PushAnswer };
   "POST /api/push/confirm": { asked: ConfirmRequest; answered: ConfirmAnswer };

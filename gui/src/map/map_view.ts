@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { intersects } from "ol/extent";
+import { getCenter, getIntersection, intersects } from "ol/extent";
 import Feature from "ol/Feature";
 import LineString from "ol/geom/LineString";
 import MultiPoint from "ol/geom/MultiPoint";
@@ -11,10 +11,20 @@ import VectorLayer from "ol/layer/Vector";
 import OlMap from "ol/Map";
 import Projection from "ol/proj/Projection";
 import VectorSource from "ol/source/Vector";
+import type Style from "ol/style/Style";
 import View from "ol/View";
 import { FloorLayer, niceStep } from "./floor_layer";
 import type { MapOwner, Tool } from "./map_owner";
-import { dotStyle, handleStyle, type Palette, paletteOf, pathStyle, robotStyle, zoneStyle } from "./palette";
+import {
+  dotStyle,
+  handleStyle,
+  labelStyle,
+  type Palette,
+  paletteOf,
+  pathStyle,
+  robotStyle,
+  zoneStyle,
+} from "./palette";
 import {
   closed,
   cornersOf,
@@ -85,7 +95,7 @@ export class MapView {
         enableRotation: false,
       }),
     });
-    const sketch = () => [zoneStyle(this.palette, "draft", ""), handleStyle(this.palette)];
+    const sketch = () => [zoneStyle(this.palette, "draft"), handleStyle(this.palette)];
     this.tools = new ZoneTools(
       this.map,
       this.zoneSource,
@@ -201,12 +211,12 @@ export class MapView {
   }
 
   private showZones(): void {
-    const around = this.around();
     const features = this.zones.flatMap((zone) => {
-      const shapes = zone.rectangles.map((rectangle) => fromExtent([...closed(rectangle, around)]));
+      const shapes = zone.rectangles.map((rectangle) => fromExtent([...closed(rectangle, null)]));
       const [largest] = [...shapes].sort((a, b) => b.getArea() - a.getArea());
       return shapes.map((shape, index) => {
-        const feature = styled(shape, zoneStyle(this.palette, zone.tone, shape === largest ? zone.label : ""));
+        const style = zoneStyle(this.palette, zone.tone);
+        const feature = styled(shape, shape === largest ? [style, this.labelOf(zone, index)] : style);
         feature.setProperties({ zone: zone.id, rectangle: index });
         return feature;
       });
@@ -214,6 +224,17 @@ export class MapView {
     this.zoneSource.clear(true);
     this.zoneSource.addFeatures(features);
     this.showMarks();
+  }
+
+  /** A zone's name in the middle of what is there, also where its sides are open and far away. */
+  private labelOf({ label, rectangles }: MapZone, index: number): Style {
+    const style = labelStyle(this.palette, label);
+    style.setGeometry((feature) => {
+      const shape = (feature as Feature).getGeometry()?.getExtent() ?? [];
+      const isBounded = Object.values(rectangles[index] ?? {}).every((side) => side !== null);
+      return new OlPoint(getCenter(isBounded ? shape : getIntersection(shape, [...this.around()])));
+    });
+    return style;
   }
 
   private showMarks(): void {
@@ -252,7 +273,7 @@ export class MapView {
   }
 }
 
-function styled(geometry: ConstructorParameters<typeof Feature>[0], style: ReturnType<typeof pathStyle>): Feature {
+function styled(geometry: ConstructorParameters<typeof Feature>[0], style: Style | Style[]): Feature {
   const feature = new Feature(geometry);
   feature.setStyle(style);
   return feature;

@@ -38,12 +38,18 @@ export function paletteOf(host: HTMLElement): Palette {
 }
 
 /** How a zone looks; clashing and drafted ones differ in their line as well, not in colour only. */
-export function zoneStyle(palette: Palette, tone: MapZone["tone"], label: string): Style {
+export function zoneStyle(palette: Palette, tone: MapZone["tone"]): Style {
   const colour = { zone: palette.info, selected: palette.accent, clash: palette.error, draft: palette.accent }[tone];
   const lineDash = { zone: null, selected: null, clash: [2, 4], draft: [8, 5] }[tone];
   return new Style({
     fill: new Fill({ color: `${colour}${tone === "clash" ? "40" : "26"}` }),
     stroke: new Stroke({ color: colour, width: tone === "zone" ? 1.5 : 2.5, ...(lineDash ? { lineDash } : {}) }),
+    zIndex: { zone: 1, clash: 2, draft: 3, selected: 4 }[tone],
+  });
+}
+
+export function labelStyle(palette: Palette, label: string): Style {
+  return new Style({
     text: new Text({
       text: label,
       font: `600 12px ${palette.font}`,
@@ -51,7 +57,7 @@ export function zoneStyle(palette: Palette, tone: MapZone["tone"], label: string
       stroke: new Stroke({ color: palette.surface, width: 3 }),
       overflow: true,
     }),
-    zIndex: { zone: 1, clash: 2, draft: 3, selected: 4 }[tone],
+    zIndex: 5,
   });
 }
 

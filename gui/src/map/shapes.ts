@@ -48,6 +48,16 @@ export function closed(rectangle: ZoneBounds, around: Extent | null): Extent {
   ];
 }
 
+/** `sides` where `known` is bounded; what was open stays so. */
+export function bounded(known: ZoneBounds, [left, low, right, high]: Extent): ZoneBounds {
+  return {
+    min_x: known.min_x === null ? null : left,
+    max_x: known.max_x === null ? null : right,
+    min_y: known.min_y === null ? null : low,
+    max_y: known.max_y === null ? null : high,
+  };
+}
+
 /** The four corners of a picture, from its lower left one against the clock. */
 export function cornersOf(picture: MapPicture): Point[] {
   const [cos, sin] = [Math.cos(picture.yaw_rad), Math.sin(picture.yaw_rad)];

@@ -8,7 +8,7 @@ import type OlMap from "ol/Map";
 import type VectorSource from "ol/source/Vector";
 import type Style from "ol/style/Style";
 import type { MapOwner, Tool } from "./map_owner";
-import { closed, type Extent, type MapZone, type Point, toCentimetres } from "./shapes";
+import { bounded, closed, type Extent, type MapZone, type Point, toCentimetres } from "./shapes";
 import { type DragOwner, ZoneDrag } from "./zone_drag";
 
 const SNAP_PX = 8;
@@ -95,13 +95,15 @@ export class ZoneTools {
         this.featuresOf(id).forEach((feature, index) => {
           const rectangle = zone?.rectangles[index];
           if (!rectangle) return;
-          const [left, low, right, high] = closed(rectangle, this.around());
+          const [left, low, right, high] = closed(rectangle, null);
           feature.setGeometry(fromExtent([left + dx, low + dy, right + dx, high + dy]));
         });
       },
       showResized: (id, sides) => {
-        const handle = this.zones().find((each) => each.id === id)?.handle ?? 0;
-        this.featuresOf(id)[handle]?.setGeometry(fromExtent([...sides]));
+        const zone = this.zones().find((each) => each.id === id);
+        const rectangle = zone?.rectangles[zone.handle ?? 0];
+        const shape = rectangle && fromExtent([...closed(bounded(rectangle, sides), null)]);
+        this.featuresOf(id)[zone?.handle ?? 0]?.setGeometry(shape);
       },
     };
   }

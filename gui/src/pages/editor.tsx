@@ -134,7 +134,7 @@ export function EditorPage({ api, project, name, robot: node, line, editors, kee
             )}
             {tool.value === "robot" && (
               <NeedsServer>
-                <RobotPanel {...{ editor, ...robot }} />
+                <RobotPanel {...{ api, editor, ...robot }} />
               </NeedsServer>
             )}
             {tool.value === "try" && <TryPanel {...{ editor, api, project, tries, keepings, refresh }} />}

@@ -5,7 +5,7 @@ import { type Api, ApiError } from "../api/client";
 import type { FileAnswer, Project } from "../api/types";
 import { FileLists } from "../panels/file_lists";
 import { ownProfile } from "../panels/profile_choice";
-import { RecordingList, RecordingStart } from "../panels/recording_start";
+import { RecordingList, RecordingStart } from "../panels/project_start";
 import { RECIPES } from "../recipes/recipes";
 import { NEW_PROFILE, type Route, toRoute } from "../route";
 import { FormDialog } from "../ui/dialog";

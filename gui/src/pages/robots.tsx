@@ -1,8 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { useComputed, useSignal } from "@preact/signals";
-import { useEffect, useRef } from "preact/hooks";
+import { useEffect, useRef, useState } from "preact/hooks";
 import type { Project } from "../api/types";
+import { RobotStart } from "../panels/project_start";
+import { RobotHistory } from "../panels/robot_history";
 import { RobotTable } from "../panels/robot_table";
 import { RobotTopics } from "../panels/robot_topics";
 import { RobotTotals } from "../panels/robot_totals";
@@ -10,11 +12,12 @@ import { href } from "../route";
 import { byTrouble, inOrderOf, troubleOf } from "../state/robot_trouble";
 import { Header } from "../ui/header";
 import { useRobot } from "../ui/robot_state";
+import { NeedsServer } from "../ui/server_gone";
 import type { PageProps } from "./page_props";
 
 /** All robots that are heard, or, with a name, that robot without any rules beside it. */
-export function RobotsPage({ project, name }: PageProps) {
-  return name === "" ? <AllRobots project={project} /> : <OneRobot node={name} />;
+export function RobotsPage({ api, project, refresh, name }: PageProps) {
+  return name === "" ? <AllRobots project={project} /> : <OneRobot {...{ api, project, refresh }} node={name} />;
 }
 
 function AllRobots({ project }: { project: Project }) {
@@ -75,22 +78,43 @@ function counted(all: number, troubled: number): string {
   return troubled === 0 ? `${robots}, no trouble` : `${robots}, ${troubled} with trouble`;
 }
 
-function OneRobot({ node }: { node: string }) {
+function OneRobot({ node, ...props }: Pick<PageProps, "api" | "project" | "refresh"> & { node: string }) {
+  const [isStarting, setStarting] = useState(false);
   const link = useRobot();
   useEffect(() => {
     link.choose(node);
     return link.watch();
   }, [node]);
   const live = link.live.value;
-  const { kind, why } = link.connection.value;
+  const { kind, isFailing, why } = link.connection.value;
   return (
     <>
       <Header title={link.robot.value?.label ?? node} />
       <main class="robots robot">
-        <a href={href({ page: "robots", name: "" })}>All robots</a>
+        <div class="row">
+          <a href={href({ page: "robots", name: "" })}>All robots</a>
+          <NeedsServer>
+            <button type="button" disabled={live === null} onClick={() => setStarting(true)}>
+              Start a project from this robot
+            </button>
+          </NeedsServer>
+        </div>
+        {isStarting && (
+          <RobotStart
+            {...{ ...props, node }}
+            label={link.robot.value?.label ?? node}
+            onClose={() => setStarting(false)}
+          />
+        )}
         {kind !== "connected" && <p>{why}</p>}
+        {isFailing && (
+          <p class="problem" role="alert">
+            {why}
+          </p>
+        )}
         {live && <RobotTotals live={live} />}
         {live && <RobotTopics link={link} live={live} />}
+        {link.robot.value?.node === node && <RobotHistory api={props.api} node={node} />}
       </main>
     </>
   );

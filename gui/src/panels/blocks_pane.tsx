@@ -35,7 +35,6 @@ export function BlocksPane(props: { editor: RuleEditor; robotRules: RobotRules; 
   const errors = editor.errors.value.length;
   const isMany = isLong(editor);
   const go = (index: number) => void workspace.current?.unfold(index);
-  const isEmpty = editor.shown.value?.document.collections.every((each) => each.statements.length === 0) ?? true;
   return (
     <section class={isBehind ? "pane blocks behind" : "pane blocks"} aria-label="Blocks">
       <div class="pane-bar">
@@ -89,10 +88,10 @@ export function BlocksPane(props: { editor: RuleEditor; robotRules: RobotRules; 
         )}
         <div class="blocks-host" ref={host} />
       </div>
-      {isEmpty && (
+      {editor.isEmpty.value && (
         <p class="empty-hint">
-          Nothing here yet. <strong>New rate</strong> says how often a topic is sent; <strong>New rule</strong> says
-          when that changes. Recipes are in the list on the left.
+          Begin with <strong>New rate</strong>: how often a topic is sent while no rule decides. Then add a{" "}
+          <strong>New rule</strong>: when that changes. Recipes are in the list on the left.
         </p>
       )}
     </section>

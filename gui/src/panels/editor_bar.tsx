@@ -71,12 +71,13 @@ export function EditorBar({ editor, api, project, savesByItself, rulePush, robot
   );
 }
 
-type NextStep = "save" | "send" | "download";
+type NextStep = "save" | "send" | "download" | null;
 
-/** What is to be done next, as the one main button says. */
+/** What is to be done next, as the one main button says; null while there is nothing that could be sent. */
 function useNextStep(editor: RuleEditor, savesByItself: boolean, robotRules: RobotRules): NextStep {
   const { kind } = useRobot().connection.value;
   if (!editor.isSaved.value && !savesByItself) return "save";
+  if (editor.isEmpty.value) return null;
   return kind === "connected" && robotRules.comparison.value.kind === "other" ? "send" : "download";
 }
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import type { BackgroundChoice } from "../api/types";
-import type { MapFloor } from "../state/map_floor";
+import { MAP_FRAME, type MapFloor } from "../state/map_floor";
 import type { RuleEditor } from "../state/rule_editor";
 import { Notice } from "../ui/notice";
 import { typedNumber } from "../ui/numbers";
@@ -41,14 +41,12 @@ export function FloorChoice({ floor, editor }: { floor: MapFloor; editor: RuleEd
   );
 }
 
-/** Where an image lies, and what somebody should know of what lies below the zones. */
-export function FloorNotes({ floor, editor }: { floor: MapFloor; editor: RuleEditor }) {
+/** Where an image lies, and what somebody should know of what lies below the zones; `topics` are those of zones. */
+export function FloorNotes({ floor, editor, topics }: { floor: MapFloor; editor: RuleEditor; topics: string[] }) {
   const { kind, name } = editor.map.value;
   return (
     <div class="floor-notes">
-      {kind === "map" && (
-        <p class="quiet">/odom counts from the robot's start: it fits the map if that is the map's origin.</p>
-      )}
+      <PoseNote floor={floor} topics={topics} hasMap={kind === "map"} />
       {kind === "image" && <ImagePlace floor={floor} editor={editor} />}
       {floor.hasChanged.value && (
         <Notice
@@ -64,6 +62,21 @@ export function FloorNotes({ floor, editor }: { floor: MapFloor; editor: RuleEdi
       ))}
     </div>
   );
+}
+
+/** Whose positions the path shows, and whether those of the zones are of the same frame. */
+function PoseNote({ floor, topics, hasMap }: { floor: MapFloor; topics: string[]; hasMap: boolean }) {
+  const driven = floor.driven.value;
+  const others = topics.filter((topic) => topic !== driven?.source);
+  const notes = driven
+    ? [`The path is that of ${driven.source}${driven.frame && `, in the frame ${driven.frame}`}.`]
+    : [];
+  if (driven && others.length > 0) notes.push(`Zones read ${others.join(", ")}, whose positions may lie elsewhere.`);
+  if (hasMap && driven?.frame !== MAP_FRAME && (driven || topics.length > 0))
+    notes.push(
+      `Positions of ${driven?.source ?? topics.join(", ")} fit the map if the robot started at the map's origin.`,
+    );
+  return notes.length > 0 ? <p class="quiet">{notes.join(" ")}</p> : null;
 }
 
 const keyOf = (choice: BackgroundChoice) => `${choice.kind} ${choice.name}`;

@@ -7,7 +7,7 @@ import type { ZoneBounds } from "../api/types";
 import { MapCanvas } from "../map/map_canvas";
 import type { MapOwner, Tool } from "../map/map_owner";
 import type { MapView } from "../map/map_view";
-import type { Extent } from "../map/shapes";
+import { bounded } from "../map/shapes";
 import type { MapFloor } from "../state/map_floor";
 import type { RuleEditor } from "../state/rule_editor";
 import { DRAFT, type ZoneEditor } from "../state/zone_editor";
@@ -21,6 +21,7 @@ const TOOLS: { tool: Tool; label: string }[] = [
   { tool: "rectangle", label: "Draw a rectangle" },
   { tool: "polygon", label: "Draw a polygon" },
 ];
+const USUAL_TOPIC = "/odom";
 const FIRST_SIDES: ZoneBounds = { min_x: 0, max_x: 1, min_y: 0, max_y: 1 };
 
 /** The zones of the rules on a map: everything the mouse does there, the forms below it do as well. */
@@ -42,7 +43,7 @@ export function MapPanel({ editor, zones, floor }: { editor: RuleEditor; zones: 
         if (event.key === "Escape") tool.value = "choose";
       }}
     >
-      <FloorNotes floor={floor} editor={editor} />
+      <FloorNotes floor={floor} editor={editor} topics={zones.topics.value} />
       <div class="map-area">
         <MapCanvas
           label="Zones on the map"
@@ -60,7 +61,13 @@ export function MapPanel({ editor, zones, floor }: { editor: RuleEditor; zones: 
         </NeedsServer>
       </div>
       <div class="map-strip" key={zones.draft.value ? DRAFT : "chosen"}>
-        <NeedsServer>{zones.draft.value ? <DraftForm zones={zones} /> : <ChosenZoneForm zones={zones} />}</NeedsServer>
+        <NeedsServer>
+          {zones.draft.value ? (
+            <DraftForm zones={zones} topic={floor.poseInMap.value ?? zones.topics.value[0] ?? USUAL_TOPIC} />
+          ) : (
+            <ChosenZoneForm zones={zones} />
+          )}
+        </NeedsServer>
         <ZoneList zones={zones} />
       </div>
     </section>
@@ -123,15 +130,5 @@ function ownerOf(zones: ZoneEditor, done: () => void): MapOwner {
       void zones.draw(shape);
     },
     failed: () => (zones.editor.message.value = "The picture of the map cannot be shown"),
-  };
-}
-
-/** `sides` where `known` is bounded; what was open stays so. */
-function bounded(known: ZoneBounds, [left, low, right, high]: Extent): ZoneBounds {
-  return {
-    min_x: known.min_x === null ? null : left,
-    max_x: known.max_x === null ? null : right,
-    min_y: known.min_y === null ? null : low,
-    max_y: known.max_y === null ? null : high,
   };
 }

@@ -69,6 +69,7 @@ export function OptimizePanel({ editor, api, project, repair, wantsRates }: Prop
     <div class="optimize">
       <ProfileChangeNotice repair={repair} />
       <Verdict editor={editor} result={result} />
+      <RepairAll editor={editor} refusals={result.refusals} text={result.text} />
       {result.refusals.map((refusal) => (
         <RefusalCard key={refusal.rule ?? "defaults"} {...{ api, editor, refusal }} text={result.text} />
       ))}
@@ -126,6 +127,24 @@ function Verdict({ editor, result }: { editor: RuleEditor; result: OptimizeAnswe
 /** What a rule file with numbers instead of levels is called. */
 function ratesName(editor: RuleEditor): string {
   return (editor.name.split("/").at(-1) ?? "rules.adirf").replace(/\.adirf$/, "-rates.adirf");
+}
+
+/** The smallest change of each part that does not fit, all as one step of undo. */
+function RepairAll({ editor, refusals, text }: { editor: RuleEditor; refusals: readonly Refusal[]; text: string }) {
+  const repairs = refusals.flatMap(({ repairs }) => repairs.find((each) => each.budget_kb_per_s === null) ?? []);
+  if (refusals.length < 2 || repairs.length < refusals.length) return null;
+  // The last place comes first, so that each edit finds its place after those before it.
+  const edits = repairs.flatMap((each) => each.edits).sort((one, other) => other.offset - one.offset);
+  return (
+    <button
+      type="button"
+      class="small fix"
+      title={repairs.map(({ sentence }) => sentence).join("; ")}
+      onClick={() => void editor.repair(text, { edits })}
+    >
+      Repair all {repairs.length}
+    </button>
+  );
 }
 
 function RefusalCard({ api, editor, refusal, text }: { api: Api; editor: RuleEditor; refusal: Refusal; text: string }) {

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+import type { Api } from "../api/client";
 import { href } from "../route";
 import { RULES_WORDS } from "../state/connection";
 import { type RobotLink, UPDATE_RATES_HZ } from "../state/robot_link";
@@ -7,12 +8,13 @@ import type { RobotRules } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
 import type { RulePush } from "../state/rule_push";
 import { useRobot } from "../ui/robot_state";
+import { RobotHistory } from "./robot_history";
 import { RobotTopics } from "./robot_topics";
 import { RobotTotals } from "./robot_totals";
 import { RulePushSteps } from "./rule_push_steps";
 
 /** The running robot: what it relays now, and whether it follows the open rules. */
-export function RobotPanel(props: { editor: RuleEditor; robotRules: RobotRules; rulePush: RulePush }) {
+export function RobotPanel(props: { api: Api; editor: RuleEditor; robotRules: RobotRules; rulePush: RulePush }) {
   const link = useRobot();
   const live = link.live.value;
   return (
@@ -21,6 +23,7 @@ export function RobotPanel(props: { editor: RuleEditor; robotRules: RobotRules; 
       <div class="row">
         <RobotChoice link={link} />
         <a href={href({ page: "robots", name: "" })}>All robots</a>
+        {link.node.value && <a href={href({ page: "robots", name: link.node.value })}>This robot alone</a>}
         <p>
           <Situation link={link} />
         </p>
@@ -28,6 +31,7 @@ export function RobotPanel(props: { editor: RuleEditor; robotRules: RobotRules; 
       </div>
       {live && <RobotTotals live={live} />}
       {live && <RobotTopics link={link} live={live} />}
+      {link.robot.value && <RobotHistory api={props.api} node={link.robot.value.node} />}
       {!live && link.connection.value.kind === "connected" && <p class="quiet">Waiting for a status …</p>}
     </div>
   );
@@ -61,7 +65,7 @@ function RobotChoice({ link }: { link: RobotLink }) {
 }
 
 function Situation({ link }: { link: RobotLink }) {
-  const { kind, words, why } = link.connection.value;
+  const { kind, isFailing, words, why } = link.connection.value;
   const robot = link.robot.value;
   if (kind !== "connected" || robot === null) {
     return (
@@ -70,7 +74,11 @@ function Situation({ link }: { link: RobotLink }) {
       </>
     );
   }
-  return <>{RULES_WORDS[robot.rules]}</>;
+  return (
+    <span class={isFailing ? "problem" : ""} role={isFailing ? "alert" : undefined}>
+      {RULES_WORDS[robot.rules]}
+    </span>
+  );
 }
 
 function RulesNotice({ robotRules }: { robotRules: RobotRules }) {

@@ -55,7 +55,7 @@ function RobotRow({ robot, project, sinceToldS }: RowProps) {
   const silentS = robot.heard_s_ago + sinceToldS;
   const { oldest } = robot;
   return (
-    <tr class={`${trouble ? "troubled" : ""} ${robot.is_heard ? "" : "silent"}`}>
+    <tr class={lookOf(robot, trouble !== null)}>
       <th scope="row">
         <a href={wayTo(robot, project)}>{robot.label}</a>
       </th>
@@ -76,6 +76,12 @@ function RobotRow({ robot, project, sinceToldS }: RowProps) {
       </td>
     </tr>
   );
+}
+
+function lookOf({ is_heard, rules }: RobotSummary, isTroubled: boolean): string {
+  if (!is_heard) return "silent";
+  if (rules === "fallback") return "failing";
+  return isTroubled ? "troubled" : "";
 }
 
 /** Beside the rules that it follows, if the project has any rules. */

@@ -111,7 +111,7 @@ function TopicRow({ link, topic, cells, linkCells }: RowProps) {
             {cell}
           </td>
         ))}
-        <td>{decider}</td>
+        <td class={decider === REASONS.fallback ? "failing" : ""}>{decider}</td>
         <td>{state}</td>
       </tr>
     );

@@ -13,7 +13,6 @@ const SIDES = [
   { side: "min_y", label: "y from (m)" },
   { side: "max_y", label: "y to (m)" },
 ] as const;
-const USUAL_TOPIC = "/odom";
 
 /** The sides of the chosen zone as numbers, and how far to move all of it. */
 export function ChosenZoneForm({ zones }: { zones: ZoneEditor }) {
@@ -54,8 +53,8 @@ export function ChosenZoneForm({ zones }: { zones: ZoneEditor }) {
   );
 }
 
-/** A zone that is being made: its shape, what it is called and where it goes. */
-export function DraftForm({ zones }: { zones: ZoneEditor }) {
+/** A zone that is being made: its shape, what it is called and where it goes; `topic` is proposed for it. */
+export function DraftForm({ zones, topic }: { zones: ZoneEditor; topic: string }) {
   const draft = zones.draft.value;
   const [shape, setShape] = useState<"rectangle" | "polygon">(draft?.polygon ? "polygon" : "rectangle");
   // What is added is what the fields say: not a draft beside which they say something else, or nothing that can be read.
@@ -90,7 +89,7 @@ export function DraftForm({ zones }: { zones: ZoneEditor }) {
           }}
         />
       )}
-      <GoesTo zones={zones} canAdd={stale !== draft && (!isPolygon || draft.polygon !== null)} />
+      <GoesTo zones={zones} topic={topic} canAdd={stale !== draft && (!isPolygon || draft.polygon !== null)} />
     </div>
   );
 }
@@ -229,7 +228,7 @@ function saidOf(count: number, areaM2: number, overM2: number): string {
   return `Rules know rectangles only: ${rectangles} the polygon of ${areaM2.toFixed(1)} m² and ${overM2.toFixed(1)} m² beside it (${share} % more).`;
 }
 
-function GoesTo({ zones, canAdd }: { zones: ZoneEditor; canAdd: boolean }) {
+function GoesTo({ zones, topic, canAdd }: { zones: ZoneEditor; topic: string; canAdd: boolean }) {
   const { answer, editor, rules } = zones;
   return (
     <form
@@ -239,7 +238,7 @@ function GoesTo({ zones, canAdd }: { zones: ZoneEditor; canAdd: boolean }) {
         const data = new FormData(event.currentTarget);
         const text = (name: string) => String(data.get(name) ?? "").trim();
         void zones.add(
-          text("topic") || USUAL_TOPIC,
+          text("topic") || topic,
           text("label") || (answer.value?.zones.label ?? "Zone"),
           text("into") || null,
         );
@@ -262,7 +261,7 @@ function GoesTo({ zones, canAdd }: { zones: ZoneEditor; canAdd: boolean }) {
       </label>
       <label>
         Position from
-        <input name="topic" defaultValue={USUAL_TOPIC} />
+        <input name="topic" defaultValue={topic} />
       </label>
       <button type="submit" class="small primary" disabled={!canAdd || editor.isBroken.value}>
         Add the zone

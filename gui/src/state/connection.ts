@@ -15,6 +15,8 @@ export type ServerState =
 /** What the top of every page says of the robot: few words, and why in full. */
 export interface Connection {
   kind: "connected" | "silent" | "none";
+  /** Whether the robot is heard and does not do what it should. */
+  isFailing: boolean;
   words: string;
   why: string;
 }
@@ -42,21 +44,24 @@ export function connectionOf(
 function heardFrom(robot: RobotSummary, sinceToldS: number): Connection {
   const silentS = Math.floor(robot.heard_s_ago + sinceToldS);
   if (robot.is_heard && sinceToldS < TOLD_WITHIN_S) {
+    const isFailing = robot.rules === "fallback";
     return {
       kind: "connected",
-      words: `connected to ${robot.node}`,
+      isFailing,
+      words: isFailing ? `${robot.label}: no valid rules` : `connected to ${robot.node}`,
       why: `${robot.node} relays ${robot.topics} topics. ${RULES_WORDS[robot.rules]}`,
     };
   }
   return {
     kind: "silent",
+    isFailing: false,
     words: `robot silent for ${silentS} s`,
     why: `No status of ${robot.node} for ${silentS} s. Check that 'testudo run' is running and the radio is up.`,
   };
 }
 
 function none(why: string): Connection {
-  return { kind: "none", words: "not connected", why };
+  return { kind: "none", isFailing: false, words: "not connected", why };
 }
 
 /** Which rules a robot follows, as a sentence. */
@@ -64,5 +69,5 @@ export const RULES_WORDS: Record<RobotSummary["rules"], string> = {
   files: "It follows the rule files on its disk.",
   pushed: "It follows rules that were sent to it.",
   waiting: "It is trying rules that were sent to it, and reverts them unless they are kept.",
-  fallback: "It has no valid rules and relays everything.",
+  fallback: "It has no valid rules and relays everything. Mend its rule files, or send it rules.",
 };

@@ -7,6 +7,7 @@ import type { MapPicture, Point } from "../map/shapes";
 import { type MapSetting, PLAIN_GRID } from "./layout";
 
 const RADIANS = Math.PI / 180;
+export const MAP_FRAME = "map";
 const NO_PATH: readonly Point[] = [];
 
 /** Whose floor it is: what its side file says, and who is told of errors. */
@@ -19,9 +20,14 @@ export interface FloorOwner {
 export class MapFloor {
   readonly choices = signal<readonly BackgroundChoice[]>([]);
   readonly background = signal<Background | null>(null);
-  private readonly driven = signal<DrivenPath | null>(null);
+  readonly driven = signal<DrivenPath | null>(null);
   readonly picture = computed((): MapPicture | null => pictureOf(this.background.value, this.editor.map.value));
   readonly path = computed(() => this.driven.value?.path.map(([, x, y]): Point => [x, y]) ?? NO_PATH);
+  /** The topic whose positions are in the frame of maps, if rules can read them. */
+  readonly poseInMap = computed(() => {
+    const driven = this.driven.value;
+    return driven?.frame === MAP_FRAME && driven.has_pose ? driven.source : null;
+  });
   readonly notices = computed(() => this.driven.value?.notices ?? []);
   /** Whether the files of the map are others than when it was chosen. */
   readonly hasChanged = computed(() => {

@@ -58,6 +58,10 @@ export class RuleEditor implements Contested {
     map: PLAIN_GRID,
   });
   readonly ahead = new WorkAhead();
+  /** Whether no statement is there yet. */
+  readonly isEmpty = computed(
+    () => this.shown.value?.document.collections.every((each) => each.statements.length === 0) ?? true,
+  );
   /** Whether the file holds the text, and its side file the map. */
   readonly isInFile = computed(
     () => this.text.value === this.saved.value.text && this.map.value === this.saved.value.map,
@@ -215,7 +219,7 @@ export class RuleEditor implements Contested {
   }
 
   /** One-click repair of what does not fit the budget, in the text that the optimizer was asked about. */
-  repair(text: string, { edits }: Repair): Promise<void> {
+  repair(text: string, { edits }: Pick<Repair, "edits">): Promise<void> {
     return this.edit(() => (text === this.text.value ? edits : []));
   }
 

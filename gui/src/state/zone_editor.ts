@@ -24,6 +24,10 @@ export class ZoneEditor {
   /** Which rectangle of the chosen rule. */
   readonly index = signal(0);
   readonly rules = computed(() => this.answer.value?.zones.rules ?? []);
+  /** The topics whose positions the zones read, in their order. */
+  readonly topics = computed(() => [
+    ...new Set(this.rules.value.flatMap((rule) => rule.zones.map((zone) => zone.topic))),
+  ]);
   /** The rule that the cursor, a block or the map points at, if it has zones. */
   readonly chosen = computed((): RuleZones | null => {
     const { spot } = this.editor;

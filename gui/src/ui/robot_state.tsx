@@ -20,9 +20,9 @@ const SIGNS = { connected: "●", silent: "◐", none: "○" };
 export function RobotState() {
   const id = useId();
   const [isPinned, setPinned] = useState(false);
-  const { kind, words, why } = useRobot().connection.value;
+  const { kind, isFailing, words, why } = useRobot().connection.value;
   return (
-    <div class={`robot-state ${kind}${isPinned ? " pinned" : ""}`}>
+    <div class={`robot-state ${isFailing ? "failing" : kind}${isPinned ? " pinned" : ""}`}>
       <button
         type="button"
         class="small"
@@ -30,7 +30,7 @@ export function RobotState() {
         onClick={() => setPinned(!isPinned)}
         onBlur={() => setPinned(false)}
       >
-        <span aria-hidden="true">{SIGNS[kind]}</span> {words}
+        <span aria-hidden="true">{isFailing ? "✕" : SIGNS[kind]}</span> {words}
       </button>
       <p role="tooltip" id={id}>
         {why}

@@ -9,8 +9,8 @@ export function moment(ms: number): string {
 }
 
 /** A time since 1970 as hour and minute where the reader is. */
-export function clock(ms: number): string {
-  return new Date(ms).toLocaleTimeString("en-GB", { timeStyle: "short" });
+export function clock(ms: number, timeStyle: "short" | "medium" = "short"): string {
+  return new Date(ms).toLocaleTimeString("en-GB", { timeStyle });
 }
 
 /** How long ago something was, in the words of a list: `just now`, `5 minutes ago`, `yesterday`, `3 Mar 2026`. */

@@ -45,12 +45,14 @@ from smarttestudo.use_cases.ruler.project import (
 )
 from smarttestudo.use_cases.ruler.pushing import ConfirmRequest, LastingRequest, PushRequest, WriteRequest
 from smarttestudo.use_cases.ruler.recordings import ReceivedAnswer, RecordingRequest, Recordings
+from smarttestudo.use_cases.ruler.robot_history import RobotHistoryRequest
 from smarttestudo.use_cases.ruler.robot_incidents import (
     OpenIncidents,
     RobotIncidentRequest,
     RobotIncidents,
 )
 from smarttestudo.use_cases.ruler.robot_link import OpenRobots, RobotLink
+from smarttestudo.use_cases.ruler.robot_start import RobotStartRequest
 from smarttestudo.use_cases.ruler.robots import WatchedRobots
 from smarttestudo.use_cases.ruler.trial import TryAnswer, TryRequest
 from smarttestudo.use_cases.ruler.vocabulary import Vocabulary, VocabularyRequest, vocabulary
@@ -122,6 +124,8 @@ def api_routes(
     yield from _incident_routes(KnownIncidents(folder))
     course = IncidentApi(folder, listeners)
     yield long_work("/api/incident/course", IncidentCourseRequest, course.answer, IncidentCourse)
+    yield answering("/api/robot/history", RobotHistoryRequest, robots.history)
+    yield answering("/api/robot/start", RobotStartRequest, robots.start)
     yield answering("/api/push/preview", PushRequest, robots.preview)
     yield answering("/api/push", PushRequest, robots.push)
     yield answering("/api/push/confirm", ConfirmRequest, robots.confirm)

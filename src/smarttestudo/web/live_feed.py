@@ -16,6 +16,7 @@ from smarttestudo.use_cases.ruler.robot_watch import SeenRobot
 from smarttestudo.web.socket import Listeners, Robots, encoded
 
 _ROBOTS_PERIOD_S = 2.0
+_LOOKS_PER_PERIOD = 8
 
 
 class LiveFeed:
@@ -101,8 +102,16 @@ class LiveFeed:
         ]
 
     async def _keep_telling(self) -> None:
-        """Every two seconds while there are pages."""
+        """Every two seconds while there are pages, and soon after a robot was heard no more."""
         while self._listeners.pages:
             self._link.begin()
             self._tell_robots()
-            await asyncio.sleep(_ROBOTS_PERIOD_S)
+            heard = self._heard_robots()
+            for _ in range(_LOOKS_PER_PERIOD):
+                await asyncio.sleep(_ROBOTS_PERIOD_S / _LOOKS_PER_PERIOD)
+                if self._heard_robots() != heard:
+                    break
+
+    def _heard_robots(self) -> list[str]:
+        now_s = time.monotonic()
+        return [one.status.robot_id for one in self._link.seen.values() if one.is_heard(now_s)]

@@ -79,6 +79,7 @@ class BagContent:
 
 
 ODOM = BagTopic("/odom", "nav_msgs/msg/Odometry", (qos(),))
+AMCL = BagTopic("/amcl_pose", "geometry_msgs/msg/PoseWithCovarianceStamped", (qos(),))
 SCAN = BagTopic("/scan", "sensor_msgs/msg/LaserScan", (BEST_EFFORT,))
 IMAGE = BagTopic("/image", "sensor_msgs/msg/Image", (BEST_EFFORT,))
 GRIPPER = BagTopic("/gripper", CUSTOM_TYPE, (qos(),))
@@ -113,6 +114,20 @@ def odometry(x: float, y: float, *, speed: float = 0.0) -> bytes:
     message.pose.pose.position.x, message.pose.pose.position.y = x, y
     message.twist.twist.linear.x = speed
     return cdr(ODOM.type_name, message)
+
+
+def localized_mission() -> BagContent:
+    """As ``small_mission``, of a robot that started at (9.6, 0) of its map and says so on /amcl_pose."""
+    mission = small_mission()
+    messages = []
+    for i in range(8):
+        pose = message_of(AMCL.type_name)
+        pose.header.frame_id = "map"
+        pose.pose.pose.position.x, pose.pose.pose.position.y = 9.6, i / 2
+        stamp_ns = START_NS + i * 500_000_000 + 1
+        messages.append(BagMessage(AMCL.name, stamp_ns, cdr(AMCL.type_name, pose)))
+    ordered = sorted((*mission.messages, *messages), key=lambda message: message.stamp_ns)
+    return BagContent((*mission.topics, AMCL), tuple(ordered))
 
 
 def small_mission(seconds: float = 4.0) -> BagContent:

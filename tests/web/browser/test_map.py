@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import expect
 
+from adapters.rosbag.bag_factory import localized_mission, write_bag
 from web.browser.map_page import MapPage
 from web.browser.ruler_page import RulerPage
 
@@ -264,6 +265,45 @@ def test_an_image_has_the_scale_that_somebody_gives_it(ruler: RulerPage, project
     ruler.page.get_by_label("Background").select_option("Plain grid")
     ruler.save()
     assert rules.read_text() == RULES
+
+
+def test_a_robot_that_knows_its_place_in_the_map_is_drawn_there_and_read_there(
+    ruler: RulerPage, project: Path, rules: Path
+) -> None:
+    write_bag(project / "monday", localized_mission())
+    map_page = open_map(ruler, "bay.adirf")
+    ruler.page.get_by_label("Path of").select_option("monday")
+    note = ruler.page.get_by_text("The path is that of /amcl_pose, in the frame map.")
+    expect(note).to_contain_text("Zones read /odom, whose positions may lie elsewhere.")
+    ruler.button("Type a zone").click()
+    expect(map_page.form.get_by_label("Position from")).to_have_value("/amcl_pose")
+    ruler.button("Add the zone").click()
+    ruler.page.get_by_role("group", name="Zone of Zone 1").wait_for()
+    assert "CheckValue /amcl_pose pose_x > 0" in saved(ruler, rules)
+
+
+def test_a_condition_on_y_alone_is_a_band_without_ends(ruler: RulerPage, rules: Path) -> None:
+    rules.write_text(
+        RULES.replace(
+            "CheckValue /odom pose_x > 20", "(CheckValue /odom pose_y > 12 AND CheckValue /odom pose_y < 15)"
+        )
+    )
+    map_page = open_map(ruler, "bay.adirf")
+    for _ in range(4):
+        ruler.page.get_by_role("region", name="Map").get_by_role("button", name="Zoom out").click()
+    map_page.press((60, 13.5))
+    expect(ruler.button("Hall")).to_have_attribute("aria-pressed", "true")
+    assert map_page.sides() == ["", "", "12", "15"]
+
+
+def test_a_new_zone_proposes_a_rate_that_is_not_the_default(ruler: RulerPage, rules: Path) -> None:
+    for default, proposed in (("4", "10"), ("Full", "10"), ("25", "Full")):
+        rules.write_text(RULES.replace("/odom 10 ", f"/odom {default} "))
+        open_map(ruler, "bay.adirf")
+        ruler.button("Type a zone").click()
+        ruler.button("Add the zone").click()
+        ruler.page.get_by_role("group", name="Zone of Zone 1").wait_for()
+        assert f"SetFrequency /odom {proposed}\n    EndIf\nend" in saved(ruler, rules)
 
 
 def is_picture_of(name: str, url: str) -> bool:

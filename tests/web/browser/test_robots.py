@@ -19,7 +19,9 @@ from playwright.sync_api import Locator, expect
 from axe import violations
 from ros.ros_domains import free_domain
 from ros.ros_processes import Process, SmallRobot
+from smarttestudo.adapters.files.profile import load_profile
 from smarttestudo.adapters.json.status import status_to_json
+from smarttestudo.domain.decision import Reason
 from smarttestudo.domain.json_text import json_text
 from smarttestudo.domain.link_state import LinkState, StreamCounts, TopicOnLink
 from smarttestudo.domain.status import RulesInForce, RulesOrigin, RuntimeStatus
@@ -170,6 +172,72 @@ def test_rules_that_wait_or_were_pushed_are_told_apart(page: RulerPage, fleet: P
     )
     expect(page.page.get_by_role("row", name="/r01/")).to_contain_text("cdcdcdcd pushed")
     expect(page.page.get_by_role("row", name="/r02/")).to_contain_text("none: everything is relayed")
+
+
+def test_a_robot_without_valid_rules_is_an_error_wherever_it_is_named_and_grey_once_it_ended(
+    page: RulerPage, fleet: Process
+) -> None:
+    broken = replace(status(0), rules=RulesInForce(origin=RulesOrigin.FALLBACK))
+    publish(fleet, [broken])
+    pill = page.page.get_by_role("button", name="/r00/smarttestudo: no valid rules")
+    expect(pill).to_have_css("color", colour_of(page, "--error"), timeout=TIMEOUT_MS)
+    trouble = rows(page).first.get_by_text("no valid rules", exact=True)
+    expect(trouble).to_have_css("color", colour_of(page, "--error"))
+    open_alone(page)
+    expect(page.page.get_by_role("alert").get_by_text("It has no valid rules")).to_be_visible()
+    publish(fleet, [])
+    silent = page.page.get_by_role("button", name=re.compile("robot silent for [2-9] s"))
+    expect(silent).to_have_css("color", colour_of(page, "--text-2"), timeout=TIMEOUT_MS)
+
+
+def test_a_project_starts_from_what_a_robot_relays(page: RulerPage, fleet: Process, tmp_path: Path) -> None:
+    publish(fleet, [status(0)])
+    expect(rows(page)).to_have_count(1, timeout=TIMEOUT_MS)
+    open_alone(page)
+    page.page.get_by_role("button", name="Start a project from this robot").click()
+    dialog = page.page.get_by_role("dialog")
+    expect(dialog.get_by_text("2 topics relayed now.")).to_be_visible()
+    dialog.get_by_role("button", name="Create").click()
+    expect(page.page.get_by_role("region", name="Blocks", exact=True)).to_be_visible()
+    rules = (tmp_path / "project" / "r00.adirf").read_text()
+    assert rules.endswith("begin\n    SetFrequency /imu Full\n    SetFrequency /scan Full\nend\n")
+    profile = load_profile(tmp_path / "project" / "r00.toml")
+    assert profile.budget_kb_per_s == 1000.0
+    imu = profile.topic("/imu")
+    assert (imu.type_name, imu.source_hz, imu.message_kb) == (IMU, 195.0, 0.32)
+    assert imu.tiers_hz is not None
+
+
+def test_what_a_robot_decided_before_somebody_looked_is_told(page: RulerPage, fleet: Process) -> None:
+    one = status(0)
+    publish(fleet, [one])
+    expect(rows(page)).to_have_count(1, timeout=TIMEOUT_MS)
+    slower = replace(one.topics["/imu"], target_hz=5.0, rule="Bay", reason=Reason.BLOCK)
+    publish(fleet, [replace(one, topics={**one.topics, "/imu": slower}, budget_kb_per_s=500.0)])
+    expect(rows(page).first).to_contain_text("of 500 KB/s")
+    open_alone(page)
+    changes = page.page.get_by_role("table", name="Changes of the last hour")
+    expect(changes.get_by_role("row", name="/imu")).to_contain_text(re.compile(r"50 Hz\s*5 Hz\s*Bay"))
+
+
+def open_alone(page: RulerPage) -> None:
+    """The page of the first robot, without rules beside it."""
+    page.page.evaluate("location.hash = '#/robots/%2Fr00%2Fsmarttestudo'")
+
+
+def colour_of(page: RulerPage, name: str) -> str:
+    return str(
+        page.page.evaluate(
+            """name => {
+              const probe = document.body.appendChild(document.createElement('i'));
+              probe.style.color = `var(${name})`;
+              const colour = getComputedStyle(probe).color;
+              probe.remove();
+              return colour;
+            }""",
+            name,
+        )
+    )
 
 
 def test_the_keyboard_opens_a_robot_beside_its_rules_with_the_link_of_each_topic(

@@ -149,6 +149,37 @@ def test_a_reduction_of_very_many_topics_stays_on_the_page(ruler: RulerPage, pro
     expect(ruler.page.get_by_text("Everything fits into")).to_be_visible()
 
 
+def test_all_that_does_not_fit_is_repaired_at_once(ruler: RulerPage, project: Path) -> None:
+    entry = '[topics."/{}"]\nmessage_kb = 10\ntiers_hz = [1, 2, 5, 10, 20, 50]\n'
+    (project / "two.toml").write_text("budget_kb_per_s = 120\n" + entry.format("odom") + entry.format("scan"))
+    rules = "begin\n    SetFrequency /odom Competitive\n    SetFrequency /scan Marginal\n"
+    for number in (1, 2):
+        rules += (
+            f'    Rule "{number}" If CheckValue /odom pose_x > {number}0 Then SetFrequency /scan Excessive\n'
+        )
+    (project / "two.adirf").write_text(rules + "end\n")
+    ruler.home()
+    ruler.open("two.adirf")
+    ruler.button("Optimize and Download").click()
+    expect(ruler.page.get_by_text("Not everything fits into")).to_be_visible()
+    ruler.button("Repair all 2").click()
+    expect(ruler.page.get_by_text("Everything fits into")).to_be_visible()
+    ruler.button("Undo").click()
+    expect(ruler.page.get_by_text("Not everything fits into")).to_be_visible()
+
+
+def test_an_empty_file_says_what_to_do_first_and_no_button_is_coloured(
+    ruler: RulerPage, project: Path
+) -> None:
+    (project / "new.adirf").write_text("begin\nend\n")
+    ruler.home()
+    ruler.open("new.adirf")
+    expect(ruler.page.get_by_text("Begin with New rate")).to_be_visible()
+    expect(ruler.page.locator("button.primary:visible")).to_have_count(0)
+    ruler.button("New rate").click()
+    expect(ruler.page.locator("button.primary:visible")).to_have_count(1)
+
+
 def test_the_table_starts_with_the_topics_of_the_rules_and_leads_back(
     ruler: RulerPage, project: Path
 ) -> None:

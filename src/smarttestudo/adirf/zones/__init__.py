@@ -3,7 +3,7 @@
 """Zones: the rectangles of the floor that conditions on ``pose_x`` and ``pose_y`` mean."""
 
 from smarttestudo.adirf.zones.cover import Cover, PolygonError, covering_rectangles
-from smarttestudo.adirf.zones.reading import Zone, ZoneReading, ZoneRectangle, zones_in
+from smarttestudo.adirf.zones.reading import Zone, ZoneReading, ZoneRectangle, axis_of, zones_in
 from smarttestudo.adirf.zones.writing import moved_zone, resized_zone, with_zone, zone_condition
 
 __all__ = [
@@ -12,6 +12,7 @@ __all__ = [
     "Zone",
     "ZoneReading",
     "ZoneRectangle",
+    "axis_of",
     "covering_rectangles",
     "moved_zone",
     "resized_zone",

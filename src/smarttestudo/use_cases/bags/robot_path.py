@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where a robot was, from its odometry or its transforms."""
+"""Where a robot was: by a pose in the frame of its map, else by its odometry or its transforms."""
 
 from __future__ import annotations
 
@@ -14,7 +14,10 @@ from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.visualizer.floor import PathPoint
 
 _STEP_NS = NS_PER_S // 5
+_MAP_FRAME = "map"
 _ODOMETRY = "nav_msgs/msg/Odometry"
+_LOCALIZED = "geometry_msgs/msg/PoseWithCovarianceStamped"
+_SAID_BY_PEOPLE = "initialpose"
 _TRANSFORMS = "tf2_msgs/msg/TFMessage"
 _ROBOT_FRAMES = ("base_footprint", "base_link")
 _MOST_LINKS = 50
@@ -27,6 +30,14 @@ class PathReader(Protocol):
     def path(self) -> Sequence[PathPoint]:
         """Where it was so far, at most five times a second."""
 
+    @property
+    def source(self) -> str:
+        """The topic that says so."""
+
+    @property
+    def frame(self) -> str:
+        """The frame of its places; empty while no message was read."""
+
     def take(self, channel: Channel, stamp_ns: int, payload: bytes) -> None:
         """Look at the next message of the recording.
 
@@ -35,27 +46,71 @@ class PathReader(Protocol):
         """
 
 
-class OdometryPlaces:
-    """The positions that one topic's odometry gives."""
+class PosePlaces:
+    """The positions that one topic of odometry or poses gives."""
 
-    __slots__ = ("_channel", "_decoder", "_due_ns", "_start_ns", "path")
+    __slots__ = ("_channel", "_decoder", "_due_ns", "_start_ns", "frame", "path")
 
     def __init__(self, channel: Channel, decoder: MessageDecoder, start_ns: int) -> None:
         self.path: list[PathPoint] = []
+        self.frame = ""
         self._channel = channel
         self._decoder = decoder
         self._start_ns = start_ns
         self._due_ns = start_ns
+
+    @property
+    def source(self) -> str:
+        """As ``PathReader``."""
+        return self._channel.topic
 
     def take(self, channel: Channel, stamp_ns: int, payload: bytes) -> None:
         """As ``PathReader``."""
         if channel is not self._channel or stamp_ns < self._due_ns:
             return
         self._due_ns = stamp_ns + _STEP_NS
-        odometry: Any = self._decoder.decode(channel, payload)
-        position = odometry.pose.pose.position
+        message: Any = self._decoder.decode(channel, payload)
+        position = message.pose.pose.position
+        self.frame = message.header.frame_id.lstrip("/")
         t_s = (stamp_ns - self._start_ns) / NS_PER_S
         self.path.append(PathPoint(t_s=t_s, x_m=position.x, y_m=position.y))
+
+
+class BestPlaces:
+    """Of several readers the first with places in the frame of a map, else the first that is ``usual``.
+
+    Which frame a topic has only its messages say, so that all are followed.
+    """
+
+    __slots__ = ("_readers", "_usual")
+
+    def __init__(self, readers: Sequence[PathReader], usual: PathReader) -> None:
+        self._readers = readers
+        self._usual = usual
+
+    @property
+    def path(self) -> Sequence[PathPoint]:
+        """As ``PathReader``."""
+        return self._best.path
+
+    @property
+    def source(self) -> str:
+        """As ``PathReader``."""
+        return self._best.source
+
+    @property
+    def frame(self) -> str:
+        """As ``PathReader``."""
+        return self._best.frame
+
+    def take(self, channel: Channel, stamp_ns: int, payload: bytes) -> None:
+        """As ``PathReader``."""
+        for reader in self._readers:
+            reader.take(channel, stamp_ns, payload)
+
+    @property
+    def _best(self) -> PathReader:
+        return next((one for one in self._readers if one.frame == _MAP_FRAME), self._usual)
 
 
 class TransformPlaces:
@@ -64,15 +119,21 @@ class TransformPlaces:
     Frames may turn about the vertical axis; the height is left out.
     """
 
-    __slots__ = ("_channels", "_decoder", "_due_ns", "_links", "_start_ns", "path")
+    __slots__ = ("_channels", "_decoder", "_due_ns", "_links", "_start_ns", "frame", "path")
 
     def __init__(self, channels: Sequence[Channel], decoder: MessageDecoder, start_ns: int) -> None:
         self.path: list[PathPoint] = []
+        self.frame = ""
         self._channels = channels
         self._decoder = decoder
         self._start_ns = start_ns
         self._due_ns = start_ns
         self._links: dict[str, tuple[str, float, float, float]] = {}
+
+    @property
+    def source(self) -> str:
+        """As ``PathReader``."""
+        return self._channels[0].topic
 
     def take(self, channel: Channel, stamp_ns: int, payload: bytes) -> None:
         """As ``PathReader``."""
@@ -101,6 +162,7 @@ class TransformPlaces:
             if frame not in self._links:
                 break
             frame, move_x_m, move_y_m, yaw_rad = self._links[frame]
+            self.frame = frame
             cos, sin = math.cos(yaw_rad), math.sin(yaw_rad)
             x_m, y_m = move_x_m + cos * x_m - sin * y_m, move_y_m + sin * x_m + cos * y_m
         return x_m, y_m
@@ -109,16 +171,35 @@ class TransformPlaces:
 def places_in(
     channels: Sequence[Channel], decoder: MessageDecoder, start_ns: int, *, by_transforms: bool
 ) -> PathReader | None:
-    """The source of the robot's position in a recording with ``channels``; ``None`` if there is none.
+    """What says where the robot of a recording with ``channels`` was; ``None`` if nothing does.
 
-    That is its odometry, ``/odom`` before others, else its transforms; ``by_transforms`` takes those first.
+    That is a topic whose poses are in the frame ``map``, ``/amcl_pose`` before others. Else it is the
+    odometry, ``/odom`` before others, else the transforms; ``by_transforms`` takes those before any topic.
     """
     known = [channel for channel in channels if decoder.can_decode(channel)]
-    odometry = sorted(
-        (channel for channel in known if channel.type_name == _ODOMETRY),
-        key=lambda channel: (channel.topic != "/odom", channel.topic),
-    )
     transforms = [channel for channel in known if channel.type_name == _TRANSFORMS]
-    if transforms and (by_transforms or not odometry):
+    if transforms and by_transforms:
         return TransformPlaces(transforms, decoder, start_ns)
-    return OdometryPlaces(odometry[0], decoder, start_ns) if odometry else None
+    localized = _by_name(known, _LOCALIZED, "/amcl_pose")
+    odometry = _by_name(known, _ODOMETRY, "/odom")
+    poses = [
+        PosePlaces(channel, decoder, start_ns)
+        for channel in (*localized, *odometry)
+        if not channel.topic.endswith(f"/{_SAID_BY_PEOPLE}")
+    ]
+    readers: list[PathReader] = [*poses]
+    if odometry:
+        usual = next(one for one in readers if one.source == odometry[0].topic)
+    elif transforms:
+        usual = TransformPlaces(transforms, decoder, start_ns)
+        readers.append(usual)
+    elif poses:
+        usual = poses[0]
+    else:
+        return None
+    return usual if len(readers) == 1 else BestPlaces(readers, usual)
+
+
+def _by_name(channels: Sequence[Channel], type_name: str, first: str) -> list[Channel]:
+    alike = (channel for channel in channels if channel.type_name == type_name)
+    return sorted(alike, key=lambda channel: (channel.topic != first, channel.topic))

@@ -101,7 +101,7 @@ def node_health(status: RuntimeStatus) -> Health:
     if status.floors_break_budget:
         return Health(DiagnosticLevel.ERROR, "the floors alone are more than the budget")
     if status.is_fallback:
-        return Health(DiagnosticLevel.WARN, "no valid rules: everything is relayed at full rate")
+        return Health(DiagnosticLevel.ERROR, "no valid rules: everything is relayed at full rate")
     if status.incidents is not None and status.incidents.problem is not None:
         return Health(DiagnosticLevel.WARN, "incidents cannot be written", status.incidents.problem)
     if status.link is not None and not status.link.is_connected:

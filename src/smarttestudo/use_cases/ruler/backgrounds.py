@@ -22,7 +22,7 @@ from smarttestudo.adapters.files.nav2_map import (
 )
 from smarttestudo.adapters.files.project_folder import FileKind, ProjectFolder
 from smarttestudo.domain.errors import RecordingError
-from smarttestudo.use_cases.bags.robot_path import places_in
+from smarttestudo.use_cases.bags.robot_path import TransformPlaces, places_in
 
 MAX_POINTS = 2000
 _HEAD_BYTES = 16_384
@@ -87,10 +87,15 @@ class PathRequest(Struct, frozen=True, kw_only=True):
 class DrivenPath(Struct, frozen=True, kw_only=True):
     """Where the robot of a recording was: seconds since its start, x and y in metres.
 
+    ``source`` is the topic that says so, ``has_pose`` whether rules can read the place from it, ``frame`` the
+    frame of its places, empty where it names none.
     ``notices`` say what could not be read.
     """
 
     path: tuple[tuple[float, float, float], ...]
+    source: str
+    has_pose: bool
+    frame: str
     notices: tuple[str, ...]
 
 
@@ -157,7 +162,7 @@ class Backgrounds:
             return map_png(self._header(path, request.name))
 
     def path(self, request: PathRequest) -> DrivenPath:
-        """Where the robot of a bag was, by its odometry, else by its transforms.
+        """Where the robot of a bag was, by its pose in the map, else by its odometry or transforms.
 
         Raises:
             RecordingError: the bag cannot be read, or has no positions of the robot.
@@ -195,6 +200,9 @@ def _driven(bag: Path, name: str) -> DrivenPath:
         step = -(-len(places.path) // MAX_POINTS) or 1
         return DrivenPath(
             path=tuple((point.t_s, point.x_m, point.y_m) for point in places.path[::step]),
+            source=places.source,
+            has_pose=not isinstance(places, TransformPlaces),
+            frame=places.frame,
             notices=tuple(recording.notices()),
         )
 

@@ -65,7 +65,7 @@ class Recordings:
             raise OutputFileError(error.cause, place=name, remedy=error.remedy) from error
 
 
-def defaults_text(topics: list[str]) -> str:
+def defaults_text(topics: list[str], verb: str = "recorded") -> str:
     """A rule file with a default for each topic: every message, until somebody says less."""
     lines = "".join(f"    SetFrequency {topic} Full\n" for topic in topics)
-    return f"// Every message of each recorded topic: lower what may come less often.\nbegin\n{lines}end\n"
+    return f"// Every message of each {verb} topic: lower what may come less often.\nbegin\n{lines}end\n"

@@ -18,6 +18,7 @@ from typing import TypeVar
 from smarttestudo.domain.errors import RosError, TestudoError
 from smarttestudo.domain.parameter import ParameterValue, Refusals, Values
 from smarttestudo.domain.remote_robots import RemoteRobots
+from smarttestudo.use_cases.ruler.robot_history import RobotHistory, RobotHistoryAnswer
 from smarttestudo.use_cases.ruler.robot_watch import RobotWatch, SeenRobot
 
 _WAIT_S = 0.05
@@ -46,6 +47,7 @@ class RobotLink:
         self._orders: queue.SimpleQueue[_Order] = queue.SimpleQueue()
         self._wanted_hz: Mapping[str, float] = MappingProxyType({})
         self._seen: Mapping[str, SeenRobot] = MappingProxyType({})
+        self._histories: dict[str, RobotHistory] = {}
         self._problem: str | None = _STARTING
         self._remedy = ""
         self._thread: threading.Thread | None = None
@@ -68,6 +70,10 @@ class RobotLink:
     def seen(self) -> Mapping[str, SeenRobot]:
         """The robots by their ids."""
         return self._seen
+
+    def history(self, node: str) -> RobotHistoryAnswer:
+        """What was heard of a robot within the last hour; nothing of one that never spoke."""
+        return self._histories.get(node, RobotHistory()).answer(time.monotonic())
 
     @property
     def is_up(self) -> bool:
@@ -164,6 +170,10 @@ class RobotLink:
             self._problem = robots.problem
             robots.wait(_WAIT_S)
             news = watch.look()
+            for one in news:
+                self._histories.setdefault(one.status.robot_id, RobotHistory()).add(one)
+            for node in self._histories.keys() - watch.seen.keys():
+                del self._histories[node]
             if news or len(watch.seen) < len(self._seen):
                 self._seen = MappingProxyType(dict(watch.seen))
             if news:

@@ -86,7 +86,7 @@ class StatusRateRequest:
 
 TEXTS_PARAMETER = "rules_in_force"
 HZ_PARAMETER = "status_hz"
-_HEARD_WITHIN_S = 5.0
+_HEARD_WITHIN_S = 2.4
 _FORGET_AFTER_S = 600.0
 _ASK_AGAIN_S = 5.0
 
@@ -99,7 +99,8 @@ class SeenRobot(HeardStatus):
 
     def is_heard(self, now_s: float) -> bool:
         """Whether it spoke as lately as it should."""
-        return self.is_present and now_s - self.heard_s <= _HEARD_WITHIN_S
+        within_s = _HEARD_WITHIN_S * max(1.0, 1.0 / self.status.status_hz)
+        return self.is_present and now_s - self.heard_s <= within_s
 
 
 class RobotWatch:

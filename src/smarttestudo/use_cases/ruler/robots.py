@@ -19,7 +19,9 @@ from smarttestudo.use_cases.ruler.pushing import (
     WriteAnswer,
     WriteRequest,
 )
+from smarttestudo.use_cases.ruler.robot_history import RobotHistoryAnswer, RobotHistoryRequest
 from smarttestudo.use_cases.ruler.robot_link import RobotLink
+from smarttestudo.use_cases.ruler.robot_start import RobotStartAnswer, RobotStartRequest, robot_start
 
 
 class UnknownRobotError(RosError):
@@ -56,6 +58,16 @@ class WatchedRobots:
         """Have kept rules written to the robot's file. Raises ``UnknownRobotError`` and ``RosError``."""
         self._require_known(request.node)
         return pushing.write(self._link, request)
+
+    def history(self, request: RobotHistoryRequest) -> RobotHistoryAnswer:
+        """The last hour of a robot. Raises ``UnknownRobotError``."""
+        self._require_known(request.node)
+        return self._link.history(request.node)
+
+    def start(self, request: RobotStartRequest) -> RobotStartAnswer:
+        """A project from what a robot relays. Raises ``UnknownRobotError``."""
+        self._require_known(request.node)
+        return robot_start(self._link.seen[request.node].status)
 
     def topics(self) -> Mapping[str, str]:
         """The types of what robots publish, as far as they can be known now."""

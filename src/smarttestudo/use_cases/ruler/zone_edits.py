@@ -17,7 +17,7 @@ from smarttestudo.adirf.document import (
     inserted,
     replaced,
 )
-from smarttestudo.adirf.syntax import Block, RateExpression, SetFrequency, TopicName
+from smarttestudo.adirf.syntax import Block, RateExpression, RateWord, SetFrequency, TopicName
 from smarttestudo.adirf.zones import (
     PolygonError,
     ZoneRectangle,
@@ -133,7 +133,7 @@ def with_new_zone(
 ) -> str:
     """The text with the zone as condition of rule ``into``, or of a new rule ``label`` at the end.
 
-    A new rule sets the first default to the rate that it has: what the zone is for is said in the block.
+    A new rule sets the topic of the first default, to a rate that it does not have without the rule.
     """
     if any(one.is_empty for one in rectangles):
         raise EditError("this rectangle has no area", remedy="give it a width and a height")
@@ -146,7 +146,7 @@ def with_new_zone(
         priority=None,
         label=label,
         condition=zone,
-        then=(_first_default(document),),
+        then=(_proposed_rate(document),),
         otherwise=(),
         has_end_if=True,
         span=_NOWHERE,
@@ -163,15 +163,16 @@ def _part_for_zone(document: Document) -> CollectionPart:
     return part
 
 
-def _first_default(document: Document) -> SetFrequency:
+def _proposed_rate(document: Document) -> SetFrequency:
+    """More than the first default where that is possible: a zone is mostly a place to look closer."""
     known = next((one.statement for one in document.entries if isinstance(one.statement, SetFrequency)), None)
-    if known is not None:
-        return SetFrequency(topic=known.topic, rate=known.rate, span=_NOWHERE)
-    return SetFrequency(
-        topic=TopicName(text=_USUAL_TOPIC, span=_NOWHERE),
-        rate=RateExpression(value=_USUAL_RATE_HZ, text="", span=_NOWHERE),
-        span=_NOWHERE,
+    topic = TopicName(text=_USUAL_TOPIC, span=_NOWHERE) if known is None else known.topic
+    default = None if known is None else known.rate.value
+    is_usual_more = default in {None, RateWord.FULL, RateWord.OFF} or (
+        isinstance(default, int | float) and default < _USUAL_RATE_HZ
     )
+    rate = RateExpression(value=_USUAL_RATE_HZ if is_usual_more else RateWord.FULL, text="", span=_NOWHERE)
+    return SetFrequency(topic=topic, rate=rate, span=_NOWHERE)
 
 
 def _block(document: Document, name: str) -> Block:

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useState } from "preact/hooks";
 import { type Api, ApiError } from "../api/client";
-import type { Project, RecordingAnswer } from "../api/types";
+import type { Project } from "../api/types";
 import { toRoute } from "../route";
 import { layoutName, PLAIN_GRID, writeLayout } from "../state/layout";
 import { FormDialog } from "../ui/dialog";
@@ -35,8 +35,48 @@ export function RecordingList({ project, onStart }: { project: Project; onStart:
 }
 
 /** Makes rules, topic parameters and a map of what a recording holds. */
-export function RecordingStart({ api, project, refresh, bag, onClose }: Props & { bag: string; onClose: () => void }) {
-  const [found, setFound] = useState<RecordingAnswer | null>(null);
+export function RecordingStart({ bag, ...props }: Props & { bag: string; onClose: () => void }) {
+  const { api } = props;
+  const origin: Origin = {
+    title: bag,
+    name: nameOf(bag),
+    bag,
+    read: async () => {
+      const { topics, duration_s, rules_text } = await api.recording(bag);
+      return { said: `${counted(topics.length, "topic")}, ${durationWords(duration_s)}.`, rules_text };
+    },
+    profile: async () => (await api.measureProfile(bag)).text,
+  };
+  return <StartDialog origin={origin} {...props} />;
+}
+
+/** The same of what a robot relays now. */
+export function RobotStart({ node, label, ...props }: Props & { node: string; label: string; onClose: () => void }) {
+  const { api } = props;
+  const origin: Origin = {
+    title: label,
+    name: label.split("/").find((part) => part !== "") ?? "robot",
+    bag: null,
+    read: async () => {
+      const { topics, rules_text } = await api.robotStart(node);
+      return { said: `${counted(topics.length, "topic")} relayed now.`, rules_text };
+    },
+    profile: async () => (await api.robotStart(node)).profile_text,
+  };
+  return <StartDialog origin={origin} {...props} />;
+}
+
+/** What rules can start from; `bag` has a path to show. */
+interface Origin {
+  title: string;
+  name: string;
+  bag: string | null;
+  read: () => Promise<{ said: string; rules_text: string }>;
+  profile: () => Promise<string>;
+}
+
+function StartDialog({ api, project, refresh, origin, onClose }: Props & { origin: Origin; onClose: () => void }) {
+  const [found, setFound] = useState<{ said: string; rules_text: string } | null>(null);
   const [problem, setProblem] = useState("");
   const guarded = async (work: () => Promise<unknown>) => {
     try {
@@ -46,7 +86,7 @@ export function RecordingStart({ api, project, refresh, bag, onClose }: Props & 
       setProblem(error.message);
     }
   };
-  useEffect(() => void guarded(async () => setFound(await api.recording(bag))), []);
+  useEffect(() => void guarded(async () => setFound(await origin.read())), []);
   const create = (form: FormData) =>
     guarded(async () => {
       if (found === null) return;
@@ -55,31 +95,31 @@ export function RecordingStart({ api, project, refresh, bag, onClose }: Props & 
       const wanted = (what: string) => form.get(what) !== null;
       const taken = [name, ...(wanted("sizes") ? [ownProfile(name)] : [])].find((one) => isThere(project, one));
       if (taken !== undefined) return setProblem(`${taken} exists already: choose another name`);
-      // Measured first: a recording that cannot be read leaves nothing behind.
-      const sizes = wanted("sizes") ? await api.measureProfile(bag) : null;
+      // Measured first: what cannot be read leaves nothing behind.
+      const sizes = wanted("sizes") ? await origin.profile() : null;
       await api.save(name, wanted("defaults") ? found.rules_text : "begin\nend\n", null);
-      if (sizes !== null) await api.save(ownProfile(name), sizes.text, null);
-      if (wanted("path")) await writeLayout(api, layoutName(name), { ...PLAIN_GRID, bag }, null);
+      if (sizes !== null) await api.save(ownProfile(name), sizes, null);
+      if (wanted("path")) await writeLayout(api, layoutName(name), { ...PLAIN_GRID, bag: origin.bag }, null);
       await refresh();
       toRoute({ page: "rules", name });
     });
   return (
     <FormDialog
-      title={`Start from ${bag}`}
+      title={`Start from ${origin.title}`}
       submit="Create"
       canSubmit={found !== null}
       onSubmit={create}
       onClose={onClose}
     >
-      <p role="status">{found ? sentence(found) : "Reading the recording …"}</p>
+      <p role="status">{found?.said ?? "Reading …"}</p>
       <label>
         Name
-        <input name="name" required autocomplete="off" defaultValue={nameOf(bag)} />
+        <input name="name" required autocomplete="off" defaultValue={origin.name} />
       </label>
       <div class="checklist">
         <Choice name="defaults" label="Make defaults" note="every message of each topic, to lower from there" />
         <Choice name="sizes" label="Measure sizes" note="topic parameters, in a profile of the same name" />
-        <Choice name="path" label="Show the path" note="below the zones on the map" />
+        {origin.bag !== null && <Choice name="path" label="Show the path" note="below the zones on the map" />}
       </div>
       {problem && (
         <p class="problem" role="alert">
@@ -107,8 +147,4 @@ function isThere(project: Project, name: string): boolean {
 /** `runs/monday.mcap` → `monday`. */
 function nameOf(bag: string): string {
   return (bag.split("/").at(-1) ?? bag).replace(/\.(mcap|db3)$/, "");
-}
-
-function sentence({ topics, duration_s }: RecordingAnswer): string {
-  return `${counted(topics.length, "topic")}, ${durationWords(duration_s)}.`;
 }
