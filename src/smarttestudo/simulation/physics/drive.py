@@ -42,7 +42,13 @@ class RobotKind(Enum):
 
 
 _COMMON_TOPICS = (
-    *(Topic.CMD_VEL, Topic.ODOM, Topic.IMU, Topic.TF, Topic.TF_STATIC, Topic.BATTERY_STATE, Topic.AMCL_POSE),
+    Topic.CMD_VEL,
+    Topic.ODOM,
+    Topic.IMU,
+    Topic.TF,
+    Topic.TF_STATIC,
+    Topic.BATTERY_STATE,
+    Topic.AMCL_POSE,
 )
 _OWN_TOPICS = {
     RobotKind.WAFFLE: (Topic.SCAN, Topic.JOINT_STATES),
