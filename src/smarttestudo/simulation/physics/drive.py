@@ -63,8 +63,8 @@ _SETTLING_STEPS = 300
 class PhysicsRequest:
     """What is to be driven where, by which robot.
 
-    ``seed`` fixes every noise. ``battery_percent`` is left at
-    the start. After ``cover_s`` seconds something covers the LiDAR. ``steer`` drives instead of the route.
+    ``seed`` fixes every noise. ``battery_percent`` is left at the start. After ``cover_s`` seconds something
+    covers the LiDAR. ``steer`` drives instead of the route. Without ``has_camera`` none is tried.
     """
 
     plan: FloorPlan
