@@ -42,7 +42,13 @@ class RobotKind(Enum):
 
 
 _COMMON_TOPICS = (
-    *(Topic.CMD_VEL, Topic.ODOM, Topic.IMU, Topic.TF, Topic.TF_STATIC, Topic.BATTERY_STATE, Topic.AMCL_POSE),
+    Topic.CMD_VEL,
+    Topic.ODOM,
+    Topic.IMU,
+    Topic.TF,
+    Topic.TF_STATIC,
+    Topic.BATTERY_STATE,
+    Topic.AMCL_POSE,
 )
 _OWN_TOPICS = {
     RobotKind.WAFFLE: (Topic.SCAN, Topic.JOINT_STATES),
@@ -57,8 +63,8 @@ _SETTLING_STEPS = 300
 class PhysicsRequest:
     """What is to be driven where, by which robot.
 
-    ``seed`` fixes every noise. ``battery_percent`` is left at
-    the start. After ``cover_s`` seconds something covers the LiDAR. ``steer`` drives instead of the route.
+    ``seed`` fixes every noise. ``battery_percent`` is left at the start. After ``cover_s`` seconds something
+    covers the LiDAR. ``steer`` drives instead of the route. Without ``has_camera`` none is tried.
     """
 
     plan: FloorPlan

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-_EMPTY_SHARE = 0.0
 _FULL_V_SHARE = 1.13
 _EMPTY_V_SHARE = 0.90
 
@@ -42,7 +41,7 @@ class BatteryCharge:
     @property
     def is_empty(self) -> bool:
         """Whether nothing is left."""
-        return self.share <= _EMPTY_SHARE
+        return self.share <= 0.0
 
     def draw(self, power_w: float, dt_s: float) -> None:
         """Take ``power_w`` for ``dt_s``."""

@@ -54,7 +54,6 @@ class Quadrotor:
 
     def __init__(self) -> None:
         self._velocity = BodyVelocity(0.0, 0.0)
-        self._is_resting = False
 
     def body(self, start: Pose, lens: Lens) -> Element:
         """The robot on the ground at ``start`` as MJCF; its origin is its middle."""
@@ -95,7 +94,6 @@ class Quadrotor:
     def rest(self) -> None:
         """Sink and land: the battery is as good as empty."""
         self._velocity = BodyVelocity(0.0, 0.0, climb_m_per_s=_SINK_M_PER_S)
-        self._is_resting = True
 
     def controls(self, engine: Engine) -> Sequence[float]:
         """The thrust of each rotor in the next step, in N."""
