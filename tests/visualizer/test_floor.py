@@ -187,8 +187,9 @@ def test_transforms_in_a_circle_come_to_an_end() -> None:
 def test_a_robot_is_followed_by_odometry_and_by_transforms_where_a_map_asks_for_them() -> None:
     other = Channel(topic="/a/odometry", type_name=ODOM.type_name)
     follow = {by: places_in([TF, other, ODOM], Decoded(), 0, by_transforms=by) for by in (False, True)}
-    assert follow[False] is not None
-    assert follow[False].source == "/odom"
+    plain = follow[False]
+    assert plain is not None
+    assert plain.source == "/odom"
     assert isinstance(follow[True], TransformPlaces)
     assert isinstance(places_in([TF], Decoded(), 0, by_transforms=False), TransformPlaces)
     assert isinstance(places_in([ODOM], Decoded(), 0, by_transforms=False), PosePlaces)

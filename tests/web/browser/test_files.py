@@ -55,12 +55,12 @@ def test_a_copy_and_a_deletion_that_is_undone(ruler: RulerPage, project: Path) -
 
 
 def test_the_address_of_a_file_that_is_not_there_leads_home(ruler: RulerPage, project: Path) -> None:
-    before = {path for path in project.rglob("*")}
+    before = set(project.rglob("*"))
     ruler.page.goto(f"{ruler.url}#/rules/gone.adirf")
     expect(ruler.page.get_by_text("project has no gone.adirf")).to_be_visible()
     assert ruler.page.url.endswith("#/")
     expect(ruler.page.get_by_role("link", name="gone.adirf")).to_have_count(0)
-    assert {path for path in project.rglob("*")} == before
+    assert set(project.rglob("*")) == before
 
 
 def test_a_ros_1_bag_is_called_that(ruler: RulerPage, project: Path) -> None:
