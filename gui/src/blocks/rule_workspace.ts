@@ -105,7 +105,7 @@ export class RuleWorkspace {
     requestAnimationFrame(() => {
       this.isLooking = false;
       if (this.left) return;
-      if (this.isAhead() || this.isInHand()) this.lookSoon();
+      if (this.isInHand() || this.isAhead()) this.lookSoon();
       else this.drawn.look();
     });
   }

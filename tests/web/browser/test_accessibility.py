@@ -41,12 +41,20 @@ end
 THEIRS = RULES.replace("/scan 5", "/scan 6")
 
 
+FOLDED = "".join(
+    f'\n    // Hall {number}\n\n    Rule "Rule {number}"\n    If CheckValue /odom pose_x > {number}\n'
+    "    Then\n        SetFrequency /odom 3\n    EndIf\n"
+    for number in range(21)
+)
+
+
 @pytest.fixture
 def project(tmp_path: Path) -> Path:
     folder = copied(EXAMPLES, tmp_path / "project")
     write_incidents(folder)
     add_bad_incidents(folder)
     (folder / "far.adirf").write_text(RULES)
+    (folder / "long.adirf").write_text(f"begin\n{FOLDED}end\n")
     return folder
 
 
@@ -68,6 +76,13 @@ def _rules(ruler: RulerPage) -> None:
     ruler.open("far.adirf")
     ruler.page.get_by_role("list", name="Findings").wait_for()
     expect(ruler.text).to_contain_text("Farther")
+
+
+def _long_rules(ruler: RulerPage) -> None:
+    """With an outline, sections, and rules that are folded."""
+    ruler.open("long.adirf")
+    ruler.page.get_by_role("listbox", name="Rules in the order of the text").focus()
+    ruler.field("Unfold Rule 1")
 
 
 def _changed_rules(ruler: RulerPage) -> None:
@@ -227,6 +242,7 @@ STATES: tuple[Callable[[RulerPage], None], ...] = (
     _new_project,
     _documentation,
     _rules,
+    _long_rules,
     _changed_rules,
     _typed_rules,
     _list_of_blocks,

@@ -81,8 +81,9 @@ def test_a_long_text_has_an_outline_with_its_sections(ruler: RulerPage, project:
     outline.focus()
     for key in ("End", "ArrowUp", "Enter"):
         ruler.page.keyboard.press(key)
-    chosen = f"Edit name of the rule: Aisle {COUNT - 2}"
-    expect(ruler.blocks.get_by_role("button", name=chosen)).to_be_in_viewport()
+    expect(
+        ruler.blocks.get_by_role("button", name=f"Edit name of the rule: Aisle {COUNT - 2}")
+    ).to_be_in_viewport()
     _wheel(ruler, -100_000)
     expect(_folded(ruler, 0)).to_be_in_viewport()
     _wheel(ruler, 100_000)
