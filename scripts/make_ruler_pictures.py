@@ -174,8 +174,8 @@ def incident(studio: Studio) -> None:
     page.get_by_role("combobox", name="Recording").select_option(RECORDING)
     button(page, "Run the rules on it").click()
     page.get_by_role("button", name="Keep it: near miss").first.click(timeout=300_000)
-    with page.expect_response(re.compile("api/background$")):
-        page.get_by_role("link", name="incidents/").click()
+    with page.expect_response(re.compile("api/background$"), timeout=300_000):
+        page.get_by_role("region", name="Incidents being kept").get_by_role("link").click(timeout=300_000)
     page.get_by_role("figure", name="Rate of /scan").wait_for()
     page.wait_for_timeout(1000)  # the map is drawn over some pictures
     studio.draw(page, "incident")
