@@ -80,9 +80,9 @@ def test_floors_above_the_budget_are_an_error_of_the_node() -> None:
     )
 
 
-def test_a_fallback_is_a_warning_of_the_node() -> None:
+def test_a_fallback_is_an_error_of_the_node() -> None:
     status = replace(STATUS, topics={"/imu": replace(RELAYED, reason=Reason.FALLBACK)})
-    assert named("smarttestudo", status).level is DiagnosticLevel.WARN
+    assert named("smarttestudo", status).level is DiagnosticLevel.ERROR
 
 
 def test_two_robots_are_told_apart() -> None:
