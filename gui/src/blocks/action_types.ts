@@ -74,7 +74,6 @@ export function defineActionBlocks(suggest: Suggestions, remove: Remove): void {
     this.appendDummyInput()
       .appendField("record")
       .appendField(textField("incident", "name of the recording", "name this recording", filled), "NAME")
-      .appendField("with")
       .appendField(topicsField(suggest), "TOPICS");
     const window = this.appendDummyInput();
     for (const [word, value] of [

@@ -34,6 +34,11 @@ export function MapCanvas(props: {
   const [view, setView] = useState<MapView | null>(null);
   const [place, setPlace] = useState<Point | null>(null);
   const [bar, setBar] = useState<{ metres: number; px: number } | null>(null);
+  const [isWheeled, setIsWheeled] = useState(false);
+  useEffect(() => {
+    const timer = setTimeout(() => setIsWheeled(false), HINT_MS);
+    return () => clearTimeout(timer);
+  }, [isWheeled]);
   const told = useRef(props);
   told.current = props;
   useEffect(() => {
@@ -56,10 +61,11 @@ export function MapCanvas(props: {
   useEffect(() => view?.setZones(zones), [view, zones]);
   useEffect(() => view?.fit(props.isNear ? path : []), [view, picture, path]);
   return (
-    <div class="map">
+    <div class="map" onWheel={({ ctrlKey, metaKey }) => setIsWheeled(!ctrlKey && !metaKey)}>
       {/* biome-ignore lint/a11y/noNoninteractiveTabindex: the keyboard moves the map */}
       <div class="map-host" ref={host} role="application" aria-label={props.label} tabIndex={0} />
       {!view && <p class="quiet map-note">Loading the map …</p>}
+      {isWheeled && <p class="map-note map-hint">Hold Ctrl to zoom with the wheel</p>}
       <div class="map-buttons">
         <MapButton label="Zoom in" sign="+" act={() => view?.zoom(1)} />
         <MapButton label="Zoom out" sign="−" act={() => view?.zoom(-1)} />
@@ -77,6 +83,7 @@ export function MapCanvas(props: {
   );
 }
 
+const HINT_MS = 2000;
 const NONE: readonly Point[] = [];
 const NO_ZONES: readonly MapZone[] = [];
 

@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
+import { platformModifierKeyOnly } from "ol/events/condition";
 import { getCenter, getIntersection, intersects } from "ol/extent";
 import Feature from "ol/Feature";
 import LineString from "ol/geom/LineString";
@@ -7,6 +9,7 @@ import MultiPoint from "ol/geom/MultiPoint";
 import OlPoint from "ol/geom/Point";
 import { fromExtent } from "ol/geom/Polygon";
 import { defaults as usualInteractions } from "ol/interaction/defaults";
+import MouseWheelZoom from "ol/interaction/MouseWheelZoom";
 import VectorLayer from "ol/layer/Vector";
 import OlMap from "ol/Map";
 import Projection from "ol/proj/Projection";
@@ -85,7 +88,13 @@ export class MapView {
       target: host,
       layers,
       controls: [],
-      interactions: usualInteractions({ altShiftDragRotate: false, pinchRotate: false, doubleClickZoom: false }),
+      // The wheel alone scrolls the page that the map is in.
+      interactions: usualInteractions({
+        altShiftDragRotate: false,
+        pinchRotate: false,
+        doubleClickZoom: false,
+        mouseWheelZoom: false,
+      }).extend([new MouseWheelZoom({ condition: platformModifierKeyOnly })]),
       view: new View({
         projection,
         center: [0, 0],

@@ -35,7 +35,7 @@ export function TopicsPage({ api, project, name, rules, refresh, editors }: Page
   useEffect(() => void guarded(() => editor.open(project.files).then(() => setOpen(true))), []);
   useDiskLooks(editor, isOpen);
   useReturn(() => guarded(() => editor.lookAtDisk()));
-  const canSave = () => !editor.isSaved.peek() && editor.problems.peek().length === 0;
+  const canSave = () => (editor.isNew.value || !editor.isSaved.value) && editor.problems.value.length === 0;
   const save = () =>
     guarded(async () => {
       const wasNew = editor.isNew.peek();
@@ -70,12 +70,7 @@ export function TopicsPage({ api, project, name, rules, refresh, editors }: Page
         <NeedsServer>
           {bags.length > 0 && <MeasureChoice bags={bags} measure={(bag) => guarded(() => editor.measure(bag))} />}
           <MeasureRobot measure={(seconds) => guarded(() => editor.measureLive(seconds))} />
-          <button
-            type="button"
-            class="primary"
-            disabled={isSaved || editor.problems.value.length > 0}
-            onClick={() => void save()}
-          >
+          <button type="button" class="primary" disabled={!canSave()} onClick={() => void save()}>
             Save
           </button>
         </NeedsServer>

@@ -24,7 +24,7 @@ export function RulesTopics({ api, editors, editor, rules }: Props) {
       (found) => {
         setTopics(found);
         const isEmpty = editor.rows.peek().every((row) => row.topic.trim() === "");
-        if (editor.isNew.peek() && editor.isSaved.peek() && isEmpty && found.length > 0) editor.addTopics(found);
+        if (editor.isNew.peek() && editor.isSaved.peek() && isEmpty && found.length > 0) editor.begin(found);
       },
       (error: unknown) => {
         if (!(error instanceof ApiError)) throw error;

@@ -3,7 +3,7 @@
 import { computed, effect, signal } from "@preact/signals";
 import { type Api, ApiError } from "../api/client";
 import type { FoundFile, ProfileRow, ProfileTable } from "../api/types";
-import { numberProblem, typedNumber } from "../ui/numbers";
+import { typedNumber } from "../ui/numbers";
 import { type Accuracies, accuraciesOf, areAccuracies, sixOf } from "./accuracies";
 import {
   type Conflict,
@@ -17,6 +17,7 @@ import {
 import { type Draft, type Drafts, NO_ROOM, type Restored } from "./drafts";
 import { History } from "./history";
 import { type TypedRow, withPasted } from "./pasted_table";
+import { problemsOf } from "./table_problems";
 
 export const TIER_COUNT = 6;
 const CHECK_AFTER_MS = 400;
@@ -212,6 +213,12 @@ export class ProfileEditor implements Contested {
   }
 
   /** Adds rows for topics, in the place of rows without one. */
+  /** Begins a new table with rows for topics: nobody changed anything yet. */
+  begin(topics: readonly string[]): void {
+    this.rows.value = topics.map((topic) => this.draft({ topic }));
+    void this.check();
+  }
+
   addTopics(topics: readonly string[]): void {
     this.remember();
     const named = this.rows.value.filter((row) => row.topic.trim() !== "");
@@ -375,25 +382,4 @@ function finished(row: DraftRow): ProfileRow {
     max_hz: toNumber(row.max_hz),
     ...row.accuracies,
   };
-}
-
-function cellProblem(cell: string): string {
-  return numberProblem(cell) || `${cell.trim()} is less than 0`;
-}
-
-function problemsOf(rows: readonly DraftRow[], budget: string): string[] {
-  const problems = isNumber(budget) ? [] : [`The budget, the total bandwidth: ${cellProblem(budget)}.`];
-  for (const row of rows) {
-    const place = row.topic || "A row without a topic";
-    const cells = [row.message_kb, row.priority, row.source_hz, row.min_hz, row.max_hz, ...row.tiers_hz];
-    const wrong = cells.find((cell) => !isNumber(cell));
-    if (wrong !== undefined) problems.push(`${place}: ${cellProblem(wrong)}.`);
-    const given = row.tiers_hz.filter((tier) => tier.trim() !== "").length;
-    if (given !== 0 && given !== TIER_COUNT) problems.push(`${place}: give all six levels, or none.`);
-  }
-  const names = rows.map((row) => row.topic.trim()).filter(Boolean);
-  for (const name of new Set(names)) {
-    if (names.filter((each) => each === name).length > 1) problems.push(`${name} is in two rows.`);
-  }
-  return problems;
 }

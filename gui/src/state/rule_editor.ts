@@ -4,6 +4,7 @@ import { batch, computed, effect, signal } from "@preact/signals";
 import { type Api, ApiError, type Rules } from "../api/client";
 import type { Edit, PlacedFinding, Repair, RuleDocument, Statement, Vocabulary } from "../api/types";
 import { recipeRules } from "../recipes/recipe_rules";
+import { counted } from "../ui/numbers";
 import {
   type Conflict,
   type Contested,
@@ -18,19 +19,13 @@ import { type Draft, type Drafts, NO_ROOM, type Restored } from "./drafts";
 import { Folds } from "./folds";
 import { History } from "./history";
 import { layoutName, type MapSetting, PLAIN_GRID, readLayout, sideFileOf, writeLayout } from "./layout";
+import type { Spot } from "./spot";
 import { Words } from "./words";
 import { WorkAhead } from "./work_ahead";
 
 const CHECK_AFTER_MS = 150;
 const CHECK_WITHIN_MS = 1000;
 const EMPTY: RuleDocument = { collections: [], findings: [], parses: true };
-
-/** A stretch of the text that one side points at and the other shows. */
-export interface Spot {
-  offset: number;
-  end_offset: number;
-  from: "text" | "blocks" | "findings" | "map" | "try";
-}
 
 /** One open rule file. Its text is the truth; blocks and findings are what the server reads in it. */
 export class RuleEditor implements Contested {
@@ -379,8 +374,8 @@ export class RuleEditor implements Contested {
   }
 
   private withoutBlocks(): string {
-    const blocks = this.blocksLeftOut === 1 ? "1 block that is" : `${this.blocksLeftOut} blocks that are`;
-    return this.blocksLeftOut === 0 ? "" : ` without ${blocks} not in the text`;
+    const count = this.blocksLeftOut;
+    return count === 0 ? "" : ` without ${counted(count, "block")} that ${count === 1 ? "is" : "are"} not in the text`;
   }
 
   private accept(document: RuleDocument, text: string): void {

@@ -78,7 +78,13 @@ export function suggest(context: CompletionContext, vocabulary: Vocabulary | nul
   if (!word || (word.text === "" && !context.explicit)) return null;
   const line = context.state.doc.lineAt(context.pos);
   const before = line.text.slice(0, word.from - line.from);
+  if (isInComment(before + word.text)) return null;
   return { from: word.from, options: options(before, word.text, vocabulary), validFor: /^[\w/.]*$/ };
+}
+
+/** Whether a comment begins in `text`, which is the beginning of a line. */
+function isInComment(text: string): boolean {
+  return text.replace(/"[^"]*"/g, "").includes("//");
 }
 
 function options(before: string, word: string, vocabulary: Vocabulary | null): Completion[] {

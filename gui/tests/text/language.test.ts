@@ -34,3 +34,14 @@ test.each([
   const found = suggest(new CompletionContext(state, text.length, true), VOCABULARY);
   expect(found?.options.map(({ label }) => label)).toEqual(labels);
 });
+
+test.each(["// SetF", "SetFrequency /odom 4 // Check", "//"])("in the comment %j nothing is suggested", (text) => {
+  const state = EditorState.create({ doc: text });
+  expect(suggest(new CompletionContext(state, text.length, true), VOCABULARY)).toBeNull();
+});
+
+test("a name with // in it begins no comment", () => {
+  const text = 'Record "near // miss" ';
+  const state = EditorState.create({ doc: text });
+  expect(suggest(new CompletionContext(state, text.length, true), VOCABULARY)?.options).toHaveLength(1);
+});

@@ -113,6 +113,20 @@ def test_an_added_zone_is_what_its_fields_say(ruler: RulerPage, rules: Path) -> 
     expect(ruler.button("Add the zone")).to_be_enabled()
 
 
+def test_the_wheel_scrolls_and_zooms_only_with_ctrl(ruler: RulerPage, rules: Path) -> None:
+    map_page = open_map(ruler, rules.name)
+    scale = ruler.page.get_by_role("group", name="Scale")
+    before = scale.text_content()
+    map_page.canvas.hover()
+    ruler.page.mouse.wheel(0, -400)
+    expect(ruler.page.get_by_text("Hold Ctrl to zoom with the wheel")).to_be_visible()
+    expect(scale).to_have_text(str(before))
+    ruler.page.keyboard.down("Control")
+    ruler.page.mouse.wheel(0, -400)
+    ruler.page.keyboard.up("Control")
+    expect(scale).not_to_have_text(str(before))
+
+
 def test_a_zone_and_its_block_are_chosen_together(ruler: RulerPage, rules: Path) -> None:
     open_map(ruler, rules.name)
     ruler.field("Edit name of the rule: Hall").click()

@@ -212,3 +212,9 @@ def test_from_the_first_screen_a_new_table_is_for_the_only_rules(ruler: RulerPag
     expect(ruler.page.get_by_label("Topic of row 1")).to_have_value("/lift")
     expect(ruler.page.get_by_text("aisle.toml, new, not saved")).to_be_visible()
     expect(ruler.page.get_by_role("link", name="Back to aisle.adirf")).to_be_visible()
+    # Nobody changed anything yet: nothing is restored, and the table can be saved as it is.
+    ruler.page.reload()
+    expect(ruler.page.get_by_label("Topic of row 1")).to_have_value("/lift")
+    expect(ruler.page.get_by_text("unsaved changes")).to_have_count(0)
+    ruler.save()
+    assert "/lift" in (project / "aisle.toml").read_text(encoding="utf-8")
