@@ -12,8 +12,7 @@ import pytest
 from playwright.sync_api import Browser, expect, sync_playwright
 
 TIMEOUT_MS = 120_000
-# The first is Chromium without windows, which takes a fifth less of a processor for the same pages.
-NAMES = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome")
+NAMES = ("chromium", "chromium-browser", "google-chrome")
 
 
 @contextmanager

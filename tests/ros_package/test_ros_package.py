@@ -17,7 +17,7 @@ from xml.etree import ElementTree
 import tomli
 
 from ros.ros_processes import SmallRobot
-from ros_package.workspace import ROOT, tested
+from ros_package.workspace import ROOT, colcon_tested
 from smarttestudo import __version__
 
 RULES = "begin SetFrequency /imu 10 end"
@@ -70,7 +70,7 @@ def test_a_build_by_links_holds_the_same_package(installed: Path, linked: Path) 
 
 
 def test_colcon_test_runs_the_tests_of_the_package_on_what_it_installed(installed: Path) -> None:
-    results = tested(installed.parents[1])
+    results = colcon_tested(installed.parents[1])
     assert [(suite.get("errors"), suite.get("failures"), suite.get("skipped")) for suite in results] == [
         ("0", "0", "0")
     ]

@@ -15,7 +15,7 @@ from ros_package.workspace import ROOT
 from smarttestudo.adapters.files.profile import load_profile
 from smarttestudo.cli.main import main
 from smarttestudo.domain.floor_plan import ObstacleKind, Point, Rectangle
-from smarttestudo.simulation.readings import Topic
+from smarttestudo.simulation.readings import PATROL_TOPICS
 from smarttestudo.simulation.robot import DriveModel
 from smarttestudo.simulation.warehouse import warehouse
 
@@ -78,7 +78,7 @@ def test_a_turtlebot3_fits_where_the_launch_file_puts_it() -> None:
 
 def test_the_profiles_know_the_topics_of_a_turtlebot3() -> None:
     # The fixed frames come once, so no budget counts them.
-    topics = {topic.value for topic in Topic} - {"/tf_static"}
+    topics = {topic.value for topic in PATROL_TOPICS} - {"/tf_static"}
     assert set(load_profile(SIMULATED).topics) == topics
     assert set(load_profile(REAL).topics) == topics | {"/battery_state"}
 

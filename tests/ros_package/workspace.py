@@ -39,7 +39,7 @@ def build(workspace: Path, *options: str) -> None:
     colcon(workspace, "build", *options)
 
 
-def tested(workspace: Path) -> ElementTree.Element:
+def colcon_tested(workspace: Path) -> ElementTree.Element:
     """What ``colcon test`` found in a workspace that is built, as JUnit XML."""
     colcon(workspace, "test", "--event-handlers", "console_direct+")
     return ElementTree.parse(workspace / "build" / "smarttestudo" / "pytest.xml").getroot()

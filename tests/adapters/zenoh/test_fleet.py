@@ -81,7 +81,7 @@ def test_two_robots_and_an_operator_meet_at_a_router_over_radios_that_fail(
     assert not said("2 robots are called bob")
     for name in ROBOTS:
         messages = [message.payload for message in read_bag(drive / name).messages]
-        assert len(messages) > 10
+        assert messages
         assert {payload.split()[0] for payload in messages} == {name.encode()}
 
 

@@ -29,7 +29,7 @@ STACKS = """() => [...document.querySelectorAll('CANVAS > .blocklyDraggable')].m
     const topics = (part, use) => fromAbove(part.querySelectorAll(`[aria-label^="Edit topic to ${use}"]`))
         .map(field => field.getAttribute('aria-label').split(': ')[1]);
     const rule = () => {
-        if (root.matches('.adirf_folded')) return root.textContent.match(/if\\s(\\S+)/)[1];
+        if (root.matches('.adirf_folded')) return root.textContent.match(/if\\s(\\S+)/)?.[1] ?? '?';
         const actions = root.querySelectorAll('.adirf_set, .adirf_within, .adirf_record').length;
         const hasElse = root.querySelector('[aria-label="Remove ELSE"]') !== null;
         const checks = topics(root, 'check');

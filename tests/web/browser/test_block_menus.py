@@ -23,7 +23,13 @@ begin
 end
 """
 PAGE = ("Undo", "Redo")
-RULE = ("Switch this rule off", "Duplicate this rule", "Move this rule up", "Move this rule down")
+RULE = (
+    "Fold this rule",
+    "Switch this rule off",
+    "Duplicate this rule",
+    "Move this rule up",
+    "Move this rule down",
+)
 MENUS = {
     "adirf_rule": (*RULE, "Add a comment", "Remove this rule", *PAGE),
     "adirf_check": ("for so long…", "within the last…", "until…", "Remove this check", *PAGE),
@@ -54,7 +60,9 @@ def test_the_menu_of_a_default_has_a_comment_and_that_of_the_ground_new_blocks(o
     host = one.blocks.locator(".blocks-host").bounding_box()
     assert host is not None
     one.page.mouse.click(host["x"] + host["width"] - 150, host["y"] + 30, button="right")
-    expect(one.page.get_by_role("menuitem")).to_have_text(["New rate", "New rule", *PAGE])
+    expect(one.page.get_by_role("menuitem")).to_have_text(
+        ["New rate", "New rule", "Fold all", "Unfold all", *PAGE]
+    )
     one.page.get_by_role("menuitem", name="New rate").click()
     one.expect_lines("SetFrequency /odom 10", "SetFrequency /odom 10", "Rule")
 

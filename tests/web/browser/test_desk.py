@@ -93,17 +93,16 @@ def test_a_project_starts_from_a_recipe_and_its_rules_are_in_the_list_of_blocks(
         expect(listed.get_by_role("option", name=f"rule, {name}, priority")).to_be_attached()
 
 
-def test_a_name_in_a_folder_that_is_not_there_is_refused_with_the_real_cause(
+def test_a_name_makes_its_folder_and_one_that_is_not_shown_is_refused_with_the_real_cause(
     ruler: RulerPage, project: Path
 ) -> None:
     ruler.button("New Rule File").click()
     dialog = ruler.page.get_by_role("dialog")
-    dialog.get_by_label("Name").fill("a/b c")
+    dialog.get_by_label("Name").fill(".a/b c")
     dialog.get_by_role("button", name="Create").click()
-    expect(dialog.get_by_role("alert")).to_contain_text("There is no folder a in the project")
-    expect(dialog.get_by_role("alert")).to_contain_text("Leave the / out of the name")
+    expect(dialog.get_by_role("alert")).to_contain_text("The Ruler shows no files of such a folder")
     ruler.complaints.clear()
-    (project / "a").mkdir()
+    dialog.get_by_label("Name").fill("a/b c")
     dialog.get_by_role("button", name="Create").click()
     ruler.blocks.wait_for()
     assert (project / "a" / "b c.adirf").read_text() == "begin\nend\n"

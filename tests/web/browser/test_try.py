@@ -161,9 +161,10 @@ def test_a_threshold_that_is_dragged_says_when_it_would_have_held(ruler: RulerPa
     expect(why.get_by_role("figure", name="Value of /odom pose_y").locator("canvas")).to_be_visible()
     expect(why.get_by_role("status")).to_have_text(re.compile(r"^> 2: Holds for 5\.\d+ s of 7\.96 s"))
     line = why.get_by_role("slider", name="Threshold")
+    line.hover()
+    # The pointer may have scrolled the chart into view.
     box = why.locator(".u-over").bounding_box()
     assert box is not None
-    line.hover()
     ruler.page.mouse.down()
     ruler.page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
     ruler.page.mouse.up()
