@@ -4,7 +4,8 @@ import { useEffect, useState } from "preact/hooks";
 import { type Api, ApiError } from "../api/client";
 import type { LevelledProperty } from "../api/types";
 import { ACCURACY_UNITS, keysOf } from "../state/accuracies";
-import type { DraftRow, ProfileEditor } from "../state/profile_editor";
+import type { DraftRow } from "../state/draft_row";
+import type { ProfileEditor } from "../state/profile_editor";
 import { AccuracyLevels } from "./accuracy_levels";
 import { RateLevels } from "./rate_levels";
 

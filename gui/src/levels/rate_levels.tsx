@@ -3,7 +3,8 @@
 import { useMemo, useState } from "preact/hooks";
 import { type Api, ApiError } from "../api/client";
 import type { Curve } from "../api/types";
-import { type DraftRow, isNumber, type ProfileEditor, toNumber } from "../state/profile_editor";
+import { type DraftRow, isNumber, toNumber } from "../state/draft_row";
+import type { ProfileEditor } from "../state/profile_editor";
 import { WorkProgress } from "../ui/work_progress";
 import type { Chart } from "./curve_plot";
 import { CurveTable } from "./curve_table";

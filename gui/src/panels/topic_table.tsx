@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect } from "preact/hooks";
 import { TIERS } from "../api/types";
+import { type DraftRow, isNumber, type NumberField } from "../state/draft_row";
 import { tableCells } from "../state/pasted_table";
-import { type DraftRow, isNumber, type NumberField, type ProfileEditor } from "../state/profile_editor";
+import type { ProfileEditor } from "../state/profile_editor";
 
 /** The thesis's table of topic parameters, filled by hand or pasted from a spreadsheet. */
 export function TopicTable({ editor }: { editor: ProfileEditor }) {

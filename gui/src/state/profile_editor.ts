@@ -3,7 +3,6 @@
 import { computed, effect, signal } from "@preact/signals";
 import { type Api, ApiError } from "../api/client";
 import type { FoundFile, ProfileRow, ProfileTable } from "../api/types";
-import { typedNumber } from "../ui/numbers";
 import { type Accuracies, accuraciesOf, areAccuracies, sixOf } from "./accuracies";
 import {
   type Conflict,
@@ -14,30 +13,13 @@ import {
   readIfThere,
   saveOver,
 } from "./conflict";
+import { type DraftRow, problemsOf, TIER_COUNT, toNumber } from "./draft_row";
 import { type Draft, type Drafts, NO_ROOM, type Restored } from "./drafts";
 import { History } from "./history";
-import { type TypedRow, withPasted } from "./pasted_table";
-import { problemsOf } from "./table_problems";
+import { withPasted } from "./pasted_table";
 
-export const TIER_COUNT = 6;
 const CHECK_AFTER_MS = 400;
-
-/** One row as it is being typed: texts, since half a number is not a number yet. */
-export interface DraftRow extends TypedRow {
-  key: number;
-  type: string | null;
-  accuracies: Accuracies;
-}
-export type NumberField = "message_kb" | "priority" | "source_hz" | "min_hz" | "max_hz";
-
 const shown = (value: number | null | undefined) => (value === null || value === undefined ? "" : String(value));
-/** The number in a cell; null where it is empty, NaN where it is none. */
-export const toNumber = (text: string) => (text.trim() === "" ? null : typedNumber(text));
-/** Whether a cell holds a number that can be saved; an empty one is "not given". */
-export const isNumber = (text: string) => {
-  const value = toNumber(text);
-  return value === null || (Number.isFinite(value) && value >= 0);
-};
 
 /** The table of one profile. */
 export class ProfileEditor implements Contested {

@@ -1,7 +1,26 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { numberProblem } from "../ui/numbers";
-import { type DraftRow, isNumber, TIER_COUNT } from "./profile_editor";
+import { numberProblem, typedNumber } from "../ui/numbers";
+import type { Accuracies } from "./accuracies";
+import type { TypedRow } from "./pasted_table";
+
+export const TIER_COUNT = 6;
+
+/** One row as it is being typed: texts, since half a number is not a number yet. */
+export interface DraftRow extends TypedRow {
+  key: number;
+  type: string | null;
+  accuracies: Accuracies;
+}
+export type NumberField = "message_kb" | "priority" | "source_hz" | "min_hz" | "max_hz";
+
+/** The number in a cell; null where it is empty, NaN where it is none. */
+export const toNumber = (text: string) => (text.trim() === "" ? null : typedNumber(text));
+/** Whether a cell holds a number that can be saved; an empty one is "not given". */
+export const isNumber = (text: string) => {
+  const value = toNumber(text);
+  return value === null || (Number.isFinite(value) && value >= 0);
+};
 
 function cellProblem(cell: string): string {
   return numberProblem(cell) || `${cell.trim()} is less than 0`;
