@@ -107,7 +107,7 @@ def test_a_full_disk_ends_incidents_which_are_named_and_relays_go_on(robot: Smal
 
 def test_a_topic_that_is_dead_from_the_start_is_recorded(robot: SmallRobot) -> None:
     folder = robot.folder / "incidents"
-    rule = 'If CheckValue /scan rate < 1 Then Record "dead lidar" /odom /scan Before 2 s After 1 s EndIf'
+    rule = 'If CheckValue /scan rate < 1 Then Record "dead lidar" /odom /scan Before 2 s After 5 s EndIf'
     robot.source(odom=ODOM)
     runtime = robot.runtime(f"begin\n  {rule}\nend\n", "--incidents", str(folder))
     path = folder / recorded(runtime)
