@@ -60,7 +60,7 @@ test: test-length $(PAGE) $(GUI_PACKAGES)
 
 test-length:
 	@echo "Style, types and layers, the page's tests, then all others: first those on no ROS graph, then the live"
-	@echo "ones, at last those that judge rates. About twenty minutes on two cores."
+	@echo "ones, at last those that judge rates. About half an hour on two cores."
 
 test-gui: $(VENV)/dev.stamp $(GUI_PACKAGES)
 	$(GUI_NPM) test

@@ -19,6 +19,10 @@ export class ExampleApi extends Api {
     return { name, text, hash: "" };
   }
 
+  override async fileState() {
+    return { hash: "" };
+  }
+
   override async save(): Promise<never> {
     throw refusal(403, "The example is not saved");
   }
