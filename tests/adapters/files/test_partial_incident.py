@@ -47,6 +47,14 @@ def test_another_fetch_goes_on(tmp_path: Path) -> None:
     assert {one.name: one.read_bytes() for one in path.iterdir()} == {"a.mcap": DATA}
 
 
+def test_what_a_kill_left_of_a_state_is_no_part_of_the_incident(tmp_path: Path) -> None:
+    (begin(tmp_path) / f".{STATE_NAME}-aa5xrize.partial").touch()
+    with PartialIncident(tmp_path, NAME, plan()) as partial:
+        partial.write(piece(100, 200))
+        path = partial.finish()
+    assert [one.name for one in path.iterdir()] == ["a.mcap"]
+
+
 @pytest.mark.parametrize(
     "state", [b"", b"garbage", b"[" * 50_000, b'{"token": 1, "cursor": 100}', b'{"cursor": -1}', b"null"]
 )

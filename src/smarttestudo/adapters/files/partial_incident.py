@@ -56,6 +56,7 @@ class PartialIncident:
                     raise OutputFileError("is a link", place=str(path), remedy="remove it")
             self.path.mkdir(parents=True, exist_ok=True)
             self._take_lock()
+            remove(self.path, self._unfinished_states())
             state = self._read_state()
             self.cursor = self._known_cursor(state)
             self._require_room()
@@ -157,6 +158,17 @@ class PartialIncident:
         except OSError:
             # A disk that knows no locks.
             return
+
+    def _unfinished_states(self) -> list[str]:
+        """What is left of a state whose process was killed as it wrote it."""
+        with os.scandir(self.path) as entries:
+            return [
+                one.name
+                for one in entries
+                if one.name.startswith(f".{STATE_NAME}-")
+                and one.name.endswith(PARTIAL_SUFFIX)
+                and one.is_file(follow_symlinks=False)
+            ]
 
     def _read_state(self) -> Mapping[str, object]:
         """What an earlier fetch saved; nothing where there was none, or that cannot be read."""
