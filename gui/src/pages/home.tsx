@@ -65,12 +65,6 @@ export function HomePage({ api, project, refresh, editors, missing }: HomeProps)
     }
     await refresh();
   };
-  const lists = (
-    <FileLists
-      {...{ api, project, refresh, editors, onDeleted: setDeleted, onRefused: setRefused }}
-      onNew={() => setCreating("")}
-    />
-  );
   // Who comes back looks for the own files, who is new for a way to begin.
   const hasFiles = project.files.some(({ kind }) => kind === "rules" || kind === "profile");
   return (
@@ -93,7 +87,12 @@ export function HomePage({ api, project, refresh, editors, missing }: HomeProps)
           action={{ label: "Undo", act: () => bringBack(deleted) }}
         />
       )}
-      {hasFiles && lists}
+      {hasFiles && (
+        <FileLists
+          {...{ api, project, refresh, editors, onDeleted: setDeleted, onRefused: setRefused }}
+          onNew={() => setCreating("")}
+        />
+      )}
       {hasFiles && <SavesByItself {...{ api, project }} onSet={refresh} onRefused={setRefused} />}
       <nav class="cards" aria-label="Start">
         {!hasFiles && (

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from rosbags.typesys.stores.ros2_humble import sensor_msgs__msg__BatteryState as BatteryStateMessage
 from rosbags.typesys.stores.ros2_humble import sensor_msgs__msg__Range as HumbleRangeMessage
@@ -39,24 +41,21 @@ def battery_state(reading: BatteryLevelReading) -> BatteryStateMessage:
 
 def humble_range(reading: RangeReading) -> HumbleRangeMessage:
     """A sensor_msgs/msg/Range as ROS 2 Humble has it."""
-    return HumbleRangeMessage(
-        header=header(reading.stamp_ns, RANGE_FRAME),
-        radiation_type=HumbleRangeMessage.INFRARED,
-        field_of_view=reading.field_of_view_rad,
-        min_range=reading.range_min_m,
-        max_range=reading.range_max_m,
-        range=reading.range_m,
-    )
+    return HumbleRangeMessage(**_range_fields(reading))
 
 
 def jazzy_range(reading: RangeReading) -> JazzyRangeMessage:
     """A sensor_msgs/msg/Range as later releases have it, with an unknown variance."""
-    return JazzyRangeMessage(
-        header=header(reading.stamp_ns, RANGE_FRAME),
-        radiation_type=JazzyRangeMessage.INFRARED,
-        field_of_view=reading.field_of_view_rad,
-        min_range=reading.range_min_m,
-        max_range=reading.range_max_m,
-        range=reading.range_m,
-        variance=0.0,
-    )
+    return JazzyRangeMessage(**_range_fields(reading), variance=0.0)
+
+
+def _range_fields(reading: RangeReading) -> dict[str, Any]:
+    """What all releases have."""
+    return {
+        "header": header(reading.stamp_ns, RANGE_FRAME),
+        "radiation_type": HumbleRangeMessage.INFRARED,
+        "field_of_view": reading.field_of_view_rad,
+        "min_range": reading.range_min_m,
+        "max_range": reading.range_max_m,
+        "range": reading.range_m,
+    }

@@ -172,10 +172,11 @@ class ProjectFiles:
         if self._folder.kind(new_name) is not kind:
             remedy = "rule files end in .adirf, profiles in .toml"
             raise ForbiddenPathError("a file keeps its kind", place=new_name, remedy=remedy)
-        self._move(name, new_name, request.base_hash)
-        layout, new_layout = layout_name(name), layout_name(new_name)
+        self._move(self._folder.read(name).text, name, new_name, request.base_hash)
+        layout = layout_name(name)
         with suppress(MissingFileError, ChangedFileError):
-            self._move(layout, new_layout, self._folder.read(layout).sha256)
+            found = self._folder.read(layout)
+            self._move(found.text, layout, layout_name(new_name), found.sha256)
         if kind is FileKind.RULES:
             self._versions.move(name, new_name)
         self._settings.follow(name, new_name)
@@ -190,13 +191,13 @@ class ProjectFiles:
         self._folder.remove(name, request.base_hash)
         return self.project()
 
-    def _move(self, name: str, new_name: str, base_sha256: str) -> None:
-        self._folder.write(new_name, self._folder.read(name).text, None)
+    def _move(self, text: str, name: str, new_name: str, base_sha256: str) -> None:
+        written_sha256 = self._folder.write(new_name, text, None)
         try:
             self._folder.remove(name, base_sha256)
         except TestudoError:
             # Whoever is refused finds what was there before.
-            self._folder.remove(new_name, self._folder.read(new_name).sha256)
+            self._folder.remove(new_name, written_sha256)
             raise
 
     def _written(self, request: SaveRequest) -> str:
