@@ -34,6 +34,7 @@ class FoxgloveClient:
     channels: dict[str, dict[str, Any]] = field(default_factory=dict)
     messages: list[tuple[str, int, bytes]] = field(default_factory=list)
     subscribed: dict[int, str] = field(default_factory=dict)
+    statuses: list[str] = field(default_factory=list)
 
     def await_channels(self, *topics: str) -> None:
         """Until these are announced, and no other."""
@@ -44,10 +45,24 @@ class FoxgloveClient:
         while self.channels.get(topic, {}).get("schemaName") != type_name:
             self.receive()
 
+    def await_announced(self, topic: str, *, not_as: int) -> None:
+        """Until the topic is announced with another number."""
+        while self.channels.get(topic, {}).get("id", not_as) == not_as:
+            self.receive()
+
+    def await_status(self, words: str) -> None:
+        """Until the server says this of the client."""
+        while not any(words in status for status in self.statuses):
+            self.receive()
+
     def subscribe(self, topic: str) -> None:
+        self.subscribe_to(self.channels[topic]["id"], topic)
+
+    def subscribe_to(self, channel: int, topic: str = "") -> None:
+        """Subscribe to a channel by its number, announced or not."""
         number = len(self.subscribed)
         self.subscribed[number] = topic
-        subscription = {"id": number, "channelId": self.channels[topic]["id"]}
+        subscription = {"id": number, "channelId": channel}
         self.connection.send(json.dumps({"op": "subscribe", "subscriptions": [subscription]}))
 
     def await_messages(self, count: int) -> list[tuple[str, int, bytes]]:
@@ -65,6 +80,8 @@ class FoxgloveClient:
         said = json.loads(data)
         if said["op"] == "advertise":
             self.channels |= {channel["topic"]: channel for channel in said["channels"]}
+        elif said["op"] == "status":
+            self.statuses.append(said["message"])
         elif said["op"] == "unadvertise":
             self.channels = {
                 topic: channel

@@ -157,6 +157,29 @@ def test_topics_have_the_robots_name_as_soon_as_there_are_two(sink: FoxgloveSink
     assert got == {("/ada/names", words("hall")), ("/bob/names", words("yard"))}
 
 
+def test_who_subscribes_before_the_sdk_takes_subscriptions_gets_the_topic_announced_anew(
+    sink: FoxgloveSink,
+) -> None:
+    with foxglove_client(sink.port) as client:
+        sink.open("ada", ODOM)
+        client.await_channels("/odom")
+        # Numbers count up, so the next is known here as early as the SDK announces it: before it is ready.
+        early = client.channels["/odom"]["id"] + 1
+        client.subscribe_to(early)
+        client.await_status("Unknown channel")
+        sink.open("ada", GRIPPER)
+        sink.open("ada", names_by(0))
+        client.await_channels("/odom", "/gripper", "/names")
+        assert client.channels["/gripper"]["id"] == early
+        take(sink, names_by(0), words("hall"))
+        client.await_announced("/gripper", not_as=early)
+        client.subscribe("/gripper")
+        client.subscribe("/names")
+        client.await_messages(1)
+        take(sink, GRIPPER, b"closed")
+        assert client.await_messages(2)[1][0] == "/gripper"
+
+
 def test_a_type_that_nobody_defines_is_said_once_and_costs_its_topic_only() -> None:
     said: list[str] = []
     sink = open_foxglove_sink(0, said.append, lambda: START_NS)

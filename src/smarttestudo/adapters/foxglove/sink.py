@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import logging
+import re
 import threading
 from collections import deque
 from collections.abc import Callable
@@ -23,9 +24,13 @@ MOST_LATCHED = 100
 BACKLOG = 128
 """Messages that wait for one client; the oldest gives way. The SDK lets a client go that does not even take
 so many announcements of topics."""
+MOST_UNKNOWN = 1000
+"""Refused subscriptions that wait to be answered; the oldest give way, since a client can send any number."""
 _SDK_PREFIX = "FoxgloveError: "
 _SERVER_LOG = "foxglove.websocket.server"
 _HANDSHAKE_FAILED = "handshake failed"
+_CLIENT_LOG = "foxglove.websocket.connected_client"
+_UNKNOWN_CHANNEL = re.compile(r"attempted to subscribe to unknown channel: (\d+)$")
 _REFUSED = (
     "Foxglove: a client was refused, as it does not offer the protocol foxglove.sdk.v1; "
     "use the current Foxglove app, or Lichtblick 1.22 or newer"
@@ -52,8 +57,9 @@ class FoxgloveSink:
 
     Messages are stamped with ``now_ns`` as they arrive. Who subscribes late gets the last messages of latched
     topics, and so does, once more, who was there before: the SDK sends to all. A topic whose type nobody
-    defines is not served, which ``warn`` is told once, and so it is of clients that are refused. Raises
-    ``PortError`` where it cannot listen.
+    defines is not served, which ``warn`` is told once, and so it is of clients that are refused. The SDK
+    announces a channel before it takes subscriptions to it: who subscribes in between is refused, so the
+    topic is announced anew with the next message. Raises ``PortError`` where it cannot listen.
     """
 
     def __init__(
@@ -65,10 +71,14 @@ class FoxgloveSink:
         self._topics: dict[tuple[str, str], _Topic] = {}
         self._robots: set[str] = set()
         self._said: set[str] = set()
+        self._unknown_channels: deque[int] = deque(maxlen=MOST_UNKNOWN)
         # Clients subscribe in the SDK's thread. It is never held where the SDK might wait for that thread.
         self._lock = threading.Lock()
         self._context = Context()
-        self._log, self._refusals = logging.getLogger(_SERVER_LOG), _Refusals(lambda: self._say(_REFUSED))
+        self._logs = {
+            logging.getLogger(_SERVER_LOG): _Refusals(lambda: self._say(_REFUSED)),
+            logging.getLogger(_CLIENT_LOG): _UnknownChannels(self._unknown_channels.append),
+        }
         try:
             self._server = start_server(
                 name="SmartTestudo",
@@ -82,7 +92,8 @@ class FoxgloveSink:
             cause = f"the Foxglove server cannot listen there: {str(error).removeprefix(_SDK_PREFIX)}"
             remedy = "give another port, or end what listens there"
             raise PortError(cause, place=f"{host}:{port}", remedy=remedy) from error
-        self._log.addFilter(self._refusals)
+        for log, replaced in self._logs.items():
+            log.addFilter(replaced)
 
     @property
     def port(self) -> int:
@@ -108,6 +119,8 @@ class FoxgloveSink:
 
     def take(self, message: ReceivedMessage) -> None:
         """Send the message of a topic that is served to whom it may concern."""
+        if self._unknown_channels:
+            self._reopen_unknown()
         stream = message.stream
         topic = self._topics.get((message.robot, stream.topic))
         if topic is None or topic.stream.type_name != stream.type_name:
@@ -123,7 +136,8 @@ class FoxgloveSink:
     def close(self) -> None:
         """Let all clients go."""
         self._server.stop()
-        self._log.removeFilter(self._refusals)
+        for log, replaced in self._logs.items():
+            log.removeFilter(replaced)
         for topic in list(self._topics.values()):
             self._close(topic)
 
@@ -152,18 +166,23 @@ class FoxgloveSink:
 
     def _rename_all(self) -> None:
         for topic in list(self._topics.values()):
-            self._close(topic)
-            schema = topic.channel.schema()
-            assert schema is not None
-            renamed = _Topic(
-                robot=topic.robot,
-                stream=topic.stream,
-                channel=self._channel(topic.robot, topic.stream.topic, schema),
-                latched=topic.latched,
-            )
-            with self._lock:
-                self._topics[topic.robot, topic.stream.topic] = renamed
-                _send_latched(renamed)
+            self._reopen(topic)
+
+    def _reopen_unknown(self) -> None:
+        refused = {self._unknown_channels.popleft() for _ in range(len(self._unknown_channels))}
+        for topic in list(self._topics.values()):
+            if topic.channel.id() in refused:
+                self._reopen(topic)
+
+    def _reopen(self, topic: _Topic) -> None:
+        self._close(topic)
+        schema = topic.channel.schema()
+        assert schema is not None
+        channel = self._channel(topic.robot, topic.stream.topic, schema)
+        reopened = _Topic(robot=topic.robot, stream=topic.stream, channel=channel, latched=topic.latched)
+        with self._lock:
+            self._topics[topic.robot, topic.stream.topic] = reopened
+            _send_latched(reopened)
 
     def _resend(self, channel_number: int) -> None:
         with self._lock:
@@ -195,6 +214,22 @@ class _Refusals(logging.Filter):
         if not record.getMessage().endswith(_HANDSHAKE_FAILED):
             return True
         self._refused()
+        return False
+
+
+class _UnknownChannels(logging.Filter):
+    """Tells of each channel that a client subscribed to in vain, in the place of the SDK's line."""
+
+    def __init__(self, refused: Callable[[int], None]) -> None:
+        super().__init__()
+        self._refused = refused
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        """Whether the line is logged."""
+        unknown = _UNKNOWN_CHANNEL.search(record.getMessage())
+        if unknown is None:
+            return True
+        self._refused(int(unknown[1]))
         return False
 
 
