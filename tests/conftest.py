@@ -64,10 +64,12 @@ def worker_browser() -> Iterator[Browser]:
 
 @pytest.fixture
 def browser(worker_browser: Browser) -> Iterator[Browser]:
-    """The same, in which nothing of another test is open."""
+    """The same; what a test opened in it is closed behind it."""
+    kept = worker_browser.contexts
     yield worker_browser
     for context in worker_browser.contexts:
-        context.close()
+        if context not in kept:
+            context.close()
 
 
 def starts_processes(item: pytest.Item) -> bool:

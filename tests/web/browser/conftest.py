@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING
 import pytest
 
 from smarttestudo.web.page import is_page_built
+from web.browser.free_port import free_port
 from web.browser.ruler_page import EXAMPLES, RulerPage, copied, served
+from web.browser.tabs import Tabs
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
@@ -33,16 +35,28 @@ def options() -> tuple[str, ...]:
     return ()
 
 
+@pytest.fixture(scope="session")
+def ruler_port() -> Iterator[int]:
+    """Of all servers of this worker: an address that the browser knows need not be compiled anew."""
+    with free_port() as port:
+        yield port
+
+
+@pytest.fixture(scope="session")
+def tabs(worker_browser: Browser) -> Tabs:
+    """The tabs of all tests of this worker."""
+    return Tabs(worker_browser.new_context(accept_downloads=True, reduced_motion="reduce"))
+
+
 @pytest.fixture
-def ruler(browser: Browser, project: Path, options: tuple[str, ...]) -> Iterator[RulerPage]:
+def ruler(tabs: Tabs, project: Path, options: tuple[str, ...], ruler_port: int) -> Iterator[RulerPage]:
     """The Ruler on its home screen. Afterwards: no console error, and no request to anybody else."""
-    with served(project, options=options) as url:
-        context = browser.new_context(
-            viewport={"width": 1440, "height": 900}, accept_downloads=True, reduced_motion="reduce"
-        )
-        page = RulerPage(context.new_page(), url)
+    with served(project, ruler_port, options) as url:
+        tab = tabs.open_at(url)
+        tab.set_viewport_size({"width": 1440, "height": 900})
+        page = RulerPage(tab, url)
         page.home()
         yield page
-        context.close()
+        tabs.close()
     assert page.complaints == []
     assert [request for request in page.requests if not request.startswith((url, "data:", "blob:"))] == []
