@@ -57,7 +57,7 @@ CIRCLE = "Too many levels of symbolic links"
         ),
         (
             ("bag", "report", "sq", "--decisions", "pipe"),
-            f"pipe: error: the decision log cannot be read: {NOBODY_WRITES}",
+            f"pipe: error: the decision log cannot be read: {NOBODY_WRITES}; give a file that --decisions wrote",
         ),
         (
             ("bag", "report", "sq", "--nav2-map", "pipe"),
