@@ -47,9 +47,11 @@ def page() -> str:
     found = {section: sorted(set(texts_of(folders, ours))) for section, folders in SECTIONS.items()}
     lines = [
         NOTE, "# Error texts", "",
-        "Each error and warning of SmartTestudo, for search: an error is one line with the place, the",
-        "cause and the remedy. … stands for what differs. [Troubleshooting](../troubleshooting.md) says more",
-        "of those that need it. Errors of syntax in rule files explain themselves, and",
+        "This page lists each error and warning of SmartTestudo, for search. An error is one line with the",
+        "place, the cause and the remedy. … stands for what differs. An empty second column means that the",
+        "text itself says what is expected, or that there is nothing to do: for example, data over a link",
+        "that is not understood is dropped and counted. [Troubleshooting](../troubleshooting.md) says more",
+        "of the texts that need it. Errors of syntax in rule files explain themselves, and",
         "[findings](checks.md) have pages of their own.", "",
     ]  # fmt: skip
     for section, texts in found.items():

@@ -25,7 +25,7 @@ from smarttestudo.cli.main import main
         ),
         (
             ["simulate", "--physics", "--teleop", "--mission", "errands.toml"],
-            "--teleop: error: keys drive instead of a mission; leave one out",
+            "--teleop: error: keys and a mission cannot both drive; leave one out",
         ),
         (
             ["simulate", "--physics", "--teleop"],

@@ -144,7 +144,7 @@ def test_what_is_relayed_does_not_come_back_and_what_is_named_at_one_end_only_is
         (receiving, "/odom is not sent to ada: it comes from a robot under that name, so it would go round"),
         (receiving, "ada accepts /goal_pose, which is not sent"),
         (receiving, "ada does not accept /joy"),
-        (running, "/odom is not accepted of operators: it is relayed to operators under the same name"),
+        (running, "/odom is not accepted from operators: it is relayed to operators under the same name"),
         (running, "An operator sends /joy, which is not accepted"),
         (running, "/goal_pose is accepted, but no operator sends it"),
     ):

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from smarttestudo.visualizer.bag_summary import BagSummary
 
 _TABLES: Mapping[str, tuple[str, Callable[[BagSummary], Table]]] = {
-    "info": ("when it was recorded, its topics with type, size and QoS", bag_tables.info_table),
+    "info": ("when a recording was made, and its topics with type, size and QoS", bag_tables.info_table),
     "rates": ("the rate and the jitter of each topic", bag_tables.rates_table),
     "bandwidth": ("the bandwidth of each topic, and the sum", bag_tables.bandwidth_table),
 }

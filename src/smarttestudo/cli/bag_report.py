@@ -79,7 +79,7 @@ def add_arguments(action: CommandParser) -> None:
     )
     add_map(action)
     add_topics(action)
-    add_figures_folder(action, "the report as JSON")
+    add_figures_folder(action, "the charts of the report")
     action.add_argument(
         "-o",
         "--output",

@@ -43,7 +43,7 @@ def add_arguments(parser: CommandParser) -> None:
         "files", metavar="FILE", nargs="+", type=file_path, help="a rule file or a folder of them"
     )
     parser.add_argument("--profile", type=file_path, help="what is known about the topics (TOML)")
-    parser.add_argument("--bag", type=file_path, help="a recording; topics it does not hold are named")
+    parser.add_argument("--bag", type=file_path, help="a recording; report the topics that it does not hold")
     add_connect(parser)
     add_robot(parser)
     parser.add_argument("--format", choices=("text", "json"), default="text", help="default: text")
@@ -100,7 +100,7 @@ def _topics(arguments: argparse.Namespace) -> Mapping[str, str] | None:
     options = connect_options(arguments)
     if options is None:
         if arguments.robot is not None:
-            raise UsageError("it is about a link", place="--robot", remedy="add --connect")
+            raise UsageError("it needs a link", place="--robot", remedy="add --connect")
         return None if arguments.bag is None else _topics_of(arguments.bag)
     if arguments.bag is not None:
         raise UsageError("topics come from one place", place="--bag", remedy="leave out --bag or --connect")

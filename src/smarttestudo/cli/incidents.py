@@ -31,38 +31,41 @@ EXIT_ERROR = 1
 def add_arguments(parser: CommandParser) -> None:
     """Add the arguments of ``testudo incidents``."""
     parser.description = (
-        "What Record statements kept: a folder for each incident, that 'testudo bag' and "
+        "Work with incidents, which Record statements keep: each is a folder that 'testudo bag' and "
         "'ros2 bag' read, too."
     )
     actions = parser.add_commands("actions")
     listing = _action(
-        actions, "list", "all incidents of a folder or a robot, oldest first", needs_folder=False
+        actions, "list", "list the incidents of a folder or a robot, oldest first", needs_folder=False
     )
     listing.add_argument("--json", action="store_true", help="print a JSON array instead of a table")
     add_connect(listing)
     add_robot(listing)
     listing.set_defaults(run=_list)
-    showing = _action(actions, "show", "what one holds, why, and what is missing", name=True)
+    showing = _action(
+        actions, "show", "show what an incident holds, why it was recorded, and what is missing", name=True
+    )
     showing.add_argument("--json", action="store_true", help="print its record")
     showing.set_defaults(run=_show)
     fetching = actions.add_parser(
         "fetch",
-        help="fetch one from a robot over its link",
+        help="fetch an incident from a robot over its link",
         description="Fetch an incident in the part of the link that live topics leave unused: first one "
-        "message a second of each topic, then ever more, images last. What was stopped or cut off goes on.",
+        "message a second of each topic, then ever more, images last. A fetch that was stopped or cut off "
+        "goes on.",
     )
     fetching.add_argument("name", metavar="NAME", help="the incident, as 'list --connect' prints it")
     fetching.add_argument(
         "--output", metavar="DIR", type=file_path, required=True, help="the folder it is put into"
     )
-    fetching.add_argument("--json", action="store_true", help="print what came of it as a JSON object")
+    fetching.add_argument("--json", action="store_true", help="print the result as a JSON object")
     add_connect(fetching)
     add_robot(fetching)
     fetching.set_defaults(run=fetch)
-    exporting = _action(actions, "export", "copy one to another place", name=True)
+    exporting = _action(actions, "export", "copy an incident to another place", name=True)
     exporting.add_argument("--output", metavar="PATH", type=file_path, required=True, help="the new folder")
     exporting.set_defaults(run=_export)
-    deleting = _action(actions, "delete", "delete one", name=True)
+    deleting = _action(actions, "delete", "delete an incident", name=True)
     deleting.set_defaults(run=_delete)
 
 
@@ -80,7 +83,7 @@ def _action(
         metavar="DIR",
         type=file_path,
         nargs=None if needs_folder else "?",
-        help="what --incidents named",
+        help="the folder that --incidents named",
     )
     if name:
         parser.add_argument("name", metavar="NAME", help="the incident's folder, as 'list' prints it")

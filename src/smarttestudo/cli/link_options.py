@@ -74,7 +74,7 @@ def link_options(arguments: argparse.Namespace, accepted: tuple[str, ...]) -> Li
     for name in _NEED_A_LINK:
         if getattr(arguments, name):
             option = "--" + name.replace("_", "-")
-            raise UsageError("it is about a link", place=option, remedy="add --link or --link-listen")
+            raise UsageError("it needs a link", place=option, remedy="add --link or --link-listen")
     return None
 
 
@@ -103,7 +103,7 @@ def connect_options(arguments: argparse.Namespace) -> LinkOptions | None:
     for name in ("zenoh_config", "insecure"):
         if getattr(arguments, name):
             option = "--" + name.replace("_", "-")
-            raise UsageError("it is about a link", place=option, remedy="add --connect")
+            raise UsageError("it needs a link", place=option, remedy="add --connect")
     return None
 
 

@@ -161,7 +161,7 @@ def output_domain(arguments: argparse.Namespace) -> OutputDomain | None:
         return OutputDomain(number=arguments.output_domain, discovery=discovery)
     if discovery is not None:
         raise UsageError(
-            "it is about the domain that --output-domain names", place="--output-discovery", remedy="add that"
+            "it needs an output domain", place="--output-discovery", remedy="add --output-domain N"
         )
     return None
 

@@ -55,7 +55,7 @@ def require_physics(arguments: argparse.Namespace, *, is_terminal: bool) -> None
     if arguments.robot == "quadrotor" and given["--cover-lidar"]:
         raise UsageError("the quadrotor has no LiDAR", place="--cover-lidar", remedy="leave it out")
     if arguments.teleop and arguments.mission is not None:
-        raise UsageError("keys drive instead of a mission", place="--teleop", remedy="leave one out")
+        raise UsageError("keys and a mission cannot both drive", place="--teleop", remedy="leave one out")
     if arguments.teleop and not is_terminal:
         raise UsageError(
             "standard input is no terminal", place="--teleop", remedy="publish on /cmd_vel instead"

@@ -117,7 +117,8 @@ def add_arguments(parser: CommandParser) -> None:
         "--incidents",
         metavar="DIR",
         type=file_path,
-        help="fetch what the robots' rules record into DIR/ROBOT, in the part of the link that topics leave",
+        help="fetch what the robots' rules record into DIR/ROBOT, in the part of the link that topics leave "
+        "unused",
     )
     parser.add_argument(
         "--catch-up",
@@ -167,10 +168,10 @@ def _settle_ros(arguments: argparse.Namespace, *, is_fetching: bool) -> None:
     )
     if arguments.no_ros and arguments.send:
         raise UsageError(
-            "what is sent comes from the ROS graph here", place="--send", remedy="leave out --no-ros"
+            "it sends messages of the ROS graph here", place="--send", remedy="leave out --no-ros"
         )
     if arguments.no_ros and not goes_elsewhere:
-        raise UsageError("what arrives would go nowhere", place="--no-ros", remedy=f"add {_PLACES}")
+        raise UsageError("messages that arrive would go nowhere", place="--no-ros", remedy=f"add {_PLACES}")
     if arguments.no_ros or arguments.send or has_rclpy():
         return
     if not goes_elsewhere:
@@ -234,7 +235,7 @@ def _predicted(arguments: argparse.Namespace) -> frozenset[str]:
 def _require_onlookers(arguments: argparse.Namespace) -> None:
     if arguments.predict and arguments.no_ros and arguments.foxglove is None:
         raise UsageError(
-            "what is predicted is for who looks on, and is not recorded",
+            "predicted messages are shown, not recorded",
             place="--predict",
             remedy="leave out --no-ros, or add --foxglove PORT",
         )

@@ -78,7 +78,7 @@ def fetch(arguments: argparse.Namespace) -> int:
 def _opened(arguments: argparse.Namespace) -> Iterator[RemoteIncidents]:
     options = connect_options(arguments)
     if options is None:
-        raise UsageError("which robot?", place="--connect", remedy="name the endpoint to connect to")
+        raise UsageError("no robot is named", place="--connect", remedy="add --connect ENDPOINT")
     with open_link_incidents(options, warn) as incidents:
         yield incidents
 

@@ -233,7 +233,9 @@ def run(arguments: argparse.Namespace) -> int:
         return _run_inputs(arguments)
     for option in ("rules", "output"):
         if getattr(arguments, option) is None:
-            raise UsageError("needed to replay a recording", place=f"--{option}", remedy="see --help")
+            raise UsageError(
+                "a replay of a recording needs it", place=f"--{option}", remedy=f"add --{option}"
+            )
     from smarttestudo.adapters.rosbag.reader import open_recording  # noqa: PLC0415  needs packages a robot lacks
 
     profile = None if arguments.profile is None else load_profile(arguments.profile)

@@ -109,7 +109,7 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
         "--incident-ring-max-gb",
         metavar="GB",
         type=max_gb,
-        help=f"disk that this may take (default: {DEFAULT_INCIDENT_RING_MAX_GB})",
+        help=f"GB of disk that --incident-ring may take (default: {DEFAULT_INCIDENT_RING_MAX_GB})",
     )
     parser.add_argument(
         "--incidents-max-gb",
@@ -189,9 +189,11 @@ def _is_local(arguments: argparse.Namespace) -> bool:
 
 def _require_catch_up(request: RunRequest, arguments: argparse.Namespace) -> None:
     if arguments.catch_up and not (arguments.link or arguments.link_listen):
-        raise UsageError("it is about a link", place="--catch-up", remedy="add --link or --link-listen")
+        raise UsageError("it needs a link", place="--catch-up", remedy="add --link or --link-listen")
     if arguments.catch_up and request.incidents.folder is None:
-        raise UsageError("what is kept needs a folder", place="--catch-up", remedy="add --incidents DIR")
+        raise UsageError(
+            "it needs a folder to keep messages in", place="--catch-up", remedy="add --incidents DIR"
+        )
 
 
 def _require_separate(request: RunRequest) -> None:

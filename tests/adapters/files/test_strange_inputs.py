@@ -33,6 +33,7 @@ def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 NOBODY_WRITES = "it is a pipe without a writer"
 NO_FILE = "it is a device or a pipe, not a file"
 CIRCLE = "Too many levels of symbolic links"
+CHECK_THE_PATH = "check the path and its permissions"
 
 
 @pytest.mark.usefixtures("desk")
@@ -46,10 +47,13 @@ CIRCLE = "Too many levels of symbolic links"
             ("check", "a.adirf", "--profile", "pipe"),
             f"pipe: error: the profile cannot be read: {NOBODY_WRITES}; give the path of a TOML file",
         ),
-        (("bag", "info", "pipe"), f"pipe: error: cannot be read: {NO_FILE}"),
-        (("bag", "info", "one"), f"one: error: cannot be read: {CIRCLE}"),
-        (("bag", "report", "one"), f"one: error: cannot be read: {CIRCLE}"),
-        (("bag", "rates", "one", "one", "--figures", "f"), f"one: error: cannot be read: {CIRCLE}"),
+        (("bag", "info", "pipe"), f"pipe: error: cannot be read: {NO_FILE}; {CHECK_THE_PATH}"),
+        (("bag", "info", "one"), f"one: error: cannot be read: {CIRCLE}; {CHECK_THE_PATH}"),
+        (("bag", "report", "one"), f"one: error: cannot be read: {CIRCLE}; {CHECK_THE_PATH}"),
+        (
+            ("bag", "rates", "one", "one", "--figures", "f"),
+            f"one: error: cannot be read: {CIRCLE}; {CHECK_THE_PATH}",
+        ),
         (
             ("bag", "info", "piped"),
             "piped: error: the folder holds no .db3 or .mcap file; "
@@ -57,7 +61,8 @@ CIRCLE = "Too many levels of symbolic links"
         ),
         (
             ("bag", "report", "sq", "--decisions", "pipe"),
-            f"pipe: error: the decision log cannot be read: {NOBODY_WRITES}",
+            f"pipe: error: the decision log cannot be read: {NOBODY_WRITES}; "
+            "give a file that --decisions wrote",
         ),
         (
             ("bag", "report", "sq", "--nav2-map", "pipe"),

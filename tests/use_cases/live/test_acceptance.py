@@ -139,7 +139,7 @@ def test_what_cannot_be_accepted_is_told_to_the_operator_and_said_once(
     acceptance = look(robot, commands, relayed=relayed)
     look(robot, commands, acceptance, relayed=relayed)
     assert commands.followed == [("/joy", None, None, problem)]
-    assert robot.log_lines == [f"/joy is not accepted of operators: {problem}"]
+    assert robot.log_lines == [f"/joy is not accepted from operators: {problem}"]
     assert robot.opened == []
 
 

@@ -27,13 +27,13 @@ def refusal(capsys: pytest.CaptureFixture[str], arguments: list[str], code: int)
 @pytest.mark.parametrize(
     ("arguments", "line"),
     [
-        ([*RUN, option, *value], f"{option}: error: it is about a link; add --link or --link-listen")
+        ([*RUN, option, *value], f"{option}: error: it needs a link; add --link or --link-listen")
         for option, *value in (("--robot", "x"), ("--insecure",), ("--zenoh-config", "link.json5"))
     ]
     + [
         (
             ["receive", "--no-ros"],
-            "--no-ros: error: what arrives would go nowhere; "
+            "--no-ros: error: messages that arrive would go nowhere; "
             "add --record DIR, --incidents DIR, --foxglove PORT or --openmetrics PORT",
         )
     ],
@@ -49,18 +49,18 @@ def test_options_that_lack_another_are_a_wrong_usage(
     [
         (
             ["receive", "--no-ros", "--foxglove", "0", "--send", "/joy"],
-            "--send: error: what is sent comes from the ROS graph here; leave out --no-ros",
+            "--send: error: it sends messages of the ROS graph here; leave out --no-ros",
         ),
         (
             ["receive", "--no-ros", "--record", "new", "--predict", "/odom"],
-            "--predict: error: what is predicted is for who looks on, and is not recorded; "
+            "--predict: error: predicted messages are shown, not recorded; "
             "leave out --no-ros, or add --foxglove PORT",
         ),
         (
             ["receive", "--predict", "odom"],
             "--predict: error: 'odom' is not the full name of a topic; write it as in /odom",
         ),
-        ([*RUN, "--accept", "/joy"], "--accept: error: it is about a link; add --link or --link-listen"),
+        ([*RUN, "--accept", "/joy"], "--accept: error: it needs a link; add --link or --link-listen"),
         (
             [*RUN, "--link", "tcp/127.0.0.1:7447", "--accept", "joy"],
             "--accept: error: 'joy' is not the full name of a topic; write it as in /joy",

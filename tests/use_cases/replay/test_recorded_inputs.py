@@ -125,4 +125,4 @@ def test_options_that_recorded_inputs_bring_along_are_refused(
 
 def test_a_recording_still_needs_rules_and_an_output(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["replay", "bag"]) == 2
-    assert capsys.readouterr().err == "--rules: error: needed to replay a recording; see --help\n"
+    assert capsys.readouterr().err == "--rules: error: a replay of a recording needs it; add --rules\n"

@@ -67,7 +67,7 @@ def read_decisions(path: Path) -> list[Decision]:
         text = read_input(path).decode("utf-8")
     except (OSError, UnicodeDecodeError) as error:
         cause = f"the decision log cannot be read: {getattr(error, 'strerror', None) or error}"
-        raise DecisionLogError(cause, place=str(path)) from error
+        raise DecisionLogError(cause, place=str(path), remedy="give a file that --decisions wrote") from error
     lines = text.split("\n")[:-1]
     return [_parsed(line, f"{path}:{number}") for number, line in enumerate(lines, 1)]
 

@@ -152,7 +152,9 @@ def read_record(folder: Path) -> IncidentRecord:
         if not stat.S_ISREG(found.st_mode):
             raise RecordingError("is not a file", place=str(place))
         if found.st_size > MAX_RECORD_BYTES:
-            raise RecordingError("is too large for the record of an incident", place=str(place))
+            raise RecordingError(
+                "is too large for the record of an incident", place=str(place), remedy="was it edited?"
+            )
         text = place.read_bytes()
     return read_incident(text, str(place))
 

@@ -89,7 +89,7 @@ def read_inputs(folder: Path) -> Iterator[RecordedInput]:
                 yield _parsed(line, f"{path}:{number}")
     except OSError as error:
         cause = f"the recorded inputs cannot be read: {error.strerror or error}"
-        raise RecordingError(cause, place=str(path)) from error
+        raise RecordingError(cause, place=str(path), remedy="check the path and its permissions") from error
 
 
 def _parsed(line: bytes, place: str) -> RecordedInput:

@@ -38,9 +38,13 @@ def load_mission(path: Path, plan: FloorPlan) -> Tour:
         cause = f"the mission cannot be read: {error.strerror}"
         raise MissionError(cause, place=str(path), remedy="give the path of a TOML file") from error
     except UnicodeDecodeError as error:
-        raise MissionError("the mission is not UTF-8 text", place=str(path)) from error
+        raise MissionError(
+            "the mission is not UTF-8 text", place=str(path), remedy="save it as UTF-8"
+        ) from error
     if len(data) > _MOST_BYTES:
-        raise MissionError("the mission is larger than 100 KB", place=str(path))
+        raise MissionError(
+            "the mission is larger than 100 KB", place=str(path), remedy="is it the right file?"
+        )
     try:
         values, _ = parse_toml(text, path)
     except ProfileError as error:

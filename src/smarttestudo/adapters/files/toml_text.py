@@ -40,7 +40,9 @@ def parse_toml(text: str, path: Path) -> tuple[dict[str, object], dict[KeyPath, 
     except ValueError as error:
         raise _too_many_digits(text, path) from error
     except RecursionError as error:
-        raise ProfileError("the values nest too deep", place=str(path)) from error
+        raise ProfileError(
+            "the values nest too deep", place=str(path), remedy="is it the right file?"
+        ) from error
     return values, _lines_of_keys(text)
 
 
@@ -61,7 +63,7 @@ def read_toml_text(path: Path) -> str:
         cause = f"the profile cannot be read: {error.strerror}"
         raise ProfileError(cause, place=str(path), remedy="give the path of a TOML file") from error
     if len(data) > MAX_PROFILE_BYTES:
-        raise ProfileError("the profile is larger than 1 MB", place=str(path))
+        raise ProfileError("the profile is larger than 1 MB", place=str(path), remedy="is it the right file?")
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:

@@ -42,7 +42,8 @@ def find_bag_files(path: Path) -> BagFiles:
     except FileNotFoundError as error:
         raise RecordingError("no such file or folder", place=str(path), remedy=_EXPECTED) from error
     except OSError as error:
-        raise RecordingError(f"cannot be read: {error.strerror}", place=str(path)) from error
+        cause = f"cannot be read: {error.strerror}"
+        raise RecordingError(cause, place=str(path), remedy="check the path and its permissions") from error
     return BagFiles(paths=(path,), metadata=BagMetadata())
 
 

@@ -64,7 +64,8 @@ def _open_part(path: Path, opened: ExitStack, notices: list[str]) -> RecordingPa
             whole_bytes = zstd_files.unpacked_file_bytes(path)
         file = open_storage_file(storage_path, whole_bytes)
     except OSError as error:
-        raise RecordingError(f"cannot be read: {error.strerror}", place=str(path)) from error
+        cause = f"cannot be read: {error.strerror}"
+        raise RecordingError(cause, place=str(path), remedy="check the path and its permissions") from error
     opened.callback(file.close)
     return RecordingPart(path=path, storage_path=storage_path, file=file)
 

@@ -88,7 +88,7 @@ class Acceptance:
         if before is not None:
             before.close()
         if problem is not None:
-            self._say(f"{topic} is not accepted of operators: {problem}")
+            self._say(f"{topic} is not accepted from operators: {problem}")
 
     def _look_at_operators(self, *, is_connected: bool) -> None:
         """Say what is named at one end only."""
