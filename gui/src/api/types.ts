@@ -381,10 +381,15 @@ export interface FullRate {
   value?: null;
 }
 
-/** The first message on `/ws`; a page that knows another protocol asks to be reloaded. */
+/**
+ * The first message on `/ws`; a page that knows another protocol asks to be reloaded.
+ *
+ * `only_watches` is whether the page may change neither files nor robots.
+ */
 export interface Hello {
   kind: "hello";
   version: string;
+  only_watches: boolean;
   protocol: number;
 }
 

@@ -79,7 +79,7 @@ export function EditorPage({ api, project, name, robot: node, line, editors, kee
   useEffect(() => {
     if (state === "open" && line !== undefined) showInEditor(editor, Number(line));
   }, [state]);
-  const savesByItself = project.saves_by_itself && state === "open";
+  const savesByItself = project.saves_by_itself && state === "open" && !useRobot().onlyWatches.value;
   useEffect(() => (savesByItself ? saveByItself(selfSaving(editor)) : undefined), [savesByItself]);
   if (state === "opening") return <p class="quiet center">Opening {name} …</p>;
   if (state !== "open") return <Notice kind="error" text={state.problem} />;
@@ -124,7 +124,7 @@ export function EditorPage({ api, project, name, robot: node, line, editors, kee
           <h2 class="visually-hidden">Results</h2>
           <div class="dock-bar">
             <Tabs label="Results" choices={useChoices(editor).value} chosen={tool} />
-            <NeedsServer>
+            <NeedsServer changes>
               <ProfileChoice {...{ editor, api, project }} />
             </NeedsServer>
             <FullScreenButton full={full} part="results" what="results" />

@@ -93,7 +93,7 @@ function OneRobot({ node, ...props }: Pick<PageProps, "api" | "project" | "refre
       <main class="robots robot">
         <div class="row">
           <a href={href({ page: "robots", name: "" })}>All robots</a>
-          <NeedsServer>
+          <NeedsServer changes>
             <button type="button" disabled={live === null} onClick={() => setStarting(true)}>
               Start a project from this robot
             </button>
