@@ -14,8 +14,8 @@ import { BagWork } from "../state/bag_work";
 import { RobotIncidents } from "../state/robot_incidents";
 import { Header } from "../ui/header";
 import { Notice } from "../ui/notice";
-import { NeedsServer } from "../ui/server_gone";
 import { counted } from "../ui/numbers";
+import { NeedsServer } from "../ui/server_gone";
 import { WorkProgress } from "../ui/work_progress";
 import type { PageProps } from "./page_props";
 

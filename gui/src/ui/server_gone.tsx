@@ -41,11 +41,9 @@ export function ServerGone() {
 export function WatchNotice() {
   if (!useRobot().onlyWatches.value) return null;
   return (
-    <div class="notice info watch-notice" role="status">
-      <span>
-        <strong>You may only watch here.</strong> Nothing is sent to robots, and no file is changed: what you try in
-        rules stays in this browser. For more, ask whoever started <code>testudo ruler</code>.
-      </span>
+    <div class="watch-notice" role="status">
+      <strong>You may only watch here.</strong> No robot and no file is changed; what you try in rules stays in this
+      browser. For more, ask whoever started <code>testudo ruler</code>.
     </div>
   );
 }

@@ -165,8 +165,11 @@ class Guard:
             return RequestError("the token is missing or wrong", _UNAUTHORIZED, remedy=remedy)
         note_access(scope, may)
         if may is Access.WATCH and _is_api(scope) and not _only_reads(scope):
-            remedy = "ask whoever started testudo ruler for the address that may change things"
-            return RequestError("you may only watch here: nothing was changed", _FORBIDDEN, remedy=remedy)
+            return RequestError(
+                "you may only watch here: nothing was changed",
+                _FORBIDDEN,
+                remedy="ask whoever started testudo ruler for the address that may change things",
+            )
         return None
 
     def _give_cookie(self, token: str) -> RedirectResponse:

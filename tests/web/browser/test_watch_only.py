@@ -60,7 +60,7 @@ def test_every_page_says_it_and_what_changes_something_is_off(ruler: RulerPage, 
 
 def _expect_notice(ruler: RulerPage) -> None:
     notice = ruler.page.get_by_role("status").filter(has_text="You may only watch here.")
-    expect(notice).to_contain_text("Nothing is sent to robots, and no file is changed")
+    expect(notice).to_contain_text("No robot and no file is changed")
 
 
 def _expect_off(button: Locator) -> None:
