@@ -11,6 +11,7 @@ import { TruthBar } from "./truth_bar";
 /** The least and the greatest value of a check in bins of equal length; null where it was unknown throughout. */
 export interface CheckValues {
   bin_s: number;
+  first_bin_s?: number;
   least: readonly (number | null)[];
   greatest: readonly (number | null)[];
 }
@@ -27,22 +28,28 @@ interface Props {
   /** Must stay the same object while the values are the same. */
   values: CheckValues;
   threshold: Signal<number>;
+  /** Whether the threshold can only be looked at. */
+  isFixed?: boolean;
+  timeWords?: (timeS: number) => string;
   label: string;
   bars: readonly HeldBar[];
   isBusy: boolean;
   children: ComponentChildren;
 }
 
-/** The value of a check over time, its threshold as a line to drag, and below it bars of when something held. */
-export function CheckChart({ timeline, values, threshold, label, bars, isBusy, children }: Props) {
+/** The value of a check over time, its threshold as a line, and below it bars of when something held. */
+export function CheckChart({ timeline, values, threshold, isFixed = false, timeWords, label, ...shown }: Props) {
+  const { bars, isBusy, children } = shown;
   const lines = useMemo(
     () => ({
-      timesS: values.greatest.map((_, bin) => (bin + 0.5) * values.bin_s),
+      timesS: values.greatest.map((_, bin) => (values.first_bin_s ?? 0) + (bin + 0.5) * values.bin_s),
       least: values.least,
       after: values.greatest,
       threshold,
+      isFixed,
+      ...(timeWords && { timeWords }),
     }),
-    [values, threshold],
+    [values, threshold, isFixed],
   );
   return (
     <>

@@ -38,6 +38,7 @@ _READING_POSTS = frozenset(
         "push/lasting",
         "push/preview",
         "recording",
+        "robot/checks",
         "robot/history",
         "robot/start",
         "try",
