@@ -7,6 +7,7 @@ import type { RobotCheck, RobotChecksAnswer, RobotCheckValues } from "../api/typ
 import { Timeline } from "../state/timeline";
 import { holdsWords, truthAt } from "../state/turns";
 import { CheckChart } from "../try/check_chart";
+import { OtherThreshold } from "../try/other_threshold";
 import { RuleStates } from "../try/rule_states";
 import { durationWords } from "../ui/numbers";
 import { clock } from "../ui/times";
@@ -89,7 +90,6 @@ interface ValuesProps {
 
 function CheckValues({ one, values, answer, timeline, propose }: ValuesProps) {
   const threshold = useSignal(one.limit);
-  const { value } = threshold;
   return (
     <>
       <CheckChart
@@ -108,15 +108,8 @@ function CheckValues({ one, values, answer, timeline, propose }: ValuesProps) {
       <p role="status">
         {one.op} {one.limit}: {holdsWords(values.turns, answer.window_s)}, as the robot decided.
       </p>
-      {propose !== null && value !== one.limit && (
-        <div class="row">
-          <button type="button" class="small" onClick={() => propose(one, value)}>
-            Write {value} into the rules
-          </button>
-          <button type="button" class="small" onClick={() => (threshold.value = one.limit)}>
-            Back to {one.limit}
-          </button>
-        </div>
+      {propose !== null && (
+        <OtherThreshold threshold={threshold} written={one.limit} write={(value) => propose(one, value)} />
       )}
     </>
   );

@@ -6,9 +6,9 @@ import type { Api } from "../api/client";
 import type { RuleEditor } from "../state/rule_editor";
 import type { Trial } from "../state/trial";
 import { checksIn, thresholdEdits, type WrittenCheck } from "../state/written_checks";
-import { NeedsServer } from "../ui/server_gone";
 import { WorkProgress } from "../ui/work_progress";
 import { CourseChart } from "./course_chart";
+import { OtherThreshold } from "./other_threshold";
 import { useCheckCourse } from "./use_check_course";
 
 interface Props {
@@ -51,7 +51,6 @@ function CourseOfCheck({ editor, api, trial, one }: Props & { one: WrittenCheck 
   );
   const { course, work } = useCheckCourse(api, asked, threshold.value);
   if (course === null) return <WorkProgress work={work} doing={`Reading ${check.topic} ${check.property}`} />;
-  const value = threshold.value;
   return (
     <>
       <CourseChart {...{ asked, course, work, threshold }} timeline={trial}>
@@ -60,22 +59,11 @@ function CourseOfCheck({ editor, api, trial, one }: Props & { one: WrittenCheck 
           Drag the red line, or move it with the arrow keys, to see when another threshold holds.
         </span>
       </CourseChart>
-      {value !== check.value && (
-        <NeedsServer>
-          <div class="row">
-            <button
-              type="button"
-              class="small"
-              onClick={() => void editor.edit(() => thresholdEdits(editor.statements.peek(), check, value))}
-            >
-              Write {value} into the rules
-            </button>
-            <button type="button" class="small" onClick={() => (threshold.value = check.value)}>
-              Back to {check.value}
-            </button>
-          </div>
-        </NeedsServer>
-      )}
+      <OtherThreshold
+        threshold={threshold}
+        written={check.value}
+        write={(value) => void editor.edit(() => thresholdEdits(editor.statements.peek(), check, value))}
+      />
     </>
   );
 }

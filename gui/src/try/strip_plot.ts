@@ -12,6 +12,8 @@ const HEIGHT_PX = 104;
 const DRAGGED_HEIGHT_PX = 180;
 /** How much higher a chart is than what it shows. */
 const ROOM = 1.08;
+/** What may be between two words below a chart that tells minutes. */
+const MINUTES_S = [60, 120, 300, 600, 1200, 1800];
 type Values = readonly (number | null)[];
 
 /** What a chart shows, bin by bin: `before`, if given, thin and dashed, `after` filled down to `least`, or to 0. */
@@ -24,7 +26,7 @@ export interface StripLines {
   /** A value that can be dragged, unless it `isFixed`. */
   threshold?: Signal<number>;
   isFixed?: boolean;
-  /** What a time on the axis is called, where that is not its number of seconds. */
+  /** What a time on the axis is called, to the minute, where that is not its number of seconds. */
   timeWords?: (timeS: number) => string;
 }
 
@@ -103,7 +105,7 @@ function draw(host: HTMLElement, timeline: Timeline, lines: () => StripLines): u
     grid: { stroke: colour("--line"), width: 1 },
     font: `11px ${colour("--font")}`,
   };
-  const words = timeWords && { values: (_: uPlot, times: number[]) => times.map(timeWords) };
+  const words = timeWords && { values: (_: uPlot, times: number[]) => times.map(timeWords), incrs: MINUTES_S };
   const sent = { stroke: colour("--accent"), width: 2, fill: colour("--accent-soft"), points: { show: false } };
   const recorded = { stroke: colour("--text-2"), width: 1, dash: [4, 3], points: { show: false } };
   const { zeroS } = timeline;
