@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 from array import array
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from threading import Lock
 
 from msgspec import Struct
@@ -219,9 +219,14 @@ class _Bins:
             self._least[passed % _BINS] = self._greatest[passed % _BINS] = held
         self._newest = bin_
         self._value = value if value is not None and math.isfinite(value) else math.nan
+        if math.isnan(self._value):
+            return
         at = bin_ % _BINS
-        self._least[at] = _among(min, self._least[at], self._value)
-        self._greatest[at] = _among(max, self._greatest[at], self._value)
+        # NaN, which stands for none yet, compares false.
+        if not self._least[at] <= self._value:
+            self._least[at] = self._value
+        if not self._greatest[at] >= self._value:
+            self._greatest[at] = self._value
 
     def told(
         self,
@@ -251,12 +256,6 @@ class _Bins:
         else:
             value = bins[bin_ % _BINS] if bin_ > self._newest - _BINS else math.nan
         return None if math.isnan(value) else value
-
-
-def _among(choose: Callable[[float, float], float], known: float, value: float) -> float:
-    if math.isnan(known):
-        return value
-    return known if math.isnan(value) else choose(known, value)
 
 
 def _truths(status: RuntimeStatus) -> Iterator[tuple[_Key, Truth]]:
