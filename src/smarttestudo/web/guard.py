@@ -20,8 +20,8 @@ from starlette.responses import RedirectResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from starlette.websockets import WebSocketClose
 
-from smarttestudo.web.access import Access, note_access, only_reads
 from smarttestudo.web.errors import RequestError, error_answer
+from smarttestudo.web.permission import Permission, note_permission, only_reads
 
 _FORBIDDEN, _UNAUTHORIZED = 403, 401
 _POLICY_VIOLATION = 1008
@@ -115,11 +115,11 @@ class ServerAddress:
         """Whether ``Origin`` is the page that ``host`` itself served."""
         return origin is not None and origin.lower() == f"http://{host}".lower()
 
-    def access_of(self, token: str | None) -> Access | None:
+    def permission_of(self, token: str | None) -> Permission | None:
         """What who sends ``token`` may do; ``None`` where that is no token that was printed."""
         if self.token is None or _is_same(token, self.token):
-            return Access.WATCH if self.is_watch_only else Access.CHANGE
-        return Access.WATCH if _is_same(token, self.watch_token) else None
+            return Permission.WATCH if self.is_watch_only else Permission.CHANGE
+        return Permission.WATCH if _is_same(token, self.watch_token) else None
 
 
 class Guard:
@@ -159,12 +159,12 @@ class Guard:
             return RequestError("the request comes from another site's page", _FORBIDDEN)
         if headers.get("sec-fetch-site", "none") not in ("none", "same-origin") and _is_api(scope):
             return RequestError("the request comes from another site's page", _FORBIDDEN)
-        may = access.access_of(_token_in(scope) or _cookie_in(headers, access.cookie))
+        may = access.permission_of(_token_in(scope) or _cookie_in(headers, access.cookie))
         if may is None:
             remedy = "open the address with the token that testudo ruler printed"
             return RequestError("the token is missing or wrong", _UNAUTHORIZED, remedy=remedy)
-        note_access(scope, may)
-        if may is Access.WATCH and _is_api(scope) and not _only_reads(scope):
+        note_permission(scope, may)
+        if may is Permission.WATCH and _is_api(scope) and not _only_reads(scope):
             return RequestError(
                 "you may only watch here: nothing was changed",
                 _FORBIDDEN,

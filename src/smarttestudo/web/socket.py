@@ -15,7 +15,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from smarttestudo import __version__
 from smarttestudo.use_cases.ruler.live_view import Live, RobotSummary
-from smarttestudo.web.access import Access, noted_access
+from smarttestudo.web.permission import Permission, noted_permission
 
 PROTOCOL_VERSION = 1
 MAX_UPDATE_HZ = 20.0
@@ -127,7 +127,7 @@ class Listeners:
         """Greet a page, and keep it until it goes."""
         await socket.accept()
         page = OpenPage(socket)
-        only_watches = noted_access(socket.scope) is Access.WATCH
+        only_watches = noted_permission(socket.scope) is Permission.WATCH
         page.tell("hello", encoded(Hello(version=__version__, only_watches=only_watches)))
         telling = asyncio.ensure_future(page.keep_telling())
         self.pages.add(page)

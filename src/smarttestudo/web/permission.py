@@ -8,7 +8,7 @@ from enum import Enum
 
 from starlette.types import Scope
 
-_KEY = "testudo.access"
+_KEY = "testudo.permission"
 _READING = frozenset(("GET", "HEAD", "OPTIONS"))
 _READING_POSTS = frozenset(
     f"/api/{path}"
@@ -51,22 +51,22 @@ _READING_POSTS = frozenset(
 """What is asked with a body and changes neither a file nor a robot."""
 
 
-class Access(Enum):
+class Permission(Enum):
     """What a request may do."""
 
     CHANGE = "change"
     WATCH = "watch"
 
 
-def note_access(scope: Scope, access: Access) -> None:
+def note_permission(scope: Scope, permission: Permission) -> None:
     """Keep what the sender of a request may do with the request."""
-    scope[_KEY] = access
+    scope[_KEY] = permission
 
 
-def noted_access(scope: Scope) -> Access:
+def noted_permission(scope: Scope) -> Permission:
     """What the sender of a request may do."""
-    access: Access = scope[_KEY]
-    return access
+    permission: Permission = scope[_KEY]
+    return permission
 
 
 def only_reads(method: str, path: str) -> bool:
