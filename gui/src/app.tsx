@@ -17,7 +17,7 @@ import { KeepingBar } from "./ui/keeping_bar";
 import { later } from "./ui/later";
 import { Notice } from "./ui/notice";
 import { useRobot } from "./ui/robot_state";
-import { ServerGone, useReturn } from "./ui/server_gone";
+import { ServerGone, useReturn, WatchNotice } from "./ui/server_gone";
 
 // The heavy parts (Blockly, CodeMirror, plots) load with the page that needs them.
 const PAGES: Record<Exclude<Route["page"], "home">, ComponentType<PageProps>> = {
@@ -66,6 +66,7 @@ export function App({ api }: { api: Api }) {
   return (
     <>
       <ServerGone />
+      <WatchNotice />
       <KeepingBar keepings={keepings} />
       <button type="button" class="skip" onClick={() => document.querySelector<HTMLElement>("h1")?.focus()}>
         Skip to the content

@@ -90,15 +90,26 @@ def served(
     *,
     opened: str | None = None,
     token: str | None = None,
+    watch_token: str | None = None,
+    is_watch_only: bool = False,
     open_robots: OpenRobots = on_the_graph,
     open_incidents: OpenIncidents | None = None,
 ) -> Iterator[Page]:
-    """The server of ``folder`` while the block lasts; with ``token`` as if other machines could reach it."""
+    """The server of ``folder`` while the block lasts; with ``token`` as if other machines could reach it.
+
+    Who has ``watch_token`` may only watch, and with ``is_watch_only`` everybody.
+    """
     with listening("127.0.0.1", 0) as listener:
         port = listener.getsockname()[1]
-        access = ServerAddress.at("127.0.0.1", port)
+        access = ServerAddress.at("127.0.0.1", port, is_watch_only=is_watch_only)
         if token is not None:
-            access = ServerAddress(host="0.0.0.0", port=port, names=frozenset({"robot.local"}), token=token)
+            access = ServerAddress(
+                host="0.0.0.0",
+                port=port,
+                names=frozenset({"robot.local"}),
+                token=token,
+                watch_token=watch_token,
+            )
         app = ruler_app(
             ProjectFolder(folder), access, open_robots, open_incidents=open_incidents, opened=opened
         )

@@ -196,6 +196,11 @@ export class Api {
     return call("POST /api/robot/history", { node });
   }
 
+  /** What the checks of a robot read in its last minutes, and when its rules held. */
+  robotChecks(node: string, window_s: number, check: number | null): Answer<"POST /api/robot/checks"> {
+    return call("POST /api/robot/checks", { node, window_s, check });
+  }
+
   /** Rules and topic parameters from what a robot relays now. */
   robotStart(node: string): Answer<"POST /api/robot/start"> {
     return call("POST /api/robot/start", { node });

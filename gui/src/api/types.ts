@@ -381,10 +381,15 @@ export interface FullRate {
   value?: null;
 }
 
-/** The first message on `/ws`; a page that knows another protocol asks to be reloaded. */
+/**
+ * The first message on `/ws`; a page that knows another protocol asks to be reloaded.
+ *
+ * `only_watches` is whether the page may change neither files nor robots.
+ */
 export interface Hello {
   kind: "hello";
   version: string;
+  only_watches: boolean;
   protocol: number;
 }
 
@@ -1233,6 +1238,53 @@ export interface ResizeZone {
   rectangle: ZoneBounds;
 }
 
+/** A check of the robot's rules, in the words of its text, and the rule that it is in. */
+export interface RobotCheck {
+  rule: string;
+  topic: string;
+  property: string;
+  op: string;
+  limit: number;
+}
+
+/**
+ * The least and the greatest value of check number `check` in bins of `bin_s`, from `first_bin_s`.
+ *
+ * Null where no status said a value. `turns` say what the check turned to when.
+ */
+export interface RobotCheckValues {
+  check: number;
+  bin_s: number;
+  first_bin_s: number;
+  least: (number | null)[];
+  greatest: (number | null)[];
+  turns: [number, TruthName][];
+}
+
+/**
+ * What statuses said; times are since `window_s` ago, and all is unknown before `heard_from_s`.
+ *
+ * `checks` are at most 100, and none until the robot's rules were read.
+ */
+export interface RobotChecksAnswer {
+  window_s: number;
+  heard_from_s: number;
+  rules: BlockTurns[];
+  checks: RobotCheck[];
+  values: RobotCheckValues | null;
+}
+
+/**
+ * `POST /api/robot/checks` → `RobotChecksAnswer`: the last `window_s`, and the values of one check.
+ *
+ * `check` is its number in the answer; null asks for none.
+ */
+export interface RobotChecksRequest {
+  node: string;
+  window_s: number;
+  check?: number | null;
+}
+
 /** A change of a topic's rate, a rule's state, or all rules; `because` is what decided the rate. */
 export interface RobotEvent {
   s_ago: number;
@@ -1836,6 +1888,7 @@ export interface Routes {
   "POST /api/incident/delete": { asked: OneIncidentRequest; answered: IncidentsAnswer };
   "POST /api/incident/course": { asked: IncidentCourseRequest; answered: IncidentCourse };
   "POST /api/robot/history": { asked: RobotHistoryRequest; answered: RobotHistoryAnswer };
+  "POST /api/robot/checks": { asked: RobotChecksRequest; answered: RobotChecksAnswer };
   "POST /api/robot/start": { asked: RobotStartRequest; answered: RobotStartAnswer };
   "POST /api/push/preview": { asked: PushRequest; answered: PushPreview };
   "POST /api/push": { asked: PushRequest; answered: PushAnswer };

@@ -18,6 +18,7 @@ import {
   type Suggestions,
   SWITCH,
   textField,
+  thresholdField,
   topicField,
   UP,
 } from "./fields";
@@ -83,7 +84,7 @@ export function defineBlocks(suggest: Suggestions, buttons: BlockButtons): void 
           "PROPERTY",
         )
         .appendField(operatorField(), "OP")
-        .appendField(numberField("0", "value"), "VALUE")
+        .appendField(thresholdField(suggest), "VALUE")
         .appendField(new Blockly.FieldLabel(""), "UNIT")
         .appendField(button(CLOCK, "Add time", chooseTime), "CLOCK")
         .appendField(removeButton("Remove this check"));

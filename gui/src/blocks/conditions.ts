@@ -101,8 +101,8 @@ function joined(all: Condition[], kind: "and" | "or"): Condition | null {
   return all.length > 1 ? { kind, terms: all } : (all[0] ?? null);
 }
 
-/** Null for an `any of` with nothing inside. */
-function toCondition(block: Blockly.Block): Condition | null {
+/** What a block of a condition says, with its times; null for an `any of` with nothing inside. */
+export function toCondition(block: Blockly.Block): Condition | null {
   const core = toCore(block);
   return core && timesOn(block).reduce<Condition>((term, part) => ({ kind: "timed", term, ...part }), core);
 }

@@ -7,6 +7,7 @@ import { ChoiceField } from "./choice_field";
 import { NumberField } from "./number_field";
 import { oneWord, SuggestionField } from "./suggestion_field";
 import { TextField } from "./text_field";
+import { type DrawValues, ThresholdField } from "./threshold_field";
 
 /** What the blocks suggest. */
 export interface Suggestions {
@@ -22,6 +23,7 @@ export interface Suggestions {
   /** Levels of a bound with the numbers that they mean. */
   boundLevels(topic: string, property: string): readonly PickerChoice[];
   unit(topic: string, property: string): string;
+  drawValues: DrawValues;
 }
 
 const OPERATORS: [string, Operator][] = [
@@ -83,6 +85,11 @@ export function propertyField(value: string, choices: (topic: string) => readonl
 
 export function numberField(value: string, label: string, minimum?: number): Blockly.FieldNumber {
   return new NumberField(value, label, minimum);
+}
+
+/** The threshold of a check, beside the values that it is compared with. */
+export function thresholdField(suggest: Suggestions): Blockly.FieldNumber {
+  return new ThresholdField("0", "value", (...of) => suggest.drawValues(...of));
 }
 
 export function textField(

@@ -1,13 +1,15 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import * as Blockly from "blockly/core";
+import { FieldPopup } from "../ui/field_popup";
 import { numberProblem, typedNumber } from "../ui/numbers";
-import { PickerPopup } from "../ui/picker_popup";
 import { takeKey } from "./open_field";
+
+const WIDTH_PX = 380;
 
 /** A field for a number; what is none is said, and is not kept. Blockly's own drops commas, so that 3,5 would be 35. */
 export class NumberField extends Blockly.FieldNumber {
-  private popup: PickerPopup | null = null;
+  private popup: FieldPopup | null = null;
 
   constructor(
     value: string,
@@ -53,7 +55,12 @@ export class NumberField extends Blockly.FieldNumber {
   private say(input: HTMLInputElement): void {
     const note = this.problem(input.value);
     if (note === "" && this.popup === null) return;
-    this.popup ??= new PickerPopup(input, this.label, () => undefined);
-    this.popup.show([], -1, { note, isProblem: true });
+    this.below(input).say(note, true);
+  }
+
+  /** What stands below the field while it is open. */
+  protected below(input: HTMLInputElement): FieldPopup {
+    this.popup ??= new FieldPopup(input, WIDTH_PX);
+    return this.popup;
   }
 }

@@ -21,7 +21,7 @@ export interface KnownNow {
 }
 
 /** What is suggested of what is known at the moment; words for a field are read so that an effect follows them. */
-export function suggestionsOf(now: KnownNow): Suggestions {
+export function suggestionsOf(now: KnownNow): Omit<Suggestions, "drawValues"> {
   const { vocabulary } = now;
   const known = (words: Vocabulary | null, topic: string) => words?.topics.find((each) => each.topic === topic);
   const properties = (words: Vocabulary | null, topic: string) => [

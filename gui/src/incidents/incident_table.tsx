@@ -3,6 +3,7 @@
 import type { ListedIncident } from "../api/types";
 import { href } from "../route";
 import { ColumnHeads } from "../ui/column_heads";
+import { NeedsServer } from "../ui/server_gone";
 import { SizeCell, SUMMARY_COLUMNS, SummaryCells } from "./summary_cells";
 
 const COLUMNS = [...SUMMARY_COLUMNS, "Folder"];
@@ -54,9 +55,11 @@ function BadRow({ one, remove }: { one: ListedIncident; remove: Remove }) {
       </td>
       <SizeCell size_kb={one.size_kb} />
       <td data-label="">
-        <button type="button" class="small" onClick={() => remove(one)}>
-          Delete
-        </button>
+        <NeedsServer changes>
+          <button type="button" class="small" onClick={() => remove(one)}>
+            Delete
+          </button>
+        </NeedsServer>
       </td>
       <td data-label="Folder" class="path">
         {folderOf(one.name)}

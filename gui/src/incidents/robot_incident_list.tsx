@@ -5,6 +5,7 @@ import { href } from "../route";
 import type { RobotIncidents } from "../state/robot_incidents";
 import { ColumnHeads } from "../ui/column_heads";
 import { counted, readable, sizeWords } from "../ui/numbers";
+import { NeedsServer } from "../ui/server_gone";
 import { SUMMARY_COLUMNS, SummaryCells } from "./summary_cells";
 
 /** What the robots on the link recorded: listed at once, fetched one by one. Nothing without a link. */
@@ -96,14 +97,16 @@ function FetchCell({ robots, robot, incident: { name, kept, summary } }: RowProp
   const word = fetch?.state === "cancelled" ? "Go on" : "Fetch";
   return (
     <div>
-      <button
-        type="button"
-        class="small"
-        aria-label={`${word}: ${summary.title} of ${robot}`}
-        onClick={() => void robots.fetch(robot, name)}
-      >
-        {word}
-      </button>
+      <NeedsServer changes>
+        <button
+          type="button"
+          class="small"
+          aria-label={`${word}: ${summary.title} of ${robot}`}
+          onClick={() => void robots.fetch(robot, name)}
+        >
+          {word}
+        </button>
+      </NeedsServer>
       {fetch?.state === "cancelled" && (
         <span class="quiet"> Cancelled. {sizeWords(fetch.got_kb)} are here already.</span>
       )}
@@ -121,9 +124,11 @@ function Running({ fetch, title, cancel }: { fetch: FetchState; title: string; c
   return (
     <div class="fetching">
       <progress max={1} value={total_kb > 0 ? got_kb / total_kb : 0} aria-label={`Fetching ${title}`} />
-      <button type="button" class="small" onClick={cancel}>
-        Cancel
-      </button>
+      <NeedsServer changes>
+        <button type="button" class="small" onClick={cancel}>
+          Cancel
+        </button>
+      </NeedsServer>
       <span class="quiet">
         {sizeWords(got_kb)} of {sizeWords(total_kb)}, {readable(rate_kb_per_s)} KB/s
         {level_hz !== null && `; all topics are here at ${readable(level_hz)} Hz`}

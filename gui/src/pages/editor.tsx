@@ -11,6 +11,7 @@ import { ProfileChoice } from "../panels/profile_choice";
 import { RobotPanel } from "../panels/robot_panel";
 import { SendDialog } from "../panels/send_dialog";
 import { type Side, SidePane } from "../panels/side_pane";
+import { valuesOfRecording } from "../panels/threshold_values";
 import { toRoute } from "../route";
 import { browserStorage } from "../state/drafts";
 import { FullScreen } from "../state/full_screen";
@@ -52,6 +53,9 @@ export function EditorPage({ api, project, name, robot: node, line, editors, kee
   const editor = useMemo(() => editors.of(api, name), []);
   const robot = useRobotSide(api, editor);
   const tries = useMemo(() => editors.tries.of(name), []);
+  const files = useRef(project.files);
+  files.current = project.files;
+  const drawValues = useMemo(() => valuesOfRecording(api, editor, tries, () => files.current), []);
   const repair = useMemo(() => new ProfileRepair(api, editor), []);
   const tool = useSignal<Tool>("findings");
   const side = useSignal<Side>("text");
@@ -75,7 +79,7 @@ export function EditorPage({ api, project, name, robot: node, line, editors, kee
   useEffect(() => {
     if (state === "open" && line !== undefined) showInEditor(editor, Number(line));
   }, [state]);
-  const savesByItself = project.saves_by_itself && state === "open";
+  const savesByItself = project.saves_by_itself && state === "open" && !useRobot().onlyWatches.value;
   useEffect(() => (savesByItself ? saveByItself(selfSaving(editor)) : undefined), [savesByItself]);
   if (state === "opening") return <p class="quiet center">Opening {name} …</p>;
   if (state !== "open") return <Notice kind="error" text={state.problem} />;
@@ -99,7 +103,7 @@ export function EditorPage({ api, project, name, robot: node, line, editors, kee
       </div>
       <main class="panes">
         <div class="split">
-          <BlocksPane {...{ editor }} tried={tries.last} robotRules={robot.robotRules} />
+          <BlocksPane {...{ editor, drawValues }} tried={tries.last} robotRules={robot.robotRules} />
           <Splitter
             label="Width of the blocks"
             orientation="vertical"
@@ -120,7 +124,7 @@ export function EditorPage({ api, project, name, robot: node, line, editors, kee
           <h2 class="visually-hidden">Results</h2>
           <div class="dock-bar">
             <Tabs label="Results" choices={useChoices(editor).value} chosen={tool} />
-            <NeedsServer>
+            <NeedsServer changes>
               <ProfileChoice {...{ editor, api, project }} />
             </NeedsServer>
             <FullScreenButton full={full} part="results" what="results" />

@@ -96,7 +96,7 @@ export function HomePage({ api, project, refresh, editors, missing }: HomeProps)
       {hasFiles && <SavesByItself {...{ api, project }} onSet={refresh} onRefused={setRefused} />}
       <nav class="cards" aria-label="Start">
         {!hasFiles && (
-          <NeedsServer>
+          <NeedsServer changes>
             <Card
               title="New Rule File"
               text="Build rules from blocks, check them, try them on a recording."
@@ -125,7 +125,7 @@ export function HomePage({ api, project, refresh, editors, missing }: HomeProps)
           act={() => toRoute({ page: "help", name: "" })}
         />
       </nav>
-      <NeedsServer>
+      <NeedsServer changes>
         <section class="recipes" aria-label="Recipes">
           <h2>Start from a recipe</h2>
           <div class="row">
@@ -194,14 +194,16 @@ function SavesByItself({ api, project, onSet, onRefused }: SavesProps) {
     }
   };
   return (
-    <label class="setting">
-      <input
-        type="checkbox"
-        checked={project.saves_by_itself}
-        onChange={(event) => void set(event.currentTarget.checked)}
-      />
-      Save by itself, two seconds after the last change without errors
-    </label>
+    <NeedsServer changes>
+      <label class="setting">
+        <input
+          type="checkbox"
+          checked={project.saves_by_itself}
+          onChange={(event) => void set(event.currentTarget.checked)}
+        />
+        Save by itself, two seconds after the last change without errors
+      </label>
+    </NeedsServer>
   );
 }
 

@@ -15,6 +15,7 @@ import { RobotIncidents } from "../state/robot_incidents";
 import { Header } from "../ui/header";
 import { Notice } from "../ui/notice";
 import { counted } from "../ui/numbers";
+import { NeedsServer } from "../ui/server_gone";
 import { WorkProgress } from "../ui/work_progress";
 import type { PageProps } from "./page_props";
 
@@ -121,9 +122,11 @@ function OneIncident({ api, name }: Pick<PageProps, "api" | "name">) {
             <a class="button" href={`api/incident/zip?name=${encodeURIComponent(name)}`} download>
               Download
             </a>
-            <button type="button" onClick={() => setAsked(true)}>
-              Delete
-            </button>
+            <NeedsServer changes>
+              <button type="button" onClick={() => setAsked(true)}>
+                Delete
+              </button>
+            </NeedsServer>
           </>
         )}
       </Header>

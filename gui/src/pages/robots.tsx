@@ -11,9 +11,12 @@ import { RobotTotals } from "../panels/robot_totals";
 import { href } from "../route";
 import { byTrouble, inOrderOf, troubleOf } from "../state/robot_trouble";
 import { Header } from "../ui/header";
+import { later } from "../ui/later";
 import { useRobot } from "../ui/robot_state";
 import { NeedsServer } from "../ui/server_gone";
 import type { PageProps } from "./page_props";
+
+const RobotChecks = later(async () => (await import("../panels/robot_checks")).RobotChecks);
 
 /** All robots that are heard, or, with a name, that robot without any rules beside it. */
 export function RobotsPage({ api, project, refresh, name }: PageProps) {
@@ -93,7 +96,7 @@ function OneRobot({ node, ...props }: Pick<PageProps, "api" | "project" | "refre
       <main class="robots robot">
         <div class="row">
           <a href={href({ page: "robots", name: "" })}>All robots</a>
-          <NeedsServer>
+          <NeedsServer changes>
             <button type="button" disabled={live === null} onClick={() => setStarting(true)}>
               Start a project from this robot
             </button>
@@ -114,6 +117,7 @@ function OneRobot({ node, ...props }: Pick<PageProps, "api" | "project" | "refre
         )}
         {live && <RobotTotals live={live} />}
         {live && <RobotTopics link={link} live={live} />}
+        {link.robot.value?.node === node && <RobotChecks api={props.api} node={node} propose={null} />}
         {link.robot.value?.node === node && <RobotHistory api={props.api} node={node} />}
       </main>
     </>

@@ -69,10 +69,12 @@ export function TopicsPage({ api, project, name, rules, refresh, editors }: Page
         </button>
         <NeedsServer>
           {bags.length > 0 && <MeasureChoice bags={bags} measure={(bag) => guarded(() => editor.measure(bag))} />}
-          <MeasureRobot measure={(seconds) => guarded(() => editor.measureLive(seconds))} />
-          <button type="button" class="primary" disabled={!canSave()} onClick={() => void save()}>
-            Save
-          </button>
+          <NeedsServer changes>
+            <MeasureRobot measure={(seconds) => guarded(() => editor.measureLive(seconds))} />
+            <button type="button" class="primary" disabled={!canSave()} onClick={() => void save()}>
+              Save
+            </button>
+          </NeedsServer>
         </NeedsServer>
       </Header>
       <main class="topics">

@@ -6,6 +6,7 @@ import { toBlock } from "../blocks/model";
 import { RuleWorkspace } from "../blocks/rule_workspace";
 import { sectionsOf } from "../blocks/sections";
 import { suggestionsOf } from "../blocks/suggestions";
+import type { DrawValues } from "../blocks/threshold_field";
 import { NEW_RATE, NEW_RULE } from "../blocks/toolbox";
 import type { RobotRules } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
@@ -18,14 +19,19 @@ import { isLong, RuleOutline } from "./rule_outline";
 import { RuleSearch } from "./rule_search";
 
 /** The left half: the rules as blocks. */
-export function BlocksPane(props: { editor: RuleEditor; robotRules: RobotRules; tried: ReadonlySignal<Trial | null> }) {
-  const { editor, robotRules, tried } = props;
+export function BlocksPane(props: {
+  editor: RuleEditor;
+  robotRules: RobotRules;
+  tried: ReadonlySignal<Trial | null>;
+  drawValues: DrawValues;
+}) {
+  const { editor, robotRules, tried, drawValues } = props;
   const host = useRef<HTMLDivElement>(null);
   const workspace = useRef<RuleWorkspace | null>(null);
   const hasOutline = useSignal(!matchMedia(NARROW).matches);
   useEffect(() => {
     if (!host.current) return;
-    const opened = openWorkspace(host.current, { editor, robotRules, tried, isServerGone });
+    const opened = openWorkspace(host.current, { editor, robotRules, tried, drawValues, isServerGone });
     workspace.current = opened.workspace;
     return opened.close;
   }, []);
@@ -102,12 +108,13 @@ interface Shown {
   editor: RuleEditor;
   robotRules: RobotRules;
   tried: ReadonlySignal<Trial | null>;
+  drawValues: DrawValues;
   isServerGone: ReadonlySignal<boolean>;
 }
 
 function openWorkspace(
   host: HTMLElement,
-  { editor, robotRules, tried, isServerGone }: Shown,
+  { editor, robotRules, tried, drawValues, isServerGone }: Shown,
 ): { workspace: RuleWorkspace; close: () => void } {
   const show = () => {
     const shown = editor.shown.peek();
@@ -128,12 +135,15 @@ function openWorkspace(
       canUndo: () => editor.history.canUndo.peek(),
       canRedo: () => editor.history.canRedo.peek(),
     },
-    suggestions: suggestionsOf({
-      vocabulary: editor.vocabulary,
-      profile: editor.profile,
-      live: robotRules.live,
-      tried,
-    }),
+    suggestions: {
+      ...suggestionsOf({
+        vocabulary: editor.vocabulary,
+        profile: editor.profile,
+        live: robotRules.live,
+        tried,
+      }),
+      drawValues,
+    },
     changed: (editsOf) =>
       editor.edit((document) => {
         if (document === editor.shown.peek()?.document) workspace.catchUp(document);

@@ -39,9 +39,16 @@ export function EditorBar({ editor, api, project, savesByItself, rulePush, robot
           <button type="button" onClick={() => void editor.format()}>
             Format
           </button>
-          <button type="button" class={look("save")} disabled={editor.isSaved.value} onClick={() => void editor.save()}>
-            Save
-          </button>
+          <NeedsServer changes>
+            <button
+              type="button"
+              class={look("save")}
+              disabled={editor.isSaved.value}
+              onClick={() => void editor.save()}
+            >
+              Save
+            </button>
+          </NeedsServer>
           <ShareButtons {...{ editor, api, project }} />
         </NeedsServer>
       </div>
@@ -52,16 +59,18 @@ export function EditorBar({ editor, api, project, savesByItself, rulePush, robot
       </div>
       <div class="tool-group" role="group" aria-label="Ship">
         <NeedsServer>
-          <button
-            type="button"
-            class={look("send")}
-            onClick={() => {
-              onTool("robot");
-              void rulePush.ask();
-            }}
-          >
-            Send to robot
-          </button>
+          <NeedsServer changes>
+            <button
+              type="button"
+              class={look("send")}
+              onClick={() => {
+                onTool("robot");
+                void rulePush.ask();
+              }}
+            >
+              Send to robot
+            </button>
+          </NeedsServer>
           <button type="button" class={look("download")} onClick={onDownload}>
             Optimize and Download
           </button>

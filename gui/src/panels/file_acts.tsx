@@ -49,7 +49,7 @@ export function FileActs(props: FileActsProps & { name: string }) {
       </button>
       {isOpen && (
         <span class="file-acts">
-          <NeedsServer>
+          <NeedsServer changes>
             <button type="button" aria-label={`Rename ${name}`} onClick={() => setAsked("rename")}>
               Rename
             </button>

@@ -34,7 +34,7 @@ export function FileLists({ onNew, ...props }: Props & { onNew: () => void }) {
           value={wanted}
           onInput={(event) => setWanted(event.currentTarget.value)}
         />
-        <NeedsServer>
+        <NeedsServer changes>
           <button type="button" onClick={onNew}>
             New Rule File
           </button>

@@ -106,14 +106,16 @@ function FindingRow(props: { editor: RuleEditor; repair: ProfileRepair; finding:
           </button>
         )}
         {profile_fix && profile !== undefined && (
-          <button
-            type="button"
-            class="small fix"
-            title={`Changes ${profile_fix.key} in ${profile}`}
-            onClick={() => void repair.mend(profile_fix).catch((error: unknown) => editor.tell(error))}
-          >
-            {profile_fix.title}, in {profile}
-          </button>
+          <NeedsServer changes>
+            <button
+              type="button"
+              class="small fix"
+              title={`Changes ${profile_fix.key} in ${profile}`}
+              onClick={() => void repair.mend(profile_fix).catch((error: unknown) => editor.tell(error))}
+            >
+              {profile_fix.title}, in {profile}
+            </button>
+          </NeedsServer>
         )}
       </NeedsServer>
       {(OF_TOPIC_PARAMETERS.has(finding.code) || (profile_fix && profile === undefined)) && (

@@ -1,20 +1,20 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useState } from "preact/hooks";
-import { type Api, ApiError } from "../api/client";
+import type { Api } from "../api/client";
 import type { RobotEvent, RobotHistoryAnswer } from "../api/types";
 import { MapCanvas } from "../map/map_canvas";
 import type { MapView } from "../map/map_view";
 import { duration } from "../state/robot_trouble";
 import { ColumnHeads } from "../ui/column_heads";
 import { clock } from "../ui/times";
+import { useAsked } from "../ui/use_asked";
 
-const ASK_EVERY_MS = 2000;
 const COLUMNS = ["At", "What", "Was", "Became", "Because of"];
 
 /** What the server heard of a robot within the last hour: where it went, and what changed. */
 export function RobotHistory({ api, node }: { api: Api; node: string }) {
-  const history = useHistory(api, node);
+  const history = useAsked(() => api.robotHistory(node), [node]);
   if (history === null) return null;
   return (
     <section class="robot-history" aria-label="Last hour">
@@ -73,28 +73,4 @@ function saidOf({ since_s_ago, events, left_out, pose_topic }: RobotHistoryAnswe
   const where =
     pose_topic === null ? "No check of its rules reads where it is." : `Its place is what rules read of ${pose_topic}.`;
   return `Heard for ${duration(since_s_ago)}${changes} ${where}`;
-}
-
-/** Asked anew every two seconds while it is shown; an older answer stays while the server is gone. */
-function useHistory(api: Api, node: string): RobotHistoryAnswer | null {
-  const [history, setHistory] = useState<RobotHistoryAnswer | null>(null);
-  useEffect(() => {
-    let isShown = true;
-    const ask = async () => {
-      try {
-        const found = await api.robotHistory(node);
-        if (isShown) setHistory(found);
-      } catch (error) {
-        if (!(error instanceof ApiError)) throw error;
-      }
-    };
-    setHistory(null);
-    void ask();
-    const timer = window.setInterval(() => void ask(), ASK_EVERY_MS);
-    return () => {
-      isShown = false;
-      window.clearInterval(timer);
-    };
-  }, [node]);
-  return history;
 }

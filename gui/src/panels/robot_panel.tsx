@@ -7,11 +7,16 @@ import { type RobotLink, UPDATE_RATES_HZ } from "../state/robot_link";
 import type { RobotRules } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
 import type { RulePush } from "../state/rule_push";
+import { checksIn, thresholdEdits } from "../state/written_checks";
+import { later } from "../ui/later";
 import { useRobot } from "../ui/robot_state";
+import type { Propose } from "./robot_checks";
 import { RobotHistory } from "./robot_history";
 import { RobotTopics } from "./robot_topics";
 import { RobotTotals } from "./robot_totals";
 import { RulePushSteps } from "./rule_push_steps";
+
+const RobotChecks = later(async () => (await import("./robot_checks")).RobotChecks);
 
 /** The running robot: what it relays now, and whether it follows the open rules. */
 export function RobotPanel(props: { api: Api; editor: RuleEditor; robotRules: RobotRules; rulePush: RulePush }) {
@@ -31,10 +36,30 @@ export function RobotPanel(props: { api: Api; editor: RuleEditor; robotRules: Ro
       </div>
       {live && <RobotTotals live={live} />}
       {live && <RobotTopics link={link} live={live} />}
+      {link.robot.value && (
+        <RobotChecks
+          api={props.api}
+          node={link.robot.value.node}
+          propose={props.robotRules.comparison.value.kind === "same" ? proposeIn(props.editor) : null}
+        />
+      )}
       {link.robot.value && <RobotHistory api={props.api} node={link.robot.value.node} />}
       {!live && link.connection.value.kind === "connected" && <p class="quiet">Waiting for a status …</p>}
     </div>
   );
+}
+
+/** Writes the threshold of a robot's check into the open rules. */
+function proposeIn(editor: RuleEditor): Propose {
+  return ({ rule, topic, property, op, limit }, threshold) =>
+    void editor.edit(() => {
+      const statements = editor.statements.peek();
+      const written = checksIn(statements).filter(
+        ({ check }) => check.topic === topic && check.property === property && check.op === op && check.value === limit,
+      );
+      const same = written.find((each) => each.rule === rule) ?? written[0];
+      return same ? thresholdEdits(statements, same.check, threshold) : [];
+    });
 }
 
 function RobotChoice({ link }: { link: RobotLink }) {

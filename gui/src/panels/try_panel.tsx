@@ -6,7 +6,7 @@ import type { Project } from "../api/types";
 import type { Keepings } from "../state/keepings";
 import type { RuleEditor } from "../state/rule_editor";
 import { Trial } from "../state/trial";
-import { changedSince, type FileTries, fileOf, recordingFor } from "../state/tries";
+import { bagsIn, changedSince, type FileTries, fileOf, recordingOf } from "../state/tries";
 import { TryResult } from "../try/try_result";
 import { NeedsServer } from "../ui/server_gone";
 import { WorkProgress } from "../ui/work_progress";
@@ -29,10 +29,7 @@ export function TryPanel({ editor, api, project, tries, keepings, refresh }: Pro
     addEventListener("focus", look);
     return () => removeEventListener("focus", look);
   }, []);
-  const bags = project.files
-    .filter((file) => file.kind === "bag")
-    .sort((a, b) => b.size_bytes - a.size_bytes)
-    .map((file) => file.name);
+  const bags = bagsIn(project.files);
   if (bags.length === 0) {
     return (
       <p class="quiet">
@@ -43,8 +40,8 @@ export function TryPanel({ editor, api, project, tries, keepings, refresh }: Pro
   }
   const { work, last } = tries;
   const trial = last.value;
-  const [rules, chosen] = [editor.rules, tries.bag.value];
-  const bag = chosen !== null && bags.includes(chosen) ? chosen : recordingFor(bags, rules, editor.map.value.bag);
+  const { rules } = editor;
+  const bag = recordingOf(bags, tries, rules, editor.map.value.bag);
   const isRunning = work.state.value.kind === "running";
   const run = () =>
     work.start(async (name, signal) => {

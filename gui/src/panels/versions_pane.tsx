@@ -74,9 +74,11 @@ export function VersionsPane({ editor, api }: { editor: RuleEditor; api: Api }) 
                   >
                     Compare
                   </button>
-                  <button type="button" class="small" onClick={() => void bringBack(version.id)}>
-                    Bring back
-                  </button>
+                  <NeedsServer changes>
+                    <button type="button" class="small" onClick={() => void bringBack(version.id)}>
+                      Bring back
+                    </button>
+                  </NeedsServer>
                 </NeedsServer>
               </span>
             </div>

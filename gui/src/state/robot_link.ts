@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { batch, computed, effect, signal } from "@preact/signals";
 import { LiveSocket } from "../api/live";
-import { type Live, PROTOCOL_VERSION, type Push, type Robots } from "../api/types";
+import { type Hello, type Live, PROTOCOL_VERSION, type Push, type Robots } from "../api/types";
 import { connectionOf, type ServerState, TOLD_WITHIN_S } from "./connection";
 import { RateRings, RING_LENGTH } from "./rate_rings";
 
@@ -46,6 +46,8 @@ export class RobotLink {
   readonly goneSinceMs = signal<number | null>(null);
   /** How often the server came back. */
   readonly returns = signal(0);
+  /** Whether whoever looks at this page may change neither files nor robots. */
+  readonly onlyWatches = signal(false);
   private readonly newest = signal<Live | null>(null);
   readonly updateHz = signal(Number(localStorage.getItem(RATE_KEY)) || USUAL_HZ);
   private readonly choice = signal<string | null>(localStorage.getItem(NODE_KEY));
@@ -86,7 +88,7 @@ export class RobotLink {
   }
 
   heard(push: Push): void {
-    if (push.kind === "hello") this.greet(push.version, push.protocol);
+    if (push.kind === "hello") this.greet(push);
     else if (this.server.peek().kind !== "open") return;
     else if (push.kind === "robots") this.take(push);
     else if (push.kind === "live" && push.node === this.watched) this.show(push);
@@ -105,7 +107,8 @@ export class RobotLink {
     this.goneSinceMs.value = isGone ? Date.now() : null;
   }
 
-  private greet(version: string, protocol: number): void {
+  private greet({ version, protocol, only_watches }: Hello): void {
+    this.onlyWatches.value = only_watches;
     this.server.value = protocol === PROTOCOL_VERSION ? { kind: "open" } : { kind: "other", version };
     this.tellWatched();
   }

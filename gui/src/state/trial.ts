@@ -4,12 +4,15 @@ import { computed } from "@preact/signals";
 import type { Rules } from "../api/client";
 import type { FoundFile, TruthName, TryAnswer, TryDecision } from "../api/types";
 import { Timeline, upTo } from "./timeline";
+import { type Turns, truthAt } from "./turns";
 
 /** A rule, or its Else, at one time. */
 export interface RuleNow {
   rule: string;
   line: number;
   truth: TruthName;
+  /** What it is when. */
+  turns: Turns;
   /** The topics whose rate it decides. */
   decides: string[];
 }
@@ -89,7 +92,8 @@ export class Trial extends Timeline {
     return this.answer.blocks.map(({ rule, line, turns }) => ({
       rule,
       line,
-      truth: turns[upTo(turns, ([t]) => t <= time) - 1]?.[1] ?? "unknown",
+      truth: truthAt(turns, time),
+      turns,
       decides: [...plan.values()].filter((each) => each.line === line && each.rule === rule).map((each) => each.topic),
     }));
   }

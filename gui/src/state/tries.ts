@@ -65,3 +65,15 @@ export function recordingFor(bags: readonly string[], rules: Rules, drawn: strin
   const namesake = bags.find((bag) => stem(bag) === stem(rules.name));
   return [drawn, measured, namesake].find((name) => name != null && bags.includes(name)) ?? bags[0] ?? "";
 }
+
+/** The names of the recordings among files, the largest first. */
+export function bagsIn(files: readonly FoundFile[]): string[] {
+  const bags = files.filter(({ kind }) => kind === "bag").sort((a, b) => b.size_bytes - a.size_bytes);
+  return bags.map(({ name }) => name);
+}
+
+/** The recording that rules are compared with: the one that somebody chose, else that of `recordingFor`. */
+export function recordingOf(bags: readonly string[], tries: FileTries, rules: Rules, drawn: string | null): string {
+  const chosen = tries.bag.value;
+  return chosen !== null && bags.includes(chosen) ? chosen : recordingFor(bags, rules, drawn);
+}

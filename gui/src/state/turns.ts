@@ -2,8 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { TruthName } from "../api/types";
 import { durationWords } from "../ui/numbers";
+import { upTo } from "./timeline";
 
 export type Turns = readonly (readonly [number, TruthName])[];
+
+/** What something was at a time; unknown before its first turn. */
+export function truthAt(turns: Turns, timeS: number): TruthName {
+  return turns[upTo(turns, ([t]) => t <= timeS) - 1]?.[1] ?? "unknown";
+}
 
 /** From when to when something was true, false or unknown, in s; one ends where the next begins. */
 export interface Stretch {

@@ -47,7 +47,7 @@ function found(condition: Condition): Omit<WrittenCheck, "rule">[] {
 }
 
 /** The only check below times; null where there is more. */
-function checkIn(condition: Condition): CheckCondition | null {
+export function checkIn(condition: Condition): CheckCondition | null {
   if (condition.kind === "timed") return checkIn(condition.term);
   return condition.kind === "check" ? condition : null;
 }

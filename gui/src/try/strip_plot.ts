@@ -12,6 +12,8 @@ const HEIGHT_PX = 104;
 const DRAGGED_HEIGHT_PX = 180;
 /** How much higher a chart is than what it shows. */
 const ROOM = 1.08;
+/** What may be between two words below a chart that tells minutes. */
+const MINUTES_S = [60, 120, 300, 600, 1200, 1800];
 type Values = readonly (number | null)[];
 
 /** What a chart shows, bin by bin: `before`, if given, thin and dashed, `after` filled down to `least`, or to 0. */
@@ -21,13 +23,24 @@ export interface StripLines {
   least?: Values;
   /** The times of the values, where they are not the timeline's. */
   timesS?: readonly number[];
-  /** A value that can be dragged. */
+  /** A value that can be dragged, unless it `isFixed`. */
   threshold?: Signal<number>;
+  isFixed?: boolean;
+  /** What a time on the axis is called, to the minute, where that is not its number of seconds. */
+  timeWords?: (timeS: number) => string;
+}
+
+/** A chart that is open: `show` gives it other values of the same kinds. */
+export interface OpenStrip {
+  show(lines: StripLines): void;
+  close(): void;
 }
 
 /** A chart over the recording's time; the scrubber is a line. */
-export function openStrip(host: HTMLElement, timeline: Timeline, lines: StripLines): () => void {
-  let plot = draw(host, timeline, lines);
+export function openStrip(host: HTMLElement, timeline: Timeline, first: StripLines): OpenStrip {
+  let lines = first;
+  const now = () => lines;
+  let plot = draw(host, timeline, now);
   let follow = drawMarks(plot, timeline, lines);
   const close = () => {
     follow();
@@ -35,16 +48,23 @@ export function openStrip(host: HTMLElement, timeline: Timeline, lines: StripLin
   };
   const again = () => {
     close();
-    plot = draw(host, timeline, lines);
+    plot = draw(host, timeline, now);
     follow = drawMarks(plot, timeline, lines);
   };
   const stops = [
     watchSize(host, () => plot.setSize({ width: host.clientWidth, height: heightOf(lines) })),
     watchTheme(again),
   ];
-  return () => {
-    for (const stop of stops) stop();
-    close();
+  return {
+    show: (next) => {
+      if (next === lines) return;
+      lines = next;
+      plot.setData(dataOf(timeline, lines));
+    },
+    close: () => {
+      for (const stop of stops) stop();
+      close();
+    },
   };
 }
 
@@ -52,8 +72,8 @@ function heightOf({ threshold }: StripLines): number {
   return threshold ? DRAGGED_HEIGHT_PX : HEIGHT_PX;
 }
 
-function drawMarks(plot: uPlot, timeline: Timeline, { threshold }: StripLines): () => void {
-  const stops = [drawTime(plot, timeline), ...(threshold ? [drawThreshold(plot, threshold)] : [])];
+function drawMarks(plot: uPlot, timeline: Timeline, { threshold, isFixed = false }: StripLines): () => void {
+  const stops = [drawTime(plot, timeline), ...(threshold ? [drawThreshold(plot, threshold, isFixed)] : [])];
   return () => {
     for (const stop of stops) stop();
   };
@@ -70,8 +90,14 @@ function limits({ after, least = [], threshold }: StripLines): [number, number] 
   return [low - room, high + room];
 }
 
-function draw(host: HTMLElement, timeline: Timeline, lines: StripLines): uPlot {
-  const { before, after, least } = lines;
+function dataOf(timeline: Timeline, { before, after, least, timesS }: StripLines): uPlot.AlignedData {
+  const times = (timesS ?? timeline.binTimes).map((t) => t - timeline.zeroS);
+  const other = before ?? least;
+  return [times, ...(other ? [[...other]] : []), [...after]];
+}
+
+function draw(host: HTMLElement, timeline: Timeline, lines: () => StripLines): uPlot {
+  const { before, least, timeWords } = lines();
   const style = getComputedStyle(host);
   const colour = (name: string) => style.getPropertyValue(name).trim();
   const axis = {
@@ -79,31 +105,29 @@ function draw(host: HTMLElement, timeline: Timeline, lines: StripLines): uPlot {
     grid: { stroke: colour("--line"), width: 1 },
     font: `11px ${colour("--font")}`,
   };
+  const words = timeWords && { values: (_: uPlot, times: number[]) => times.map(timeWords), incrs: MINUTES_S };
   const sent = { stroke: colour("--accent"), width: 2, fill: colour("--accent-soft"), points: { show: false } };
   const recorded = { stroke: colour("--text-2"), width: 1, dash: [4, 3], points: { show: false } };
   const { zeroS } = timeline;
-  const times = (lines.timesS ?? timeline.binTimes).map((t) => t - zeroS);
-  const other = before ?? least;
-  const values = other ? [times, other, after] : [times, after];
   const edge = { stroke: sent.stroke, width: 1, points: sent.points };
   return new uPlot(
     {
       width: host.clientWidth,
-      height: heightOf(lines),
+      height: heightOf(lines()),
       cursor: { sync: { key: "try" }, drag: { x: false, y: false }, y: false, points: { show: false } },
       scales: {
         x: { time: false, range: [-zeroS, timeline.durationS - zeroS] },
-        y: { range: least ? limits(lines) : (_, __, most) => [0, (most || 1) * ROOM] },
+        y: { range: least ? () => limits(lines()) : (_, __, most) => [0, (most || 1) * ROOM] },
       },
       legend: { show: false },
       axes: [
-        { ...axis, size: 24 },
+        { ...axis, ...words, size: 24 },
         { ...axis, size: 46 },
       ],
       series: before ? [{}, recorded, sent] : least ? [{}, edge, edge] : [{}, sent],
       bands: least ? [{ series: [2, 1], fill: colour("--accent-soft") }] : [],
     },
-    values as uPlot.AlignedData,
+    dataOf(timeline, lines()),
     host,
   );
 }

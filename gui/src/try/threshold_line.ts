@@ -16,14 +16,10 @@ function stepOf(range: number): number {
   return range > 0 ? 10 ** Math.floor(Math.log10(range / 50)) : 1;
 }
 
-/** A line at `value` that can be dragged, and moved with the arrow keys, until the returned function is called. */
-export function drawThreshold(plot: uPlot, value: Signal<number>): () => void {
+/** A line at `value` until the returned function is called; unless it `isFixed`, it is dragged, and moved with the arrow keys. */
+export function drawThreshold(plot: uPlot, value: Signal<number>, isFixed: boolean): () => void {
   const line = document.createElement("div");
-  line.className = "threshold-line";
-  line.tabIndex = 0;
-  line.setAttribute("role", "slider");
-  line.setAttribute("aria-label", "Threshold");
-  line.setAttribute("aria-orientation", "vertical");
+  line.className = isFixed ? "threshold-line fixed" : "threshold-line";
   plot.over.append(line);
   const ends = (): readonly [number, number] => {
     const { y } = plot.scales;
@@ -36,11 +32,18 @@ export function drawThreshold(plot: uPlot, value: Signal<number>): () => void {
   const place = () => {
     const [least, most] = ends();
     line.style.top = `${plot.valToPos(Math.min(Math.max(value.value, least), most), "y")}px`;
+    if (isFixed) return;
     line.setAttribute("aria-valuemin", String(rounded(least, most - least)));
     line.setAttribute("aria-valuemax", String(rounded(most, most - least)));
     line.setAttribute("aria-valuenow", String(value.value));
     line.setAttribute("aria-valuetext", readable(value.value));
   };
+  plot.hooks.draw = [...(plot.hooks.draw ?? []), place];
+  if (isFixed) return effect(place);
+  line.tabIndex = 0;
+  line.setAttribute("role", "slider");
+  line.setAttribute("aria-label", "Threshold");
+  line.setAttribute("aria-orientation", "vertical");
   line.addEventListener("pointerdown", (event) => {
     event.stopPropagation();
     line.setPointerCapture(event.pointerId);
@@ -57,6 +60,5 @@ export function drawThreshold(plot: uPlot, value: Signal<number>): () => void {
     const [least, most] = ends();
     move(value.peek() + steps * stepOf(most - least));
   });
-  plot.hooks.setSize = [...(plot.hooks.setSize ?? []), place];
   return effect(place);
 }

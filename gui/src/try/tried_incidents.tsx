@@ -55,7 +55,7 @@ function TriedIncident(props: { keepings: Keepings; trial: Trial; incident: TryI
           by {rule}, {windowWords(incident)}: {counted(incident.messages, "message")}, {sizeWords(incident.size_kb)}
         </span>
         {(keep === null || keep.state === "failed") && (
-          <NeedsServer>
+          <NeedsServer changes>
             <button
               type="button"
               class="small"

@@ -60,7 +60,12 @@ export function TryResult({ editor, api, trial, keepings, changed }: Props) {
         </div>
       )}
       <TrialScrubber trial={trial} />
-      <RuleStates trial={trial} show={isOld ? null : (line) => showInEditor(editor, line)} />
+      <RuleStates
+        title={`Rules at ${trial.time.value.toFixed(1)} s, and when they held`}
+        rules={trial.rules.value}
+        timeline={trial}
+        show={isOld ? null : (line) => showInEditor(editor, line)}
+      />
       <CheckCourses {...{ editor, api, trial }} />
       <TriedIncidents keepings={keepings} trial={trial} />
       <div class="try-columns">

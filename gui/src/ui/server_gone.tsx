@@ -12,6 +12,7 @@ import { clock } from "./times";
 const LOOK_MS = 4000;
 /** Why something cannot be pressed. */
 export const NEEDS_SERVER = "This needs the Ruler's server, which does not answer now";
+const MAY_ONLY_WATCH = "You may only watch here: this would change a file or a robot";
 
 /** Says on every page that the server is gone, and what still works, until it is back. */
 export function ServerGone() {
@@ -36,11 +37,27 @@ export function ServerGone() {
   );
 }
 
-/** What can be pressed only while the server answers. */
-export function NeedsServer({ children }: { children: ComponentChildren }) {
-  const isGone = useRobot().isServerGone.value;
+/** Says on every page to whoever may only watch what that means. */
+export function WatchNotice() {
+  if (!useRobot().onlyWatches.value) return null;
   return (
-    <fieldset class="needs-server" disabled={isGone} title={isGone ? NEEDS_SERVER : undefined}>
+    <div class="watch-notice" role="status">
+      <strong>You may only watch here.</strong> No robot and no file is changed; what you try in rules stays in this
+      browser. For more, ask whoever started <code>testudo ruler</code>.
+    </div>
+  );
+}
+
+/** What can be pressed only while the server answers, and, where it `changes` files or robots, by whom may do that. */
+export function NeedsServer({ changes = false, children }: { changes?: boolean; children: ComponentChildren }) {
+  const link = useRobot();
+  const whyNot = link.isServerGone.value
+    ? NEEDS_SERVER
+    : changes && link.onlyWatches.value
+      ? MAY_ONLY_WATCH
+      : undefined;
+  return (
+    <fieldset class="needs-server" disabled={whyNot !== undefined} title={whyNot}>
       {children}
     </fieldset>
   );

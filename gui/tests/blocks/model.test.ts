@@ -41,6 +41,7 @@ beforeAll(() => {
     rates: nothing,
     boundLevels: nothing,
     unit: () => "",
+    drawValues: () => null,
   };
   const ignore = () => undefined;
   const buttons: BlockButtons = {

@@ -34,12 +34,16 @@ def add_arguments(parser: CommandParser) -> None:
     parser.add_argument(
         "--host",
         default="127.0.0.1",
-        help="the address to listen on; other machines need the token that is printed (default: %(default)s)",
+        help="the address to listen on; other machines need a token that is printed, one to change things or "
+        "one to watch only (default: %(default)s)",
     )
     parser.add_argument(
         "--port", type=_port, default=DEFAULT_PORT, help="0 takes a free one (default: %(default)s)"
     )
     parser.add_argument("--no-browser", action="store_true", help="do not open the page in a browser")
+    parser.add_argument(
+        "--watch-only", action="store_true", help="let nobody change files or robots on the page"
+    )
     add_connect(parser)
     parser.set_defaults(run=run)
 
@@ -75,6 +79,8 @@ def run(arguments: argparse.Namespace) -> int:
 
     def started(access: ServerAddress) -> None:
         print(f"ADIRF Ruler of {folder.resolve()}: {access.url} (Ctrl-C ends it)", flush=True)  # noqa: T201
+        if access.watch_url is not None:
+            print(f"to watch only: {access.watch_url}", flush=True)  # noqa: T201
         if not is_page_built():
             print("note: the page is not built; it says how to build it", flush=True)  # noqa: T201
         elif not arguments.no_browser:
@@ -88,6 +94,7 @@ def run(arguments: argparse.Namespace) -> int:
         host=arguments.host,
         port=arguments.port,
         opened=None if path.is_dir() else path.name,
+        is_watch_only=arguments.watch_only,
         started=started,
     )
     return 0

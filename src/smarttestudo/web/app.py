@@ -45,6 +45,7 @@ from smarttestudo.use_cases.ruler.project import (
 )
 from smarttestudo.use_cases.ruler.pushing import ConfirmRequest, LastingRequest, PushRequest, WriteRequest
 from smarttestudo.use_cases.ruler.recordings import ReceivedAnswer, RecordingRequest, Recordings
+from smarttestudo.use_cases.ruler.robot_checks import RobotChecksRequest
 from smarttestudo.use_cases.ruler.robot_history import RobotHistoryRequest
 from smarttestudo.use_cases.ruler.robot_incidents import (
     OpenIncidents,
@@ -125,6 +126,7 @@ def api_routes(
     course = IncidentApi(folder, listeners)
     yield long_work("/api/incident/course", IncidentCourseRequest, course.answer, IncidentCourse)
     yield answering("/api/robot/history", RobotHistoryRequest, robots.history)
+    yield answering("/api/robot/checks", RobotChecksRequest, robots.checks)
     yield answering("/api/robot/start", RobotStartRequest, robots.start)
     yield answering("/api/push/preview", PushRequest, robots.preview)
     yield answering("/api/push", PushRequest, robots.push)

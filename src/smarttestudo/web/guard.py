@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Who may talk to the server: pages that it served itself, on names that are its own, with its token.
+"""Who may talk to the server: pages that it served itself, on names that are its own, with a token of it.
 
 A page of another site can send requests to 127.0.0.1 from the user's browser, also under a name of its own
 that it makes point there (DNS rebinding); it can set neither ``Host`` nor ``Origin``.
@@ -21,6 +21,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from starlette.websockets import WebSocketClose
 
 from smarttestudo.web.errors import RequestError, error_answer
+from smarttestudo.web.permission import Permission, note_permission, only_reads
 
 _FORBIDDEN, _UNAUTHORIZED = 403, 401
 _POLICY_VIOLATION = 1008
@@ -52,27 +53,48 @@ SECURITY_HEADERS: Mapping[str, str] = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ServerAddress:
-    """How the server is called: its address, all its names, and the token that it asks for, if any."""
+    """How the server is called: its address, all its names, and the token that it asks for, if any.
+
+    Who has ``watch_token`` may only watch, and with ``is_watch_only`` everybody.
+    """
 
     host: str
     port: int
     names: frozenset[str] = frozenset()
     token: str | None = field(default=None, repr=False)
+    watch_token: str | None = field(default=None, repr=False)
+    is_watch_only: bool = False
 
     @staticmethod
-    def at(host: str, port: int, *, machine: str = "localhost") -> ServerAddress:
+    def at(host: str, port: int, *, machine: str = "localhost", is_watch_only: bool = False) -> ServerAddress:
         """The address on ``host`` of the computer ``machine``; others, if they can reach it, need a token."""
         token = None if is_loopback(host) else secrets.token_urlsafe(32)
+        watch_token = None if token is None or is_watch_only else secrets.token_urlsafe(32)
         names = frozenset(name.lower() for name in (host, machine, f"{machine}.local"))
         # 0.0.0.0 is every address of this computer, and none that a browser can open.
         shown = machine if _is_every_address(host) else host
-        return ServerAddress(host=shown, port=port, names=names, token=token)
+        return ServerAddress(
+            host=shown,
+            port=port,
+            names=names,
+            token=token,
+            watch_token=watch_token,
+            is_watch_only=is_watch_only,
+        )
 
     @property
     def url(self) -> str:
         """The address to open."""
+        return self._url(self.token)
+
+    @property
+    def watch_url(self) -> str | None:
+        """The address for whom is to watch only; ``None`` where there is no other than ``url``."""
+        return None if self.watch_token is None else self._url(self.watch_token)
+
+    def _url(self, token: str | None) -> str:
         host = f"[{self.host}]" if ":" in self.host else self.host
-        query = f"?token={self.token}" if self.token else ""
+        query = f"?token={token}" if token else ""
         return f"http://{host}:{self.port}/{query}"
 
     @property
@@ -93,11 +115,11 @@ class ServerAddress:
         """Whether ``Origin`` is the page that ``host`` itself served."""
         return origin is not None and origin.lower() == f"http://{host}".lower()
 
-    def knows(self, token: str | None) -> bool:
-        """Whether ``token`` is the one that was printed."""
-        return self.token is None or (
-            token is not None and secrets.compare_digest(token.encode(), self.token.encode())
-        )
+    def permission_of(self, token: str | None) -> Permission | None:
+        """What who sends ``token`` may do; ``None`` where that is no token that was printed."""
+        if self.token is None or _is_same(token, self.token):
+            return Permission.WATCH if self.is_watch_only else Permission.CHANGE
+        return Permission.WATCH if _is_same(token, self.watch_token) else None
 
 
 class Guard:
@@ -137,9 +159,17 @@ class Guard:
             return RequestError("the request comes from another site's page", _FORBIDDEN)
         if headers.get("sec-fetch-site", "none") not in ("none", "same-origin") and _is_api(scope):
             return RequestError("the request comes from another site's page", _FORBIDDEN)
-        if not access.knows(_token_in(scope) or _cookie_in(headers, access.cookie)):
+        may = access.permission_of(_token_in(scope) or _cookie_in(headers, access.cookie))
+        if may is None:
             remedy = "open the address with the token that testudo ruler printed"
             return RequestError("the token is missing or wrong", _UNAUTHORIZED, remedy=remedy)
+        note_permission(scope, may)
+        if may is Permission.WATCH and _is_api(scope) and not _only_reads(scope):
+            return RequestError(
+                "you may only watch here: nothing was changed",
+                _FORBIDDEN,
+                remedy="ask whoever started testudo ruler for the address that may change things",
+            )
         return None
 
     def _give_cookie(self, token: str) -> RedirectResponse:
@@ -147,6 +177,12 @@ class Guard:
         answer = RedirectResponse("/", status_code=303)
         answer.set_cookie(self._access.cookie, token, httponly=True, samesite="strict")
         return answer
+
+
+def _is_same(token: str | None, printed: str | None) -> bool:
+    if token is None or printed is None:
+        return False
+    return secrets.compare_digest(token.encode(), printed.encode())
 
 
 def is_loopback(host: str) -> bool:
@@ -181,6 +217,10 @@ def _split(host: str) -> tuple[str | None, int]:
 
 def _is_api(scope: Scope) -> bool:
     return str(scope["path"]).startswith("/api/") or scope["type"] == "websocket"
+
+
+def _only_reads(scope: Scope) -> bool:
+    return scope["type"] == "websocket" or only_reads(scope["method"], scope["path"])
 
 
 def _token_in(scope: Scope) -> str | None:

@@ -33,15 +33,17 @@ def serve(
     host: str,
     port: int,
     opened: str | None,
+    is_watch_only: bool,
     started: Callable[[ServerAddress], None],
 ) -> None:
     """Serve ``folder``, the robots of ``open_robots`` and what these recorded until asked to stop.
 
-    Port 0 takes a free one. ``started`` gets the address, once the server listens. Raises ``PortError`` where
-    it cannot listen.
+    Port 0 takes a free one. With ``is_watch_only`` nobody may change anything. ``started`` gets the address,
+    once the server listens. Raises ``PortError`` where it cannot listen.
     """
     with listening(host, port) as listener:
-        access = ServerAddress.at(host, listener.getsockname()[1], machine=socket.gethostname())
+        port = listener.getsockname()[1]
+        access = ServerAddress.at(host, port, machine=socket.gethostname(), is_watch_only=is_watch_only)
         started(access)
         app = ruler_app(folder, access, open_robots, open_incidents=open_incidents, opened=opened)
         server = server_of(app)

@@ -15,6 +15,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from smarttestudo import __version__
 from smarttestudo.use_cases.ruler.live_view import Live, RobotSummary
+from smarttestudo.web.permission import Permission, noted_permission
 
 PROTOCOL_VERSION = 1
 MAX_UPDATE_HZ = 20.0
@@ -24,9 +25,13 @@ _EARLY = 0.75
 
 
 class Hello(msgspec.Struct, frozen=True, kw_only=True, tag_field="kind", tag="hello"):
-    """The first message on ``/ws``; a page that knows another protocol asks to be reloaded."""
+    """The first message on ``/ws``; a page that knows another protocol asks to be reloaded.
+
+    ``only_watches`` is whether the page may change neither files nor robots.
+    """
 
     version: str
+    only_watches: bool
     protocol: int = PROTOCOL_VERSION
 
 
@@ -122,7 +127,8 @@ class Listeners:
         """Greet a page, and keep it until it goes."""
         await socket.accept()
         page = OpenPage(socket)
-        page.tell("hello", encoded(Hello(version=__version__)))
+        only_watches = noted_permission(socket.scope) is Permission.WATCH
+        page.tell("hello", encoded(Hello(version=__version__, only_watches=only_watches)))
         telling = asyncio.ensure_future(page.keep_telling())
         self.pages.add(page)
         self.changed()

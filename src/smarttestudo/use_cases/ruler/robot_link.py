@@ -18,6 +18,7 @@ from typing import TypeVar
 from smarttestudo.domain.errors import RosError, TestudoError
 from smarttestudo.domain.parameter import ParameterValue, Refusals, Values
 from smarttestudo.domain.remote_robots import RemoteRobots
+from smarttestudo.use_cases.ruler.robot_checks import RobotChecks, RobotChecksAnswer, RobotChecksRequest
 from smarttestudo.use_cases.ruler.robot_history import RobotHistory, RobotHistoryAnswer
 from smarttestudo.use_cases.ruler.robot_watch import RobotWatch, SeenRobot
 
@@ -48,6 +49,7 @@ class RobotLink:
         self._wanted_hz: Mapping[str, float] = MappingProxyType({})
         self._seen: Mapping[str, SeenRobot] = MappingProxyType({})
         self._histories: dict[str, RobotHistory] = {}
+        self._checks: dict[str, RobotChecks] = {}
         self._problem: str | None = _STARTING
         self._remedy = ""
         self._thread: threading.Thread | None = None
@@ -74,6 +76,10 @@ class RobotLink:
     def history(self, node: str) -> RobotHistoryAnswer:
         """What was heard of a robot within the last hour; nothing of one that never spoke."""
         return self._histories.get(node, RobotHistory()).answer(time.monotonic())
+
+    def checks(self, request: RobotChecksRequest) -> RobotChecksAnswer:
+        """What a robot's checks read, and when its rules held; nothing of one that never spoke."""
+        return self._checks.get(request.node, RobotChecks()).answer(request, time.monotonic())
 
     @property
     def is_up(self) -> bool:
@@ -172,8 +178,9 @@ class RobotLink:
             news = watch.look()
             for one in news:
                 self._histories.setdefault(one.status.robot_id, RobotHistory()).add(one)
+                self._checks.setdefault(one.status.robot_id, RobotChecks()).add(one)
             for node in self._histories.keys() - watch.seen.keys():
-                del self._histories[node]
+                del self._histories[node], self._checks[node]
             if news or len(watch.seen) < len(self._seen):
                 self._seen = MappingProxyType(dict(watch.seen))
             if news:

@@ -97,10 +97,14 @@ class SeenRobot(HeardStatus):
 
     words: RuleWords
 
+    @property
+    def silent_after_s(self) -> float:
+        """How long after this status the next one should be there."""
+        return _HEARD_WITHIN_S * max(1.0, 1.0 / self.status.status_hz)
+
     def is_heard(self, now_s: float) -> bool:
         """Whether it spoke as lately as it should."""
-        within_s = _HEARD_WITHIN_S * max(1.0, 1.0 / self.status.status_hz)
-        return self.is_present and now_s - self.heard_s <= within_s
+        return self.is_present and now_s - self.heard_s <= self.silent_after_s
 
 
 class RobotWatch:

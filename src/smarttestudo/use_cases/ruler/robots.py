@@ -19,6 +19,7 @@ from smarttestudo.use_cases.ruler.pushing import (
     WriteAnswer,
     WriteRequest,
 )
+from smarttestudo.use_cases.ruler.robot_checks import RobotChecksAnswer, RobotChecksRequest
 from smarttestudo.use_cases.ruler.robot_history import RobotHistoryAnswer, RobotHistoryRequest
 from smarttestudo.use_cases.ruler.robot_link import RobotLink
 from smarttestudo.use_cases.ruler.robot_start import RobotStartAnswer, RobotStartRequest, robot_start
@@ -63,6 +64,11 @@ class WatchedRobots:
         """The last hour of a robot. Raises ``UnknownRobotError``."""
         self._require_known(request.node)
         return self._link.history(request.node)
+
+    def checks(self, request: RobotChecksRequest) -> RobotChecksAnswer:
+        """The checks and rules of a robot over the last minutes. Raises ``UnknownRobotError``."""
+        self._require_known(request.node)
+        return self._link.checks(request)
 
     def start(self, request: RobotStartRequest) -> RobotStartAnswer:
         """A project from what a robot relays. Raises ``UnknownRobotError``."""

@@ -1,0 +1,134 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import { useSignal } from "@preact/signals";
+import { useEffect, useMemo, useState } from "preact/hooks";
+import type { Api } from "../api/client";
+import type { RobotCheck, RobotChecksAnswer, RobotCheckValues } from "../api/types";
+import { Timeline } from "../state/timeline";
+import { holdsWords, truthAt } from "../state/turns";
+import { CheckChart } from "../try/check_chart";
+import { OtherThreshold } from "../try/other_threshold";
+import { RuleStates } from "../try/rule_states";
+import { durationWords } from "../ui/numbers";
+import { clock } from "../ui/times";
+import { useAsked } from "../ui/use_asked";
+
+const WINDOWS_S = [600, 3600] as const;
+
+/** Writes another threshold of a check into the rules that are open. */
+export type Propose = (check: RobotCheck, threshold: number) => void;
+
+interface Props {
+  api: Api;
+  node: string;
+  /** Null where no rules are open that the robot follows. */
+  propose: Propose | null;
+}
+
+/** When each rule of a robot held in its last minutes, and for one of its checks the value and its threshold. */
+export function RobotChecks({ api, node, propose }: Props) {
+  const [windowS, setWindow] = useState<number>(WINDOWS_S[0]);
+  const [chosen, setChosen] = useState<string>("");
+  const [number, setNumber] = useState<number | null>(null);
+  const answer = useAsked(() => api.robotChecks(node, windowS, number), [node, windowS, number]);
+  const timeline = useMemo(() => nowAtTheEnd(windowS), [windowS]);
+  const checks = answer?.checks ?? [];
+  // Other rules number their checks anew.
+  const found = checks.findIndex((check) => titleOf(check) === chosen);
+  useEffect(() => setNumber(found < 0 ? null : found), [found]);
+  if (answer === null || answer.rules.length === 0) return null;
+  const one = checks[found];
+  const agoS = windowS - timeline.time.value;
+  return (
+    <section class="robot-checks" aria-label="Rules and checks over time">
+      <div class="row">
+        <h2>Rules and checks over time</h2>
+        <label>
+          Shown
+          <select value={windowS} onChange={(event) => setWindow(Number(event.currentTarget.value))}>
+            {WINDOWS_S.map((seconds) => (
+              <option key={seconds} value={seconds}>
+                last {durationWords(seconds)}
+              </option>
+            ))}
+          </select>
+        </label>
+      </div>
+      <RuleStates
+        title={agoS < 1 ? "Rules now, and when they held" : `Rules at ${clockOf(-agoS)}, and when they held`}
+        rules={answer.rules.map(({ rule, line, turns }) => {
+          return { rule, line, turns, truth: truthAt(turns, timeline.time.value), decides: [] };
+        })}
+        timeline={timeline}
+        show={null}
+      />
+      {checks.length > 0 && (
+        <label>
+          Value and threshold of
+          <select value={chosen} onChange={(event) => setChosen(event.currentTarget.value)}>
+            <option value="">Choose a check</option>
+            {[...new Set(checks.map(titleOf))].map((title) => (
+              <option key={title}>{title}</option>
+            ))}
+          </select>
+        </label>
+      )}
+      {one && answer.values?.check === found && (
+        <CheckValues key={chosen} {...{ one, timeline, propose }} values={answer.values} answer={answer} />
+      )}
+    </section>
+  );
+}
+
+interface ValuesProps {
+  one: RobotCheck;
+  values: RobotCheckValues;
+  answer: RobotChecksAnswer;
+  timeline: Timeline;
+  propose: Propose | null;
+}
+
+function CheckValues({ one, values, answer, timeline, propose }: ValuesProps) {
+  const threshold = useSignal(one.limit);
+  return (
+    <>
+      <CheckChart
+        {...{ timeline, values, threshold }}
+        isFixed={propose === null}
+        timeWords={clockOf}
+        label={`Value of ${one.topic} ${one.property}, threshold ${one.limit}`}
+        bars={[{ label: "The check", turns: values.turns }]}
+        isBusy={false}
+      >
+        <strong>{wordsOf(one)}</strong>{" "}
+        <span class="quiet">
+          {propose === null ? "The red line is the threshold." : "Drag the red line to propose another threshold."}
+        </span>
+      </CheckChart>
+      <p role="status">
+        {one.op} {one.limit}: {holdsWords(values.turns, answer.window_s)}, as the robot decided.
+      </p>
+      {propose !== null && (
+        <OtherThreshold threshold={threshold} written={one.limit} write={(value) => propose(one, value)} />
+      )}
+    </>
+  );
+}
+
+function wordsOf({ topic, property, op, limit }: RobotCheck): string {
+  return `${topic} ${property} ${op} ${limit}`;
+}
+
+function titleOf(check: RobotCheck): string {
+  return `${wordsOf(check)} (${check.rule})`;
+}
+
+/** A time that ends now, which is 0 on its charts. */
+function nowAtTheEnd(windowS: number): Timeline {
+  return new Timeline({ duration_s: windowS, bin_s: windowS, first_bin_s: 0, path: [] }, 1, windowS, []);
+}
+
+/** The hour and minute of so many seconds from now. */
+function clockOf(seconds: number): string {
+  return clock(Date.now() + 1000 * seconds);
+}

@@ -1,0 +1,69 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import type { Signal } from "@preact/signals";
+import type { ComponentChildren } from "preact";
+import { useMemo } from "preact/hooks";
+import type { Timeline } from "../state/timeline";
+import type { Turns } from "../state/turns";
+import { Strip } from "./strip";
+import { TruthBar } from "./truth_bar";
+
+/** The least and the greatest value of a check in bins of equal length; null where it was unknown throughout. */
+export interface CheckValues {
+  bin_s: number;
+  first_bin_s?: number;
+  least: readonly (number | null)[];
+  greatest: readonly (number | null)[];
+}
+
+/** When something held; `words` stand above its bar. */
+export interface HeldBar {
+  label: string;
+  turns: Turns;
+  words?: string;
+}
+
+interface Props {
+  timeline: Timeline;
+  /** Must stay the same object while the values are the same. */
+  values: CheckValues;
+  threshold: Signal<number>;
+  /** Whether the threshold can only be looked at. */
+  isFixed?: boolean;
+  timeWords?: (timeS: number) => string;
+  label: string;
+  bars: readonly HeldBar[];
+  isBusy: boolean;
+  children: ComponentChildren;
+}
+
+/** The value of a check over time, its threshold as a line, and below it bars of when something held. */
+export function CheckChart({ timeline, values, threshold, isFixed = false, timeWords, label, ...shown }: Props) {
+  const { bars, isBusy, children } = shown;
+  const lines = useMemo(
+    () => ({
+      timesS: values.greatest.map((_, bin) => (values.first_bin_s ?? 0) + (bin + 0.5) * values.bin_s),
+      least: values.least,
+      after: values.greatest,
+      threshold,
+      isFixed,
+      ...(timeWords && { timeWords }),
+    }),
+    [values, threshold, isFixed],
+  );
+  return (
+    <>
+      <Strip timeline={timeline} lines={lines} label={label}>
+        {children}
+      </Strip>
+      <div class="truth-bars" aria-busy={isBusy}>
+        {bars.map((bar) => (
+          <div key={bar.label}>
+            {bar.words && <span>{bar.words}</span>}
+            <TruthBar turns={bar.turns} timeline={timeline} label={bar.label} />
+          </div>
+        ))}
+      </div>
+    </>
+  );
+}
