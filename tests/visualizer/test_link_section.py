@@ -162,7 +162,7 @@ def test_statuses_are_read_from_a_recording_and_those_that_are_none_are_counted(
         for number, one in enumerate(said):
             recording.write(channel, START_NS + number * NS_PER_S, text(one))
     is_text = type_name.endswith("String")
-    assert has_statuses(tmp_path / "bag") is is_text
+    assert has_statuses([channel]) is is_text
     history, notices = link_history(tmp_path / "bag", START_NS, lambda _share: None)
     if not is_text:
         assert (history, notices) == (None, ())

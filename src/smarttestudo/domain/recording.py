@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from typing import Protocol
@@ -91,8 +91,8 @@ class RecordingReader(Protocol):
         ``None`` if it is unknown how much is missing.
         """
 
-    def messages(self) -> Iterator[RecordedMessage]:
-        """All messages in time order; memory does not grow with their number."""
+    def messages(self, topics: Collection[str] | None = None) -> Iterator[RecordedMessage]:
+        """All messages, or those of ``topics``, in time order; memory does not grow with their number."""
 
     def sizes(self) -> Iterator[RecordedSize]:
         """What ``messages`` gives, with each payload's size in its place and as far as possible unread.

@@ -50,21 +50,41 @@ class Twist(NamedTuple):
 
 def moved(pose: SpatialPose, twist: Twist, elapsed_s: float) -> SpatialPose:
     """Where ``pose`` is after ``elapsed_s`` of a constant ``twist``; NaN where that is beyond all numbers."""
-    turned = _scaled(twist.angular, elapsed_s)
-    angle = _length(turned)
+    # This runs for every message that is compared: in plain numbers it takes a third of the time.
+    (lx, ly, lz), (ax, ay, az) = twist
+    ax, ay, az = ax * elapsed_s, ay * elapsed_s, az * elapsed_s
+    lx, ly, lz = lx * elapsed_s, ly * elapsed_s, lz * elapsed_s
+    angle = math.sqrt(ax * ax + ay * ay + az * az)
     if not angle < LARGE_ANGLE:
         return _NOWHERE
     if angle < SMALL_ANGLE:
-        first, second = 0.5, 1 / 6
+        first, second, share = 0.5, 1 / 6, 0.5
     else:
         first = (1 - math.cos(angle)) / angle**2
         second = (angle - math.sin(angle)) / angle**3
-    way = _jacobian_product(turned, _scaled(twist.linear, elapsed_s), first, second)
-    orientation = _unit(pose.orientation)
-    half = angle / 2
-    share = 0.5 if angle < SMALL_ANGLE else math.sin(half) / angle
-    turn = Rotation(turned.x * share, turned.y * share, turned.z * share, math.cos(half))
-    return SpatialPose(_sum(pose.position, _rotated(orientation, way)), _product(orientation, turn))
+        share = math.sin(angle / 2) / angle
+    # The way in the body's frame: (I + first [a] + second [a]²) · l, as in _jacobian_product.
+    ox, oy, oz = ay * lz - az * ly, az * lx - ax * lz, ax * ly - ay * lx
+    wx = lx + first * ox + second * (ay * oz - az * oy)
+    wy = ly + first * oy + second * (az * ox - ax * oz)
+    wz = lz + first * oz + second * (ax * oy - ay * ox)
+    (px, py, pz), orientation = pose
+    x, y, z, w = _unit(orientation)
+    # That way turned by the orientation, as in _rotated.
+    ox, oy, oz = (y * wz - z * wy) * 2.0, (z * wx - x * wz) * 2.0, (x * wy - y * wx) * 2.0
+    position = Vector3(
+        px + (wx + w * ox + (y * oz - z * oy)),
+        py + (wy + w * oy + (z * ox - x * oz)),
+        pz + (wz + w * oz + (x * oy - y * ox)),
+    )
+    tx, ty, tz, tw = ax * share, ay * share, az * share, math.cos(angle / 2)
+    turned = Rotation(
+        w * tx + x * tw + y * tz - z * ty,
+        w * ty - x * tz + y * tw + z * tx,
+        w * tz + x * ty - y * tx + z * tw,
+        w * tw - x * tx - y * ty - z * tz,
+    )
+    return SpatialPose(position, turned)
 
 
 def twist_between(before: SpatialPose, after: SpatialPose, elapsed_s: float) -> Twist:
@@ -151,10 +171,6 @@ def _unit(q: Rotation) -> Rotation:
 
 def _cross(a: Vector3, b: Vector3) -> Vector3:
     return Vector3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
-
-
-def _sum(a: Vector3, b: Vector3) -> Vector3:
-    return Vector3(a.x + b.x, a.y + b.y, a.z + b.z)
 
 
 def _difference(a: Vector3, b: Vector3) -> Vector3:

@@ -20,6 +20,7 @@ _DISCOVERY_NS = 20_000_000
 """After which a latched message arrives: its publisher must be found first."""
 _JITTER = 0.02
 _MAX_JITTER = 0.1
+_DRAWN_AT_ONCE = 256
 
 
 class MovingBody(Protocol):
@@ -114,7 +115,7 @@ class _DeviceClock(Generic[BodyT]):
         self, device: Device[BodyT], start_ns: int, phase: float, noise: np.random.Generator
     ) -> None:
         self._device = device
-        self._noise = noise
+        self._noise = _normal(noise)
         self._period_ns = NS_PER_S / device.rate_hz
         self._first_ns = start_ns + round(phase * self._period_ns)
         self._count = 0
@@ -126,7 +127,7 @@ class _DeviceClock(Generic[BodyT]):
         self._count += 1
         self.next_ns = self._first_ns + round(self._count * self._period_ns)
         for topic, reading in self._device.sample(body):
-            share = min(abs(self._noise.standard_normal()) * _JITTER, _MAX_JITTER)
+            share = min(abs(next(self._noise)) * _JITTER, _MAX_JITTER)
             arrival_ns = now_ns + _TRANSPORT_NS + round(share * self._period_ns)
             yield TimedReading(time_ns=arrival_ns, topic=topic, reading=reading)
 
@@ -134,6 +135,12 @@ class _DeviceClock(Generic[BodyT]):
         """Take all samples that are to come later."""
         self._first_ns += lost_ns
         self.next_ns += lost_ns
+
+
+def _normal(noise: np.random.Generator) -> Iterator[float]:
+    """Gaussian numbers of ``noise``, which is asked for many at once, for that takes a tenth of the time."""
+    while True:
+        yield from noise.standard_normal(_DRAWN_AT_ONCE).tolist()
 
 
 def _clocks(

@@ -66,7 +66,8 @@ class Operator:
         self.warnings: list[str] = []
         topics = frozenset({self.topic} if self.predicts else ())
         self.predictor = Predictor(topics, lambda _robot, _topic: self.source_hz, self.warnings.append)
-        self.got: list[ReceivedMessage] = []
+        self.got: list[Poses] = []
+        """What the messages said of which no newer one says all."""
         self.predicted: list[tuple[int, bytes]] = []
         """What it predicted, with the time of that."""
         self.screen: dict[str, MovingPart] = {}
@@ -96,8 +97,8 @@ class Operator:
             self.predictor.take(said, now_ns)
         elif isinstance(got, ReceivedMessage):
             self.predictor.take(got, now_ns)
-            names = self.read(got.payload).keys()
-            self.got = [one for one in self.got if not names >= self.read(one.payload).keys()] + [got]
+            said_now = self.read(got.payload)
+            self.got = [one for one in self.got if not said_now.keys() >= one.keys()] + [said_now]
             self.newest = got.payload
             self._see(got.payload)
             return got.payload
@@ -116,8 +117,8 @@ class Operator:
     def shows(self, stamps_ns: Mapping[str, int]) -> Poses:
         """By the last messages alone, or by what is reckoned for these stamps."""
         shown: dict[str, float] = {}
-        for message in self.got:
-            shown |= self.read(message.payload)
+        for poses in self.got:
+            shown |= poses
         if self.is_told and self.picture is not None:
             gauge = self.picture._gauges[0]
             for parts in self.picture.moving().values():

@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 from link.simulated_link import S
 from reckoning.ros_messages import joints, odometry, planar, transforms
@@ -17,6 +18,8 @@ START_NS = 1_000 * S
 """What the stamps say when the run begins."""
 
 
+# The same few messages are looked at again after everything that happens.
+@lru_cache(maxsize=1000)
 def read(topic: str, payload: bytes) -> Mapping[str, float]:
     if topic == "/odom":
         pose = PoseReader(2, has_twist=True).read(payload)

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from enum import Enum
+from functools import lru_cache
 from typing import Any
 
 from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
@@ -14,6 +15,7 @@ from rosbags.rosbag2.metadata import parse_qos
 
 from smarttestudo.domain import robot
 
+_TEXTS_KEPT = 64
 _UNLIMITED = QosTime(9223372036, 854775807)
 
 
@@ -33,26 +35,18 @@ def stored_qos(qos: robot.Qos) -> Qos:
 
 
 class QosReader:
-    """Reads ``offered_qos_profiles`` entries: YAML text up to version 8 of the metadata, a list from 9 on.
-
-    Topics mostly share a few texts, and YAML is slow, so each text is parsed once.
-    """
+    """Reads ``offered_qos_profiles`` entries: YAML text up to version 8 of the metadata, a list from 9 on."""
 
     def __init__(self) -> None:
         self.notices: list[str] = []
         """A line for each topic whose entry ``read_or_note`` could not read."""
-        self._parsed: dict[str, tuple[Qos, ...]] = {}
 
     def read(self, stored: Any) -> tuple[Qos, ...]:
         """The profiles in an entry.
 
         Raises ``ValueError`` where it holds something else.
         """
-        if not isinstance(stored, str):
-            return _parse(stored)
-        if stored not in self._parsed:
-            self._parsed[stored] = _parse(stored)
-        return self._parsed[stored]
+        return _parsed_text(stored) if isinstance(stored, str) else _parse(stored)
 
     def read_or_note(self, topic: str, stored: Any) -> tuple[Qos, ...]:
         """The profiles in the entry of ``topic``; none, and a notice, where it makes no sense."""
@@ -61,6 +55,12 @@ class QosReader:
         except ValueError:
             self.notices.append(f"the QoS profiles of {topic} cannot be read and were left out")
             return ()
+
+
+# The topics of all recordings mostly share a few texts, and YAML is slow.
+@lru_cache(maxsize=_TEXTS_KEPT)
+def _parsed_text(stored: str) -> tuple[Qos, ...]:
+    return _parse(stored)
 
 
 def _parse(stored: Any) -> tuple[Qos, ...]:

@@ -7,7 +7,7 @@ from __future__ import annotations
 import heapq
 import json
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
@@ -139,9 +139,9 @@ class RosbagRecording:
             promised = _messages_once(files)
         return readable / promised if promised else None
 
-    def messages(self) -> Iterator[RecordedMessage]:
-        """All messages in time order; memory does not grow with their number."""
-        return self._in_time_order(self._messages_of)
+    def messages(self, topics: Collection[str] | None = None) -> Iterator[RecordedMessage]:
+        """All messages, or those of ``topics``, in time order; memory does not grow with their number."""
+        return self._in_time_order(partial(self._messages_of, topics=topics))
 
     def sizes(self) -> Iterator[RecordedSize]:
         """What ``messages`` gives, with each payload's size in its place and as far as possible unread."""
@@ -167,9 +167,14 @@ class RosbagRecording:
         filled = [part.file for part in self._parts if part.file.message_count]
         return read(filled[0]) if len(filled) == 1 else _merged(filled, read)
 
-    def _messages_of(self, file: StoredFile) -> Iterator[RecordedMessage]:
+    def _messages_of(
+        self, file: StoredFile, *, topics: Collection[str] | None = None
+    ) -> Iterator[RecordedMessage]:
         """The messages of ``file``, unpacked if the first is packed: rosbag2 packs all of a file or none."""
-        messages = file.messages(self._channels_of(file))
+        channels = self._channels_of(file)
+        if topics is not None:
+            channels = {number: channel for number, channel in channels.items() if channel.topic in topics}
+        messages = file.messages(channels)
         first = next(messages, None)
         if first is None:
             return messages

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
@@ -19,19 +19,16 @@ from smarttestudo.adapters.rosbag.mcap.outlines import mcap_outlines
 from smarttestudo.adapters.rosbag.mcap.records import BROKEN
 from smarttestudo.adapters.rosbag.mcap.recovered import RecoveredMcapFile
 from smarttestudo.adapters.rosbag.qos import is_transient_local
-from smarttestudo.adapters.rosbag.sqlite.file import SqliteFile, sqlite_outlines
+from smarttestudo.adapters.rosbag.sqlite.file import SqliteFile
 from smarttestudo.adapters.rosbag.sqlite.log import read_log
 from smarttestudo.adapters.rosbag.sqlite.recovered import RecoveredSqliteFile
 from smarttestudo.adapters.rosbag.stored_file import ChannelsByNumber, ContinuedFile, Outline, StoredFile
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import Channel, RecordedMessage
 
-# rosbags gives SQLite the path as an address, in which these would name another file.
-_MEANS_SOMETHING_IN_AN_ADDRESS = frozenset("?#%")
-
 
 def open_storage_file(path: Path, whole_bytes: int | None = None) -> StoredFile:
-    """The .db3 or .mcap file at ``path``: with rosbags if it is whole, else as far as it goes.
+    """The .db3 or .mcap file at ``path``: with SQLite or rosbags if it is whole, else as far as it goes.
 
     ``whole_bytes`` is how long it was before it was cut off, where that is known.
     Raises ``RecordingError`` where nothing of it can be read.
@@ -42,16 +39,14 @@ def open_storage_file(path: Path, whole_bytes: int | None = None) -> StoredFile:
 def _open_mcap(path: Path, whole_bytes: int | None) -> StoredFile:
     if _has_full_index(path):
         with suppress(RecordingError):
-            return IntactFile(path, recover=RecoveredMcapFile, outline=mcap_outlines)
+            return McapFile(path)
     return RecoveredMcapFile(path, whole_bytes)
 
 
 def _open_sqlite(path: Path) -> StoredFile:
     log = read_log(path)
     with suppress(RecordingError):
-        if log is not None or _MEANS_SOMETHING_IN_AN_ADDRESS & set(str(path)):
-            return SqliteFile(path, log)
-        return IntactFile(path, recover=RecoveredSqliteFile, outline=sqlite_outlines)
+        return SqliteFile(path, log)
     return RecoveredSqliteFile(path, log)
 
 
@@ -76,44 +71,41 @@ def _has_full_index(path: Path) -> bool:
     return described and all(chunk.message_index_offsets for chunk in summary.chunk_indexes)
 
 
-OutlineReader = Callable[[Path, ChannelsByNumber, int], Iterator[Outline]]
+class McapFile(ContinuedFile):
+    """Reads with rosbags; where that fails half-way, the file is reopened as a damaged one and read on.
 
-
-class IntactFile(ContinuedFile):
-    """Reads with rosbags; where that fails half-way, ``recover`` reopens the file and reading goes on.
-
-    ``outline`` reads the outlines of the messages in the file, as ``StoredFile.outlines`` does.
+    Raises ``RecordingError`` where rosbags cannot open it.
     """
 
-    def __init__(self, path: Path, recover: Callable[[Path], StoredFile], outline: OutlineReader) -> None:
+    def __init__(self, path: Path) -> None:
         self._path = path
-        self._outline = outline
         try:
             self._reader = Reader(path)
             self._reader.open()
-        except Exception as error:  # rosbags leaks the errors of apsw, zstd, lz4, struct and ord()
+        except Exception as error:  # rosbags leaks the errors of zstd, lz4, struct and ord()
             raise RecordingError(f"rosbags cannot read it: {error}", place=str(path)) from error
         self.channels: ChannelsByNumber = {
             connection.id: _channel(connection) for connection in self._reader.connections
         }
         self.start_ns = self._reader.start_time
         self.end_ns = self._reader.end_time - 1
-        super().__init__(partial(recover, path), self._reader.message_count)
+        super().__init__(partial(RecoveredMcapFile, path), self._reader.message_count)
 
     def outlines(self, channels: ChannelsByNumber, head_bytes: int) -> Iterator[Outline]:
         """The outlines of ``messages``, without reading payloads."""
-        return self._outline(self._path, channels, head_bytes)
+        return mcap_outlines(self._path, channels, head_bytes)
 
     def close(self) -> None:
         """Let go of the file."""
         self._reader.close()
 
     def _as_stored(self, channels: ChannelsByNumber) -> Iterator[RecordedMessage]:
-        for connection, stamp_ns, payload in self._reader.messages():
+        wanted = [connection for connection in self._reader.connections if connection.id in channels]
+        # To rosbags, no connection means all of them.
+        for connection, stamp_ns, payload in self._reader.messages(wanted) if wanted else ():
             if not (isinstance(stamp_ns, int) and isinstance(payload, bytes)):
                 raise TypeError("a message without stamp or payload")
-            if connection.id in channels:
-                yield channels[connection.id], stamp_ns, payload
+            yield channels[connection.id], stamp_ns, payload
 
 
 def _channel(connection: Connection) -> Channel:

@@ -45,7 +45,7 @@ class StoredFile(Protocol):
         """Messages that can be read."""
 
     def messages(self, channels: ChannelsByNumber) -> Iterator[RecordedMessage]:
-        """All messages in time order, with their payloads as stored, each with its one of ``channels``."""
+        """The messages of ``channels`` in time order, by number, with their payloads as stored."""
 
     def outlines(self, channels: ChannelsByNumber, head_bytes: int) -> Iterator[Outline]:
         """What ``messages`` gives, in the same order, each with the first ``head_bytes`` of its payload.
@@ -87,7 +87,7 @@ class ContinuedFile(ABC):
         self._readable_share: float | None = 1.0
 
     def messages(self, channels: ChannelsByNumber) -> Iterator[RecordedMessage]:
-        """All messages in time order, each with its one of ``channels``."""
+        """The messages of ``channels`` in time order."""
         delivered = 0
         try:
             for message in self._as_stored(channels):

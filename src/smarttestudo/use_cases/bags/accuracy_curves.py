@@ -86,10 +86,11 @@ _POSITIONS = (
 )
 
 
-def position_wanted(bag: Path, topics: Collection[str]) -> dict[str, tuple[WantedProperty, ...]]:
+def position_wanted(
+    channels: Iterable[Channel], topics: Collection[str]
+) -> dict[str, tuple[WantedProperty, ...]]:
     """The position of one of ``topics``: of odometry, else of a pose, else of frames; empty without any."""
-    with open_recording(bag) as recording:
-        known = [one for one in recording.channels if one.topic in topics and one.type_name in _POSITIONS]
+    known = [one for one in channels if one.topic in topics and one.type_name in _POSITIONS]
     first = min(known, key=lambda one: (_POSITIONS.index(one.type_name), one.topic), default=None)
     return {} if first is None else {first.topic: geometry_of([first])[first.topic][:1]}
 
@@ -122,11 +123,12 @@ def measure_accuracy(
 
 
 def _pass(recording: RecordingReader, topics: Mapping[str, _Topic], report: Callable[[float], None]) -> None:
-    for number, (channel, stamp_ns, payload) in enumerate(recording.messages()):
-        if number % _MESSAGES_PER_REPORT == 0 and recording.message_count:
-            report(number / recording.message_count)
-        topic = topics.get(channel.topic)
-        if topic is not None and topic.samples.channel is channel:
+    start_ns, length_ns = recording.start_ns, max(recording.end_ns - recording.start_ns, 1)
+    for number, (channel, stamp_ns, payload) in enumerate(recording.messages(topics)):
+        if number % _MESSAGES_PER_REPORT == 0:
+            report((stamp_ns - start_ns) / length_ns)
+        topic = topics[channel.topic]
+        if topic.samples.channel is channel:
             topic.take(stamp_ns, payload)
 
 

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import heapq
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -51,29 +51,33 @@ def judge_bounds(
             topic: _Watched(channel, question, sent.start_ns) for topic, channel in question.channels.items()
         }
         by_partner = {question.partners[topic]: one for topic, one in watched.items()}
-        count = (sent.message_count or 0) + (received.message_count or 0)
-        for number, (stamp_ns, side, (channel, _, payload)) in enumerate(_merged(sent, received)):
-            if number % _MESSAGES_PER_REPORT == 0 and count:
-                report(number / count)
-            if side == _RECEIVED and channel.topic in by_partner:
+        length_ns = max(sent.end_ns - sent.start_ns, 1)
+        sides = ((received, _RECEIVED, by_partner), (sent, _SENT, watched))
+        for number, (stamp_ns, side, (channel, _, payload)) in enumerate(_merged(sides, sent.end_ns)):
+            if number % _MESSAGES_PER_REPORT == 0:
+                report(max(stamp_ns - sent.start_ns, 0) / length_ns)
+            if side == _RECEIVED:
                 by_partner[channel.topic].received(channel, stamp_ns, payload)
-            elif side == _SENT and channel.topic in watched:
+            else:
                 watched[channel.topic].sent(channel, stamp_ns, payload)
         return tuple(loss for one in watched.values() for loss in one.losses(sent.end_ns))
 
 
-def _merged(sent: RecordingReader, received: RecordingReader) -> Iterator[tuple[int, int, RecordedMessage]]:
-    """All messages in time order until the last one sent; of one stamp, what was received comes first."""
-    sides = ((received, _RECEIVED), (sent, _SENT))
-    streams = (_tagged(recording, side) for recording, side in sides)
+def _merged(
+    sides: Iterable[tuple[RecordingReader, int, Collection[str]]], end_ns: int
+) -> Iterator[tuple[int, int, RecordedMessage]]:
+    """All messages in time order until ``end_ns``; of one stamp, those of the lower side first."""
+    streams = (_tagged(*side) for side in sides)
     for entry in heapq.merge(*streams, key=lambda entry: entry[:2]):
-        if entry[0] > sent.end_ns:
+        if entry[0] > end_ns:
             return
         yield entry
 
 
-def _tagged(recording: RecordingReader, side: int) -> Iterator[tuple[int, int, RecordedMessage]]:
-    for message in recording.messages():
+def _tagged(
+    recording: RecordingReader, side: int, topics: Collection[str]
+) -> Iterator[tuple[int, int, RecordedMessage]]:
+    for message in recording.messages(topics):
         yield message[1], side, message
 
 

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from smarttestudo.adapters.json.status import status_from_text
@@ -20,10 +20,9 @@ _TEXT_TYPE = "std_msgs/msg/String"
 _MESSAGES_PER_REPORT = 4096
 
 
-def has_statuses(path: Path) -> bool:
-    """Whether the recording lists statuses of a runtime. Raises ``RecordingError``."""
-    with open_recording(path) as recording:
-        return any(_is_status(channel) for channel in recording.channels)
+def has_statuses(channels: Iterable[Channel]) -> bool:
+    """Whether a recording with these channels lists statuses of a runtime."""
+    return any(map(_is_status, channels))
 
 
 def link_history(
@@ -36,10 +35,10 @@ def link_history(
     """
     builder, decoder, unread = LinkHistoryBuilder(start_ns), RosbagDecoder(), 0
     with open_recording(path) as recording:
-        total = recording.message_count or 1
-        for number, (channel, stamp_ns, payload) in enumerate(recording.messages()):
+        length_ns = max(recording.end_ns - recording.start_ns, 1)
+        for number, (channel, stamp_ns, payload) in enumerate(recording.messages({STATUS_TOPIC})):
             if number % _MESSAGES_PER_REPORT == 0:
-                report(min(number / total, 1.0))
+                report((stamp_ns - recording.start_ns) / length_ns)
             if not _is_status(channel):
                 continue
             try:

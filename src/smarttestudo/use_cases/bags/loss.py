@@ -77,13 +77,20 @@ def measure_loss(a: Path, b: Path, question: LossQuestion | None = None) -> Loss
         RecordingError: one cannot be read or is empty; they share no topic or no time; a field or topic that
             was asked for does not exist.
     """
-    question = question or LossQuestion()
     sent, received = measure_bag(a, _ignore), measure_bag(b, _ignore)
+    return loss_of_measured((a, sent), (b, received), question or LossQuestion())
+
+
+def loss_of_measured(
+    a: tuple[Path, BagSummary], b: tuple[Path, BagSummary], question: LossQuestion
+) -> LossReport:
+    """What ``measure_loss`` gives of two recordings whose sizes were measured. Raises as it does."""
+    (path_a, sent), (path_b, received) = a, b
     select_topics(tuple(question.mapping), sent.statistics, place=sent.name)
     select_topics(tuple(question.mapping.values()), received.statistics, place=received.name)
     compared = compare_bags(sent, received, question.mapping)
     _require_common_time(sent, received)
-    return _Measurement(a, b, compared, question).report()
+    return _Measurement(path_a, path_b, compared, question).report()
 
 
 class _Measurement:

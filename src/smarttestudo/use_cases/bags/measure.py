@@ -88,9 +88,10 @@ _topic_of = attrgetter("topic")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MeasuredRun:
-    """A recording's numbers, its topics over time by name, and the places of the robot, if known."""
+    """A recording's numbers and channels, its topics over time by name, and the robot's places, if known."""
 
     summary: BagSummary
+    channels: tuple[Channel, ...]
     topics: Mapping[str, RunCounter]
     path: tuple[PathPoint, ...]
 
@@ -129,6 +130,7 @@ def measure_run(
         _count(path, recording, robot.sizes() if robot else recording.sizes(), counters, report)
         return MeasuredRun(
             summary=_summary(path, recording, counters, robot.notices() if robot else ()),
+            channels=tuple(recording.channels),
             topics=counters,
             path=robot.path if robot else (),
         )

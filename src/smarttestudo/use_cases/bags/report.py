@@ -17,7 +17,7 @@ from smarttestudo.domain.floor_plan import FloorPlan
 from smarttestudo.domain.profile import Profile
 from smarttestudo.use_cases.bags.accuracy_curves import measure_accuracy, position_wanted
 from smarttestudo.use_cases.bags.link_statuses import has_statuses, link_history
-from smarttestudo.use_cases.bags.loss import LossQuestion, measure_loss
+from smarttestudo.use_cases.bags.loss import LossQuestion, loss_of_measured
 from smarttestudo.use_cases.bags.measure import measure_run
 from smarttestudo.use_cases.bags.paired_runs import PairedRuns
 from smarttestudo.visualizer.bag_tables import bandwidth_table, rates_table
@@ -70,10 +70,10 @@ def bag_report(request: ReportRequest) -> RunReport:
         RecordingError: one cannot be read or is empty; they share no topic; a topic asked for is in neither.
     """
     runs = _measure(request, with_places=True)
-    loss, notices = (None, ()) if request.b is None else _loss(request, request.b)
+    loss, notices = _loss(request, runs)
     report = _report(request, runs)
     accuracy_curve, accuracy_notices = _accuracy(request, runs)
-    link, link_notices = _link(request, runs.a.summary.span.start_ns)
+    link, link_notices = _link(request, runs)
     said = (*report.notices, *notices, *accuracy_notices, *link_notices)
     return replace(
         report, loss=loss, accuracy_curve=accuracy_curve, link=link, notices=tuple(dict.fromkeys(said))
@@ -123,8 +123,10 @@ def _report(request: ReportRequest, runs: PairedRuns) -> RunReport:
     )
 
 
-def _loss(request: ReportRequest, b: Path) -> tuple[LossReport | None, tuple[str, ...]]:
-    """What B lost of A, or why that cannot be said."""
+def _loss(request: ReportRequest, runs: PairedRuns) -> tuple[LossReport | None, tuple[str, ...]]:
+    """What B, if there is one, lost of A, or why that cannot be said."""
+    if request.b is None or runs.b is None:
+        return None, ()
     with request.progress("Measuring what was lost") as report:
         question = LossQuestion(
             mapping=request.mapping,
@@ -136,7 +138,7 @@ def _loss(request: ReportRequest, b: Path) -> tuple[LossReport | None, tuple[str
             report=report,
         )
         try:
-            loss = measure_loss(request.a, b, question)
+            loss = loss_of_measured((request.a, runs.a.summary), (request.b, runs.b.summary), question)
         except RecordingError as error:
             return None, (f"what was lost is not known: {error.cause}",)
     return loss, loss.notices
@@ -144,7 +146,7 @@ def _loss(request: ReportRequest, b: Path) -> tuple[LossReport | None, tuple[str
 
 def _accuracy(request: ReportRequest, runs: PairedRuns) -> tuple[AccuracyCurve | None, tuple[str, ...]]:
     """What accuracies of the robot's position in A cost, if A tells it."""
-    wanted = position_wanted(request.a, {pair.topic for pair in runs.pairs})
+    wanted = position_wanted(runs.a.channels, {pair.topic for pair in runs.pairs})
     if not wanted:
         return None, ()
     with request.progress("Measuring what an accuracy costs") as report:
@@ -152,13 +154,12 @@ def _accuracy(request: ReportRequest, runs: PairedRuns) -> tuple[AccuracyCurve |
     return next(iter(found.curves), None), found.notices
 
 
-def _link(request: ReportRequest, start_ns: int) -> tuple[LinkHistory | None, tuple[str, ...]]:
+def _link(request: ReportRequest, runs: PairedRuns) -> tuple[LinkHistory | None, tuple[str, ...]]:
     """What the operator's recording tells of a link; where there is one recording only, that."""
-    recording = request.b or request.a
-    if not has_statuses(recording):
+    if not has_statuses((runs.b or runs.a).channels):
         return None, ()
     with request.progress("Reading what the link did") as report:
-        return link_history(recording, start_ns, report)
+        return link_history(request.b or request.a, runs.a.summary.span.start_ns, report)
 
 
 def _floor_plan(request: ReportRequest) -> FloorPlan:

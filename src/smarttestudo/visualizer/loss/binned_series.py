@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.visualizer.loss.reconstruction import distance, held
+from smarttestudo.visualizer.loss.reconstruction import held
 from smarttestudo.visualizer.loss.samples import Series
 
 BinnedSeries = tuple[float | None, ...]
@@ -53,8 +53,8 @@ def binned_age(stamps_ns: Sequence[int], end_ns: int, bins: TimeBins) -> BinnedS
 
 def _errors(sent: Series, picture: Series, end_ns: int, bins: TimeBins) -> Iterator[tuple[int, float]]:
     now_ns = max(sent.stamps_ns[0], picture.stamps_ns[0])
-    for lasts_ns, true_value, shown_value in held(sent, picture, end_ns):
-        error = distance(true_value, shown_value, wraps=sent.wraps)
+    steps = held(sent, picture, end_ns)
+    for lasts_ns, error in zip(steps.lasts_ns.tolist(), steps.errors.tolist(), strict=True):
         if not math.isnan(error):
             # A value ends where the next one begins, which may be in another stretch.
             until_ns = now_ns + max(lasts_ns - 1, 0)

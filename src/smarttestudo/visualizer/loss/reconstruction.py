@@ -16,15 +16,26 @@ RMSE = √(1/T ∫ e(t)² dt), from when both are known to the end; time in whic
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 
-from smarttestudo.pacing.grid import NEVER_NS
+import numpy as np
+from numpy.typing import NDArray
+
 from smarttestudo.visualizer.loss.report import ErrorSize, FieldError
-from smarttestudo.visualizer.loss.samples import Series, turn
+from smarttestudo.visualizer.loss.samples import FULL_TURN, Series
 
-Step = tuple[int, float, float]
-"""ns that it lasts, the true value, the operator's."""
+Floats = NDArray[np.float64]
+Stamps = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ErrorSteps:
+    """Errors in time order, NaN where unknown, and for how long each counts; the last may for no time."""
+
+    lasts_ns: Stamps
+    errors: Floats
 
 
 def field_error(sent: Series, received: Series, end_ns: int) -> FieldError | None:
@@ -33,104 +44,75 @@ def field_error(sent: Series, received: Series, end_ns: int) -> FieldError | Non
     if not (sent.stamps_ns and picture.stamps_ns):
         return None
     value_range = sent.value_range
-    hold = _error_size(held(sent, picture, end_ns), value_range, wraps=sent.wraps)
-    interpolated = _error_size(between(sent, picture, end_ns), value_range, wraps=sent.wraps)
+    hold = _error_size(held(sent, picture, end_ns), value_range)
+    interpolated = _error_size(_interpolated(sent, picture, end_ns), value_range)
     return FieldError(hold=hold, interpolated=interpolated or hold) if hold else None
 
 
-def held(sent: Series, received: Series, end_ns: int) -> Iterator[Step]:
-    """Both step functions beside each other; the last step, at ``end_ns``, has no length."""
-    now_ns = max(sent.stamps_ns[0], received.stamps_ns[0])
-    if now_ns > end_ns:
-        return
-    truth, picture = _Steps(sent), _Steps(received)
-    while True:
-        true_value, shown_value = truth.at(now_ns), picture.at(now_ns)
-        next_ns = min(truth.next_ns, picture.next_ns, end_ns)
-        yield next_ns - now_ns, true_value, shown_value
-        if now_ns == end_ns:
-            return
-        now_ns = next_ns
+def held(sent: Series, received: Series, end_ns: int) -> ErrorSteps:
+    """The errors of holding, from when both are known; the last step, at ``end_ns``, has no length."""
+    sent_ns, received_ns = np.asarray(sent.stamps_ns), np.asarray(received.stamps_ns)
+    start_ns = max(sent_ns[0], received_ns[0])
+    if start_ns > end_ns:
+        return ErrorSteps(lasts_ns=np.empty(0, np.int64), errors=np.empty(0))
+    changes_ns = np.unique(np.concatenate((sent_ns, received_ns, [start_ns, end_ns])))
+    at_ns = changes_ns[(changes_ns >= start_ns) & (changes_ns <= end_ns)]
+    true_values = np.asarray(sent.values)[_newest(sent_ns, at_ns)]
+    shown_values = np.asarray(received.values)[_newest(received_ns, at_ns)]
+    return ErrorSteps(
+        lasts_ns=np.diff(at_ns, append=end_ns),
+        errors=np.abs(_ways(true_values, shown_values, wraps=sent.wraps)),
+    )
 
 
-def between(sent: Series, received: Series, end_ns: int) -> Iterator[Step]:
-    """The samples sent from the first one received on, each with the line's value at its stamp."""
-    stamps_ns, values = sent.stamps_ns, sent.values
-    line = _Line(received)
-    first_ns = received.stamps_ns[0]
-    for index, stamp_ns in enumerate(stamps_ns):
-        next_ns = stamps_ns[index + 1] if index + 1 < len(stamps_ns) else NEVER_NS
-        if stamp_ns > end_ns:
-            return
-        if first_ns <= stamp_ns < next_ns:
-            yield min(next_ns, end_ns) - stamp_ns, values[index], line.at(stamp_ns)
+def _interpolated(sent: Series, received: Series, end_ns: int) -> ErrorSteps:
+    """The errors at the samples sent from the first one received on, by the line's value at their stamps."""
+    sent_ns, received_ns = np.asarray(sent.stamps_ns), np.asarray(received.stamps_ns)
+    next_ns = np.append(sent_ns[1:], np.iinfo(np.int64).max)
+    counts = (received_ns[0] <= sent_ns) & (sent_ns < next_ns) & (sent_ns <= end_ns)
+    at_ns = sent_ns[counts]
+    values = np.asarray(received.values)
+    before = _newest(received_ns, at_ns)
+    after = np.minimum(before + 1, len(values) - 1)
+    # After the last one received, the line stays where it is.
+    length_ns = np.where(after > before, received_ns[after] - received_ns[before], 1)
+    share = np.where(after > before, (at_ns - received_ns[before]) / length_ns, 0.0)
+    line = values[before] + share * _ways(values[before], values[after], wraps=received.wraps)
+    return ErrorSteps(
+        lasts_ns=np.minimum(next_ns[counts], end_ns) - at_ns,
+        errors=np.abs(_ways(np.asarray(sent.values)[counts], line, wraps=sent.wraps)),
+    )
 
 
-def distance(true_value: float, shown_value: float, *, wraps: bool) -> float:
-    """How far the operator's value is from the true one; an angle that wraps, the shorter way round."""
-    return abs(turn(true_value, shown_value) if wraps else shown_value - true_value)
+def _newest(stamps_ns: Stamps, at_ns: Stamps) -> NDArray[np.intp]:
+    """The index of the newest of ``stamps_ns`` at each time; of several with one stamp, the last."""
+    return np.searchsorted(stamps_ns, at_ns, side="right") - 1
 
 
-class _Steps:
-    """The value of a series at rising times; ``next_ns`` is when it changes next."""
-
-    __slots__ = ("_index", "_series", "next_ns")
-
-    def __init__(self, series: Series) -> None:
-        self._series = series
-        self._index = -1
-        self.next_ns = series.stamps_ns[0]
-
-    def at(self, now_ns: int) -> float:
-        stamps_ns = self._series.stamps_ns
-        while self.next_ns <= now_ns:
-            self._index += 1
-            following = self._index + 1
-            self.next_ns = stamps_ns[following] if following < len(stamps_ns) else NEVER_NS
-        return self._series.values[self._index]
+def _ways(before: Floats, after: Floats, *, wraps: bool) -> Floats:
+    """From one value to another; of angles that wrap, the shorter way round, as ``samples.turn``."""
+    ways = after - before
+    if not wraps:
+        return ways
+    return np.fromiter(map(math.remainder, ways.tolist(), itertools.repeat(FULL_TURN)), float, len(ways))
 
 
-class _Line:
-    """The line through the samples of a series at rising times, from the first one on."""
-
-    __slots__ = ("_index", "_series")
-
-    def __init__(self, series: Series) -> None:
-        self._series = series
-        self._index = 0
-
-    def at(self, now_ns: int) -> float:
-        stamps_ns, values = self._series.stamps_ns, self._series.values
-        index, last = self._index, len(stamps_ns) - 1
-        while index < last and stamps_ns[index + 1] <= now_ns:
-            index += 1
-        self._index = index
-        if index == last:
-            return values[index]
-        share = (now_ns - stamps_ns[index]) / (stamps_ns[index + 1] - stamps_ns[index])
-        start, end = values[index], values[index + 1]
-        return start + share * (turn(start, end) if self._series.wraps else end - start)
-
-
-def _error_size(steps: Iterable[Step], value_range: float, *, wraps: bool) -> ErrorSize | None:
-    squares = maximum = 0.0
-    total_ns = 0
-    is_known = False
-    for lasts_ns, true_value, shown_value in steps:
-        error = distance(true_value, shown_value, wraps=wraps)
-        if math.isnan(error):
-            continue
-        is_known = True
-        squares += lasts_ns * error * error
-        total_ns += lasts_ns
-        maximum = max(maximum, error)
-    if not is_known:
+def _error_size(steps: ErrorSteps, value_range: float) -> ErrorSize | None:
+    is_known = ~np.isnan(steps.errors)
+    errors, lasts_ns = steps.errors[is_known], steps.lasts_ns[is_known]
+    if not len(errors):
         return None
+    total_ns, maximum = int(lasts_ns.sum()), float(errors.max())
     # An error that lasts no time, at the end of the recording, is as large as it is.
-    rmse = math.sqrt(squares / total_ns) if total_ns else maximum
+    rmse = math.sqrt(_sum(lasts_ns * errors * errors) / total_ns) if total_ns else maximum
     return ErrorSize(
         rmse=rmse,
         maximum=maximum,
         relative_rmse=rmse / value_range if value_range else None,
         relative_maximum=maximum / value_range if value_range else None,
     )
+
+
+def _sum(numbers: Floats) -> float:
+    """In order, so that the last digit does not depend on how numpy splits an array."""
+    return float(np.add.accumulate(numbers)[-1])

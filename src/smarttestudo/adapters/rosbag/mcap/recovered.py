@@ -55,9 +55,10 @@ class RecoveredMcapFile:
         self.message_count = sum(self._counts[number] for number in self.channels)
 
     def messages(self, channels: ChannelsByNumber) -> Iterator[RecordedMessage]:
-        """Every message that is whole, in time order, each with its one of ``channels``."""
+        """Every message of ``channels`` that is whole, in time order."""
         for stamp_ns, _, number, payload in self._in_time_order(self._payloads_at):
-            yield channels[number], stamp_ns, payload
+            if number in channels:
+                yield channels[number], stamp_ns, payload
 
     def outlines(self, channels: ChannelsByNumber, head_bytes: int) -> Iterator[Outline]:
         """The outlines of ``messages``; chunks are unpacked, messages outside of them are not read."""

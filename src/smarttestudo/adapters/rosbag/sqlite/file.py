@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""A .db3 file read with SQLite itself, together with the log that a recorder left beside it."""
+"""A .db3 file read with SQLite itself, together with the log that a recorder may have left beside it."""
 
 from __future__ import annotations
 
@@ -48,8 +48,8 @@ def sqlite_outlines(
         raise OutlineError(str(error)) from error
 
 
-_SPAN = "SELECT count(*), min(timestamp), max(timestamp) FROM messages"
-_MESSAGES = "SELECT topic_id, timestamp, data FROM messages ORDER BY timestamp, id"
+_SPAN = "SELECT count(*), min(timestamp), max(timestamp) FROM messages WHERE typeof(timestamp) = 'integer'"
+_MESSAGES = "SELECT topic_id, timestamp, data FROM messages {} ORDER BY timestamp, id"
 
 
 class SqliteFile(ContinuedFile):
@@ -88,7 +88,10 @@ class SqliteFile(ContinuedFile):
         self._resources.close()
 
     def _as_stored(self, channels: ChannelsByNumber) -> Iterator[RecordedMessage]:
-        for number, stamp_ns, payload in self._database.execute(_MESSAGES):
+        # A row that is not wanted is left unread; where all are, damage in any of them is seen.
+        numbers = ", ".join(map(str, channels))
+        condition = "" if channels.keys() == self.channels.keys() else f"WHERE topic_id IN ({numbers})"
+        for number, stamp_ns, payload in self._database.execute(_MESSAGES.format(condition)):
             if not (isinstance(number, int) and isinstance(stamp_ns, int) and isinstance(payload, bytes)):
                 raise TypeError("a message without stamp or payload")
             if number in channels:

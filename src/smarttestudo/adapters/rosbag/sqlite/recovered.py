@@ -40,7 +40,7 @@ class RecoveredSqliteFile:
         self._present_bytes = file.present_bytes
 
     def messages(self, channels: ChannelsByNumber) -> Iterator[RecordedMessage]:
-        """Every message that is whole, in time order, each with its one of ``channels``."""
+        """Every message of ``channels`` that is whole, in time order."""
         for _, offset in self._index.places():
             try:
                 message = _as_message(self._pages.row_at(offset))
@@ -49,7 +49,8 @@ class RecoveredSqliteFile:
                 continue
             if message is not None:
                 number, stamp_ns, payload = message
-                yield channels[number], stamp_ns, payload
+                if number in channels:
+                    yield channels[number], stamp_ns, payload
 
     def outlines(self, channels: ChannelsByNumber, head_bytes: int) -> Iterator[Outline]:
         """The outlines of ``messages``, without reading payloads."""
