@@ -28,8 +28,8 @@ export interface WorkspaceOwner {
   suggestions: Suggestions;
   /** What the menus on blocks do with the page. */
   menus: Omit<MenuPage, "newRate" | "newRule" | "foldAll">;
-  /** Rules to take from the list of blocks. */
-  recipes: readonly Statement[];
+  /** Rules to take from the list of blocks; null where they cannot be had now. */
+  recipes(): Promise<readonly Statement[] | null>;
   /** Blocks say something else than the text: `editsOf` it bring it there. */
   changed(editsOf: EditsOf): Promise<void>;
   /** Whether blocks say something that is not in the text yet. */
@@ -67,7 +67,7 @@ export class RuleWorkspace {
       act: (block: Blockly.BlockSvg, what: RuleAct) => void this.act(block, what),
       toggleFold: (block: Blockly.BlockSvg) => void this.toggleFold(block),
     };
-    this.workspace = newWorkspace(host, owner.suggestions, owner.recipes, acts, {
+    this.workspace = newWorkspace(host, owner.suggestions, () => owner.recipes(), acts, {
       ...owner.menus,
       foldAll: (isFolded) => void this.foldAll(isFolded),
       newRate: () => this.add(toBlock(NEW_RATE)),

@@ -99,7 +99,7 @@ export function EditorPage({ api, project, name, robot: node, line, editors, kee
       </div>
       <main class="panes">
         <div class="split">
-          <BlocksPane {...{ editor }} tried={tries.last} robotRules={robot.robotRules} />
+          <BlocksPane {...{ editor, api }} tried={tries.last} robotRules={robot.robotRules} />
           <Splitter
             label="Width of the blocks"
             orientation="vertical"
@@ -215,7 +215,8 @@ type Opened = "open" | { problem: string };
 
 async function open(editor: RuleEditor, done: (state: Opened) => void): Promise<void> {
   try {
-    if (!editor.isOpen) await editor.open();
+    if (editor.isOpen) void editor.recallProfile();
+    else await editor.open();
     done("open");
   } catch (error) {
     if (!(error instanceof ApiError)) throw error;

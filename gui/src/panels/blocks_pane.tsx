@@ -2,11 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 import { effect, type ReadonlySignal, useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
+import type { Api } from "../api/client";
 import { toBlock } from "../blocks/model";
 import { RuleWorkspace } from "../blocks/rule_workspace";
 import { sectionsOf } from "../blocks/sections";
 import { suggestionsOf } from "../blocks/suggestions";
 import { NEW_RATE, NEW_RULE } from "../blocks/toolbox";
+import { recipeRules } from "../recipes/recipe_rules";
 import type { RobotRules } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
 import type { Trial } from "../state/trial";
@@ -18,14 +20,14 @@ import { isLong, RuleOutline } from "./rule_outline";
 import { RuleSearch } from "./rule_search";
 
 /** The left half: the rules as blocks. */
-export function BlocksPane(props: { editor: RuleEditor; robotRules: RobotRules; tried: ReadonlySignal<Trial | null> }) {
-  const { editor, robotRules, tried } = props;
+export function BlocksPane(props: Omit<Shown, "isServerGone">) {
+  const { editor, api, robotRules, tried } = props;
   const host = useRef<HTMLDivElement>(null);
   const workspace = useRef<RuleWorkspace | null>(null);
   const hasOutline = useSignal(!matchMedia(NARROW).matches);
   useEffect(() => {
     if (!host.current) return;
-    const opened = openWorkspace(host.current, { editor, robotRules, tried, isServerGone });
+    const opened = openWorkspace(host.current, { editor, api, robotRules, tried, isServerGone });
     workspace.current = opened.workspace;
     return opened.close;
   }, []);
@@ -100,6 +102,7 @@ export function BlocksPane(props: { editor: RuleEditor; robotRules: RobotRules; 
 
 interface Shown {
   editor: RuleEditor;
+  api: Api;
   robotRules: RobotRules;
   tried: ReadonlySignal<Trial | null>;
   isServerGone: ReadonlySignal<boolean>;
@@ -107,7 +110,7 @@ interface Shown {
 
 function openWorkspace(
   host: HTMLElement,
-  { editor, robotRules, tried, isServerGone }: Shown,
+  { editor, api, robotRules, tried, isServerGone }: Shown,
 ): { workspace: RuleWorkspace; close: () => void } {
   const show = () => {
     const shown = editor.shown.peek();
@@ -121,7 +124,11 @@ function openWorkspace(
       );
   };
   const workspace = new RuleWorkspace(host, {
-    recipes: editor.recipes,
+    recipes: () =>
+      recipeRules(api).catch((error: unknown) => {
+        editor.tell(error);
+        return null;
+      }),
     menus: {
       undo: () => editor.undo(),
       redo: () => editor.redo(),

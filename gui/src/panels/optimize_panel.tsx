@@ -42,7 +42,9 @@ export function OptimizePanel({ editor, api, project, repair, wantsRates }: Prop
     return () => clearTimeout(timer);
   }, [text, profile]);
   const isAnswered =
-    profile === null ? editor.knowsProfile.value : result?.text === text && result.profile_text === profile.text;
+    profile === null
+      ? editor.profileChoice.isKnown.value
+      : result?.text === text && result.profile_text === profile.text;
   useEffect(() => {
     if (!wantsRates.value || !isAnswered) return;
     wantsRates.value = false;

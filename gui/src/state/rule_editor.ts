@@ -3,7 +3,6 @@
 import { batch, computed, effect, signal } from "@preact/signals";
 import { type Api, ApiError, type Rules } from "../api/client";
 import type { Edit, PlacedFinding, Repair, RuleDocument, Statement, Vocabulary } from "../api/types";
-import { recipeRules } from "../recipes/recipe_rules";
 import { counted } from "../ui/numbers";
 import {
   type Conflict,
@@ -19,6 +18,7 @@ import { type Draft, type Drafts, NO_ROOM, type Restored } from "./drafts";
 import { Folds } from "./folds";
 import { History } from "./history";
 import { layoutName, type MapSetting, PLAIN_GRID, readLayout, sideFileOf, writeLayout } from "./layout";
+import { RuleProfile } from "./rule_profile";
 import type { Spot } from "./spot";
 import { Words } from "./words";
 import { WorkAhead } from "./work_ahead";
@@ -34,9 +34,8 @@ export class RuleEditor implements Contested {
   /** The last document that could be read whole: what the blocks show, with the text it was read from. */
   readonly shown = signal<{ document: RuleDocument; text: string } | null>(null);
   readonly vocabulary = signal<Vocabulary | null>(null);
-  readonly profile = signal<{ name: string; text: string } | null>(null);
-  /** Whether it was asked which profile goes with the rules. */
-  readonly knowsProfile = signal(false);
+  readonly profileChoice: RuleProfile;
+  readonly profile: RuleProfile["used"];
   readonly spot = signal<Spot | null>(null);
   readonly message = signal<string>("");
   readonly conflict = signal<Conflict | null>(null);
@@ -78,11 +77,8 @@ export class RuleEditor implements Contested {
   readonly errors = computed(() => this.findings.value.filter((finding) => finding.severity === "error"));
   /** Whether the blocks show the past, because the text of now cannot be read. */
   readonly isBroken = computed(() => !this.document.value.parses && this.shown.value?.document !== this.document.value);
-  /** The rules to offer as blocks. */
-  recipes: readonly Statement[] = [];
   /** Whether its file was read. */
   isOpen = false;
-  private wantedProfile: string | null = null;
   private layoutHash: string | null = null;
   /** The text that `document` was read from. */
   private read: string | null = null;
@@ -103,6 +99,8 @@ export class RuleEditor implements Contested {
     readonly folds = new Folds(),
   ) {
     this.words = new Words(api);
+    this.profileChoice = new RuleProfile(api);
+    this.profile = this.profileChoice.used;
   }
 
   /** The file as every call of the server names it. */
@@ -115,10 +113,8 @@ export class RuleEditor implements Contested {
     const draft = await this.drafts.takeOver("rules", this.name);
     // What was not saved of a file that is gone can still be saved.
     const onDisk = draft ? readIfThere(this.api, this.name) : this.api.read(this.name);
-    const reading = [onDisk, this.api.project(), recipeRules(this.api)] as const;
-    const [found, { files }, recipes] = await Promise.all(reading);
+    const [found, { files }] = await Promise.all([onDisk, this.api.project()]);
     const file = found ?? { text: "", hash: null };
-    this.recipes = recipes;
     const hasLayout = files.some((each) => each.name === layoutName(this.name));
     const side = hasLayout ? await readLayout(this.api, this.name) : { map: PLAIN_GRID, hash: null };
     this.layoutHash = side.hash;
@@ -133,7 +129,7 @@ export class RuleEditor implements Contested {
       this.message.value = `Another tab has unsaved changes of ${this.name}`;
     this.isOpen = true;
     effect(() => this.keepDraft());
-    await this.check();
+    await this.recallProfile();
   }
 
   /** Goes on with what was not saved; where the file is another one by now, a save meets that. */
@@ -169,10 +165,13 @@ export class RuleEditor implements Contested {
   }
 
   async useProfile(name: string | null): Promise<void> {
-    this.wantedProfile = name;
-    const profile = name === null ? null : await this.api.read(name);
-    if (this.wantedProfile !== name) return;
-    this.profile.value = profile;
+    await this.profileChoice.use(name);
+    await this.check();
+  }
+
+  /** Checks the rules with the profile that goes with them. */
+  async recallProfile(): Promise<void> {
+    await this.profileChoice.recall(this.rules).catch((error: unknown) => this.tell(error));
     await this.check();
   }
 
@@ -271,7 +270,8 @@ export class RuleEditor implements Contested {
   async revive(): Promise<void> {
     await this.lookAtDisk();
     this.read = null;
-    await this.inTurn(() => this.useProfile(this.wantedProfile));
+    await this.inTurn(() => this.profileChoice.revive());
+    await this.check();
   }
 
   async saveAs(name: string): Promise<void> {
