@@ -17,9 +17,11 @@ import { newWorkspace } from "./new_workspace";
 import { closeField, isTyping, openField } from "./open_field";
 import { blocklyTheme } from "./palette";
 import { type ActedOn, actedOn } from "./rule_acts";
-import { asOfNow, editsOf, isTop, printOf, type Standing, saidBy, statementOf, statementsOf } from "./slots";
+import { asOfNow, editsOf, isTextOf, isTop, printOf, type Standing, saidBy, statementOf, statementsOf } from "./slots";
 import { NEW_RATE, NEW_RULE } from "./toolbox";
 import { Warnings } from "./warnings";
+
+const IN_HAND_MS = 50;
 
 type EditsOf = (document: RuleDocument) => Edit[];
 
@@ -37,10 +39,15 @@ export interface WorkspaceOwner {
   /** Asks for `show` with what the text says now. */
   showAgain(): void;
   selected(statement: string | null): void;
+  /** What blocks said when somebody left them cannot come into the text any more. */
+  lost(): void;
   /** How many blocks say nothing that the text could say. */
   leftOut(count: number): void;
   folds: Folds;
 }
+
+/** Looks again whether somebody still types: a frame for each look would cost more than the letters. */
+const lookAgain = (look: () => void) => void setTimeout(look, IN_HAND_MS);
 
 /** The blocks of one rule file, kept in step with its text. */
 export class RuleWorkspace {
@@ -70,8 +77,8 @@ export class RuleWorkspace {
     this.workspace = newWorkspace(host, owner.suggestions, () => owner.recipes(), acts, {
       ...owner.menus,
       foldAll: (isFolded) => void this.foldAll(isFolded),
-      newRate: () => this.add(toBlock(NEW_RATE)),
-      newRule: () => this.add(toBlock(NEW_RULE)),
+      newRate: () => this.addNew("rate"),
+      newRule: () => this.addNew("rule"),
     });
     this.column = new Column(this.workspace);
     this.drawn = new DrawnPart(this.workspace, this.column, owner, () => {
@@ -102,12 +109,12 @@ export class RuleWorkspace {
   private lookSoon(): void {
     if (this.isLooking) return;
     this.isLooking = true;
-    requestAnimationFrame(() => {
+    const look = () => {
+      if (!this.left && (this.isInHand() || this.isAhead())) return lookAgain(look);
       this.isLooking = false;
-      if (this.left) return;
-      if (this.isInHand() || this.isAhead()) this.lookSoon();
-      else this.drawn.look();
-    });
+      if (!this.left) this.drawn.look();
+    };
+    requestAnimationFrame(look);
   }
 
   /** Whether blocks say something that is not in the text yet. Blockly tells of a change a picture or two later. */
@@ -235,10 +242,11 @@ export class RuleWorkspace {
   }
 
   /** Puts a new block where the text will have it, and opens its first field. */
-  add(state: Blockly.serialization.blocks.State): void {
+  addNew(kind: "rate" | "rule"): void {
     const { all } = this.drawn;
+    const state = toBlock(kind === "rate" ? NEW_RATE : NEW_RULE);
     const rule = all.findIndex(({ kind }) => kind === "rule");
-    this.shownAt(state.type === "adirf_rule" || rule < 0 ? all.length - 1 : rule);
+    this.shownAt(kind === "rule" || rule < 0 ? all.length - 1 : rule);
     const block = Blockly.serialization.blocks.append(state, this.workspace) as Blockly.BlockSvg;
     this.column.add(block);
     this.column.bringIntoView(block);
@@ -290,11 +298,8 @@ export class RuleWorkspace {
   /** Waits until nobody drags or types, then says what changed. */
   private settle(): void {
     if (this.left) return;
-    if (this.isInHand()) {
-      this.settleSoon();
-      return;
-    }
-    void this.hand();
+    if (this.isInHand()) lookAgain(() => this.settle());
+    else void this.hand();
   }
 
   /**
@@ -324,7 +329,9 @@ export class RuleWorkspace {
         this.settleSoon();
         return [];
       }
-      const edits = editsOf(document, this.drawn.first, this.drawn.slots, this.standing());
+      const { first, slots } = this.drawn;
+      if (this.left && !isTextOf(slots, document, first)) this.owner.lost();
+      const edits = editsOf(document, first, slots, this.standing());
       this.column.settle();
       return edits;
     });

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { computed, type Signal, useComputed, useSignal } from "@preact/signals";
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
-import { ApiError } from "../api/client";
+import { refusal } from "../api/refusal";
 import { BlocksPane } from "../panels/blocks_pane";
 import { EditorBar } from "../panels/editor_bar";
 import { FindingsPanel } from "../panels/findings_panel";
@@ -219,7 +219,6 @@ async function open(editor: RuleEditor, done: (state: Opened) => void): Promise<
     else await editor.open();
     done("open");
   } catch (error) {
-    if (!(error instanceof ApiError)) throw error;
-    done({ problem: error.message });
+    done({ problem: refusal(error) });
   }
 }

@@ -3,11 +3,8 @@
 import { effect, type ReadonlySignal, useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import type { Api } from "../api/client";
-import { toBlock } from "../blocks/model";
-import { RuleWorkspace } from "../blocks/rule_workspace";
-import { sectionsOf } from "../blocks/sections";
+import type { RuleWorkspace } from "../blocks/rule_workspace";
 import { suggestionsOf } from "../blocks/suggestions";
-import { NEW_RATE, NEW_RULE } from "../blocks/toolbox";
 import { recipeRules } from "../recipes/recipe_rules";
 import type { RobotRules } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
@@ -19,21 +16,34 @@ import { watchSize, watchTheme } from "../ui/watch";
 import { isLong, RuleOutline } from "./rule_outline";
 import { RuleSearch } from "./rule_search";
 
+const LOST =
+  "The last change in the blocks is not in the text: one before it was refused, or the text was changed meanwhile";
+
 /** The left half: the rules as blocks. */
 export function BlocksPane(props: Omit<Shown, "isServerGone">) {
   const { editor, api, robotRules, tried } = props;
   const host = useRef<HTMLDivElement>(null);
   const workspace = useRef<RuleWorkspace | null>(null);
   const hasOutline = useSignal(!matchMedia(NARROW).matches);
+  const isLoaded = useSignal(false);
   useEffect(() => {
-    if (!host.current) return;
-    const opened = openWorkspace(host.current, { editor, api, robotRules, tried, isServerGone });
-    workspace.current = opened.workspace;
-    return opened.close;
+    let close: (() => void) | null = () => undefined;
+    // The text can be read and changed before the blocks are there, which take longer.
+    void import("../blocks/rule_workspace").then(({ RuleWorkspace }) => {
+      if (!host.current || close === null) return;
+      const opened = openWorkspace(RuleWorkspace, host.current, { editor, api, robotRules, tried, isServerGone });
+      workspace.current = opened.workspace;
+      isLoaded.value = true;
+      close = opened.close;
+    });
+    return () => {
+      close?.();
+      close = null;
+    };
   }, []);
   const { isServerGone } = useRobot();
   const isBehind = !editor.document.value.parses && editor.shown.value?.text !== editor.text.value;
-  const isReadOnly = editor.isBroken.value || editor.shown.value === null;
+  const isReadOnly = editor.isBroken.value || editor.shown.value === null || !isLoaded.value;
   const errors = editor.errors.value.length;
   const isMany = isLong(editor);
   const go = (index: number) => void workspace.current?.unfold(index);
@@ -42,20 +52,10 @@ export function BlocksPane(props: Omit<Shown, "isServerGone">) {
       <div class="pane-bar">
         <h2>Blocks</h2>
         <NeedsServer>
-          <button
-            type="button"
-            class="small"
-            disabled={isReadOnly}
-            onClick={() => workspace.current?.add(toBlock(NEW_RATE))}
-          >
+          <button type="button" class="small" disabled={isReadOnly} onClick={() => workspace.current?.addNew("rate")}>
             New rate
           </button>
-          <button
-            type="button"
-            class="small"
-            disabled={isReadOnly}
-            onClick={() => workspace.current?.add(toBlock(NEW_RULE))}
-          >
+          <button type="button" class="small" disabled={isReadOnly} onClick={() => workspace.current?.addNew("rule")}>
             New rule
           </button>
         </NeedsServer>
@@ -109,21 +109,15 @@ interface Shown {
 }
 
 function openWorkspace(
+  Workspace: typeof RuleWorkspace,
   host: HTMLElement,
   { editor, api, robotRules, tried, isServerGone }: Shown,
 ): { workspace: RuleWorkspace; close: () => void } {
   const show = () => {
     const shown = editor.shown.peek();
-    if (shown)
-      workspace.show(
-        shown.document,
-        sectionsOf(
-          shown.text,
-          shown.document.collections.flatMap(({ statements }) => statements),
-        ),
-      );
+    if (shown) workspace.show(shown.document, editor.shownSections.peek());
   };
-  const workspace = new RuleWorkspace(host, {
+  const workspace = new Workspace(host, {
     recipes: () =>
       recipeRules(api).catch((error: unknown) => {
         editor.tell(error);
@@ -147,6 +141,7 @@ function openWorkspace(
         return editsOf(document);
       }),
     leftOut: (count) => (editor.blocksLeftOut = count),
+    lost: () => (editor.message.value = LOST),
     ahead: (isAhead) => editor.ahead.tell(workspace, isAhead),
     showAgain: show,
     folds: editor.folds,

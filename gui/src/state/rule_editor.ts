@@ -1,8 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { batch, computed, effect, signal } from "@preact/signals";
-import { type Api, ApiError, type Rules } from "../api/client";
+import { batch, computed, signal } from "@preact/signals";
+import type { Api, Rules } from "../api/client";
+import { refusal } from "../api/refusal";
 import type { Edit, PlacedFinding, Repair, RuleDocument, Statement, Vocabulary } from "../api/types";
+import { sectionsOf } from "../blocks/sections";
 import { counted } from "../ui/numbers";
 import {
   type Conflict,
@@ -14,12 +16,14 @@ import {
   readIfThere,
   saveOver,
 } from "./conflict";
-import { type Draft, type Drafts, NO_ROOM, type Restored } from "./drafts";
+import type { Draft, Drafts, Restored } from "./drafts";
 import { Folds } from "./folds";
 import { History } from "./history";
+import { keepDraft } from "./kept_draft";
 import { layoutName, type MapSetting, PLAIN_GRID, readLayout, sideFileOf, writeLayout } from "./layout";
 import { RuleProfile } from "./rule_profile";
 import type { Spot } from "./spot";
+import { statementsIn } from "./statements_in";
 import { Words } from "./words";
 import { WorkAhead } from "./work_ahead";
 
@@ -52,10 +56,11 @@ export class RuleEditor implements Contested {
     map: PLAIN_GRID,
   });
   readonly ahead = new WorkAhead();
+  readonly shownStatements = computed(() => statementsIn(this.shown.value?.document ?? EMPTY));
+  /** The titles of what the blocks show, by the number of the statement under each. */
+  readonly shownSections = computed(() => sectionsOf(this.shown.value?.text ?? "", this.shownStatements.value));
   /** Whether no statement is there yet. */
-  readonly isEmpty = computed(
-    () => this.shown.value?.document.collections.every((each) => each.statements.length === 0) ?? true,
-  );
+  readonly isEmpty = computed(() => this.shownStatements.value.length === 0);
   /** Whether the file holds the text, and its side file the map. */
   readonly isInFile = computed(
     () => this.text.value === this.saved.value.text && this.map.value === this.saved.value.map,
@@ -72,7 +77,7 @@ export class RuleEditor implements Contested {
   /** Brings into the text what blocks say, an open field too where that is asked for; whether nothing is left out. */
   handOver: ((withOpenField: boolean) => Promise<boolean>) | null = null;
   readonly findings = computed(() => this.document.value.findings);
-  readonly statements = computed(() => this.document.value.collections.flatMap((each) => each.statements));
+  readonly statements = computed(() => statementsIn(this.document.value));
   private readonly byId = computed(() => new Map(this.statements.value.map((each) => [each.id ?? "", each])));
   readonly errors = computed(() => this.findings.value.filter((finding) => finding.severity === "error"));
   /** Whether the blocks show the past, because the text of now cannot be read. */
@@ -128,7 +133,7 @@ export class RuleEditor implements Contested {
     if (this.drafts.isElsewhere("rules", this.name))
       this.message.value = `Another tab has unsaved changes of ${this.name}`;
     this.isOpen = true;
-    effect(() => this.keepDraft());
+    keepDraft(this.drafts, "rules", this);
     await this.recallProfile();
   }
 
@@ -144,15 +149,10 @@ export class RuleEditor implements Contested {
     saved.value = { ...saved.value, hash };
   }
 
-  private keepDraft(): void {
+  draft(): (() => Draft) | null {
     const [text, map, { hash }] = [this.text.value, this.map.value, this.saved.value];
-    if (this.isInFile.value) {
-      this.drafts.drop("rules", this.name);
-      this.restored.value = null;
-      return;
-    }
-    const content = JSON.stringify({ text, map });
-    if (!this.drafts.keep("rules", this.name, { content, hash, changedMs: Date.now() })) this.message.value = NO_ROOM;
+    const changedMs = Date.now();
+    return this.isInFile.value ? null : () => ({ content: JSON.stringify({ text, map }), hash, changedMs });
   }
 
   async compare(): Promise<void> {
@@ -393,7 +393,6 @@ export class RuleEditor implements Contested {
 
   /** Says a refusal; anything else is a bug and goes on. */
   tell(error: unknown): void {
-    if (!(error instanceof ApiError)) throw error;
-    this.message.value = error.message;
+    this.message.value = refusal(error);
   }
 }

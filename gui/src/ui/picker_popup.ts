@@ -1,12 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import type { Found } from "./picker_matches";
+import { watchSize } from "./watch";
 
 const GAP_PX = 4;
 const EDGE_PX = 8;
 const LEAST_HEIGHT_PX = 120;
 const MOST_HEIGHT_PX = 340;
 const WIDTH_PX = 380;
+const FOLLOW_MS = 100;
 
 let made = 0;
 
@@ -16,7 +18,7 @@ export class PickerPopup {
   private readonly box = document.createElement("div");
   private readonly list = document.createElement("ul");
   private readonly note = document.createElement("p");
-  private frame = 0;
+  private readonly closed = new AbortController();
   private place = "";
   /** Whether a press began in the list. */
   private isPressed = false;
@@ -83,7 +85,7 @@ export class PickerPopup {
   }
 
   dispose(): void {
-    cancelAnimationFrame(this.frame);
+    this.closed.abort();
     this.box.remove();
   }
 
@@ -106,8 +108,17 @@ export class PickerPopup {
 
   /** Stays with the field, which moves when blocks grow and when the page scrolls. */
   private follow(): void {
-    this.settle();
-    this.frame = requestAnimationFrame(() => this.follow());
+    const settle = () => this.settle();
+    settle();
+    const { signal } = this.closed;
+    for (const event of ["scroll", "resize"]) addEventListener(event, settle, { capture: true, signal });
+    const stopWatching = watchSize(this.input, settle);
+    // A look at each frame would have the page draw one after the other.
+    const timer = setInterval(settle, FOLLOW_MS);
+    signal.addEventListener("abort", () => {
+      stopWatching();
+      clearInterval(timer);
+    });
   }
 
   private settle(): void {
