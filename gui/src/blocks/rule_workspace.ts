@@ -17,7 +17,7 @@ import { newWorkspace } from "./new_workspace";
 import { closeField, isTyping, openField } from "./open_field";
 import { blocklyTheme } from "./palette";
 import { type ActedOn, actedOn } from "./rule_acts";
-import { asOfNow, editsOf, isTextOf, isTop, printOf, type Standing, saidBy, statementOf, statementsOf } from "./slots";
+import { asOfNow, editsOf, isTop, printOf, type Standing, saidBy, statementOf, statementsOf } from "./slots";
 import { NEW_RATE, NEW_RULE } from "./toolbox";
 import { Warnings } from "./warnings";
 
@@ -39,8 +39,6 @@ export interface WorkspaceOwner {
   /** Asks for `show` with what the text says now. */
   showAgain(): void;
   selected(statement: string | null): void;
-  /** What blocks said when somebody left them cannot come into the text any more. */
-  lost(): void;
   /** How many blocks say nothing that the text could say. */
   leftOut(count: number): void;
   folds: Folds;
@@ -329,9 +327,7 @@ export class RuleWorkspace {
         this.settleSoon();
         return [];
       }
-      const { first, slots } = this.drawn;
-      if (this.left && !isTextOf(slots, document, first)) this.owner.lost();
-      const edits = editsOf(document, first, slots, this.standing());
+      const edits = editsOf(document, this.drawn.first, this.drawn.slots, this.standing());
       this.column.settle();
       return edits;
     });

@@ -87,7 +87,8 @@ export function editsOf(document: RuleDocument, first: number, slots: Slot[], st
  */
 function nextEdit(collections: PlacedCollection[], first: number, slots: Slot[], standing: Standing): Edit | null {
   const places = placedIn(collections).slice(first, first + slots.length);
-  if (!isOf(places, slots)) return null;
+  const isKnown = slots.every((slot, index) => slot.print === printAt(places, index));
+  if (places.length !== slots.length || !isKnown) return null;
   slots.forEach((slot, index) => {
     slot.id = places[index]?.statement.id ?? "";
   });
@@ -97,15 +98,6 @@ function nextEdit(collections: PlacedCollection[], first: number, slots: Slot[],
     nextInsert(collections[0], places, slots, standing) ??
     nextMove(places, slots, standing)
   );
-}
-
-/** Whether a text still says what it said when the blocks were drawn or changed last: else they cannot be brought into it. */
-export function isTextOf(slots: readonly Slot[], document: RuleDocument, first: number): boolean {
-  return isOf(statementsOf(document).slice(first, first + slots.length), slots);
-}
-
-function isOf(places: Placed[], slots: readonly Slot[]): boolean {
-  return places.length === slots.length && slots.every((slot, index) => slot.print === printAt(places, index));
 }
 
 function printAt(places: Placed[], index: number): string | null {

@@ -16,9 +16,6 @@ import { watchSize, watchTheme } from "../ui/watch";
 import { isLong, RuleOutline } from "./rule_outline";
 import { RuleSearch } from "./rule_search";
 
-const LOST =
-  "The last change in the blocks is not in the text: one before it was refused, or the text was changed meanwhile";
-
 /** The left half: the rules as blocks. */
 export function BlocksPane(props: Omit<Shown, "isServerGone">) {
   const { editor, api, robotRules, tried } = props;
@@ -141,7 +138,6 @@ function openWorkspace(
         return editsOf(document);
       }),
     leftOut: (count) => (editor.blocksLeftOut = count),
-    lost: () => (editor.message.value = LOST),
     ahead: (isAhead) => editor.ahead.tell(workspace, isAhead),
     showAgain: show,
     folds: editor.folds,

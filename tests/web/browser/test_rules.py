@@ -107,28 +107,6 @@ def test_blocks_that_are_left_still_bring_their_edits_into_the_text(ruler: Ruler
     ruler.expect_lines("SetFrequency /in_flight 5", "SetFrequency /queued 5", "SetFrequency /typed 5")
 
 
-def test_edits_behind_one_that_was_refused_are_told_when_the_blocks_were_left(
-    ruler: RulerPage, project: Path
-) -> None:
-    held: list[Route] = []
-    ruler.page.route("**/api/edit", lambda route: held.append(route), times=1)  # noqa: PLW0108 - no builtin
-    (project / "left.adirf").write_text("begin\n    SetFrequency /a 5\n    SetFrequency /b 5\nend\n")
-    ruler.home()
-    ruler.open("left.adirf")
-    with ruler.page.expect_request("**/api/edit"):
-        _retype(ruler, "a", "/in_flight")
-    _retype(ruler, "b", "/queued")
-    ruler.page.evaluate("location.hash = '#/'")
-    expect(ruler.button("New Rule File")).to_be_visible()
-    refused = {"message": "the edit is refused", "place": "", "remedy": "", "findings": []}
-    with ruler.page.expect_response("**/api/edit"):
-        held[0].fulfill(status=422, json={"error": refused})
-    ruler.open("left.adirf")
-    expect(ruler.page.get_by_text("The last change in the blocks is not in the text")).to_be_visible()
-    # The browser logs each answer that is an error.
-    ruler.complaints.clear()
-
-
 def _retype(ruler: RulerPage, topic: str, instead: str) -> None:
     ruler.field(f"Edit topic to send: /{topic}").click()
     ruler.type_value(instead)
