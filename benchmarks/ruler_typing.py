@@ -2,10 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """How long a key stroke takes on the Ruler's page while a large rule file is open, beside a small one.
 
-Run it with ``python benchmarks/ruler_typing.py [--rules 1000] [--keys 120]``; it needs Chromium, Playwright
-and the built page. A real Chromium types into the text and into a field of a block, the same keys first with
-ten rules: that is what drawing a page costs on this machine. Measured inside the page: from the time stamp of
-the key's event to behind the frame that shows it, and how long any task held the page up meanwhile.
+Run it with ``python benchmarks/ruler_typing.py [--rules 1000] [--keys 120] [--slowdown 6]``; it needs
+Chromium, Playwright and the built page. A real Chromium types into the text and into a field of a block, the
+same keys first with ten rules: that is what drawing a page costs on this machine. Measured
+inside the page: from the time stamp of the key's event to behind the frame that shows it, and how long any
+task held the page up meanwhile.
 """
 
 from __future__ import annotations
@@ -101,6 +102,10 @@ class Watch:
         before_s, self._before_s = self._before_s, self._cpu_s()
         return (self._before_s - before_s) * 1000
 
+    def slow_down(self, times: float) -> None:
+        """Let the page's processor be so many times slower from now on."""
+        self._session.send("Emulation.setCPUThrottlingRate", {"rate": times})
+
     def _cpu_s(self) -> float:
         metrics = self._session.send("Performance.getMetrics")["metrics"]
         return float(next(one["value"] for one in metrics if one["name"] == "TaskDuration"))
@@ -181,8 +186,8 @@ def in_block(page: Page, watch: Watch, keys: int) -> Iterator[Strokes]:
     yield strokes("field of a block", page, watch)
 
 
-def typing(browser: Browser, rules: int, keys: int) -> Iterator[Strokes]:
-    """Open a file of so many rules and type."""
+def typing(browser: Browser, rules: int, keys: int, slowdown: float) -> Iterator[Strokes]:
+    """Open a file of so many rules and type, on a processor that Chromium slows down so many times."""
     with tempfile.TemporaryDirectory() as folder:
         (Path(folder) / "many.adirf").write_text(rule_file(rules))
         with served(Path(folder), os.environ) as url:
@@ -191,6 +196,7 @@ def typing(browser: Browser, rules: int, keys: int) -> Iterator[Strokes]:
             page.get_by_role("button", name="Edit rate").first.wait_for(timeout=300_000)
             page.evaluate(OBSERVE)
             watch = Watch(page)
+            watch.slow_down(slowdown)
             yield from in_text(page, watch, keys)
             yield from in_block(page, watch, keys)
             page.close()
@@ -201,6 +207,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--rules", type=int, default=1000)
     parser.add_argument("--keys", type=int, default=120)
+    parser.add_argument("--slowdown", type=float, default=1)
     options = parser.parse_args()
     chromium = shutil.which("chromium") or shutil.which("google-chrome")
     if chromium is None:
@@ -211,7 +218,7 @@ def main() -> None:
         for rules in (SMALL_FILE_RULES, options.rules):
             print(f"{rules} rules", flush=True)
             measured.append([])
-            for one in typing(browser, rules, options.keys):
+            for one in typing(browser, rules, options.keys, options.slowdown):
                 print(f"  {one}", flush=True)
                 measured[-1].append(one)
         browser.close()

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import type { ComponentType } from "preact";
 import { useEffect, useMemo, useState } from "preact/hooks";
-import { type Api, ApiError } from "./api/client";
+import type { Api } from "./api/client";
+import { refusalOf } from "./api/refusal";
 import type { Project } from "./api/types";
 import { HomePage } from "./pages/home";
 import { KnownFile } from "./pages/known_file";
@@ -14,13 +14,13 @@ import { OpenEditors } from "./state/open_editors";
 import { OpenTabs } from "./state/open_tabs";
 import { TourOffer } from "./tour/tour_offer";
 import { KeepingBar } from "./ui/keeping_bar";
-import { later } from "./ui/later";
+import { type Later, later } from "./ui/later";
 import { Notice } from "./ui/notice";
 import { useRobot } from "./ui/robot_state";
 import { ServerGone, useReturn, WatchNotice } from "./ui/server_gone";
 
 // The heavy parts (Blockly, CodeMirror, plots) load with the page that needs them.
-const PAGES: Record<Exclude<Route["page"], "home">, ComponentType<PageProps>> = {
+const PAGES: Record<Exclude<Route["page"], "home">, Later<PageProps>> = {
   rules: later(async () => (await import("./pages/editor")).EditorPage),
   topics: later(async () => (await import("./pages/topics")).TopicsPage),
   help: later(async () => (await import("./pages/help")).HelpPage),
@@ -42,15 +42,13 @@ export function App({ api }: { api: Api }) {
     if (route.page !== "home") setMissing("");
   }, [route]);
   const refresh = async () => {
-    try {
-      setProject(await api.project());
-      setProblem("");
-    } catch (error) {
-      if (!(error instanceof ApiError)) throw error;
-      setProblem(error.message);
-    }
+    setProblem(await refusalOf(async () => setProject(await api.project())));
   };
-  useEffect(() => void refresh(), []);
+  useEffect(() => {
+    // The page comes while the server lists the project.
+    if (route.page !== "home") PAGES[route.page].preload();
+    void refresh();
+  }, []);
   useEffect(() => {
     if (project?.opened && location.hash === "") toRoute({ page: "rules", name: project.opened });
   }, [project]);

@@ -93,3 +93,17 @@ def test_what_is_refused_leaves_everything_as_it_was(
     assert says in answer.error
     kept = sorted(path for path in tmp_path.rglob("*") if path.is_file() and ".testudo" not in path.parts)
     assert {path: path.read_bytes() for path in kept} == before
+
+
+def test_a_file_that_the_browser_has_travels_again_only_when_it_changed(tmp_path: Path) -> None:
+    with served(tmp_path) as page:
+        sha256 = saved(page, "day.adirf")
+        known = page.get("/api/file?name=day.adirf")
+        asked = {"If-None-Match": known.headers["etag"]}
+        again = page.request("GET", "/api/file?name=day.adirf", headers=asked)
+        assert (again.status, again.body) == (304, b"")
+        assert "no-store" not in known.headers["cache-control"] + again.headers["cache-control"]
+        text = RULES.replace("10", "4")
+        page.put("/api/file", {"name": "day.adirf", "text": text, "base_hash": sha256})
+        changed = page.request("GET", "/api/file?name=day.adirf", headers=asked)
+        assert (changed.status, changed.json["text"]) == (200, text)

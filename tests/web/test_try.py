@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import gzip
 import json
 import socket
 import subprocess
@@ -54,6 +55,15 @@ def project(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def page(project: Path) -> Iterator[Page]:
     with served(project) as page:
         yield page
+
+
+def test_a_try_travels_compressed_where_the_page_takes_that(page: Page) -> None:
+    asked = {"text": RULES, "bag": "monday"}
+    plain = page.post("/api/try", asked)
+    packed = page.request("POST", "/api/try", json.dumps(asked), {"Accept-Encoding": "gzip"})
+    assert packed.headers["content-encoding"] == "gzip"
+    assert len(packed.body) < len(plain.body) / 2
+    assert json.loads(gzip.decompress(packed.body)) == plain.json
 
 
 def shown(decision: Decision) -> dict[str, object]:

@@ -3,6 +3,7 @@
 import * as Blockly from "blockly/core";
 import type { RuleDocument, Statement } from "../api/types";
 import type { Folds } from "../state/folds";
+import { statementsIn } from "../state/statements_in";
 import { showRawText } from "./block_types";
 import { type Column, GAP, HEADING } from "./column";
 import type { Suggestions } from "./fields";
@@ -61,7 +62,7 @@ export class DrawnPart {
   /** Draws a document; blocks whose `print` a statement has are those of the statement. */
   take(document: RuleDocument, sections: ReadonlyMap<number, string>, print: Print): void {
     const before = this.all;
-    const all = document.collections.flatMap(({ statements }) => statements);
+    const all = statementsIn(document);
     const keys = (statements: readonly Statement[]) => statements.map(({ key = "" }) => key);
     this.owner.folds.follow(before, all);
     this.part = follow(this.part, keys(before), keys(all));

@@ -1,6 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import type { CheckCondition, Condition, Live, LiveTime, RuleDocument, TimedCondition, TruthName } from "../api/types";
+import { statementsIn } from "../state/statements_in";
 
 /** What a robot says of one check now. */
 export interface CheckState {
@@ -23,7 +25,7 @@ const UNKNOWN: CheckState = { state: "unknown", value: null };
  * checks by their words: equal checks hold at the same time.
  */
 export function ruleStates(document: RuleDocument, live: Live): ReadonlyMap<string, RuleState> {
-  const all = document.collections.flatMap(({ statements }) => statements);
+  const all = statementsIn(document);
   const rules = all.filter((each) => each.kind === "rule").filter((each) => !each.is_disabled);
   const labels = numbered(live.blocks.map(({ label }) => label));
   const blocks = new Map(live.blocks.map((block, index) => [labels[index], block]));

@@ -11,6 +11,7 @@ import type { Suggestions } from "./fields";
 import { type MenuPage, useOwnMenus } from "./menus";
 import { useOwnKeys } from "./own_keys";
 import { blocklyTheme } from "./palette";
+import { offerRecipes } from "./recipe_category";
 import { toolbox } from "./toolbox";
 
 const SCALE = 0.72;
@@ -20,7 +21,7 @@ const SCALE_FOR_FINGERS = 1.1;
 export function newWorkspace(
   host: HTMLElement,
   suggestions: Suggestions,
-  recipes: readonly Statement[],
+  recipes: () => Promise<readonly Statement[] | null>,
   { act, toggleFold }: Pick<BlockButtons, "act" | "toggleFold">,
   page: MenuPage,
 ): Blockly.WorkspaceSvg {
@@ -43,7 +44,7 @@ export function newWorkspace(
     modalInputs: false,
     renderer: "zelos",
     theme: blocklyTheme(host),
-    toolbox: toolbox(recipes),
+    toolbox: toolbox(),
     // Beside the blocks it would leave them no room.
     horizontalLayout: isNarrow,
     media: "./media/",
@@ -61,6 +62,7 @@ export function newWorkspace(
     },
     move: { scrollbars: true, drag: true, wheel: true },
   });
+  offerRecipes(workspace, recipes);
   useOwnMenus(workspace, buttons, page);
   useOwnKeys(host);
   // The text keeps what is undone.

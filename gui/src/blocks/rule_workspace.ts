@@ -21,6 +21,8 @@ import { asOfNow, editsOf, isTop, printOf, type Standing, saidBy, statementOf, s
 import { NEW_RATE, NEW_RULE } from "./toolbox";
 import { Warnings } from "./warnings";
 
+const IN_HAND_MS = 50;
+
 type EditsOf = (document: RuleDocument) => Edit[];
 
 /** What the workspace tells and asks. */
@@ -28,8 +30,8 @@ export interface WorkspaceOwner {
   suggestions: Suggestions;
   /** What the menus on blocks do with the page. */
   menus: Omit<MenuPage, "newRate" | "newRule" | "foldAll">;
-  /** Rules to take from the list of blocks. */
-  recipes: readonly Statement[];
+  /** Rules to take from the list of blocks; null where they cannot be had now. */
+  recipes(): Promise<readonly Statement[] | null>;
   /** Blocks say something else than the text: `editsOf` it bring it there. */
   changed(editsOf: EditsOf): Promise<void>;
   /** Whether blocks say something that is not in the text yet. */
@@ -41,6 +43,9 @@ export interface WorkspaceOwner {
   leftOut(count: number): void;
   folds: Folds;
 }
+
+/** Looks again whether somebody still types: a frame for each look would cost more than the letters. */
+const lookAgain = (look: () => void) => void setTimeout(look, IN_HAND_MS);
 
 /** The blocks of one rule file, kept in step with its text. */
 export class RuleWorkspace {
@@ -67,11 +72,11 @@ export class RuleWorkspace {
       act: (block: Blockly.BlockSvg, what: RuleAct) => void this.act(block, what),
       toggleFold: (block: Blockly.BlockSvg) => void this.toggleFold(block),
     };
-    this.workspace = newWorkspace(host, owner.suggestions, owner.recipes, acts, {
+    this.workspace = newWorkspace(host, owner.suggestions, () => owner.recipes(), acts, {
       ...owner.menus,
       foldAll: (isFolded) => void this.foldAll(isFolded),
-      newRate: () => this.add(toBlock(NEW_RATE)),
-      newRule: () => this.add(toBlock(NEW_RULE)),
+      newRate: () => this.addNew("rate"),
+      newRule: () => this.addNew("rule"),
     });
     this.column = new Column(this.workspace);
     this.drawn = new DrawnPart(this.workspace, this.column, owner, () => {
@@ -102,12 +107,12 @@ export class RuleWorkspace {
   private lookSoon(): void {
     if (this.isLooking) return;
     this.isLooking = true;
-    requestAnimationFrame(() => {
+    const look = () => {
+      if (!this.left && (this.isInHand() || this.isAhead())) return lookAgain(look);
       this.isLooking = false;
-      if (this.left) return;
-      if (this.isInHand() || this.isAhead()) this.lookSoon();
-      else this.drawn.look();
-    });
+      if (!this.left) this.drawn.look();
+    };
+    requestAnimationFrame(look);
   }
 
   /** Whether blocks say something that is not in the text yet. Blockly tells of a change a picture or two later. */
@@ -235,10 +240,11 @@ export class RuleWorkspace {
   }
 
   /** Puts a new block where the text will have it, and opens its first field. */
-  add(state: Blockly.serialization.blocks.State): void {
+  addNew(kind: "rate" | "rule"): void {
     const { all } = this.drawn;
+    const state = toBlock(kind === "rate" ? NEW_RATE : NEW_RULE);
     const rule = all.findIndex(({ kind }) => kind === "rule");
-    this.shownAt(state.type === "adirf_rule" || rule < 0 ? all.length - 1 : rule);
+    this.shownAt(kind === "rule" || rule < 0 ? all.length - 1 : rule);
     const block = Blockly.serialization.blocks.append(state, this.workspace) as Blockly.BlockSvg;
     this.column.add(block);
     this.column.bringIntoView(block);
@@ -290,11 +296,8 @@ export class RuleWorkspace {
   /** Waits until nobody drags or types, then says what changed. */
   private settle(): void {
     if (this.left) return;
-    if (this.isInHand()) {
-      this.settleSoon();
-      return;
-    }
-    void this.hand();
+    if (this.isInHand()) lookAgain(() => this.settle());
+    else void this.hand();
   }
 
   /**

@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import type * as Blockly from "blockly/core";
-import type { Condition, RuleStatement, SetStatement, Statement } from "../api/types";
+import type { Condition, RuleStatement, SetStatement } from "../api/types";
 import { toBlock } from "./model";
+import { RECIPES } from "./recipe_category";
 
 const set = (topic: string, hz: number): SetStatement => ({ kind: "set", topic, rate: { kind: "hz", value: hz } });
 const check = (topic: string, property: string, op: "<" | ">", value: number): Condition => ({
@@ -25,7 +26,7 @@ const TIMES: Record<string, unknown>[] = [
 ];
 
 /** The blocks to take from: what a statement may be, what a condition may be, and the rules of recipes. */
-export function toolbox(recipes: readonly Statement[]): Blockly.utils.toolbox.ToolboxDefinition {
+export function toolbox(): Blockly.utils.toolbox.ToolboxDefinition {
   const block = (state: Blockly.serialization.blocks.State) => ({ kind: "block", ...state });
   return {
     kind: "categoryToolbox",
@@ -54,12 +55,7 @@ export function toolbox(recipes: readonly Statement[]): Blockly.utils.toolbox.To
           block({ type: "adirf_all", extraState: { times: 1 } }),
         ],
       },
-      {
-        kind: "category",
-        name: "Recipes",
-        categorystyle: "rule",
-        contents: recipes.map((each) => block(toBlock(each))),
-      },
+      { kind: "category", name: "Recipes", categorystyle: "rule", custom: RECIPES },
     ],
   };
 }

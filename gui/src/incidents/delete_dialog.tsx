@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { useState } from "preact/hooks";
-import { type Api, ApiError } from "../api/client";
+import type { Api } from "../api/client";
+import { refusalOf } from "../api/refusal";
 import type { IncidentSummary, IncidentsAnswer } from "../api/types";
 import { FormDialog } from "../ui/dialog";
 import { counted, sizeWords } from "../ui/numbers";
@@ -20,12 +21,11 @@ export function DeleteDialog({ api, incident, onDeleted, onClose }: DeleteDialog
   const [problem, setProblem] = useState("");
   const { name, size_kb, summary } = incident;
   const remove = async () => {
-    try {
-      onDeleted(await api.deleteIncident(name));
-    } catch (error) {
-      if (!(error instanceof ApiError)) throw error;
-      setProblem(error.message);
-    }
+    setProblem(
+      await refusalOf(async () => {
+        onDeleted(await api.deleteIncident(name));
+      }),
+    );
   };
   return (
     <FormDialog title="Delete this incident?" submit="Delete" onSubmit={remove} onClose={onClose}>

@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 import { type Signal, signal } from "@preact/signals";
 import { useEffect, useMemo } from "preact/hooks";
-import { type Api, ApiError } from "../api/client";
+import type { Api } from "../api/client";
+import { refusal } from "../api/refusal";
 import type { IncidentAnswer } from "../api/types";
 import type { MapPicture, MapZone } from "../map/shapes";
 import { layoutName, PLAIN_GRID, readLayout } from "../state/layout";
@@ -36,7 +37,7 @@ export function useRuleGround(api: Api, incident: IncidentAnswer): Ground {
       zones.value = zonesAt(rules, [summary.rule]);
     };
     load().catch((error: unknown) => {
-      if (!(error instanceof ApiError)) throw error;
+      refusal(error);
     });
   }, [rule_file]);
   return { picture: floor.picture, zones };

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useState } from "preact/hooks";
-import { type Api, ApiError } from "../api/client";
+import type { Api } from "../api/client";
+import { refusal } from "../api/refusal";
 import type { LevelledProperty } from "../api/types";
 import { ACCURACY_UNITS, keysOf } from "../state/accuracies";
 import type { DraftRow } from "../state/draft_row";
@@ -63,7 +64,7 @@ function useKnown(editor: ProfileEditor, api: Api, rows: readonly DraftRow[]): R
       setKnown(new Map(topics.map((each) => [each.topic, new Set(each.bounds.map(({ name }) => name))])));
     } catch (error) {
       // Nothing is known then, and the levels of rates are all there is.
-      if (!(error instanceof ApiError)) throw error;
+      refusal(error);
     }
   };
   const types = rows.map((row) => row.type).join(" ");

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { useMemo, useState } from "preact/hooks";
-import { type Api, ApiError } from "../api/client";
+import type { Api } from "../api/client";
+import { refusal } from "../api/refusal";
 import type { Curve } from "../api/types";
 import { type DraftRow, isNumber, toNumber } from "../state/draft_row";
 import type { ProfileEditor } from "../state/profile_editor";
@@ -92,8 +93,7 @@ function Proposal(props: {
     try {
       place((await api.levels(source_hz)).tiers_hz, "The levels are a first guess from the source's rate.");
     } catch (error) {
-      if (!(error instanceof ApiError)) throw error;
-      setNote(error.message);
+      setNote(refusal(error));
     }
   };
   return (

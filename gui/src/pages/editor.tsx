@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { computed, type Signal, useComputed, useSignal } from "@preact/signals";
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
-import { ApiError } from "../api/client";
+import { refusal } from "../api/refusal";
 import { BlocksPane } from "../panels/blocks_pane";
 import { EditorBar } from "../panels/editor_bar";
 import { FindingsPanel } from "../panels/findings_panel";
@@ -103,7 +103,7 @@ export function EditorPage({ api, project, name, robot: node, line, editors, kee
       </div>
       <main class="panes">
         <div class="split">
-          <BlocksPane {...{ editor, drawValues }} tried={tries.last} robotRules={robot.robotRules} />
+          <BlocksPane {...{ editor, api, drawValues }} tried={tries.last} robotRules={robot.robotRules} />
           <Splitter
             label="Width of the blocks"
             orientation="vertical"
@@ -219,10 +219,10 @@ type Opened = "open" | { problem: string };
 
 async function open(editor: RuleEditor, done: (state: Opened) => void): Promise<void> {
   try {
-    if (!editor.isOpen) await editor.open();
+    if (editor.isOpen) void editor.recallProfile();
+    else await editor.open();
     done("open");
   } catch (error) {
-    if (!(error instanceof ApiError)) throw error;
-    done({ problem: error.message });
+    done({ problem: refusal(error) });
   }
 }

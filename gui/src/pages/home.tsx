@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useId, useState } from "preact/hooks";
 import { type Api, ApiError } from "../api/client";
+import { refusal, refusalOf } from "../api/refusal";
 import type { FileAnswer, Project } from "../api/types";
 import { FileLists } from "../panels/file_lists";
 import { ownProfile } from "../panels/profile_choice";
@@ -60,8 +61,7 @@ export function HomePage({ api, project, refresh, editors, missing }: HomeProps)
     try {
       await api.save(file.name, file.text, null);
     } catch (error) {
-      if (!(error instanceof ApiError)) throw error;
-      setRefused(error.message);
+      setRefused(refusal(error));
     }
     await refresh();
   };
@@ -189,8 +189,7 @@ function SavesByItself({ api, project, onSet, onRefused }: SavesProps) {
       await api.setSavesByItself(isWanted);
       await onSet();
     } catch (error) {
-      if (!(error instanceof ApiError)) throw error;
-      onRefused(error.message);
+      onRefused(refusal(error));
     }
   };
   return (
@@ -218,15 +217,14 @@ function NewRules(props: Pick<PageProps, "api" | "refresh" | "project"> & { reci
     const name = String(form.get("name"))
       .trim()
       .replace(/(\.adirf)?$/, ".adirf");
-    try {
-      const recipe = RECIPES.find(({ title }) => title === form.get("recipe"));
-      await props.api.save(name, recipe?.text ?? EMPTY_RULES, null);
-      await props.refresh();
-      toRoute({ page: "rules", name });
-    } catch (error) {
-      if (!(error instanceof ApiError)) throw error;
-      setProblem(error.message);
-    }
+    setProblem(
+      await refusalOf(async () => {
+        const recipe = RECIPES.find(({ title }) => title === form.get("recipe"));
+        await props.api.save(name, recipe?.text ?? EMPTY_RULES, null);
+        await props.refresh();
+        toRoute({ page: "rules", name });
+      }),
+    );
   };
   return (
     <FormDialog title="New Rule File" submit="Create" onSubmit={create} onClose={props.onClose}>

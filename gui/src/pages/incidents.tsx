@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useMemo, useState } from "preact/hooks";
-import { type Api, ApiError } from "../api/client";
+import type { Api } from "../api/client";
+import { refusalOf } from "../api/refusal";
 import type { IncidentAnswer, IncidentCourse, IncidentsAnswer, ListedIncident } from "../api/types";
 import { DeleteDialog } from "../incidents/delete_dialog";
 import { CourseView } from "../incidents/incident_course";
@@ -159,13 +160,7 @@ function useAnswer<T>(ask: () => Promise<T>): [T | null, () => Promise<void>, st
   const [answer, setAnswer] = useState<T | null>(null);
   const [problem, setProblem] = useState("");
   const read = async () => {
-    try {
-      setAnswer(await ask());
-      setProblem("");
-    } catch (error) {
-      if (!(error instanceof ApiError)) throw error;
-      setProblem(error.message);
-    }
+    setProblem(await refusalOf(async () => setAnswer(await ask())));
   };
   useEffect(() => void read(), []);
   return [answer, read, problem, setAnswer];

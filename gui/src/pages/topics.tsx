@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { computed } from "@preact/signals";
 import { useEffect, useMemo, useState } from "preact/hooks";
-import { ApiError } from "../api/client";
+import { refusalOf } from "../api/refusal";
 import { LevelPanel } from "../levels/level_panel";
 import { MeasureRobot } from "../panels/measure_robot";
 import { RulesTopics } from "../panels/rules_topics";
@@ -24,13 +24,7 @@ export function TopicsPage({ api, project, name, rules, refresh, editors }: Page
   const [problem, setProblem] = useState("");
   const [isOpen, setOpen] = useState(false);
   const guarded = async (work: () => Promise<void>) => {
-    try {
-      await work();
-      setProblem("");
-    } catch (error) {
-      if (!(error instanceof ApiError)) throw error;
-      setProblem(error.message);
-    }
+    setProblem(await refusalOf(work));
   };
   useEffect(() => void guarded(() => editor.open(project.files).then(() => setOpen(true))), []);
   useDiskLooks(editor, isOpen);

@@ -2,12 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 import { effect, type ReadonlySignal, useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
-import { toBlock } from "../blocks/model";
-import { RuleWorkspace } from "../blocks/rule_workspace";
-import { sectionsOf } from "../blocks/sections";
+import type { Api } from "../api/client";
+import type { RuleWorkspace } from "../blocks/rule_workspace";
 import { suggestionsOf } from "../blocks/suggestions";
 import type { DrawValues } from "../blocks/threshold_field";
-import { NEW_RATE, NEW_RULE } from "../blocks/toolbox";
+import { recipeRules } from "../recipes/recipe_rules";
 import type { RobotRules } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
 import type { Trial } from "../state/trial";
@@ -19,25 +18,31 @@ import { isLong, RuleOutline } from "./rule_outline";
 import { RuleSearch } from "./rule_search";
 
 /** The left half: the rules as blocks. */
-export function BlocksPane(props: {
-  editor: RuleEditor;
-  robotRules: RobotRules;
-  tried: ReadonlySignal<Trial | null>;
-  drawValues: DrawValues;
-}) {
-  const { editor, robotRules, tried, drawValues } = props;
+export function BlocksPane(props: Omit<Shown, "isServerGone">) {
+  const { editor, api, robotRules, tried, drawValues } = props;
   const host = useRef<HTMLDivElement>(null);
   const workspace = useRef<RuleWorkspace | null>(null);
   const hasOutline = useSignal(!matchMedia(NARROW).matches);
+  const isLoaded = useSignal(false);
   useEffect(() => {
-    if (!host.current) return;
-    const opened = openWorkspace(host.current, { editor, robotRules, tried, drawValues, isServerGone });
-    workspace.current = opened.workspace;
-    return opened.close;
+    let close: (() => void) | null = () => undefined;
+    // The text can be read and changed before the blocks are there, which take longer.
+    void import("../blocks/rule_workspace").then(({ RuleWorkspace }) => {
+      if (!host.current || close === null) return;
+      const shown = { editor, api, robotRules, tried, drawValues, isServerGone };
+      const opened = openWorkspace(RuleWorkspace, host.current, shown);
+      workspace.current = opened.workspace;
+      isLoaded.value = true;
+      close = opened.close;
+    });
+    return () => {
+      close?.();
+      close = null;
+    };
   }, []);
   const { isServerGone } = useRobot();
   const isBehind = !editor.document.value.parses && editor.shown.value?.text !== editor.text.value;
-  const isReadOnly = editor.isBroken.value || editor.shown.value === null;
+  const isReadOnly = editor.isBroken.value || editor.shown.value === null || !isLoaded.value;
   const errors = editor.errors.value.length;
   const isMany = isLong(editor);
   const go = (index: number) => void workspace.current?.unfold(index);
@@ -46,20 +51,10 @@ export function BlocksPane(props: {
       <div class="pane-bar">
         <h2>Blocks</h2>
         <NeedsServer>
-          <button
-            type="button"
-            class="small"
-            disabled={isReadOnly}
-            onClick={() => workspace.current?.add(toBlock(NEW_RATE))}
-          >
+          <button type="button" class="small" disabled={isReadOnly} onClick={() => workspace.current?.addNew("rate")}>
             New rate
           </button>
-          <button
-            type="button"
-            class="small"
-            disabled={isReadOnly}
-            onClick={() => workspace.current?.add(toBlock(NEW_RULE))}
-          >
+          <button type="button" class="small" disabled={isReadOnly} onClick={() => workspace.current?.addNew("rule")}>
             New rule
           </button>
         </NeedsServer>
@@ -106,6 +101,7 @@ export function BlocksPane(props: {
 
 interface Shown {
   editor: RuleEditor;
+  api: Api;
   robotRules: RobotRules;
   tried: ReadonlySignal<Trial | null>;
   drawValues: DrawValues;
@@ -113,22 +109,20 @@ interface Shown {
 }
 
 function openWorkspace(
+  Workspace: typeof RuleWorkspace,
   host: HTMLElement,
-  { editor, robotRules, tried, drawValues, isServerGone }: Shown,
+  { editor, api, robotRules, tried, drawValues, isServerGone }: Shown,
 ): { workspace: RuleWorkspace; close: () => void } {
   const show = () => {
     const shown = editor.shown.peek();
-    if (shown)
-      workspace.show(
-        shown.document,
-        sectionsOf(
-          shown.text,
-          shown.document.collections.flatMap(({ statements }) => statements),
-        ),
-      );
+    if (shown) workspace.show(shown.document, editor.shownSections.peek());
   };
-  const workspace = new RuleWorkspace(host, {
-    recipes: editor.recipes,
+  const workspace = new Workspace(host, {
+    recipes: () =>
+      recipeRules(api).catch((error: unknown) => {
+        editor.tell(error);
+        return null;
+      }),
     menus: {
       undo: () => editor.undo(),
       redo: () => editor.redo(),

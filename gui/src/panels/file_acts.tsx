@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { useState } from "preact/hooks";
-import { type Api, ApiError } from "../api/client";
+import type { Api } from "../api/client";
+import { refusal, refusalOf } from "../api/refusal";
 import type { FileAnswer, Project } from "../api/types";
 import { followersOf } from "../state/robot_trouble";
 import { FormDialog } from "../ui/dialog";
@@ -30,8 +31,7 @@ export function FileActs(props: FileActsProps & { name: string }) {
       await api.remove(name, file.hash);
       onDeleted(file);
     } catch (error) {
-      if (!(error instanceof ApiError)) throw error;
-      onRefused(error.message);
+      onRefused(refusal(error));
     }
     await refresh();
   };
@@ -76,15 +76,14 @@ function NameDialog(props: FileActsProps & { name: string; isCopy: boolean; onCl
   const call = async (form: FormData) => {
     const typed = String(form.get("name")).trim();
     const wanted = typed.endsWith(ending) ? typed : typed + ending;
-    try {
-      const file = await api.read(name);
-      if (isCopy) await api.save(wanted, file.text, null);
-      else if (wanted !== name) await api.rename(name, wanted, file.hash);
-      onClose();
-    } catch (error) {
-      if (!(error instanceof ApiError)) throw error;
-      setProblem(error.message);
-    }
+    setProblem(
+      await refusalOf(async () => {
+        const file = await api.read(name);
+        if (isCopy) await api.save(wanted, file.text, null);
+        else if (wanted !== name) await api.rename(name, wanted, file.hash);
+        onClose();
+      }),
+    );
     await refresh();
   };
   return (

@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { Signal } from "@preact/signals";
 import { useEffect, useState } from "preact/hooks";
-import { type Api, ApiError, type Rules } from "../api/client";
+import type { Api, Rules } from "../api/client";
+import { refusal } from "../api/refusal";
 import type { OptimizeAnswer, Project, Refusal, Repair } from "../api/types";
 import { href } from "../route";
 import { setBudget } from "../state/budget";
@@ -42,7 +43,9 @@ export function OptimizePanel({ editor, api, project, repair, wantsRates }: Prop
     return () => clearTimeout(timer);
   }, [text, profile]);
   const isAnswered =
-    profile === null ? editor.knowsProfile.value : result?.text === text && result.profile_text === profile.text;
+    profile === null
+      ? editor.profileChoice.isKnown.value
+      : result?.text === text && result.profile_text === profile.text;
   useEffect(() => {
     if (!wantsRates.value || !isAnswered) return;
     wantsRates.value = false;
@@ -180,7 +183,6 @@ async function optimize(editor: RuleEditor, api: Api, done: (result: Result) => 
     const answer = await api.optimize(rules);
     if (text === editor.text.value) done({ ...answer, text, profile_text });
   } catch (error) {
-    if (!(error instanceof ApiError)) throw error;
-    done({ refused: error.message, text, profile_text });
+    done({ refused: refusal(error), text, profile_text });
   }
 }

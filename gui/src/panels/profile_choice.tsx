@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { useEffect, useRef, useState } from "preact/hooks";
 import type { Api } from "../api/client";
 import type { Project } from "../api/types";
 import { href } from "../route";
@@ -15,24 +14,9 @@ export function ProfileChoice({ editor, api, project }: { editor: RuleEditor; ap
   const listed = project.files.filter((file) => file.kind === "profile").map((file) => file.name);
   // One that was saved just now may not be listed yet.
   const names = chosen === "" || listed.includes(chosen) ? listed : [...listed, chosen];
-  const [gone, setGone] = useState<string | null>(null);
-  const hasChosen = useRef(false);
+  const gone = editor.profileChoice.gone.value;
   const telling = (work: Promise<void>) => void work.catch((error: unknown) => editor.tell(error));
-  const useRemembered = async () => {
-    try {
-      const answer = await api.profileFor(editor.rules);
-      // Somebody may have chosen meanwhile.
-      if (hasChosen.current) return;
-      setGone(answer.gone);
-      await editor.useProfile(answer.name);
-    } finally {
-      editor.knowsProfile.value = true;
-    }
-  };
-  useEffect(() => telling(useRemembered()), []);
   const choose = async (name: string) => {
-    hasChosen.current = true;
-    setGone(null);
     await Promise.all([api.chooseProfile(editor.name, name || null), editor.useProfile(name || null)]);
   };
   const own = ownProfile(editor.name);

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useState } from "preact/hooks";
-import { type Api, ApiError } from "../api/client";
+import type { Api } from "../api/client";
+import { refusalOf } from "../api/refusal";
 import type { Project } from "../api/types";
 import { toRoute } from "../route";
 import { layoutName, PLAIN_GRID, writeLayout } from "../state/layout";
@@ -43,9 +44,9 @@ export function RecordingStart({ bag, ...props }: Props & { bag: string; onClose
     bag,
     read: async () => {
       const { topics, duration_s, rules_text } = await api.recording(bag);
-      return { said: `${counted(topics.length, "topic")}, ${durationWords(duration_s)}.`, rules_text };
+      const said = `${counted(topics.length, "topic")}, ${durationWords(duration_s)}.`;
+      return { said, rules_text, profile: async () => (await api.measureProfile(bag)).text };
     },
-    profile: async () => (await api.measureProfile(bag)).text,
   };
   return <StartDialog origin={origin} {...props} />;
 }
@@ -58,10 +59,9 @@ export function RobotStart({ node, label, ...props }: Props & { node: string; la
     name: label.split("/").find((part) => part !== "") ?? "robot",
     bag: null,
     read: async () => {
-      const { topics, rules_text } = await api.robotStart(node);
-      return { said: `${counted(topics.length, "topic")} relayed now.`, rules_text };
+      const { topics, rules_text, profile_text } = await api.robotStart(node);
+      return { said: `${counted(topics.length, "topic")} relayed now.`, rules_text, profile: async () => profile_text };
     },
-    profile: async () => (await api.robotStart(node)).profile_text,
   };
   return <StartDialog origin={origin} {...props} />;
 }
@@ -71,38 +71,40 @@ interface Origin {
   title: string;
   name: string;
   bag: string | null;
-  read: () => Promise<{ said: string; rules_text: string }>;
+  read: () => Promise<Found>;
+}
+
+interface Found {
+  said: string;
+  rules_text: string;
+  /** Topic parameters; measuring them may take long. */
   profile: () => Promise<string>;
 }
 
 function StartDialog({ api, project, refresh, origin, onClose }: Props & { origin: Origin; onClose: () => void }) {
-  const [found, setFound] = useState<{ said: string; rules_text: string } | null>(null);
+  const [found, setFound] = useState<Found | null>(null);
   const [problem, setProblem] = useState("");
   const guarded = async (work: () => Promise<unknown>) => {
-    try {
-      await work();
-    } catch (error) {
-      if (!(error instanceof ApiError)) throw error;
-      setProblem(error.message);
-    }
+    setProblem(await refusalOf(work));
   };
   useEffect(() => void guarded(async () => setFound(await origin.read())), []);
-  const create = (form: FormData) =>
-    guarded(async () => {
-      if (found === null) return;
-      const typed = String(form.get("name")).trim();
-      const name = typed.replace(/(\.adirf)?$/, ".adirf");
-      const wanted = (what: string) => form.get(what) !== null;
-      const taken = [name, ...(wanted("sizes") ? [ownProfile(name)] : [])].find((one) => isThere(project, one));
-      if (taken !== undefined) return setProblem(`${taken} exists already: choose another name`);
+  const create = async (form: FormData) => {
+    if (found === null) return;
+    const typed = String(form.get("name")).trim();
+    const name = typed.replace(/(\.adirf)?$/, ".adirf");
+    const wanted = (what: string) => form.get(what) !== null;
+    const taken = [name, ...(wanted("sizes") ? [ownProfile(name)] : [])].find((one) => isThere(project, one));
+    if (taken !== undefined) return setProblem(`${taken} exists already: choose another name`);
+    await guarded(async () => {
       // Measured first: what cannot be read leaves nothing behind.
-      const sizes = wanted("sizes") ? await origin.profile() : null;
+      const sizes = wanted("sizes") ? await found.profile() : null;
       await api.save(name, wanted("defaults") ? found.rules_text : "begin\nend\n", null);
       if (sizes !== null) await api.save(ownProfile(name), sizes, null);
       if (wanted("path")) await writeLayout(api, layoutName(name), { ...PLAIN_GRID, bag: origin.bag }, null);
       await refresh();
       toRoute({ page: "rules", name });
     });
+  };
   return (
     <FormDialog
       title={`Start from ${origin.title}`}

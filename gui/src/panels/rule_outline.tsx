@@ -4,7 +4,6 @@ import { useComputed, useSignal, useSignalEffect } from "@preact/signals";
 import { useRef } from "preact/hooks";
 import type { Statement } from "../api/types";
 import { ruleName, ruleSets } from "../blocks/rule_words";
-import { sectionsOf } from "../blocks/sections";
 import { statementTitle } from "../sharing/statement_title";
 import type { RobotRules } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
@@ -12,6 +11,8 @@ import type { RuleEditor } from "../state/rule_editor";
 /** A text with more statements than this has an outline. */
 const MANY = 20;
 const MOST_LETTERS = 60;
+/** So many lines are drawn together once they come near the view: the browser looks after each such stretch at each frame. */
+const STRETCH_LINES = 25;
 const STEPS: Readonly<Record<string, number>> = { ArrowDown: 1, ArrowUp: -1, PageDown: 10, PageUp: -10 };
 
 interface Props {
@@ -22,31 +23,25 @@ interface Props {
 }
 
 export function isLong(editor: RuleEditor): boolean {
-  return (
-    (editor.shown.value?.document.collections.reduce((sum, { statements }) => sum + statements.length, 0) ?? 0) > MANY
-  );
+  return editor.shownStatements.value.length > MANY;
 }
 
 /** All statements of a long text in its sections, a line each, and the way to their blocks. */
 export function RuleOutline({ editor, robotRules, onGo, onFoldAll }: Props) {
   const list = useRef<HTMLDivElement>(null);
   const active = useSignal(0);
-  const shown = useComputed(() => {
-    const { document, text } = editor.shown.value ?? { document: { collections: [] }, text: "" };
-    const all = document.collections.flatMap(({ statements }) => statements);
-    return { all, sections: inSections(all, sectionsOf(text, all)) };
-  });
+  const sections = useComputed(() => inSections(editor.shownStatements.value, editor.shownSections.value));
   useSignalEffect(() => {
     const { spot } = editor;
     const id = spot.value && editor.statementAt(spot.value.offset)?.id;
-    const index = id ? shown.peek().all.findIndex((each) => each.id === id) : -1;
+    const index = id ? editor.shownStatements.peek().findIndex((each) => each.id === id) : -1;
     if (index >= 0) active.value = index;
   });
   useSignalEffect(() => {
     list.current?.querySelector(`#outline-${active.value}`)?.scrollIntoView({ block: "nearest" });
   });
   const press = (event: KeyboardEvent) => {
-    const last = shown.value.all.length - 1;
+    const last = editor.shownStatements.value.length - 1;
     const step = STEPS[event.key];
     if (event.key === "Enter" || event.key === " ") onGo(active.value);
     else if (event.key === "Home") active.value = 0;
@@ -75,32 +70,36 @@ export function RuleOutline({ editor, robotRules, onGo, onFoldAll }: Props) {
         aria-activedescendant={`outline-${active.value}`}
         onKeyDown={press}
       >
-        {shown.value.sections.map(({ title, first, statements }) => (
+        {sections.value.map(({ title, first, statements }) => (
           <div key={first} role="group" aria-label={title || "Rules"}>
             {title && (
               <p class="section" aria-hidden="true">
                 {title}
               </p>
             )}
-            {statements.map((statement, at) => (
-              // The keyboard chooses in the list as a whole.
-              // biome-ignore lint/a11y/useKeyWithClickEvents: see above
-              // biome-ignore lint/a11y/useFocusableInteractive: see above
-              <div
-                key={statement.key}
-                id={`outline-${first + at}`}
-                role="option"
-                aria-selected={first + at === active.value}
-                onClick={() => {
-                  active.value = first + at;
-                  onGo(first + at);
-                }}
-              >
-                <Line statement={statement} />
-                <span class="quiet">
-                  {marked.has(statement.id ?? null) && "⚠ "}
-                  {stateWords(statement, states.get(statement.id ?? "")?.state)}
-                </span>
+            {inStretches(statements).map(({ from, lines }) => (
+              <div key={from} class="stretch" role="presentation" style={{ "--lines": lines.length }}>
+                {lines.map((statement, line) => (
+                  // The keyboard chooses in the list as a whole.
+                  // biome-ignore lint/a11y/useKeyWithClickEvents: see above
+                  // biome-ignore lint/a11y/useFocusableInteractive: see above
+                  <div
+                    key={statement.key}
+                    id={`outline-${first + from + line}`}
+                    role="option"
+                    aria-selected={first + from + line === active.value}
+                    onClick={() => {
+                      active.value = first + from + line;
+                      onGo(first + from + line);
+                    }}
+                  >
+                    <Line statement={statement} />
+                    <span class="quiet">
+                      {marked.has(statement.id ?? null) && "⚠ "}
+                      {stateWords(statement, states.get(statement.id ?? "")?.state)}
+                    </span>
+                  </div>
+                ))}
               </div>
             ))}
           </div>
@@ -130,6 +129,13 @@ interface Section {
   /** The number of its first statement. */
   first: number;
   statements: Statement[];
+}
+
+function inStretches(statements: readonly Statement[]): { from: number; lines: Statement[] }[] {
+  return Array.from({ length: Math.ceil(statements.length / STRETCH_LINES) }, (_, number) => {
+    const from = number * STRETCH_LINES;
+    return { from, lines: statements.slice(from, from + STRETCH_LINES) };
+  });
 }
 
 function inSections(all: readonly Statement[], titles: ReadonlyMap<number, string>): Section[] {

@@ -28,10 +28,9 @@ export function RuleSearch({ editor, robotRules, onGo }: Props) {
   const limit = useSignal<Limit>("all");
   const isOpen = useSignal(false);
   const chosen = useSignal(0);
-  const all = useComputed(() => editor.shown.value?.document.collections.flatMap(({ statements }) => statements) ?? []);
   const hits = useComputed(() =>
     isOpen.value
-      ? found(all.value, query.value, limit.value, {
+      ? found(editor.shownStatements.value, query.value, limit.value, {
           findings: editor.findings.value,
           states: robotRules.states.value,
         })
@@ -103,7 +102,7 @@ export function RuleSearch({ editor, robotRules, onGo }: Props) {
               </button>
             ))}
             <span role="status">
-              {hits.value.length} of {all.value.length}
+              {hits.value.length} of {editor.shownStatements.value.length}
             </span>
           </div>
           <FoundList hits={hits.value} chosen={chosen.value} onGo={go} />

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useState } from "preact/hooks";
-import { type Api, ApiError } from "../api/client";
+import type { Api } from "../api/client";
+import { refusal } from "../api/refusal";
 import { href } from "../route";
 import type { OpenEditors } from "../state/open_editors";
 import type { ProfileEditor } from "../state/profile_editor";
@@ -27,8 +28,7 @@ export function RulesTopics({ api, editors, editor, rules }: Props) {
         if (editor.isNew.peek() && editor.isSaved.peek() && isEmpty && found.length > 0) editor.begin(found);
       },
       (error: unknown) => {
-        if (!(error instanceof ApiError)) throw error;
-        setProblem(error.message);
+        setProblem(refusal(error));
       },
     );
   }, []);

@@ -72,7 +72,7 @@ export function TryPanel({ editor, api, project, tries, keepings, refresh }: Pro
         <TryResult
           key={trial.bag}
           {...{ editor, api, trial, keepings }}
-          changed={editor.knowsProfile.value ? changedSince(trial, rules, project.files) : []}
+          changed={editor.profileChoice.isKnown.value ? changedSince(trial, rules, project.files) : []}
         />
       )}
     </div>

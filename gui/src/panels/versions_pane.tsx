@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useSignal, useSignalEffect } from "@preact/signals";
 import { useEffect } from "preact/hooks";
-import { type Api, ApiError } from "../api/client";
+import type { Api } from "../api/client";
+import { refusalOf } from "../api/refusal";
 import type { RuleVersion, VersionsAnswer } from "../api/types";
 import type { RuleEditor } from "../state/rule_editor";
 import { DifferenceWords } from "../ui/difference_words";
@@ -19,13 +20,7 @@ export function VersionsPane({ editor, api }: { editor: RuleEditor; api: Api }) 
   /** The version that is compared with what is open, and its text. */
   const compared = useSignal<{ id: string; text: string } | null>(null);
   const guarded = async (work: () => Promise<unknown>) => {
-    try {
-      await work();
-      problem.value = "";
-    } catch (error) {
-      if (!(error instanceof ApiError)) throw error;
-      problem.value = error.message;
-    }
+    problem.value = await refusalOf(work);
   };
   const read = () => guarded(async () => (list.value = await api.versions(editor.name)));
   // Each save makes a version.

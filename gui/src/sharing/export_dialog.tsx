@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { useState } from "preact/hooks";
-import { type Api, ApiError } from "../api/client";
+import type { Api } from "../api/client";
+import { refusalOf } from "../api/refusal";
 import type { PlacedFinding, Statement } from "../api/types";
 import type { RuleEditor } from "../state/rule_editor";
 import { FormDialog } from "../ui/dialog";
@@ -15,14 +16,13 @@ export function ExportDialog({ editor, api, onClose }: { editor: RuleEditor; api
   const [chosen, setChosen] = useState<ReadonlySet<string>>(() => pointedAt(editor, broken));
   const [problem, setProblem] = useState("");
   const save = async () => {
-    try {
-      const { text } = await api.exportRules(rules, [...chosen]);
-      download(fileName(rules.name), text);
-      onClose();
-    } catch (error) {
-      if (!(error instanceof ApiError)) throw error;
-      setProblem(error.message);
-    }
+    setProblem(
+      await refusalOf(async () => {
+        const { text } = await api.exportRules(rules, [...chosen]);
+        download(fileName(rules.name), text);
+        onClose();
+      }),
+    );
   };
   return (
     <FormDialog

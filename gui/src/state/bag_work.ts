@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { signal } from "@preact/signals";
-import { ApiError } from "../api/client";
 import { watchProgress } from "../api/progress";
+import { refusal } from "../api/refusal";
 
 export type WorkState<T> =
   | { kind: "idle"; note: string }
@@ -29,8 +29,7 @@ export class BagWork<T> {
       tell({ kind: "done", answer: await ask(run, control.signal) });
     } catch (error) {
       if (control.signal.aborted) return;
-      if (!(error instanceof ApiError)) throw error;
-      tell({ kind: "failed", why: error.message });
+      tell({ kind: "failed", why: refusal(error) });
     } finally {
       stop();
     }

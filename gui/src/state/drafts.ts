@@ -30,7 +30,7 @@ export const NO_ROOM = "This browser has no room for drafts: what is not saved i
 const PREFIX = "draft";
 
 /**
- * What is not saved of a project's files, kept in this browser with each key stroke.
+ * What is not saved of a project's files, kept in this browser.
  *
  * Each tab has drafts of its own, so that two with one file do not write over each other; those of a tab
  * that was closed or crashed are taken over by the next one that opens the file.

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { signal } from "@preact/signals";
-import { type Api, ApiError } from "../api/client";
+import type { Api } from "../api/client";
+import { refusalOf } from "../api/refusal";
 import type { KeepState, KeepsAnswer } from "../api/types";
 import type { Trial } from "./trial";
 
@@ -19,13 +20,9 @@ export class Keepings {
   /** Asks what is being kept, and again until all of that has ended. */
   async follow(ask: () => Promise<KeepsAnswer> = () => this.api.keeps()): Promise<void> {
     window.clearTimeout(this.timer);
-    try {
+    this.problem.value = await refusalOf(async () => {
       this.keeps.value = (await ask()).keeps;
-      this.problem.value = "";
-    } catch (error) {
-      if (!(error instanceof ApiError)) throw error;
-      this.problem.value = error.message;
-    }
+    });
     window.clearTimeout(this.timer);
     const isRunning = this.keeps.peek().some(({ state }) => state === "running");
     if (isRunning) this.timer = window.setTimeout(() => void this.follow(), LOOK_MS);

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { computed, effect, signal } from "@preact/signals";
+import { computed, signal } from "@preact/signals";
 import { type Api, ApiError } from "../api/client";
 import type { FoundFile, ProfileRow, ProfileTable } from "../api/types";
 import { type Accuracies, accuraciesOf, areAccuracies, sixOf } from "./accuracies";
@@ -14,8 +14,9 @@ import {
   saveOver,
 } from "./conflict";
 import { type DraftRow, problemsOf, TIER_COUNT, toNumber } from "./draft_row";
-import { type Draft, type Drafts, NO_ROOM, type Restored } from "./drafts";
+import type { Draft, Drafts, Restored } from "./drafts";
 import { History } from "./history";
+import { keepDraft } from "./kept_draft";
 import { withPasted } from "./pasted_table";
 
 const CHECK_AFTER_MS = 400;
@@ -41,7 +42,7 @@ export class ProfileEditor implements Contested {
   ]);
   private timer: number | undefined;
   private baseText = "";
-  private hash: string | null = null;
+  private readonly hash = signal<string | null>(null);
   private nextKey = 0;
   private isOpen = false;
   private isSaving = false;
@@ -58,11 +59,11 @@ export class ProfileEditor implements Contested {
     const draft = await this.drafts.takeOver("profile", this.name);
     if (files.some((each) => each.name === this.name)) {
       const file = await this.api.read(this.name);
-      this.hash = file.hash;
+      this.hash.value = file.hash;
       this.load(await this.api.parseProfile(this.name, file.text), file.text);
     } else {
       this.isNew.value = true;
-      this.rows.value = [this.draft({ topic: "" })];
+      this.rows.value = [this.draftRow({ topic: "" })];
     }
     this.isOpen = true;
     this.isSaved.value = true;
@@ -70,31 +71,25 @@ export class ProfileEditor implements Contested {
     if (this.drafts.isElsewhere("profile", this.name)) {
       this.message.value = `Another tab has unsaved changes of ${this.name}`;
     }
-    effect(() => this.keepDraft());
+    keepDraft(this.drafts, "profile", this);
   }
 
   /** Goes on with what was not saved; where the file is another one by now, a save meets that. */
   private takeUp({ content, hash, changedMs }: Draft): void {
     const table = tableOf(content);
     if (table === null) return;
-    this.restored.value = { changedMs, isContested: hash !== this.hash };
+    this.restored.value = { changedMs, isContested: hash !== this.hash.value };
     this.remember();
     this.baseText = table.baseText;
     this.rows.value = table.rows.map((row) => ({ ...row, key: this.nextKey++ }));
     this.budget.value = table.budget;
-    this.hash = hash;
+    this.hash.value = hash;
     this.changed();
   }
 
-  private keepDraft(): void {
-    const content = this.snapshot();
-    if (this.isSaved.value) {
-      this.drafts.drop("profile", this.name);
-      this.restored.value = null;
-      return;
-    }
-    const draft = { content, hash: this.hash, changedMs: Date.now() };
-    if (!this.drafts.keep("profile", this.name, draft)) this.message.value = NO_ROOM;
+  draft(): (() => Draft) | null {
+    const draft = { content: this.snapshot(), hash: this.hash.value, changedMs: Date.now() };
+    return this.isSaved.value ? null : () => draft;
   }
 
   async compare(): Promise<void> {
@@ -117,7 +112,7 @@ export class ProfileEditor implements Contested {
   }
 
   async save(): Promise<void> {
-    await this.saveOver(this.hash);
+    await this.saveOver(this.hash.value);
   }
 
   async saveAnyway(): Promise<void> {
@@ -128,18 +123,18 @@ export class ProfileEditor implements Contested {
   async readAgain(): Promise<void> {
     const { text, hash } = await this.api.read(this.name);
     await this.take({ text });
-    this.hash = hash;
+    this.hash.value = hash;
     this.conflict.value = this.diskChange.value = null;
     this.isSaved.value = true;
     this.message.value = `Read ${this.name} again`;
   }
 
   async lookAtDisk(): Promise<void> {
-    const { hash } = this;
+    const hash = this.hash.value;
     if (!this.isOpen || this.isSaving || this.conflict.value !== null) return;
     const change = await diskChangeOf(this.api, this.name, hash);
     // Somebody saved it here meanwhile.
-    if (hash !== this.hash || this.isSaving) return;
+    if (hash !== this.hash.value || this.isSaving) return;
     if (change !== "changed" || !this.isSaved.value) this.diskChange.value = change;
     else {
       await this.readAgain();
@@ -170,13 +165,12 @@ export class ProfileEditor implements Contested {
     this.conflict.value = "mine" in done ? done : null;
     if ("mine" in done) return;
     const isWhole = asked === this.snapshot();
-    this.hash = done.hash;
+    this.hash.value = done.hash;
     this.diskChange.value = null;
     this.isNew.value = false;
     this.baseText = text;
     // What was typed meanwhile is not in the file.
     this.isSaved.value = isWhole;
-    if (!isWhole) this.keepDraft();
     this.message.value = `Saved ${this.name}`;
   }
 
@@ -190,21 +184,21 @@ export class ProfileEditor implements Contested {
 
   addRow(): void {
     this.remember();
-    this.rows.value = [...this.rows.value, this.draft({ topic: "" })];
+    this.rows.value = [...this.rows.value, this.draftRow({ topic: "" })];
     this.changed();
   }
 
   /** Adds rows for topics, in the place of rows without one. */
   /** Begins a new table with rows for topics: nobody changed anything yet. */
   begin(topics: readonly string[]): void {
-    this.rows.value = topics.map((topic) => this.draft({ topic }));
+    this.rows.value = topics.map((topic) => this.draftRow({ topic }));
     void this.check();
   }
 
   addTopics(topics: readonly string[]): void {
     this.remember();
     const named = this.rows.value.filter((row) => row.topic.trim() !== "");
-    this.rows.value = [...named, ...topics.map((topic) => this.draft({ topic }))];
+    this.rows.value = [...named, ...topics.map((topic) => this.draftRow({ topic }))];
     this.changed();
   }
 
@@ -243,7 +237,7 @@ export class ProfileEditor implements Contested {
   paste(key: number | null, lines: readonly string[][]): void {
     this.remember();
     const from = key === null ? null : this.rows.value.findIndex((row) => row.key === key);
-    this.rows.value = withPasted(this.rows.value, from, lines, () => this.draft({ topic: "" }));
+    this.rows.value = withPasted(this.rows.value, from, lines, () => this.draftRow({ topic: "" }));
     this.message.value = `Pasted ${lines.length === 1 ? "1 topic" : `${lines.length} topics`}`;
     this.changed();
   }
@@ -303,11 +297,11 @@ export class ProfileEditor implements Contested {
 
   private load(table: ProfileTable, text: string): void {
     this.baseText = text;
-    this.rows.value = table.rows.map((row) => this.draft(row));
+    this.rows.value = table.rows.map((row) => this.draftRow(row));
     this.budget.value = shown(table.budget_kb_per_s);
   }
 
-  private draft(row: Partial<ProfileRow> & { topic: string }): DraftRow {
+  private draftRow(row: Partial<ProfileRow> & { topic: string }): DraftRow {
     return {
       key: this.nextKey++,
       topic: row.topic,

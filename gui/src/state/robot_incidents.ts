@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { signal } from "@preact/signals";
-import { type Api, ApiError } from "../api/client";
+import type { Api } from "../api/client";
+import { refusalOf } from "../api/refusal";
 import type { FetchesAnswer, FetchState, RobotIncidentsAnswer } from "../api/types";
 
 const FOLLOW_MS = 700;
@@ -84,13 +85,7 @@ export class RobotIncidents {
   }
 
   private async told(work: () => Promise<void>): Promise<void> {
-    try {
-      await work();
-      this.problem.value = "";
-    } catch (error) {
-      if (!(error instanceof ApiError)) throw error;
-      this.problem.value = error.message;
-    }
+    this.problem.value = await refusalOf(work);
   }
 }
 

@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { batch, computed, effect, signal } from "@preact/signals";
-import { type Api, ApiError, type Rules } from "../api/client";
+import { batch, computed, signal } from "@preact/signals";
+import type { Api, Rules } from "../api/client";
+import { refusal } from "../api/refusal";
 import type { Edit, PlacedFinding, Repair, RuleDocument, Statement, Vocabulary } from "../api/types";
-import { recipeRules } from "../recipes/recipe_rules";
+import { sectionsOf } from "../blocks/sections";
 import { counted } from "../ui/numbers";
 import {
   type Conflict,
@@ -15,11 +16,14 @@ import {
   readIfThere,
   saveOver,
 } from "./conflict";
-import { type Draft, type Drafts, NO_ROOM, type Restored } from "./drafts";
+import type { Draft, Drafts, Restored } from "./drafts";
 import { Folds } from "./folds";
 import { History } from "./history";
+import { keepDraft } from "./kept_draft";
 import { layoutName, type MapSetting, PLAIN_GRID, readLayout, sideFileOf, writeLayout } from "./layout";
+import { RuleProfile } from "./rule_profile";
 import type { Spot } from "./spot";
+import { statementsIn } from "./statements_in";
 import { Words } from "./words";
 import { WorkAhead } from "./work_ahead";
 
@@ -34,9 +38,8 @@ export class RuleEditor implements Contested {
   /** The last document that could be read whole: what the blocks show, with the text it was read from. */
   readonly shown = signal<{ document: RuleDocument; text: string } | null>(null);
   readonly vocabulary = signal<Vocabulary | null>(null);
-  readonly profile = signal<{ name: string; text: string } | null>(null);
-  /** Whether it was asked which profile goes with the rules. */
-  readonly knowsProfile = signal(false);
+  readonly profileChoice: RuleProfile;
+  readonly profile: RuleProfile["used"];
   readonly spot = signal<Spot | null>(null);
   readonly message = signal<string>("");
   readonly conflict = signal<Conflict | null>(null);
@@ -53,10 +56,11 @@ export class RuleEditor implements Contested {
     map: PLAIN_GRID,
   });
   readonly ahead = new WorkAhead();
+  readonly shownStatements = computed(() => statementsIn(this.shown.value?.document ?? EMPTY));
+  /** The titles of what the blocks show, by the number of the statement under each. */
+  readonly shownSections = computed(() => sectionsOf(this.shown.value?.text ?? "", this.shownStatements.value));
   /** Whether no statement is there yet. */
-  readonly isEmpty = computed(
-    () => this.shown.value?.document.collections.every((each) => each.statements.length === 0) ?? true,
-  );
+  readonly isEmpty = computed(() => this.shownStatements.value.length === 0);
   /** Whether the file holds the text, and its side file the map. */
   readonly isInFile = computed(
     () => this.text.value === this.saved.value.text && this.map.value === this.saved.value.map,
@@ -73,16 +77,13 @@ export class RuleEditor implements Contested {
   /** Brings into the text what blocks say, an open field too where that is asked for; whether nothing is left out. */
   handOver: ((withOpenField: boolean) => Promise<boolean>) | null = null;
   readonly findings = computed(() => this.document.value.findings);
-  readonly statements = computed(() => this.document.value.collections.flatMap((each) => each.statements));
+  readonly statements = computed(() => statementsIn(this.document.value));
   private readonly byId = computed(() => new Map(this.statements.value.map((each) => [each.id ?? "", each])));
   readonly errors = computed(() => this.findings.value.filter((finding) => finding.severity === "error"));
   /** Whether the blocks show the past, because the text of now cannot be read. */
   readonly isBroken = computed(() => !this.document.value.parses && this.shown.value?.document !== this.document.value);
-  /** The rules to offer as blocks. */
-  recipes: readonly Statement[] = [];
   /** Whether its file was read. */
   isOpen = false;
-  private wantedProfile: string | null = null;
   private layoutHash: string | null = null;
   /** The text that `document` was read from. */
   private read: string | null = null;
@@ -103,6 +104,8 @@ export class RuleEditor implements Contested {
     readonly folds = new Folds(),
   ) {
     this.words = new Words(api);
+    this.profileChoice = new RuleProfile(api);
+    this.profile = this.profileChoice.used;
   }
 
   /** The file as every call of the server names it. */
@@ -115,10 +118,8 @@ export class RuleEditor implements Contested {
     const draft = await this.drafts.takeOver("rules", this.name);
     // What was not saved of a file that is gone can still be saved.
     const onDisk = draft ? readIfThere(this.api, this.name) : this.api.read(this.name);
-    const reading = [onDisk, this.api.project(), recipeRules(this.api)] as const;
-    const [found, { files }, recipes] = await Promise.all(reading);
+    const [found, { files }] = await Promise.all([onDisk, this.api.project()]);
     const file = found ?? { text: "", hash: null };
-    this.recipes = recipes;
     const hasLayout = files.some((each) => each.name === layoutName(this.name));
     const side = hasLayout ? await readLayout(this.api, this.name) : { map: PLAIN_GRID, hash: null };
     this.layoutHash = side.hash;
@@ -132,8 +133,8 @@ export class RuleEditor implements Contested {
     if (this.drafts.isElsewhere("rules", this.name))
       this.message.value = `Another tab has unsaved changes of ${this.name}`;
     this.isOpen = true;
-    effect(() => this.keepDraft());
-    await this.check();
+    keepDraft(this.drafts, "rules", this);
+    await this.recallProfile();
   }
 
   /** Goes on with what was not saved; where the file is another one by now, a save meets that. */
@@ -148,15 +149,10 @@ export class RuleEditor implements Contested {
     saved.value = { ...saved.value, hash };
   }
 
-  private keepDraft(): void {
+  draft(): (() => Draft) | null {
     const [text, map, { hash }] = [this.text.value, this.map.value, this.saved.value];
-    if (this.isInFile.value) {
-      this.drafts.drop("rules", this.name);
-      this.restored.value = null;
-      return;
-    }
-    const content = JSON.stringify({ text, map });
-    if (!this.drafts.keep("rules", this.name, { content, hash, changedMs: Date.now() })) this.message.value = NO_ROOM;
+    const changedMs = Date.now();
+    return this.isInFile.value ? null : () => ({ content: JSON.stringify({ text, map }), hash, changedMs });
   }
 
   async compare(): Promise<void> {
@@ -169,10 +165,13 @@ export class RuleEditor implements Contested {
   }
 
   async useProfile(name: string | null): Promise<void> {
-    this.wantedProfile = name;
-    const profile = name === null ? null : await this.api.read(name);
-    if (this.wantedProfile !== name) return;
-    this.profile.value = profile;
+    await this.profileChoice.use(name);
+    await this.check();
+  }
+
+  /** Checks the rules with the profile that goes with them. */
+  async recallProfile(): Promise<void> {
+    await this.profileChoice.recall(this.rules).catch((error: unknown) => this.tell(error));
     await this.check();
   }
 
@@ -271,7 +270,8 @@ export class RuleEditor implements Contested {
   async revive(): Promise<void> {
     await this.lookAtDisk();
     this.read = null;
-    await this.inTurn(() => this.useProfile(this.wantedProfile));
+    await this.inTurn(() => this.profileChoice.revive());
+    await this.check();
   }
 
   async saveAs(name: string): Promise<void> {
@@ -393,7 +393,6 @@ export class RuleEditor implements Contested {
 
   /** Says a refusal; anything else is a bug and goes on. */
   tell(error: unknown): void {
-    if (!(error instanceof ApiError)) throw error;
-    this.message.value = error.message;
+    this.message.value = refusal(error);
   }
 }

@@ -48,6 +48,8 @@ const spotField = StateField.define<DecorationSet>({
 /** The text of a rule file, with marks where the checker found something. */
 export class TextEditor {
   private readonly view: EditorView;
+  /** What the view shows, as one string: making it anew takes long for a long text. */
+  private text = "";
   /** Whether a change comes from the page and not from a key. */
   private isOurs = false;
 
@@ -78,7 +80,10 @@ export class TextEditor {
           EditorView.contentAttributes.of({ "aria-label": "Rules as text", spellcheck: "false", tabindex: "0" }),
           EditorView.updateListener.of((update) => {
             if (this.isOurs) return;
-            if (update.docChanged) owner.typed(update.state.doc.toString());
+            if (update.docChanged) {
+              this.text = update.state.doc.toString();
+              owner.typed(this.text);
+            }
             if (update.selectionSet) owner.cursorAt(update.state.selection.main.head);
           }),
         ],
@@ -88,7 +93,9 @@ export class TextEditor {
 
   /** Shows a text, changing only the stretch that differs, so that the cursor stays. */
   setText(text: string): void {
+    if (text === this.text) return;
     const now = this.view.state.doc.toString();
+    this.text = text;
     if (text === now) return;
     const { from, tail } = difference(now, text);
     this.quietly(() =>

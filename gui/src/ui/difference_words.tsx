@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useState } from "preact/hooks";
-import { type Api, ApiError } from "../api/client";
+import type { Api } from "../api/client";
+import { refusal } from "../api/refusal";
 import type { DifferenceAnswer } from "../api/types";
 
 interface Props {
@@ -19,8 +20,7 @@ export function DifferenceWords({ api, title, oldText, newText }: Props) {
     let isAsked = true;
     const show = (found: typeof answer) => isAsked && setAnswer(found);
     api.difference(oldText, newText).then(show, (error: unknown) => {
-      if (!(error instanceof ApiError)) throw error;
-      show({ problem: error.message });
+      show({ problem: refusal(error) });
     });
     return () => {
       isAsked = false;

@@ -1,10 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+import { watchSize } from "./watch";
 
 const GAP_PX = 4;
 const EDGE_PX = 8;
 const LEAST_HEIGHT_PX = 120;
 const MOST_HEIGHT_PX = 340;
+const FOLLOW_MS = 100;
 
 let made = 0;
 
@@ -13,7 +15,7 @@ export class FieldPopup {
   protected readonly id = `picker-${++made}`;
   protected readonly box = document.createElement("div");
   private readonly note = document.createElement("p");
-  private frame = 0;
+  private readonly closed = new AbortController();
   private place = "";
 
   constructor(
@@ -51,14 +53,23 @@ export class FieldPopup {
   }
 
   dispose(): void {
-    cancelAnimationFrame(this.frame);
+    this.closed.abort();
     this.box.remove();
   }
 
   /** Stays with the field, which moves when blocks grow and when the page scrolls. */
   private follow(): void {
-    this.settle();
-    this.frame = requestAnimationFrame(() => this.follow());
+    const settle = () => this.settle();
+    settle();
+    const { signal } = this.closed;
+    for (const event of ["scroll", "resize"]) addEventListener(event, settle, { capture: true, signal });
+    const stopWatching = watchSize(this.input, settle);
+    // A look at each frame would have the page draw one after the other.
+    const timer = setInterval(settle, FOLLOW_MS);
+    signal.addEventListener("abort", () => {
+      stopWatching();
+      clearInterval(timer);
+    });
   }
 
   protected settle(): void {

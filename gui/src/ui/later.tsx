@@ -3,10 +3,12 @@
 import type { ComponentType } from "preact";
 import { useEffect, useState } from "preact/hooks";
 
-/** A component that is loaded when it is shown first. */
-export function later<P extends object>(load: () => Promise<ComponentType<P>>): ComponentType<P> {
+/** A component that is loaded when it is shown first, or before that. */
+export type Later<P> = ComponentType<P> & { preload(): void };
+
+export function later<P extends object>(load: () => Promise<ComponentType<P>>): Later<P> {
   let loaded: ComponentType<P> | null = null;
-  return function Later(props: P) {
+  function Shown(props: P) {
     const [, setLoaded] = useState(loaded !== null);
     useEffect(() => {
       if (loaded !== null) return;
@@ -18,5 +20,6 @@ export function later<P extends object>(load: () => Promise<ComponentType<P>>): 
     if (loaded === null) return <p class="quiet center">Loading …</p>;
     const Component = loaded;
     return <Component {...props} />;
-  };
+  }
+  return Object.assign(Shown, { preload: () => void load() });
 }

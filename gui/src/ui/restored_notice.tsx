@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { ApiError } from "../api/client";
+import { refusal } from "../api/refusal";
 import type { Contested } from "../state/conflict";
 
 const TIME = { dateStyle: "medium", timeStyle: "short" } as const;
@@ -13,8 +13,7 @@ export function RestoredNotice({ file }: { file: Contested & { message: { value:
     try {
       await work();
     } catch (error) {
-      if (!(error instanceof ApiError)) throw error;
-      file.message.value = error.message;
+      file.message.value = refusal(error);
     }
   };
   const when = new Date(restored.changedMs).toLocaleString("en-GB", TIME);

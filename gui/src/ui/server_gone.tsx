@@ -3,7 +3,7 @@
 import { useSignalEffect } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useEffect } from "preact/hooks";
-import { ApiError } from "../api/client";
+import { refusal } from "../api/refusal";
 import type { Contested } from "../state/conflict";
 import { Notice } from "./notice";
 import { useRobot } from "./robot_state";
@@ -94,7 +94,7 @@ async function looked(file: Contested): Promise<void> {
     await file.lookAtDisk();
   } catch (error) {
     // The next look says it, or the server is gone.
-    if (!(error instanceof ApiError)) throw error;
+    refusal(error);
   }
 }
 

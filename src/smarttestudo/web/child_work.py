@@ -35,7 +35,8 @@ from smarttestudo.use_cases.ruler.incident_course import IncidentCourseRequest
 from smarttestudo.use_cases.ruler.incidents import KnownIncidents
 from smarttestudo.use_cases.ruler.profiles import MeasureLiveRequest
 from smarttestudo.use_cases.ruler.trial import TryRequest
-from smarttestudo.web.errors import GONE, JSON, RequestError
+from smarttestudo.web.encodings import json_answer
+from smarttestudo.web.errors import GONE, RequestError
 from smarttestudo.web.socket import Listeners, Progress
 
 _MODULE = ChildWork.__module__
@@ -73,7 +74,7 @@ class ChildProcesses:
         try:
             await asyncio.wait({work, leaving}, return_when=asyncio.FIRST_COMPLETED)
             if work.done():
-                return Response(work.result(), media_type=JSON)
+                return await run_in_threadpool(json_answer, request, work.result())
             raise RequestError("the page was closed", GONE)
         finally:
             for one in (work, leaving):

@@ -39,6 +39,9 @@ def test_every_key_stroke_is_there_after_a_reload(ruler: RulerPage, project: Pat
 def test_a_tab_that_crashed_loses_nothing(ruler: RulerPage, project: Path) -> None:
     _type(ruler, project)
     crashed = ruler.page
+    crashed.wait_for_function(
+        "word => Object.values(localStorage).some(each => each.includes(word))", arg=TYPED
+    )
     with crashed.expect_event("crash"), suppress(Error):
         crashed.goto("chrome://crash")
     next_page = RulerPage(crashed.context.new_page(), ruler.url)

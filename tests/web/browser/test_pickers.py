@@ -151,3 +151,22 @@ def _keys(ruler: RulerPage, *keys: str) -> None:
             ruler.page.keyboard.press(key)
         else:
             ruler.page.keyboard.type(key)
+
+
+def test_an_open_list_lets_the_page_rest(ruler: RulerPage, project: Path) -> None:
+    _open(ruler, project)
+    ruler.field("Edit topic to send").click()
+    expect(_option(ruler, "/odom")).to_be_visible()
+    asked = ruler.page.evaluate(
+        """async () => {
+            const ask = window.requestAnimationFrame;
+            const frame = () => new Promise((next) => ask.call(window, next));
+            for (let number = 0; number < 10; number++) await frame();
+            let asked = 0;
+            window.requestAnimationFrame = (act) => (asked++, ask.call(window, act));
+            for (let number = 0; number < 30; number++) await frame();
+            window.requestAnimationFrame = ask;
+            return asked;
+        }"""
+    )
+    assert asked == 0

@@ -116,6 +116,7 @@ def test_two_tabs_with_one_table_keep_a_draft_each(ruler: RulerPage) -> None:
 def test_a_table_in_a_tab_that_crashed_is_taken_over(ruler: RulerPage, project: Path) -> None:
     _open_table(ruler).fill("0,9")
     crashed = ruler.page
+    crashed.wait_for_function("() => Object.values(localStorage).some(each => each.includes('0,9'))")
     with crashed.expect_event("crash"), suppress(Error):
         crashed.goto("chrome://crash")
     after = RulerPage(crashed.context.new_page(), ruler.url)
