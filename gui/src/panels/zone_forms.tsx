@@ -263,12 +263,14 @@ function GoesTo({ zones, topic, canAdd }: { zones: ZoneEditor; topic: string; ca
         Position from
         <input name="topic" defaultValue={topic} />
       </label>
-      <button type="submit" class="small primary" disabled={!canAdd || editor.isBroken.value}>
-        Add the zone
-      </button>
-      <button type="button" class="small" onClick={() => zones.discard()}>
-        Discard
-      </button>
+      <div class="row zone-buttons">
+        <button type="submit" class="small primary" disabled={!canAdd || editor.isBroken.value}>
+          Add the zone
+        </button>
+        <button type="button" class="small" onClick={() => zones.discard()}>
+          Discard
+        </button>
+      </div>
     </form>
   );
 }

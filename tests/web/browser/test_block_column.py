@@ -132,7 +132,7 @@ def test_a_block_that_is_dragged_above_another_stands_so_in_the_text(ruler: Rule
     _expect_order(ruler)
     lefts = {round(stack["left"]) for stack in _stacks(ruler)}
     assert len(lefts) == 1
-    ruler.button("Undo").click()
+    ruler.tool("Undo").click()
     ruler.expect_lines("CheckValue /a", "CheckValue /b", "CheckValue /c")
     _expect_order(ruler)
 
@@ -298,8 +298,9 @@ class _Walk:
         return count > 0
 
     def press_tool(self, name: str) -> None:
-        if self.ruler.button(name).is_enabled():
-            self.ruler.button(name).click()
+        tool = self.ruler.tool(name)
+        if tool.is_enabled():
+            tool.click()
 
 
 def _new_file(ruler: RulerPage) -> None:

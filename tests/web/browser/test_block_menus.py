@@ -103,7 +103,7 @@ def test_a_comment_opens_to_type_into_and_stays_only_with_a_text(one: RulerPage)
     )
     one.page.get_by_role("menuitem", name="Remove the comment").click()
     expect(one.text).not_to_contain_text("Why there is A.")
-    expect(one.button("Save")).to_be_disabled()
+    expect(one.tool("Save")).to_be_disabled()
 
 
 def test_tab_goes_from_topic_to_property_operator_and_value(one: RulerPage) -> None:

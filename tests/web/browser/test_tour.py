@@ -23,7 +23,7 @@ TITLES = (
     "The same as text",
     "What is wrong or doubtful",
     "Try before you trust",
-    "Ship it",
+    "Send or download",
 )
 OFFER = "A tour in five steps?"
 
@@ -106,7 +106,7 @@ def test_the_example_can_be_played_with_but_is_neither_saved_nor_kept(
     ruler.button("Take the tour").click()
     ruler.change("Edit value: 11", "12")
     ruler.expect_lines("CheckValue /odom pose_x > 12")
-    ruler.button("Save").click()
+    ruler.tool("Save").click()
     expect(ruler.page.get_by_text("The example is not saved")).to_be_visible()
     ruler.button("Skip the tour").click()
     assert list(project.iterdir()) == []
