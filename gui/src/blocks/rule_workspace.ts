@@ -70,7 +70,7 @@ export class RuleWorkspace {
     this.workspace = newWorkspace(host, owner.suggestions, owner.recipes, acts, {
       ...owner.menus,
       foldAll: (isFolded) => void this.foldAll(isFolded),
-      newRate: () => this.add(toBlock(NEW_RATE)),
+      newRate: () => this.addDefault(),
       newRule: () => this.add(toBlock(NEW_RULE)),
     });
     this.column = new Column(this.workspace);
@@ -248,6 +248,17 @@ export class RuleWorkspace {
         .find((each) => each.getField("TOPIC"))
         ?.getField("TOPIC") ?? null,
     );
+  }
+
+  /** Adds a default for the first topic that has none yet, the robot's position before others. */
+  addDefault(): void {
+    const said = this.column.order.flatMap((block) =>
+      block.type === "adirf_set" ? [block.getFieldValue("TOPIC")] : [],
+    );
+    const taken = new Set([...said, ...this.drawn.all.flatMap((each) => (each.kind === "set" ? [each.topic] : []))]);
+    const topics = [NEW_RATE.topic, ...this.owner.suggestions.topics()];
+    const topic = topics.find((each) => !taken.has(each)) ?? NEW_RATE.topic;
+    this.add(toBlock({ ...NEW_RATE, topic }));
   }
 
   applyTheme(): void {

@@ -107,7 +107,7 @@ function Start() {
           <Key keys="Enter" does="Change a field; press a + or − button" />
           <Key keys="T" does="Among blocks: to the list of blocks" />
           <Key keys="Tab in a field" does="On to the next field of the rule; with Shift to the one before" />
-          <Key keys="Shift+Enter" does="One more check, rate, bound or recording below this one" />
+          <Key keys="Shift+Enter" does="One more check, rate, bound, recording or default below this one" />
           <Key
             keys="↑ ↓ in a field"
             does="Choose from the list; Enter or Tab take it, Escape leaves the field as it was"

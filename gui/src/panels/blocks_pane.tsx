@@ -6,7 +6,7 @@ import { toBlock } from "../blocks/model";
 import { RuleWorkspace } from "../blocks/rule_workspace";
 import { sectionsOf } from "../blocks/sections";
 import { suggestionsOf } from "../blocks/suggestions";
-import { NEW_RATE, NEW_RULE } from "../blocks/toolbox";
+import { NEW_RULE } from "../blocks/toolbox";
 import type { RobotRules } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
 import type { Trial } from "../state/trial";
@@ -40,12 +40,7 @@ export function BlocksPane(props: { editor: RuleEditor; robotRules: RobotRules; 
       <div class="pane-bar">
         <h2>Blocks</h2>
         <NeedsServer>
-          <button
-            type="button"
-            class="small"
-            disabled={isReadOnly}
-            onClick={() => workspace.current?.add(toBlock(NEW_RATE))}
-          >
+          <button type="button" class="small" disabled={isReadOnly} onClick={() => workspace.current?.addDefault()}>
             New rate
           </button>
           <button
