@@ -118,6 +118,19 @@ def test_the_documentation_is_searched_beside_the_rules(ruler: RulerPage) -> Non
     expect(search).to_be_focused()
 
 
+def test_text_on_blocks_has_13_pixels_and_the_font_of_the_page(ruler: RulerPage) -> None:
+    ruler.open("zone.adirf")
+    ruler.field("Edit value").wait_for()
+    text = ruler.blocks.locator(".blocklyBlockCanvas text.blocklyText")
+    found = text.evaluate_all(
+        "all => all.map(each => ({px: parseFloat(getComputedStyle(each).fontSize) * each.getCTM().a,"
+        " family: getComputedStyle(each).fontFamily, page: getComputedStyle(document.body).fontFamily}))"
+    )
+    assert len(found) > 5
+    assert min(each["px"] for each in found) >= 13
+    assert {each["family"] for each in found} == {found[0]["page"]}
+
+
 def _expect_one_row(ruler: RulerPage) -> None:
     seen = ruler.page.evaluate(IN_THE_BAR)
     assert len(seen) > 6

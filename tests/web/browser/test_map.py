@@ -113,6 +113,19 @@ def test_an_added_zone_is_what_its_fields_say(ruler: RulerPage, rules: Path) -> 
     expect(ruler.button("Add the zone")).to_be_enabled()
 
 
+def test_what_adds_a_polygon_is_seen(ruler: RulerPage, rules: Path) -> None:
+    map_page = open_map(ruler, "bay.adirf")
+    ruler.button("Type a zone").click()
+    map_page.form.get_by_label("Shape").select_option("Polygon")
+    map_page.form.get_by_label("Corners").fill("0 0, 4 0, 2 3")
+    map_page.form.get_by_role("button", name="Show").click()
+    expect(ruler.page.get_by_text("Rules know rectangles only")).to_be_visible()
+    for name in ("Add the zone", "Discard"):
+        expect(ruler.button(name)).to_be_in_viewport(ratio=1)
+    ruler.button("Add the zone").click()
+    expect(ruler.button("Zone 1")).to_be_focused()
+
+
 def test_the_wheel_scrolls_and_zooms_only_with_ctrl(ruler: RulerPage, rules: Path) -> None:
     map_page = open_map(ruler, rules.name)
     scale = ruler.page.get_by_role("group", name="Scale")

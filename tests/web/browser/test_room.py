@@ -88,7 +88,9 @@ def test_optimize_and_download_downloads(ruler: RulerPage) -> None:
     with ruler.page.expect_download() as download:
         ruler.tool("Optimize and Download").click()
     assert download.value.suggested_filename == "inspection-rates.adirf"
-    assert "SetFrequency /odom" in download.value.path().read_text()
+    text = download.value.path().read_text()
+    assert "SetFrequency /odom" in text
+    assert ", profile radio.toml (sha256 " in text.splitlines()[0]
 
 
 def test_what_cannot_be_downloaded_is_said(ruler: RulerPage) -> None:
