@@ -64,7 +64,7 @@ def test_the_menu_of_a_default_has_a_comment_and_that_of_the_ground_new_blocks(o
         ["New rate", "New rule", "Fold all", "Unfold all", *PAGE]
     )
     one.page.get_by_role("menuitem", name="New rate").click()
-    one.expect_lines("SetFrequency /odom 10", "SetFrequency /odom 10", "Rule")
+    one.expect_lines("SetFrequency /odom 10", "SetFrequency /", "Rule")
 
 
 def test_a_menu_undoes_what_the_page_undoes(one: RulerPage) -> None:

@@ -63,7 +63,12 @@ def test_from_a_recording_to_rules_with_a_zone_that_are_downloaded(ruler: RulerP
     with ruler.page.expect_download() as waiting:
         me.click("button", "Optimize and Download")
     text = waiting.value.path().read_text()
-    for line in ("SetFrequency /odom Full", 'Rule "Zone 1"', "SetFrequency /gripper 5", "profile monday.toml "):
+    for line in (
+        "SetFrequency /odom Full",
+        'Rule "Zone 1"',
+        "SetFrequency /gripper 5",
+        "profile monday.toml ",
+    ):
         assert line in text
     assert me.clicks <= MOST_CLICKS_TO_SENT_RULES, me.done
 
