@@ -8,6 +8,8 @@ import { RobotProvider } from "./ui/robot_state";
 import "./style/tokens.css";
 import "./style/controls.css";
 import "./style/pages.css";
+import "./style/bar.css";
+import "./style/documentation.css";
 import "./style/map.css";
 import "./style/robot.css";
 import "./style/try.css";

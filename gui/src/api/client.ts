@@ -22,7 +22,7 @@ const UNREACHABLE: Problem = {
 };
 
 /** A rule file as every call names it. */
-export type Rules = Required<Pick<Draft, "text" | "name" | "profile_text">>;
+export type Rules = Required<Pick<Draft, "text" | "name" | "profile_text">> & Pick<Draft, "profile_name">;
 
 /** The rules of a try, and the recording. */
 export interface Tried {

@@ -6,16 +6,18 @@ import type { BlockButtons } from "./block_types";
 const { registry } = Blockly.ShortcutRegistry;
 const NAME = "add_another";
 
-/** Lets Shift+Enter add one more of what has the focus, below it: a check, a rate, a bound or a recording. */
-export function addAnotherOnShiftEnter(buttons: BlockButtons): void {
+/** Lets Shift+Enter add one more of what has the focus, below it: a check, a rate, a bound, a recording or a default. */
+export function addAnotherOnShiftEnter(buttons: BlockButtons, addDefault: () => void): void {
   const { KeyCodes } = Blockly.utils;
   const callback = () => {
     const node = Blockly.getFocusManager().getFocusedNode();
     const block = node instanceof Blockly.Field ? node.getSourceBlock() : node;
-    const parent = block instanceof Blockly.BlockSvg ? block.getSurroundParent() : null;
-    if (!(block instanceof Blockly.BlockSvg) || parent === null) return false;
+    if (!(block instanceof Blockly.BlockSvg)) return false;
+    const parent = block.getSurroundParent();
+    if (parent === null && block.type !== "adirf_set") return false;
     Blockly.WidgetDiv.hideIfOwner(node);
-    addBeside(block, parent, buttons);
+    if (parent === null) addDefault();
+    else addBeside(block, parent, buttons);
     return true;
   };
   const keyCodes = [registry.createSerializedKey(KeyCodes.ENTER, [KeyCodes.SHIFT])];

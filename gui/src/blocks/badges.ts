@@ -8,10 +8,10 @@ import { FOLDED } from "./folded_type";
 import type { RuleState } from "./live_states";
 
 const GAP = 10;
-const HEIGHT = 28;
+const HEIGHT = 32;
 const FIRST_ROW = 48;
 // Letters are drawn in a monospaced font, so that no badge needs to be measured.
-const LETTER_WIDTH = 9.1;
+const LETTER_WIDTH = 10.9;
 const PADDING = 9;
 
 type UnitOf = (check: Blockly.Block) => string;

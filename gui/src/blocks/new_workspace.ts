@@ -15,7 +15,7 @@ import { offerRecipes } from "./recipe_category";
 import { toolbox } from "./toolbox";
 
 const SCALE = 0.72;
-const SCALE_FOR_FINGERS = 1.1;
+const SCALE_FOR_FINGERS = 0.95;
 
 /** A workspace of Blockly that knows the blocks of rules; `act` and `toggleFold` are called by the buttons of a whole rule. */
 export function newWorkspace(
@@ -37,7 +37,7 @@ export function newWorkspace(
     act,
   };
   defineBlocks(suggestions, buttons);
-  addAnotherOnShiftEnter(buttons);
+  addAnotherOnShiftEnter(buttons, page.newRate);
   const isNarrow = matchMedia(NARROW).matches;
   const workspace = Blockly.inject(host, {
     // A question of the browser's own would have no list to pick from.

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 import * as Blockly from "blockly/core";
 
+/** At the scale of blocks it is 13 px. */
+const FONT_PT = 13.6;
 const BLOCK_STYLES = {
   rate: { colourPrimary: "#2b6cb0", colourSecondary: "#dbe9f8", colourTertiary: "#1e4f85" },
   floor: { colourPrimary: "#6b4fa3", colourSecondary: "#e7def7", colourTertiary: "#4c3679" },
@@ -39,6 +41,6 @@ export function blocklyTheme(root: HTMLElement): Blockly.Theme {
       scrollbarOpacity: 0.6,
       selectedGlowColour: colour("--accent"),
     },
-    fontStyle: { family: colour("--font"), weight: "500", size: 11 },
+    fontStyle: { family: colour("--font"), weight: "500", size: FONT_PT },
   });
 }

@@ -75,8 +75,8 @@ export class RuleWorkspace {
     this.workspace = newWorkspace(host, owner.suggestions, () => owner.recipes(), acts, {
       ...owner.menus,
       foldAll: (isFolded) => void this.foldAll(isFolded),
-      newRate: () => this.addNew("rate"),
-      newRule: () => this.addNew("rule"),
+      newRate: () => this.addDefault(),
+      newRule: () => this.addRule(),
     });
     this.column = new Column(this.workspace);
     this.drawn = new DrawnPart(this.workspace, this.column, owner, () => {
@@ -239,12 +239,16 @@ export class RuleWorkspace {
     Blockly.getFocusManager().focusTree(this.workspace);
   }
 
+  /** Adds a rule that is to be changed. */
+  addRule(): void {
+    this.add(toBlock(NEW_RULE));
+  }
+
   /** Puts a new block where the text will have it, and opens its first field. */
-  addNew(kind: "rate" | "rule"): void {
+  private add(state: Blockly.serialization.blocks.State): void {
     const { all } = this.drawn;
-    const state = toBlock(kind === "rate" ? NEW_RATE : NEW_RULE);
     const rule = all.findIndex(({ kind }) => kind === "rule");
-    this.shownAt(kind === "rule" || rule < 0 ? all.length - 1 : rule);
+    this.shownAt(state.type === "adirf_rule" || rule < 0 ? all.length - 1 : rule);
     const block = Blockly.serialization.blocks.append(state, this.workspace) as Blockly.BlockSvg;
     this.column.add(block);
     this.column.bringIntoView(block);
@@ -254,6 +258,17 @@ export class RuleWorkspace {
         .find((each) => each.getField("TOPIC"))
         ?.getField("TOPIC") ?? null,
     );
+  }
+
+  /** Adds a default for the first topic that has none yet, the robot's position before others. */
+  addDefault(): void {
+    const said = this.column.order.flatMap((block) =>
+      block.type === "adirf_set" ? [block.getFieldValue("TOPIC")] : [],
+    );
+    const taken = new Set([...said, ...this.drawn.all.flatMap((each) => (each.kind === "set" ? [each.topic] : []))]);
+    const topics = [NEW_RATE.topic, ...this.owner.suggestions.topics()];
+    const topic = topics.find((each) => !taken.has(each)) ?? NEW_RATE.topic;
+    this.add(toBlock({ ...NEW_RATE, topic }));
   }
 
   applyTheme(): void {

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useRef, useState } from "preact/hooks";
+import { Icon, type IconName } from "../ui/icon";
 import { watchSize, watchTheme } from "../ui/watch";
 import type { MapOwner } from "./map_owner";
 import type { MapView } from "./map_view";
@@ -67,9 +68,9 @@ export function MapCanvas(props: {
       {!view && <p class="quiet map-note">Loading the map …</p>}
       {isWheeled && <p class="map-note map-hint">Hold Ctrl to zoom with the wheel</p>}
       <div class="map-buttons">
-        <MapButton label="Zoom in" sign="+" act={() => view?.zoom(1)} />
-        <MapButton label="Zoom out" sign="−" act={() => view?.zoom(-1)} />
-        <MapButton label="Show everything" sign="⤢" act={() => view?.fit()} />
+        <MapButton label="Zoom in" icon="plus" act={() => view?.zoom(1)} />
+        <MapButton label="Zoom out" icon="minus" act={() => view?.zoom(-1)} />
+        <MapButton label="Show everything" icon="fit" act={() => view?.fit()} />
       </div>
       <p class="map-place" role="group" aria-label="Place of the pointer">
         {place ? `x ${place[0].toFixed(2)} m, y ${place[1].toFixed(2)} m` : ""}
@@ -87,10 +88,10 @@ const HINT_MS = 2000;
 const NONE: readonly Point[] = [];
 const NO_ZONES: readonly MapZone[] = [];
 
-function MapButton({ label, sign, act }: { label: string; sign: string; act: () => void }) {
+function MapButton({ label, icon, act }: { label: string; icon: IconName; act: () => void }) {
   return (
     <button type="button" class="small" aria-label={label} title={label} onClick={act}>
-      {sign}
+      <Icon name={icon} />
     </button>
   );
 }

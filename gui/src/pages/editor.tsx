@@ -201,7 +201,10 @@ function useRobotSide(api: PageProps["api"], editor: RuleEditor): { robotRules: 
 
 function useChoices(editor: RuleEditor) {
   return useComputed((): Choice<Tool>[] => [
-    { value: "findings", label: `Findings (${editor.findings.value.length})` },
+    {
+      value: "findings",
+      label: `Findings (${editor.profileChoice.isKnown.value ? editor.findings.value.length : "…"})`,
+    },
     { value: "optimize", label: "Optimize" },
     { value: "try", label: "Try on a recording" },
     { value: "robot", label: "Robot" },

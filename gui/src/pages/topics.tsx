@@ -15,6 +15,7 @@ import { Notice } from "../ui/notice";
 import { RestoredNotice } from "../ui/restored_notice";
 import { DiskNotice, NeedsServer, useDiskLooks, useReturn } from "../ui/server_gone";
 import { Toast } from "../ui/toast";
+import { ToolButton, UndoButtons } from "../ui/tool_button";
 import { useUndoKeys } from "../ui/undo_keys";
 import type { PageProps } from "./page_props";
 
@@ -55,27 +56,36 @@ export function TopicsPage({ api, project, name, rules, refresh, editors }: Page
   return (
     <>
       <Header title="Topic parameters" note={`profile ${name}, ${noteOf(isSaved, editor.isNew.value)}`}>
-        <button type="button" disabled={!editor.history.canUndo.value} onClick={() => editor.undo()}>
-          Undo
-        </button>
-        <button type="button" disabled={!editor.history.canRedo.value} onClick={() => editor.redo()}>
-          Redo
-        </button>
-        <NeedsServer>
-          {bags.length > 0 && <MeasureChoice bags={bags} measure={(bag) => guarded(() => editor.measure(bag))} />}
-          <NeedsServer changes>
-            <MeasureRobot measure={(seconds) => guarded(() => editor.measureLive(seconds))} />
-            <button type="button" class="primary" disabled={!canSave()} onClick={() => void save()}>
-              Save
-            </button>
-          </NeedsServer>
+        <NeedsServer changes>
+          <ToolButton
+            label="Save"
+            icon={canSave() ? "save" : "saved"}
+            keys="Ctrl+S"
+            isNext
+            disabled={!canSave()}
+            act={() => void save()}
+          />
         </NeedsServer>
+        <UndoButtons
+          canUndo={editor.history.canUndo.value}
+          canRedo={editor.history.canRedo.value}
+          undo={() => editor.undo()}
+          redo={() => editor.redo()}
+        />
       </Header>
       <main class="topics">
         <RestoredNotice file={editor} />
         <DiskNotice file={editor} />
         {problem && <Notice kind="error" text={problem} />}
         {isOpen && rules !== undefined && <RulesTopics {...{ api, editors, editor, rules }} />}
+        <div class="row">
+          <NeedsServer>
+            {bags.length > 0 && <MeasureChoice bags={bags} measure={(bag) => guarded(() => editor.measure(bag))} />}
+            <NeedsServer changes>
+              <MeasureRobot measure={(seconds) => guarded(() => editor.measureLive(seconds))} />
+            </NeedsServer>
+          </NeedsServer>
+        </div>
         {isOpen && <TopicTable editor={editor} />}
         {isOpen && <LevelPanel {...{ editor, api, bags }} />}
         <Toast message={editor.message} />

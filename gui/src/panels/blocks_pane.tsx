@@ -51,10 +51,10 @@ export function BlocksPane(props: Omit<Shown, "isServerGone">) {
       <div class="pane-bar">
         <h2>Blocks</h2>
         <NeedsServer>
-          <button type="button" class="small" disabled={isReadOnly} onClick={() => workspace.current?.addNew("rate")}>
+          <button type="button" class="small" disabled={isReadOnly} onClick={() => workspace.current?.addDefault()}>
             New rate
           </button>
-          <button type="button" class="small" disabled={isReadOnly} onClick={() => workspace.current?.addNew("rule")}>
+          <button type="button" class="small" disabled={isReadOnly} onClick={() => workspace.current?.addRule()}>
             New rule
           </button>
         </NeedsServer>

@@ -1,14 +1,20 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+import { useSignal } from "@preact/signals";
 import type { Api } from "../api/client";
 import type { Project } from "../api/types";
-import { ShareButtons } from "../sharing/share_buttons";
+import { ShareDialogs, type Sharing } from "../sharing/share_dialogs";
 import type { RobotRules } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
 import type { RulePush } from "../state/rule_push";
 import { Header } from "../ui/header";
+import { MenuItem } from "../ui/menu_button";
 import { useRobot } from "../ui/robot_state";
 import { NeedsServer } from "../ui/server_gone";
+import { ToolButton, UndoButtons } from "../ui/tool_button";
+
+const SEND = "Send to robot";
+const DOWNLOAD = "Optimize and Download";
 
 interface Props {
   editor: RuleEditor;
@@ -21,73 +27,81 @@ interface Props {
   onDownload: () => void;
 }
 
-/** What can be done with the rules, in three groups: work on them, try them, ship them. */
+/** What can be done with the rules: keep them, go back, try them, and send or download them; the rest is in the menu. */
 export function EditorBar({ editor, api, project, savesByItself, rulePush, robotRules, onTool, onDownload }: Props) {
   const { history } = editor;
+  const sharing = useSignal<Sharing>(null);
   const next = useNextStep(editor, savesByItself, robotRules);
-  const look = (step: NextStep) => (step === next ? "primary" : "");
+  const hasRobot = useRobot().connection.value.kind !== "none";
+  const send = () => {
+    onTool("robot");
+    void rulePush.ask();
+  };
+  const isSaved = editor.isSaved.value;
+  const menu = (
+    <>
+      <NeedsServer>
+        <MenuItem label="Format" icon="format" act={() => void editor.format()} />
+        <MenuItem label="Import" icon="upload" act={() => (sharing.value = "import")} />
+        <MenuItem label="Export" icon="download" act={() => (sharing.value = "export")} />
+        {hasRobot ? (
+          <MenuItem label={DOWNLOAD} icon="download" act={onDownload} />
+        ) : (
+          <NeedsServer changes>
+            <MenuItem label={SEND} icon="send" act={send} />
+          </NeedsServer>
+        )}
+      </NeedsServer>
+      <hr />
+    </>
+  );
   return (
-    <Header title={editor.name} note={savedNote(editor, savesByItself)}>
-      <div class="tool-group" role="group" aria-label="Work">
-        <button type="button" disabled={!history.canUndo.value} onClick={() => editor.undo()}>
-          Undo
-        </button>
-        <button type="button" disabled={!history.canRedo.value} onClick={() => editor.redo()}>
-          Redo
-        </button>
-        <NeedsServer>
-          <button type="button" onClick={() => void editor.format()}>
-            Format
-          </button>
-          <NeedsServer changes>
-            <button
-              type="button"
-              class={look("save")}
-              disabled={editor.isSaved.value}
-              onClick={() => void editor.save()}
-            >
-              Save
-            </button>
-          </NeedsServer>
-          <ShareButtons {...{ editor, api, project }} />
+    <>
+      <Header title={editor.name} note={savedNote(editor, savesByItself)} menu={menu}>
+        <NeedsServer changes>
+          <ToolButton
+            label="Save"
+            icon={isSaved ? "saved" : "save"}
+            keys="Ctrl+S"
+            isNext={next === "save"}
+            disabled={isSaved}
+            act={() => void editor.save()}
+          />
         </NeedsServer>
-      </div>
-      <div class="tool-group" role="group" aria-label="Try">
-        <button type="button" onClick={() => onTool("try")}>
-          Try on a recording
-        </button>
-      </div>
-      <div class="tool-group" role="group" aria-label="Ship">
-        <NeedsServer>
-          <NeedsServer changes>
-            <button
-              type="button"
-              class={look("send")}
-              onClick={() => {
-                onTool("robot");
-                void rulePush.ask();
-              }}
-            >
-              Send to robot
-            </button>
+        <UndoButtons
+          canUndo={history.canUndo.value}
+          canRedo={history.canRedo.value}
+          undo={() => editor.undo()}
+          redo={() => editor.redo()}
+        />
+        <div class="tool-group" role="group" aria-label="Try">
+          <ToolButton label="Try on a recording" short="Try" icon="try" act={() => onTool("try")} />
+        </div>
+        <div class="tool-group" role="group" aria-label="Send or download">
+          <NeedsServer>
+            {hasRobot ? (
+              <NeedsServer changes>
+                <ToolButton label={SEND} short="Send" icon="send" isNext={next === "ship"} act={send} />
+              </NeedsServer>
+            ) : (
+              <ToolButton label={DOWNLOAD} short="Download" icon="download" isNext={next === "ship"} act={onDownload} />
+            )}
           </NeedsServer>
-          <button type="button" class={look("download")} onClick={onDownload}>
-            Optimize and Download
-          </button>
-        </NeedsServer>
-      </div>
-    </Header>
+        </div>
+      </Header>
+      <ShareDialogs {...{ editor, api, project, sharing }} />
+    </>
   );
 }
 
-type NextStep = "save" | "send" | "download" | null;
+type NextStep = "save" | "ship" | null;
 
-/** What is to be done next, as the one main button says; null while there is nothing that could be sent. */
+/** What is to be done next, as the one main button says; null while there is nothing to be done. */
 function useNextStep(editor: RuleEditor, savesByItself: boolean, robotRules: RobotRules): NextStep {
   const { kind } = useRobot().connection.value;
   if (!editor.isSaved.value && !savesByItself) return "save";
   if (editor.isEmpty.value) return null;
-  return kind === "connected" && robotRules.comparison.value.kind === "other" ? "send" : "download";
+  return kind === "none" || robotRules.comparison.value.kind === "other" ? "ship" : null;
 }
 
 /** Whether the file holds what is open, and why it may not. */

@@ -7,6 +7,7 @@ import { ruleName, ruleSets } from "../blocks/rule_words";
 import { statementTitle } from "../sharing/statement_title";
 import type { RobotRules } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
+import { Icon } from "../ui/icon";
 
 /** A text with more statements than this has an outline. */
 const MANY = 20;
@@ -95,7 +96,7 @@ export function RuleOutline({ editor, robotRules, onGo, onFoldAll }: Props) {
                   >
                     <Line statement={statement} />
                     <span class="quiet">
-                      {marked.has(statement.id ?? null) && "⚠ "}
+                      {marked.has(statement.id ?? null) && <Icon name="warning" />}
                       {stateWords(statement, states.get(statement.id ?? "")?.state)}
                     </span>
                   </div>

@@ -5,6 +5,7 @@ import { useRef, useState } from "preact/hooks";
 import type { ZoneBounds } from "../api/types";
 import type { Point } from "../map/shapes";
 import { type Draft, USUAL_RECTANGLES, type ZoneEditor } from "../state/zone_editor";
+import { focusPageSoon } from "../ui/dialog";
 import { typedNumber } from "../ui/numbers";
 
 const SIDES = [
@@ -237,11 +238,8 @@ function GoesTo({ zones, topic, canAdd }: { zones: ZoneEditor; topic: string; ca
         event.preventDefault();
         const data = new FormData(event.currentTarget);
         const text = (name: string) => String(data.get(name) ?? "").trim();
-        void zones.add(
-          text("topic") || topic,
-          text("label") || (answer.value?.zones.label ?? "Zone"),
-          text("into") || null,
-        );
+        const label = text("label") || (answer.value?.zones.label ?? "Zone");
+        void zones.add(text("topic") || topic, label, text("into") || null).then(focusZoneSoon);
       }}
     >
       <label>
@@ -263,14 +261,31 @@ function GoesTo({ zones, topic, canAdd }: { zones: ZoneEditor; topic: string; ca
         Position from
         <input name="topic" defaultValue={topic} />
       </label>
-      <button type="submit" class="small primary" disabled={!canAdd || editor.isBroken.value}>
-        Add the zone
-      </button>
-      <button type="button" class="small" onClick={() => zones.discard()}>
-        Discard
-      </button>
+      <div class="row zone-buttons">
+        <button type="submit" class="small primary" disabled={!canAdd || editor.isBroken.value}>
+          Add the zone
+        </button>
+        <button
+          type="button"
+          class="small"
+          onClick={() => {
+            zones.discard();
+            focusPageSoon();
+          }}
+        >
+          Discard
+        </button>
+      </div>
     </form>
   );
+}
+
+/** Gives the focus to the zone that was made, as its form is gone, once the list shows it. */
+function focusZoneSoon(): void {
+  requestAnimationFrame(() => {
+    if (document.activeElement === document.body)
+      document.querySelector<HTMLElement>('.zone-list [aria-pressed="true"]')?.focus();
+  });
 }
 
 /** The number in a field, null for an empty one, NaN for anything else. */

@@ -76,7 +76,8 @@ export class RuleEditor implements Contested {
   takeBack: (() => boolean) | null = null;
   /** Brings into the text what blocks say, an open field too where that is asked for; whether nothing is left out. */
   handOver: ((withOpenField: boolean) => Promise<boolean>) | null = null;
-  readonly findings = computed(() => this.document.value.findings);
+  /** Without the profile, levels would be errors that they are not. */
+  readonly findings = computed(() => (this.profileChoice.isKnown.value ? this.document.value.findings : []));
   readonly statements = computed(() => statementsIn(this.document.value));
   private readonly byId = computed(() => new Map(this.statements.value.map((each) => [each.id ?? "", each])));
   readonly errors = computed(() => this.findings.value.filter((finding) => finding.severity === "error"));
@@ -110,7 +111,9 @@ export class RuleEditor implements Contested {
 
   /** The file as every call of the server names it. */
   get rules(): Rules {
-    return { text: this.text.value, name: this.name, profile_text: this.profile.value?.text ?? null };
+    const profile = this.profile.value;
+    const named = profile === null ? {} : { profile_name: profile.name };
+    return { text: this.text.value, name: this.name, profile_text: profile?.text ?? null, ...named };
   }
 
   /** Reads the file, its side file if the project has one, and what was not saved of them. */

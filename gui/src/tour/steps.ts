@@ -41,11 +41,11 @@ export const STEPS: readonly TourStep[] = [
     part: '[role="group"][aria-label="Try"]',
   },
   {
-    title: "Ship it",
+    title: "Send or download",
     text:
-      "Optimize and Download turns words such as Desirable into rates that fit your radio link. Send to robot shows " +
-      "what would change, tries it for ten seconds, and goes back by itself unless you keep it. " +
-      "New Rule File, on the first screen, is where your own rules begin.",
-    part: '[role="group"][aria-label="Ship"]',
+      "Optimize and Download turns words such as Desirable into rates that fit your radio link. With a robot, it is " +
+      "Send to robot: that shows what would change, tries it for ten seconds, and goes back by itself unless you keep " +
+      "it. The other one is in the menu. New Rule File, on the first screen, is where your own rules begin.",
+    part: '[role="group"][aria-label="Send or download"]',
   },
 ];

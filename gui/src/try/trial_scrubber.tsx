@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import type { Trial } from "../state/trial";
+import { Icon, type IconName } from "../ui/icon";
 import { durationWords } from "../ui/numbers";
 import { Scrubber } from "./scrubber";
 
@@ -16,13 +17,13 @@ export function TrialScrubber({ trial }: { trial: Trial }) {
       words={`${time.toFixed(1)} s of ${durationWords(trial.durationS)}, ${decides}`}
       said={`${time.toFixed(1)} s`}
       ticksS={trial.decisionTimes}
-      before={<DecisionStep trial={trial} step={-1} label="Decision before" sign="◀" />}
-      after={<DecisionStep trial={trial} step={1} label="Next decision" sign="▶" />}
+      before={<DecisionStep trial={trial} step={-1} label="Decision before" icon="before" />}
+      after={<DecisionStep trial={trial} step={1} label="Next decision" icon="after" />}
     />
   );
 }
 
-function DecisionStep({ trial, step, label, sign }: { trial: Trial; step: -1 | 1; label: string; sign: string }) {
+function DecisionStep({ trial, step, label, icon }: { trial: Trial; step: -1 | 1; label: string; icon: IconName }) {
   const next = trial.neighbour(step);
   return (
     <button
@@ -33,7 +34,7 @@ function DecisionStep({ trial, step, label, sign }: { trial: Trial; step: -1 | 1
       disabled={next === null}
       onClick={() => next !== null && trial.goTo(next)}
     >
-      {sign}
+      <Icon name={icon} />
     </button>
   );
 }

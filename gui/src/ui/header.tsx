@@ -1,30 +1,80 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import type { ComponentChildren } from "preact";
-import { useEffect, useRef } from "preact/hooks";
+import { useEffect, useRef, useState } from "preact/hooks";
 import { href } from "../route";
+import { later } from "./later";
+import { MenuButton, MenuItem } from "./menu_button";
 import { RobotState } from "./robot_state";
 
+const DocumentationPanel = later(async () => (await import("../documentation/documentation_panel")).DocumentationPanel);
+
+interface Props {
+  title: string;
+  /** The state of what is open. */
+  note?: string;
+  /** Entries of the menu, above those that every page has. */
+  menu?: ComponentChildren;
+  children?: ComponentChildren;
+}
+
 /** The bar on top of every page but the first: the way home, what is open, and what can be done with it. */
-export function Header({ title, note, children }: { title: string; note?: string; children?: ComponentChildren }) {
+export function Header({ title, note, menu, children }: Props) {
   const heading = useRef<HTMLHeadingElement>(null);
+  /** The place of the documentation that is shown beside the page, null for none. */
+  const [help, setHelp] = useState<string | null>(null);
   useEffect(() => {
     // What had the focus went with the page before.
     if (document.activeElement === document.body) heading.current?.focus();
   }, []);
+  useHelpKey(() => setHelp(""));
   return (
     <header class="bar">
-      <a class="home-link" href={href({ page: "home", name: "" })} aria-label="Home">
+      <a class="home-link" href={href({ page: "home", name: "" })} aria-label="Home" title="Home">
         <img src="./icon.svg" alt="" width="26" height="26" />
       </a>
-      <h1 title={title} tabIndex={-1} ref={heading}>
-        {title}
-      </h1>
-      {note !== undefined && <span class="quiet">{note}</span>}
+      <div class="bar-title">
+        <h1 title={title} tabIndex={-1} ref={heading}>
+          <Breakable name={title} />
+        </h1>
+        {note !== undefined && (
+          <span class="quiet" title={note}>
+            {note}
+          </span>
+        )}
+      </div>
       <RobotState />
       <div class="bar-tools" role="toolbar" aria-label="Tools">
         {children}
+        <MenuButton label="Menu" icon="menu">
+          {menu}
+          <MenuItem label="Documentation" icon="book" keys="F1" act={() => setHelp("")} />
+          <MenuItem label="Keys" icon="keys" act={() => setHelp("keys")} />
+        </MenuButton>
       </div>
+      {help !== null && <DocumentationPanel key={help} anchor={help} onClose={() => setHelp(null)} />}
     </header>
   );
+}
+
+/** A name that goes on in the next line behind its folders and before its ending. */
+function Breakable({ name }: { name: string }) {
+  return name.split(/(?<=\/)|(?=\.\w+$)/).map((part, at) => (
+    <>
+      {at > 0 && <wbr />}
+      {part}
+    </>
+  ));
+}
+
+function useHelpKey(open: () => void): void {
+  useEffect(() => {
+    const act = (event: KeyboardEvent) => {
+      if (event.key !== "F1") return;
+      event.preventDefault();
+      open();
+    };
+    addEventListener("keydown", act);
+    return () => removeEventListener("keydown", act);
+  }, []);
 }

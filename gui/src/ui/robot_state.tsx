@@ -26,11 +26,12 @@ export function RobotState() {
       <button
         type="button"
         class="small"
+        aria-label={words}
         aria-describedby={id}
         onClick={() => setPinned(!isPinned)}
         onBlur={() => setPinned(false)}
       >
-        <span aria-hidden="true">{isFailing ? "✕" : SIGNS[kind]}</span> {words}
+        <span aria-hidden="true">{isFailing ? "✕" : SIGNS[kind]}</span> <span class="word">{words}</span>
       </button>
       <p role="tooltip" id={id}>
         {why}

@@ -47,6 +47,10 @@ class CountedPage:
         self.find(role, label, within=within).click()
         self._count(f"click {label}", clicks=1)
 
+    def count_drag(self, what: str) -> None:
+        """Count what was dragged in another way: the mouse is pressed once."""
+        self._count(f"drag {what}", clicks=1)
+
     def choose(self, label: str, choice: str) -> None:
         """Take a choice from a list of the browser's own."""
         self.page.get_by_label(label, exact=True).select_option(choice)
@@ -85,6 +89,13 @@ class CountedPage:
         """Press ``key`` until the focus is on what has a label that begins so."""
         pressed = next((step for step in self._steps(key, most) if self.focused().startswith(label)), None)
         assert pressed is not None, f"{key} does not lead to {label!r}, but to {self.focused()!r}"
+
+    def walk_to_field(self, label: str, most: int = 60) -> None:
+        """Press Tab until a field of the page's own has the focus, which has its label beside it."""
+        field = self.page.get_by_label(label, exact=True)
+        is_there = "field => field === document.activeElement"
+        is_led_there = any(field.evaluate(is_there) for _ in self._steps("Tab", most))
+        assert is_led_there, f"Tab does not lead to {label}"
 
     def focused(self) -> str:
         """What a screen reader calls the focused thing."""

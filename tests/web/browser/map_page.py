@@ -66,6 +66,17 @@ class MapPage:
         mouse.move(*self._pixel(scale, end))
         mouse.up()
 
+    def drag_across(self) -> None:
+        """Press left of the middle of what is shown and pull to the right of it, wherever that is."""
+        box = self.canvas.bounding_box()
+        assert box
+        mouse = self.ruler.page.mouse
+        mouse.move(box["x"] + 0.4 * box["width"], box["y"] + 0.6 * box["height"])
+        mouse.down()
+        mouse.move(box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"])
+        mouse.move(box["x"] + 0.6 * box["width"], box["y"] + 0.4 * box["height"])
+        mouse.up()
+
     def press(self, *places: tuple[float, float]) -> None:
         scale = self._scale()
         for place in places:

@@ -72,6 +72,18 @@ class RulerPage:
     def button(self, name: str) -> Locator:
         return self.page.get_by_role("button", name=name, exact=True)
 
+    def tool(self, name: str) -> Locator:
+        """What the bar on top calls ``name``: a button, or an entry of its menu, which is opened for it."""
+        bar = self.page.get_by_role("toolbar", name="Tools")
+        menu = bar.get_by_role("button", name="Menu", exact=True)
+        menu.wait_for()
+        button = bar.get_by_role("button", name=name, exact=True)
+        if button.count() > 0:
+            return button
+        if menu.get_attribute("aria-expanded") == "false":
+            menu.click()
+        return bar.get_by_role("menuitem", name=name, exact=True)
+
     @property
     def text(self) -> Locator:
         return self.page.get_by_role("textbox", name="Rules as text")
@@ -152,8 +164,8 @@ class RulerPage:
         self.page.mouse.up()
 
     def save(self) -> None:
-        self.button("Save").click()
-        expect(self.button("Save")).to_be_disabled()
+        self.tool("Save").click()
+        expect(self.tool("Save")).to_be_disabled()
 
 
 def copied(source: Path, target: Path) -> Path:

@@ -72,6 +72,20 @@ def _documentation(ruler: RulerPage) -> None:
     ruler.page.get_by_role("heading", name="Rules in five minutes").wait_for()
 
 
+def _documentation_beside(ruler: RulerPage) -> None:
+    """A search in the documentation, beside the rules."""
+    _rules(ruler)
+    ruler.tool("Documentation").click()
+    search = ruler.page.get_by_role("combobox", name="Search the documentation")
+    search.fill("never holds")
+    ruler.page.get_by_role("listbox", name="Found in the documentation").wait_for()
+
+
+def _menu(ruler: RulerPage) -> None:
+    _rules(ruler)
+    ruler.tool("Format").wait_for()
+
+
 def _rules(ruler: RulerPage) -> None:
     ruler.open("far.adirf")
     ruler.page.get_by_role("list", name="Findings").wait_for()
@@ -128,7 +142,7 @@ def _versions(ruler: RulerPage) -> None:
 
 def _optimizer(ruler: RulerPage) -> None:
     ruler.open("quality/inspection.adirf")
-    ruler.button("Optimize and Download").click()
+    ruler.tool("Optimize and Download").click()
     ruler.button("Download rates").wait_for()
 
 
@@ -163,13 +177,13 @@ def _deleting(ruler: RulerPage) -> None:
 
 def _export(ruler: RulerPage) -> None:
     _rules(ruler)
-    ruler.button("Export").click()
+    ruler.tool("Export").click()
     ruler.page.get_by_role("dialog", name="Export rules").wait_for()
 
 
 def _import(ruler: RulerPage) -> None:
     _rules(ruler)
-    ruler.button("Import").click()
+    ruler.tool("Import").click()
     dialog = ruler.page.get_by_role("dialog")
     dialog.get_by_role("combobox").first.select_option("warehouse.adirf")
     dialog.get_by_role("checkbox").first.wait_for()
@@ -178,7 +192,7 @@ def _import(ruler: RulerPage) -> None:
 def _conflict(ruler: RulerPage) -> None:
     _rules(ruler)
     ruler.button("New rate").click()
-    expect(ruler.button("Save")).to_be_enabled()
+    expect(ruler.tool("Save")).to_be_enabled()
     ruler.page.evaluate(
         """async (text) => {
             const {hash} = await (await fetch("api/file?name=far.adirf")).json();
@@ -187,7 +201,7 @@ def _conflict(ruler: RulerPage) -> None:
         }""",
         THEIRS,
     )
-    ruler.button("Save").click()
+    ruler.tool("Save").click()
     ruler.page.get_by_role("dialog", name="Somebody else changed").wait_for()
     ruler.forgive("409")
 
@@ -241,6 +255,8 @@ STATES: tuple[Callable[[RulerPage], None], ...] = (
     _home,
     _new_project,
     _documentation,
+    _documentation_beside,
+    _menu,
     _rules,
     _long_rules,
     _changed_rules,
@@ -291,7 +307,7 @@ def test_tab_leaves_the_text(ruler: RulerPage) -> None:
     ruler.page.keyboard.press("Shift+Tab")
     ruler.page.keyboard.press("Shift+Tab")
     expect(ruler.text).to_be_focused()
-    expect(ruler.button("Save")).to_be_disabled()
+    expect(ruler.tool("Save")).to_be_disabled()
 
 
 def _opened_at_home(ruler: RulerPage) -> None:
@@ -303,8 +319,6 @@ def _opened_at_home(ruler: RulerPage) -> None:
     [
         (_opened_at_home, "New Rule File"),
         (_opened_at_home, "monday"),
-        (_rules, "Import"),
-        (_rules, "Export"),
     ],
 )
 def test_a_dialog_has_the_focus_and_gives_it_back(
@@ -321,11 +335,21 @@ def test_a_dialog_has_the_focus_and_gives_it_back(
     expect(ruler.button(opener)).to_be_focused()
 
 
+@pytest.mark.parametrize("entry", ["Import", "Export"])
+def test_a_dialog_of_the_menu_gives_the_focus_back_to_its_button(ruler: RulerPage, entry: str) -> None:
+    _rules(ruler)
+    ruler.tool(entry).focus()
+    ruler.page.keyboard.press("Enter")
+    ruler.page.get_by_role("dialog").wait_for()
+    ruler.page.keyboard.press("Escape")
+    expect(ruler.button("Menu")).to_be_focused()
+
+
 def test_a_conflict_that_is_left_gives_the_focus_back(ruler: RulerPage) -> None:
     _conflict(ruler)
     ruler.page.keyboard.press("Escape")
     expect(ruler.page.get_by_role("dialog")).to_have_count(0)
-    expect(ruler.button("Save")).to_be_focused()
+    expect(ruler.tool("Save")).to_be_focused()
 
 
 def test_the_focus_is_on_the_page_where_the_button_of_a_dialog_is_disabled_now(ruler: RulerPage) -> None:

@@ -54,7 +54,7 @@ def test_levels_are_placed_on_the_measured_curve_dragged_and_saved(ruler: RulerP
     ruler.page.mouse.move(x + 40, y, steps=5)
     ruler.page.mouse.up()
     expect(_need(ruler, "Marginal")).to_contain_text("interpolated")
-    ruler.button("Save").click()
+    ruler.tool("Save").click()
     expect(ruler.page.get_by_text("Saved radio.toml")).to_be_visible()
 
     saved = _saved(project)
@@ -83,11 +83,11 @@ def test_keys_keep_the_order_and_without_a_recording_the_needs_go_with_a_word(
         ruler.page.get_by_text("Marginal stops at Unacceptable (0.5 m): it cannot lie above")
     ).to_be_visible()
     for _ in range(3):
-        ruler.button("Undo").click()
+        ruler.tool("Undo").click()
     expect(line).to_have_attribute("aria-valuetext", "0.2 m")
     expect(_need(ruler, "Marginal")).to_contain_text("the profile")
     line.press("ArrowLeft")
-    ruler.button("Save").click()
+    ruler.tool("Save").click()
     expect(ruler.page.get_by_text("Saved radio.toml")).to_be_visible()
     assert _saved(project) == AccuracyTiers(bounds=(0.5, 0.19, 0.1, 0.05, 0.02, 0.01))
     assert "# our arm's reach" in (project / "radio.toml").read_text()

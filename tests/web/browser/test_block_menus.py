@@ -64,7 +64,7 @@ def test_the_menu_of_a_default_has_a_comment_and_that_of_the_ground_new_blocks(o
         ["New rate", "New rule", "Fold all", "Unfold all", *PAGE]
     )
     one.page.get_by_role("menuitem", name="New rate").click()
-    one.expect_lines("SetFrequency /odom 10", "SetFrequency /odom 10", "Rule")
+    one.expect_lines("SetFrequency /odom 10", "SetFrequency /", "Rule")
 
 
 def test_a_menu_undoes_what_the_page_undoes(one: RulerPage) -> None:
@@ -103,7 +103,7 @@ def test_a_comment_opens_to_type_into_and_stays_only_with_a_text(one: RulerPage)
     )
     one.page.get_by_role("menuitem", name="Remove the comment").click()
     expect(one.text).not_to_contain_text("Why there is A.")
-    expect(one.button("Save")).to_be_disabled()
+    expect(one.tool("Save")).to_be_disabled()
 
 
 def test_tab_goes_from_topic_to_property_operator_and_value(one: RulerPage) -> None:

@@ -32,7 +32,7 @@ def test_every_key_stroke_is_there_after_a_reload(ruler: RulerPage, project: Pat
     assert (project / "plain.adirf").read_text() == MINE
     ruler.page.reload()
     ruler.expect_lines(TYPED)
-    expect(ruler.button("Save")).to_be_disabled()
+    expect(ruler.tool("Save")).to_be_disabled()
     expect(_notice(ruler)).to_have_count(0)
 
 
@@ -77,9 +77,9 @@ def test_restored_changes_are_dropped_and_undo_brings_them_back(ruler: RulerPage
     _expect_restored(ruler)
     ruler.button("Drop them").click()
     expect(ruler.text).not_to_contain_text(TYPED)
-    expect(ruler.button("Save")).to_be_disabled()
+    expect(ruler.tool("Save")).to_be_disabled()
     expect(_notice(ruler)).to_have_count(0)
-    ruler.button("Undo").click()
+    ruler.tool("Undo").click()
     ruler.expect_lines(TYPED)
 
 
@@ -95,9 +95,9 @@ def test_a_restored_file_that_somebody_else_changed_is_compared_first(
     dialog = ruler.page.get_by_role("dialog", name="Somebody else changed plain.adirf")
     expect(dialog.get_by_role("figure", name="Theirs")).to_contain_text("SetFrequency /odom 7")
     dialog.get_by_role("button", name="Cancel").click()
-    ruler.button("Save").click()
+    ruler.tool("Save").click()
     dialog.get_by_role("button", name="Save anyway").click()
-    expect(ruler.button("Save")).to_be_disabled()
+    expect(ruler.tool("Save")).to_be_disabled()
     assert (project / "plain.adirf").read_text() == MINE
     ruler.forgive("409")
 
@@ -166,4 +166,4 @@ def _notice(ruler: RulerPage) -> Locator:
 def _expect_restored(ruler: RulerPage) -> None:
     ruler.expect_lines("SetFrequency /odom 10", TYPED)
     expect(_notice(ruler)).to_be_visible()
-    expect(ruler.button("Save")).to_be_enabled()
+    expect(ruler.tool("Save")).to_be_enabled()

@@ -38,7 +38,7 @@ def test_a_rule_folds_to_a_line_that_says_what_it_sets(ruler: RulerPage, project
     expect(ruler.blocks.locator(".adirf_folded")).to_have_count(3)
     expect(ruler.blocks.locator(".adirf_folded").nth(1)).to_contain_text("switched off")
     # Nothing of this is in the text.
-    expect(ruler.button("Undo")).to_be_disabled()
+    expect(ruler.tool("Undo")).to_be_disabled()
     ruler.button("New rate").click()
     ruler.type_value("/late")
     ruler.expect_lines("SetFrequency /late 10", "Aisle 1", "Aisle 2", "Aisle 3")

@@ -147,7 +147,7 @@ def test_a_try_shows_what_would_have_been_recorded_and_keeps_it(ruler: RulerPage
     shutil.rmtree(project / "incidents")
     ruler.home()
     ruler.open("far.adirf")
-    ruler.button("Try on a recording").click()
+    ruler.tool("Try on a recording").click()
     ruler.button("Run the rules on it").click()
     recorded = ruler.page.get_by_role("region", name="What the rules would have recorded")
     near_miss = recorded.get_by_role("listitem").filter(has_text="near miss")
@@ -175,7 +175,7 @@ def test_keeping_is_cancelled_on_any_page_and_leaves_nothing(ruler: RulerPage, p
     shutil.rmtree(project / "incidents")
     ruler.home()
     ruler.open("far.adirf")
-    ruler.button("Try on a recording").click()
+    ruler.tool("Try on a recording").click()
     ruler.button("Run the rules on it").click()
     kept = ruler.page.get_by_role("region", name="What the rules would have recorded")
     for name in ("near miss", "all of it"):

@@ -45,16 +45,16 @@ def test_lines_are_dragged_or_moved_by_keys_and_the_table_follows(ruler: RulerPa
     _drag(ruler, desirable, -60)
     expect(cell).not_to_have_value("15")
     assert 5 <= float(cell.input_value()) < 15
-    ruler.button("Undo").click()
+    ruler.tool("Undo").click()
     expect(cell).to_have_value("15")
     for _ in range(3):
-        ruler.button("Undo").click()
+        ruler.tool("Undo").click()
     expect(cell).to_have_value("10")
-    expect(ruler.button("Undo")).to_be_disabled()
+    expect(ruler.tool("Undo")).to_be_disabled()
 
     cell.fill("12")
     expect(desirable).to_have_attribute("aria-valuenow", "12")
-    ruler.button("Save").click()
+    ruler.tool("Save").click()
     expect(ruler.page.get_by_text("Saved radio.toml")).to_be_visible()
     assert (project / "radio.toml").read_text() == PROFILE.replace("10", "12")
 
@@ -97,10 +97,10 @@ def test_levels_that_fall_are_refused_in_words(ruler: RulerPage) -> None:
     _cell(ruler, "Desirable").fill("3")
     problems = ruler.page.get_by_role("list", name="Problems")
     expect(problems).to_contain_text("Desirable (3 Hz) is below Acceptable (5 Hz)")
-    expect(ruler.button("Save")).to_be_disabled()
+    expect(ruler.tool("Save")).to_be_disabled()
     _cell(ruler, "Desirable").fill("6")
     expect(problems.get_by_role("listitem")).to_have_count(0)
-    expect(ruler.button("Save")).to_be_enabled()
+    expect(ruler.tool("Save")).to_be_enabled()
 
 
 def test_the_curve_of_a_recording_proposes_levels_with_one_click(ruler: RulerPage, project: Path) -> None:
@@ -111,7 +111,7 @@ def test_the_curve_of_a_recording_proposes_levels_with_one_click(ruler: RulerPag
     expect(ruler.page.get_by_role("row").filter(has_text="pose_y").first).to_be_visible()
     ruler.button("Use the proposed levels").click()
     expect(_line(ruler, "Excessive")).to_have_attribute("aria-valuetext", "25 Hz")
-    ruler.button("Save").click()
+    ruler.tool("Save").click()
     expect(ruler.page.get_by_text("Saved radio.toml")).to_be_visible()
     tiers_hz = load_profile(project / "radio.toml").topic("/odom").tiers_hz
     assert tiers_hz is not None

@@ -75,7 +75,7 @@ def _search(ruler: RulerPage) -> None:
 
 def _export(ruler: RulerPage) -> None:
     _rules(ruler)
-    ruler.button("Export").click()
+    ruler.tool("Export").click()
     ruler.page.get_by_role("dialog").wait_for()
 
 

@@ -82,7 +82,7 @@ def test_a_moved_zone_changes_four_numbers_and_nothing_else(ruler: RulerPage, ru
     assert text == numbers.sub(lambda _: next(moved), RULES)
     assert (float(right) - float(left), float(high) - float(low)) == pytest.approx((4, 4))
     assert (float(left), float(low)) == pytest.approx((3, 1), abs=0.3)
-    ruler.button("Undo").click()
+    ruler.tool("Undo").click()
     assert saved(ruler, rules) == RULES
 
 
@@ -111,6 +111,19 @@ def test_an_added_zone_is_what_its_fields_say(ruler: RulerPage, rules: Path) -> 
     map_page.tool("Draw a rectangle")
     map_page.drag((6, 3), (9, 5))
     expect(ruler.button("Add the zone")).to_be_enabled()
+
+
+def test_what_adds_a_polygon_is_seen(ruler: RulerPage, rules: Path) -> None:
+    map_page = open_map(ruler, "bay.adirf")
+    ruler.button("Type a zone").click()
+    map_page.form.get_by_label("Shape").select_option("Polygon")
+    map_page.form.get_by_label("Corners").fill("0 0, 4 0, 2 3")
+    map_page.form.get_by_role("button", name="Show").click()
+    expect(ruler.page.get_by_text("Rules know rectangles only")).to_be_visible()
+    for name in ("Add the zone", "Discard"):
+        expect(ruler.button(name)).to_be_in_viewport(ratio=1)
+    ruler.button("Add the zone").click()
+    expect(ruler.button("Zone 1")).to_be_focused()
 
 
 def test_the_wheel_scrolls_and_zooms_only_with_ctrl(ruler: RulerPage, rules: Path) -> None:
@@ -164,7 +177,7 @@ def test_a_zone_is_made_and_moved_with_the_keyboard_alone(ruler: RulerPage, rule
     keyboard.press("Enter")
     ruler.page.get_by_text("x 11 … 14.5 m, y 7 … 11.25 m").wait_for()
     keyboard.press("Control+s")
-    expect(ruler.button("Save")).to_be_disabled()
+    expect(ruler.tool("Save")).to_be_disabled()
     written = [
         "CheckValue /odom pose_x > 11\n",
         "AND CheckValue /odom pose_x < 14.5\n",
@@ -211,7 +224,7 @@ def test_a_polygon_becomes_rectangles_that_say_what_they_add(ruler: RulerPage, r
     assert text.count("pose_x >=") == text.count("OR (") + 1 == 2
     map_page.form.get_by_label("Move all by x (m)").fill("1")
     ruler.button("Move all").click()
-    expect(ruler.button("Save")).to_be_enabled()
+    expect(ruler.tool("Save")).to_be_enabled()
     moved = saved(ruler, rules)
     lines = [(old, new) for old, new in zip(text.splitlines(), moved.splitlines(), strict=True) if old != new]
     assert len(lines) == 4

@@ -42,7 +42,7 @@ def test_a_dropped_recording_becomes_rules_sizes_and_a_path(
     expect(ruler.page.get_by_label("Topic parameters")).to_have_value("monday.toml")
     ruler.page.get_by_role("tab", name="Map").click()
     expect(ruler.page.get_by_label("Path of")).to_have_value("monday.db3")
-    expect(ruler.button("Save")).to_be_disabled()
+    expect(ruler.tool("Save")).to_be_disabled()
     assert {each.name for each in project.iterdir()} >= {"monday.db3", "monday.adirf", "monday.toml"}
 
 

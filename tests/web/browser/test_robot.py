@@ -132,7 +132,7 @@ def test_what_holds_on_the_robot_stands_beside_the_blocks(
     assert page.page.evaluate(height) == before
     expect(page.page.get_by_text("The robot has other rules")).to_be_visible()
     expect(any_badge(page)).to_have_count(0)
-    page.button("Undo").click()
+    page.tool("Undo").click()
     expect(badge(page, "✓ holds")).to_be_visible()
 
     runtime.signal(signal.SIGINT)
@@ -166,11 +166,11 @@ def test_axe_finds_nothing_beside_a_robot(page: RulerPage, world: World, runtime
     expect(badge(page, "✗ does not hold")).to_be_visible()
     assert violations(page.page) == []
     page.change("Edit rate: 5", "20")
-    page.button("Send to robot").click()
+    page.tool("Send to robot").click()
     expect(page.page.get_by_role("list", name="Differences")).to_be_visible()
     assert violations(page.page) == []
     page.button("Cancel").click()
-    expect(page.button("Send to robot")).to_be_focused()
+    expect(page.tool("Send to robot")).to_be_focused()
     operator.end()
 
 
@@ -180,15 +180,15 @@ def test_sent_rules_are_compared_tried_and_kept_with_the_keyboard_alone(
     keyboard = page.page.keyboard
     operator = world.robot.operator(imu={"type": IMU, "messages": 40, "within_s": 2.2})
     expect(badge(page, "✗ does not hold")).to_be_visible()
-    page.button("Send to robot").focus()
+    page.tool("Send to robot").focus()
     keyboard.press("Enter")
     expect(page.page.get_by_text("The robot already has these rules")).to_be_visible()
     keyboard.press("Escape")
-    expect(page.button("Send to robot")).to_be_focused()
+    expect(page.tool("Send to robot")).to_be_focused()
 
     page.change("Edit rate: 5", "20")
     page.expect_lines("SetFrequency /imu 20")
-    page.button("Send to robot").focus()
+    page.tool("Send to robot").focus()
     keyboard.press("Enter")
     expect(page.page.get_by_role("list", name="Differences")).to_have_text("default: /imu 5 → 20 Hz")
     page.walk("Tab", "Send")
@@ -268,7 +268,7 @@ def test_refused_rules_change_nothing_and_unkept_ones_go_back(
 ) -> None:
     expect(badge(page, "✗ does not hold")).to_be_visible()
     _append(page, "SetFrequency /imu 5", "x")
-    page.button("Send to robot").click()
+    page.tool("Send to robot").click()
     refusal = page.page.get_by_role("alert")
     expect(refusal).to_contain_text("Nothing was changed on the robot")
     refusal.get_by_role("button", name="line 2").click()
@@ -345,7 +345,7 @@ def _append(page: RulerPage, line: str, text: str) -> None:
 
 
 def _send(page: RulerPage) -> None:
-    page.button("Send to robot").click()
+    page.tool("Send to robot").click()
     page.button("Send").click()
 
 

@@ -59,9 +59,9 @@ def test_a_rule_is_switched_off_and_on(three: RulerPage, project: Path) -> None:
 def test_one_undo_brings_a_rule_back(three: RulerPage, project: Path) -> None:
     three.blocks.get_by_role("button", name="Switch this rule off").first.click()
     expect(three.blocks.get_by_text("⊘ switched off")).to_have_count(1)
-    three.button("Undo").click()
+    three.tool("Undo").click()
     expect(three.blocks.get_by_text("⊘ switched off")).to_have_count(0)
-    expect(three.button("Save")).to_be_disabled()
+    expect(three.tool("Save")).to_be_disabled()
 
 
 def test_a_copy_has_what_was_typed_just_before(three: RulerPage, project: Path) -> None:
@@ -86,7 +86,7 @@ def test_a_rule_moves_with_its_comments(three: RulerPage, project: Path) -> None
     three.expect_lines('Rule "B"', "// Why there is A.", 'Rule "A"')
     three.field("Move this rule up").click()
     three.expect_lines("// Why there is A.", 'Rule "A"', 'Rule "B"')
-    expect(three.button("Save")).to_be_disabled()
+    expect(three.tool("Save")).to_be_disabled()
 
 
 def test_by_keyboard_alone(three: RulerPage, project: Path) -> None:

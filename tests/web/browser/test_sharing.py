@@ -50,7 +50,7 @@ def test_the_selected_rules_are_exported_with_their_comments(
     (project / "theirs.adirf").write_text(THEIRS)
     ruler.home()
     ruler.open("theirs.adirf")
-    ruler.button("Export").click()
+    ruler.tool("Export").click()
     dialog = ruler.page.get_by_role("dialog", name="Export rules")
     expect(dialog.get_by_role("checkbox", name="KeepAtLeast /scan often")).to_be_disabled()
     dialog.get_by_role("checkbox", name="Rule Bay").check()
@@ -72,7 +72,7 @@ def test_rules_of_another_file_come_with_a_word_about_whom_they_meet(ruler: Rule
     (project / "theirs.adirf").write_text(THEIRS)
     ruler.home()
     ruler.open("mine.adirf")
-    ruler.button("Import").click()
+    ruler.tool("Import").click()
     dialog = ruler.page.get_by_role("dialog", name="Import rules")
     dialog.get_by_label("From this project").select_option("theirs.adirf")
     expect(dialog.get_by_text("another rule has this name here, in line 4")).to_be_visible()
@@ -87,9 +87,9 @@ def test_rules_of_another_file_come_with_a_word_about_whom_they_meet(ruler: Rule
         "SetFrequency /odom 10  // mine", "SetFrequency /imu 5", "// fast there", "pose_x > 2", "Aisle"
     )
     expect(ruler.text).not_to_contain_text("pose_x > 1")
-    ruler.button("Undo").click()
+    ruler.tool("Undo").click()
     expect(ruler.text).not_to_contain_text("Aisle")
-    expect(ruler.button("Undo")).to_be_disabled()
+    expect(ruler.tool("Undo")).to_be_disabled()
 
 
 def test_a_file_dropped_on_the_editor_is_imported_where_it_was_not_there_before(

@@ -45,8 +45,8 @@ def test_every_example_opens_as_blocks_and_saves_the_same_bytes(ruler: RulerPage
         ruler.blocks.get_by_role("button", name="Remove this").first.wait_for()
         expect(ruler.blocks.get_by_text("as text", exact=True)).to_have_count(0)
         ruler.button("New rate").click()
-        ruler.button("Undo").click()
-        expect(ruler.button("Undo")).to_be_disabled()
+        ruler.tool("Undo").click()
+        expect(ruler.tool("Undo")).to_be_disabled()
         ruler.page.keyboard.press("Control+s")
         expect(ruler.page.get_by_text(f"Saved {name}")).to_be_visible()
         assert (project / name).read_bytes() == before
@@ -77,7 +77,7 @@ def test_a_change_on_a_block_changes_one_word_of_the_text(ruler: RulerPage, proj
     ruler.save()
     after = (project / "warehouse.adirf").read_text()
     assert after == before.replace("/cmd_vel 7", "/cmd_vel Full")
-    ruler.button("Undo").click()
+    ruler.tool("Undo").click()
     ruler.save()
     assert (project / "warehouse.adirf").read_text() == before
 
@@ -120,7 +120,7 @@ def test_blocks_that_go_together_are_one_request_and_one_step_back(ruler: RulerP
     assert len([url for url in ruler.requests if url.endswith("/api/edit")]) == 1
     ruler.save()
     assert (project / "stack.adirf").read_text() == "begin\n    SetFrequency /a 1\nend\n"
-    ruler.button("Undo").click()
+    ruler.tool("Undo").click()
     expect(ruler.text).to_contain_text("SetFrequency /c 3")
     ruler.save()
     assert (project / "stack.adirf").read_text() == rules
@@ -164,7 +164,7 @@ def test_a_mark_stays_on_its_words_when_a_block_is_added_above(ruler: RulerPage,
     ruler.button("New rate").click()
     ruler.expect_lines("SetFrequency /odom 10", "If CheckValue")
     expect(marked).to_have_text(["CheckValue /odom speed < -1"])
-    ruler.button("Undo").click()
+    ruler.tool("Undo").click()
     expect(marked).to_have_text(["CheckValue /odom speed < -1"])
 
 

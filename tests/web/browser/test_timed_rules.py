@@ -79,7 +79,7 @@ def test_the_position_is_kept_within_5_cm_while_the_battery_is_low_for_10_s(
     ruler.save()
     assert (project / "low.adirf").read_text() == LOW_BATTERY
 
-    ruler.button("Try on a recording").click()
+    ruler.tool("Try on a recording").click()
     ruler.button("Run the rules on it").click()
     expect(ruler.page.get_by_text(re.compile(r"[\d.]+ % less"))).to_be_visible()
     loss = ruler.page.get_by_role("region", name="What the operator loses")

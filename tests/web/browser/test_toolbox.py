@@ -44,7 +44,7 @@ def test_the_session_of_the_thesis_with_blocks_dragged_from_the_list(
     ruler.save()
     assert (project / "shelf.adirf").read_text() == FIGURE_6_6
 
-    ruler.button("Optimize and Download").click()
+    ruler.tool("Optimize and Download").click()
     expect(ruler.page.get_by_text("219 881.72 KB/s").first).to_be_visible()
     with ruler.page.expect_download() as waiting:
         ruler.button("Download rates").click()

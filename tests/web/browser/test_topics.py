@@ -41,7 +41,7 @@ def test_the_table_of_the_thesis_gives_its_rates(ruler: RulerPage, project: Path
     (project / "shelf.adirf").write_text(RULES.format(level="Excessive"))
     ruler.home()
     ruler.open("shelf.adirf")
-    ruler.button("Optimize and Download").click()
+    ruler.tool("Optimize and Download").click()
     expect(ruler.page.get_by_text("Everything fits into 275 000 KB/s")).to_be_visible()
     expect(ruler.page.get_by_text("219 881.72 KB/s").first).to_be_visible()
     with ruler.page.expect_download() as waiting:
@@ -62,7 +62,7 @@ def test_what_does_not_fit_is_explained_and_mended_with_one_click(ruler: RulerPa
     (project / "shelf.adirf").write_text(RULES.format(level="Excessive"))
     ruler.home()
     ruler.open("shelf.adirf")
-    ruler.button("Optimize and Download").click()
+    ruler.tool("Optimize and Download").click()
     expect(ruler.page.get_by_role("alert")).to_contain_text(re.compile(r"needs at least 157\s665\.72 KB/s"))
     expect(ruler.button("Download rates")).to_be_disabled()
     ruler.page.get_by_role("alert").get_by_role("button").first.click()
@@ -85,7 +85,7 @@ def test_a_rule_file_opens_with_the_topic_parameters_that_fit_it_or_were_chosen_
 
     with ruler.page.expect_response("**/api/profile/for"):
         choice.select_option("arm.toml")
-    ruler.button("Optimize and Download").click()
+    ruler.tool("Optimize and Download").click()
     refused = ruler.page.get_by_text("/imu is in the rules but not in the chosen profile")
     expect(refused).to_contain_text("Add a row for /imu to its table")
     ruler.complaints.clear()
@@ -136,7 +136,7 @@ def test_a_reduction_of_very_many_topics_stays_on_the_page(ruler: RulerPage, pro
     ruler.page.set_viewport_size({"width": 1280, "height": 800})
     ruler.home()
     ruler.open("many.adirf")
-    ruler.button("Optimize and Download").click()
+    ruler.tool("Optimize and Download").click()
     repair = ruler.page.get_by_role("alert").get_by_role("button").first
     repair.scroll_into_view_if_needed()
     box = repair.bounding_box()
@@ -160,11 +160,11 @@ def test_all_that_does_not_fit_is_repaired_at_once(ruler: RulerPage, project: Pa
     (project / "two.adirf").write_text(rules + "end\n")
     ruler.home()
     ruler.open("two.adirf")
-    ruler.button("Optimize and Download").click()
+    ruler.tool("Optimize and Download").click()
     expect(ruler.page.get_by_text("Not everything fits into")).to_be_visible()
     ruler.button("Repair all 2").click()
     expect(ruler.page.get_by_text("Everything fits into")).to_be_visible()
-    ruler.button("Undo").click()
+    ruler.tool("Undo").click()
     expect(ruler.page.get_by_text("Not everything fits into")).to_be_visible()
 
 

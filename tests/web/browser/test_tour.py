@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
-from playwright.sync_api import Locator, expect
+from playwright.sync_api import Locator, Route, expect
 
 from axe import violations
 from web.browser.ruler_page import RulerPage, served
@@ -23,7 +23,7 @@ TITLES = (
     "The same as text",
     "What is wrong or doubtful",
     "Try before you trust",
-    "Ship it",
+    "Send or download",
 )
 OFFER = "A tour in five steps?"
 
@@ -66,6 +66,28 @@ def test_the_tour_is_walked_with_one_key_and_touches_no_file(ruler: RulerPage, p
     assert list(project.iterdir()) == []
 
 
+def test_no_error_is_shown_while_the_profile_is_on_its_way(ruler: RulerPage) -> None:
+    page = ruler.page
+    held: list[Route] = []
+
+    def hold_with_profile(route: Route) -> None:
+        if '"profile_text":null' in (route.request.post_data or ""):
+            route.continue_()
+        else:
+            held.append(route)
+
+    page.route("**/api/document", hold_with_profile)
+    with page.expect_request(lambda request: '"profile_text":"' in (request.post_data or "")):
+        ruler.button("Take the tour").click()
+    ruler.field("Edit value: 11").wait_for()
+    expect(page.get_by_text("Reading the profile …")).to_be_visible()
+    expect(page.get_by_role("tab", name="Findings (…)")).to_be_visible()
+    expect(page.locator(".cm-lintRange-error")).to_have_count(0)
+    for route in held:
+        route.continue_()
+    expect(page.get_by_role("tab", name="Findings (1)")).to_be_visible()
+
+
 @pytest.mark.parametrize("way", ["Escape", "No, thanks"])
 def test_who_does_not_want_it_is_asked_never_again(ruler: RulerPage, way: str) -> None:
     offer = ruler.page.get_by_role("dialog", name=OFFER)
@@ -106,7 +128,7 @@ def test_the_example_can_be_played_with_but_is_neither_saved_nor_kept(
     ruler.button("Take the tour").click()
     ruler.change("Edit value: 11", "12")
     ruler.expect_lines("CheckValue /odom pose_x > 12")
-    ruler.button("Save").click()
+    ruler.tool("Save").click()
     expect(ruler.page.get_by_text("The example is not saved")).to_be_visible()
     ruler.button("Skip the tour").click()
     assert list(project.iterdir()) == []

@@ -95,7 +95,7 @@ def test_a_result_stays_with_its_file_and_says_what_changed_since(ruler: RulerPa
     shutil.copy(project / "far.adirf", project / "monday.adirf")
     ruler.home()
     ruler.open("monday.adirf")
-    ruler.button("Try on a recording").click()
+    ruler.tool("Try on a recording").click()
     # The one that the rules have their name from, though another is longer.
     expect(ruler.page.get_by_role("combobox", name="Recording")).to_have_value("monday")
     _try_rules(ruler)
@@ -104,11 +104,11 @@ def test_a_result_stays_with_its_file_and_says_what_changed_since(ruler: RulerPa
 
     ruler.page.get_by_role("link", name="Home").click()
     ruler.open("other.adirf")
-    ruler.button("Try on a recording").click()
+    ruler.tool("Try on a recording").click()
     expect(ruler.page.get_by_text("% less sent")).to_have_count(0)
     ruler.page.get_by_role("link", name="Home").click()
     ruler.open("monday.adirf")
-    ruler.button("Try on a recording").click()
+    ruler.tool("Try on a recording").click()
     expect(ruler.page.get_by_role("slider", name="Time in the recording (s)")).to_have_value("7.96")
     expect(ruler.page.get_by_text("Stale:")).to_have_count(0)
     assert _asked(ruler, "api/try") == replays
@@ -121,11 +121,11 @@ def test_a_result_stays_with_its_file_and_says_what_changed_since(ruler: RulerPa
 
 def test_a_try_goes_on_while_another_page_is_looked_at(ruler: RulerPage) -> None:
     ruler.open("far.adirf")
-    ruler.button("Try on a recording").click()
+    ruler.tool("Try on a recording").click()
     ruler.button("Run the rules on it").click()
     ruler.page.get_by_role("link", name="Home").click()
     ruler.open("far.adirf")
-    ruler.button("Try on a recording").click()
+    ruler.tool("Try on a recording").click()
     expect(ruler.page.get_by_text("% less")).to_be_visible()
     assert _asked(ruler, "api/try") == 1
 
@@ -144,7 +144,7 @@ def test_gain_and_loss_stand_on_one_line_and_messages_are_sentences(ruler: Ruler
     for _ in "Marginal":
         ruler.page.keyboard.press("Backspace")
     ruler.page.keyboard.type("Full")
-    ruler.button("Try on a recording").click()
+    ruler.tool("Try on a recording").click()
     ruler.button("Run the rules on it").click()
     gain = re.compile(r"^[\d.]+ % less sent; /image: \d+ of \d+, dark for [\d.]+ s$")
     expect(ruler.page.get_by_text(gain)).to_be_visible()
@@ -189,7 +189,7 @@ def test_a_threshold_that_is_dragged_says_when_it_would_have_held(ruler: RulerPa
 
 def test_cancel_ends_the_replay(ruler: RulerPage) -> None:
     ruler.open("far.adirf")
-    ruler.button("Try on a recording").click()
+    ruler.tool("Try on a recording").click()
     ruler.button("Run the rules on it").click()
     child = _awaited(_trial_process)
     os.kill(child, signal.SIGSTOP)  # so that it cannot end by itself
@@ -220,7 +220,7 @@ def test_a_telephone_looks_tries_and_sends(ruler: RulerPage) -> None:
         "aria-valuetext", re.compile(r"^0\.0 s")
     )
     ruler.page.get_by_role("button", name="Leave full screen: results").click()
-    ruler.button("Send to robot").click()
+    ruler.tool("Send to robot").click()
     expect(ruler.page.get_by_role("tab", name="Robot")).to_have_attribute("aria-selected", "true")
     expect(ruler.page.get_by_role("tabpanel", name="robot")).to_be_in_viewport()
 
@@ -228,7 +228,7 @@ def test_a_telephone_looks_tries_and_sends(ruler: RulerPage) -> None:
 def _try_rules(ruler: RulerPage) -> None:
     if ruler.page.get_by_role("link", name="far.adirf").count():
         ruler.open("far.adirf")
-        ruler.button("Try on a recording").click()
+        ruler.tool("Try on a recording").click()
     ruler.button("Run the rules on it").click()
     expect(ruler.page.get_by_text(re.compile(r"[\d.]+ % less"))).to_be_visible()
     expect(ruler.page.get_by_text("The rules decided")).to_be_visible()

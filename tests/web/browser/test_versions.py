@@ -42,14 +42,14 @@ def test_a_version_is_compared_and_brought_back_as_a_new_one(ruler: RulerPage, p
     expect(versions.nth(0)).to_contain_text("default: /odom 5 → 10 Hz")
     expect(versions.nth(1)).to_contain_text("default: /odom 7 → 5 Hz")
     assert (project / "plain.adirf").read_text() == RULES
-    expect(ruler.button("Save")).to_be_disabled()
+    expect(ruler.tool("Save")).to_be_disabled()
 
 
 def test_a_conflict_says_in_words_what_differs(ruler: RulerPage, project: Path) -> None:
     _open(ruler, project)
     ruler.change("Edit rate: 10", "9")
     (project / "plain.adirf").write_text(SLOWER)
-    ruler.button("Save").click()
+    ruler.tool("Save").click()
     dialog = ruler.page.get_by_role("dialog")
     expect(dialog.get_by_role("list", name="Differences")).to_have_text("default: /odom 7 → 9 Hz")
     ruler.forgive("409")
@@ -95,7 +95,7 @@ def test_it_asks_once_where_somebody_else_changed_the_file(ruler: RulerPage, pro
     dialog.get_by_role("button", name="Cancel").click()
     ruler.change("Edit rate: 9", "8")
     expect(ruler.page.get_by_text("not saved", exact=True)).to_be_visible()
-    ruler.button("Save").click()
+    ruler.tool("Save").click()
     dialog.get_by_role("button", name="Save anyway").click()
     expect(ruler.page.get_by_text("saved by itself", exact=True)).to_be_visible()
     assert (project / "plain.adirf").read_text() == RULES.replace("10", "8")

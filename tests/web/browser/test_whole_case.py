@@ -84,7 +84,7 @@ def test_the_whole_case_is_done_with_the_keyboard_alone(
     expect(ruler.page.get_by_label("Topic of row 3")).to_have_value("/odom")
     me.paste(TABLE)
     me.sees("Pasted 9 topics")
-    _walk_to_field(ruler, me, "Budget: total bandwidth (KB/s)")
+    me.walk_to_field("Budget: total bandwidth (KB/s)")
     me.type(BUDGET_KB_PER_S)
     me.press("Control+s")
     me.sees("Saved shelf.toml")
@@ -97,16 +97,6 @@ def test_the_whole_case_is_done_with_the_keyboard_alone(
     _expect_rates_of_the_thesis(ruler, waiting.value, tmp_path)
     assert (project / "shelf.adirf").read_text() == FIGURE_6_6
     assert me.clicks == 0
-
-
-def _walk_to_field(ruler: RulerPage, me: CountedPage, label: str) -> None:
-    """Press Tab until a field of the page's own has the focus, which has its label beside it."""
-    field = ruler.page.get_by_label(label, exact=True)
-    for _ in range(40):
-        me.press("Tab")
-        if field.evaluate("field => field === document.activeElement"):
-            return
-    raise AssertionError(f"Tab does not lead to {label}")
 
 
 def _expect_rates_of_the_thesis(ruler: RulerPage, download: Download, tmp_path: Path) -> None:

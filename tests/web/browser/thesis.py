@@ -44,7 +44,7 @@ def enter_table(ruler: RulerPage, budget: str, project: Path) -> None:
         ruler.page.get_by_label(f"Message size (KB) of {topic}", exact=True).fill(f"{message_kb:g}")
         for level, tier_hz in zip(LEVELS, tiers, strict=True):
             ruler.page.get_by_label(f"{level} (Hz) of {topic}", exact=True).fill(str(tier_hz))
-    ruler.button("Save").click()
+    ruler.tool("Save").click()
     expect(ruler.page.get_by_text("Saved profile.toml")).to_be_visible()
 
 
