@@ -203,7 +203,7 @@ function useChoices(editor: RuleEditor) {
   return useComputed((): Choice<Tool>[] => [
     {
       value: "findings",
-      label: `Findings (${editor.profileChoice.isKnown.value ? editor.findings.value.length : "…"})`,
+      label: `Findings (${editor.isChecked.value ? editor.findings.value.length : "…"})`,
     },
     { value: "optimize", label: "Optimize" },
     { value: "try", label: "Try on a recording" },

@@ -33,7 +33,7 @@ export function FindingsPanel({ editor, repair }: { editor: RuleEditor; repair: 
   const isGone = useRobot().isServerGone.value;
   const [limit, setLimit] = useState(SHOWN);
   const hidden = findings.length - limit;
-  if (!editor.profileChoice.isKnown.value) return <p class="quiet">Reading the profile …</p>;
+  if (!editor.isChecked.value) return <p class="quiet">Checking the rules …</p>;
   return (
     <>
       <p class="visually-hidden" role="status" aria-live="polite">

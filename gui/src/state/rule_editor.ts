@@ -76,8 +76,9 @@ export class RuleEditor implements Contested {
   takeBack: (() => boolean) | null = null;
   /** Brings into the text what blocks say, an open field too where that is asked for; whether nothing is left out. */
   handOver: ((withOpenField: boolean) => Promise<boolean>) | null = null;
-  /** Without the profile, levels would be errors that they are not. */
-  readonly findings = computed(() => (this.profileChoice.isKnown.value ? this.document.value.findings : []));
+  /** Whether the server has read the rules with their profile: without it, levels would be errors that they are not. */
+  readonly isChecked = signal(false);
+  readonly findings = computed(() => (this.isChecked.value ? this.document.value.findings : []));
   readonly statements = computed(() => statementsIn(this.document.value));
   private readonly byId = computed(() => new Map(this.statements.value.map((each) => [each.id ?? "", each])));
   readonly errors = computed(() => this.findings.value.filter((finding) => finding.severity === "error"));
@@ -343,6 +344,7 @@ export class RuleEditor implements Contested {
   }
 
   private async ask(rules: Rules): Promise<void> {
+    const isProfileKnown = this.profileChoice.isKnown.peek();
     try {
       const askedMs = performance.now();
       const document = await this.api.document(rules);
@@ -352,6 +354,7 @@ export class RuleEditor implements Contested {
       batch(() => {
         this.vocabulary.value = vocabulary;
         this.accept(document, rules.text);
+        if (isProfileKnown) this.isChecked.value = true;
       });
     } catch (error) {
       this.tell(error);

@@ -101,7 +101,6 @@ export function MenuItem({ label, icon, keys, act }: ItemProps) {
       type="button"
       role="menuitem"
       tabIndex={-1}
-      aria-label={label}
       aria-keyshortcuts={keys}
       onClick={() => {
         close();
@@ -110,7 +109,11 @@ export function MenuItem({ label, icon, keys, act }: ItemProps) {
     >
       <Icon name={icon} />
       <span>{label}</span>
-      {keys && <kbd>{keys}</kbd>}
+      {keys && (
+        <span class="keys" aria-hidden="true">
+          {keys}
+        </span>
+      )}
     </button>
   );
 }

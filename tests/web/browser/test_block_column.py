@@ -48,6 +48,14 @@ STACKS = """() => [...document.querySelectorAll('CANVAS > .blocklyDraggable')].m
 
 A rule that lacks a part says ``?``: the text has what it said before. A check alone says nothing.
 """
+# The first place from the right, above the zoom buttons, where nothing but the ground of the blocks is.
+GROUND = """host => {
+    const { left, right, top, bottom } = host.getBoundingClientRect();
+    for (let x = right - 30; x > left; x -= 15)
+        for (let y = top + 8; y < bottom - 200; y += 15)
+            if (document.elementFromPoint(x, y).matches(".blocklyMainBackground, .blocklySvg")) return [x, y];
+    throw new Error("blocks are everywhere");
+}"""
 TEXT_SAYS = """() => {
     const text = document.querySelector('.cm-content').cmTile.view.state.doc.toString();
     const outside = text.replace(/\\bThen\\b[^]*?EndIf/g, '');
@@ -237,9 +245,8 @@ class _Walk:
 
     def ground(self) -> tuple[float, float]:
         """A place beside all blocks."""
-        host = self.ruler.blocks.locator(".blocks-host").bounding_box()
-        assert host is not None
-        return host["x"] + host["width"] - 60, host["y"] + 8
+        x, y = self.ruler.blocks.locator(".blocks-host").evaluate(GROUND)
+        return x, y
 
     def undo(self) -> None:
         self.press_tool("Undo")

@@ -12,7 +12,7 @@ from playwright.sync_api import Locator, expect
 from web.browser.ruler_page import RulerPage
 
 BEFORE = "begin\n    SetFrequency /odom 10\nend\n"
-MINE = BEFORE.replace("10\n", "10\n    SetFrequency /odom 10\n")
+MINE = BEFORE.replace("10\n", "10\n    SetFrequency /imu 10\n")
 THEIRS = BEFORE.replace("10", "7")
 TABLE = '[topics."/odom"]\nmessage_kb = 0.7\n'
 

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
 from playwright.sync_api import Route, expect
 
 from web.browser.ruler_page import RulerPage
@@ -138,3 +139,40 @@ def _await_value(ruler: RulerPage, value: str) -> None:
     ruler.page.wait_for_function(
         "label => document.activeElement.getAttribute('aria-label')?.endsWith(label)", arg=f": {value}"
     )
+
+
+@pytest.mark.parametrize("answer", ["**/api/document", "**/api/profile/for"])
+def test_rules_are_shown_once_they_are_read_with_their_profile(ruler: RulerPage, answer: str) -> None:
+    page = ruler.page
+    held: list[Route] = []
+
+    def hold(route: Route) -> None:
+        held.append(route)
+
+    page.route(answer, hold)
+    with page.expect_request(answer):
+        page.get_by_role("link", name="quality/inspection.adirf", exact=True).click()
+    expect(page.get_by_text("Opening quality/inspection.adirf …")).to_be_visible()
+    for route in held:
+        route.continue_()
+    page.unroute(answer, hold)
+    expect(page.get_by_role("tab", name="Findings (2)")).to_be_visible()
+
+
+def test_rules_that_nobody_checked_are_not_called_good(ruler: RulerPage) -> None:
+    page = ruler.page
+
+    def refuse(route: Route) -> None:
+        route.fulfill(status=500, json={"error": {"message": "the disk is gone"}})
+
+    page.route("**/api/document", refuse)
+    page.get_by_role("link", name="quality/inspection.adirf", exact=True).click()
+    ruler.expect_lines("Inspection")
+    expect(page.get_by_text("Checking the rules …")).to_be_visible()
+    expect(page.get_by_role("tab", name="Findings (…)")).to_be_visible()
+    page.unroute("**/api/document", refuse)
+    ruler.forgive("500")
+    ruler.text.get_by_text("Inspection").click()
+    page.keyboard.press("End")
+    page.keyboard.type(" ")
+    expect(page.get_by_role("tab", name="Findings (2)")).to_be_visible()

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
-from playwright.sync_api import Locator, Route, expect
+from playwright.sync_api import Locator, expect
 
 from axe import violations
 from web.browser.ruler_page import RulerPage, served
@@ -64,28 +64,6 @@ def test_the_tour_is_walked_with_one_key_and_touches_no_file(ruler: RulerPage, p
     expect(ruler.button("New Rule File")).to_be_visible()
     expect(page.get_by_role("dialog", name=OFFER)).to_have_count(0)
     assert list(project.iterdir()) == []
-
-
-def test_no_error_is_shown_while_the_profile_is_on_its_way(ruler: RulerPage) -> None:
-    page = ruler.page
-    held: list[Route] = []
-
-    def hold_with_profile(route: Route) -> None:
-        if '"profile_text":null' in (route.request.post_data or ""):
-            route.continue_()
-        else:
-            held.append(route)
-
-    page.route("**/api/document", hold_with_profile)
-    with page.expect_request(lambda request: '"profile_text":"' in (request.post_data or "")):
-        ruler.button("Take the tour").click()
-    ruler.field("Edit value: 11").wait_for()
-    expect(page.get_by_text("Reading the profile …")).to_be_visible()
-    expect(page.get_by_role("tab", name="Findings (…)")).to_be_visible()
-    expect(page.locator(".cm-lintRange-error")).to_have_count(0)
-    for route in held:
-        route.continue_()
-    expect(page.get_by_role("tab", name="Findings (1)")).to_be_visible()
 
 
 @pytest.mark.parametrize("way", ["Escape", "No, thanks"])

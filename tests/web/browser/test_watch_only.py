@@ -40,7 +40,8 @@ def test_every_page_says_it_and_what_changes_something_is_off(ruler: RulerPage, 
 
     ruler.open("patrol.adirf")
     _expect_notice(ruler)
-    _expect_off(ruler.button("Send to robot"))
+    _expect_off(ruler.tool("Send to robot"))
+    page.keyboard.press("Escape")
     ruler.change("Edit rate: 5", "7")
     ruler.expect_lines("SetFrequency /odom 7")
     _expect_off(ruler.button("Save"))
