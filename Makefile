@@ -9,7 +9,7 @@ FUZZ_TESTS ?= tests
 EXAMPLES_FACTOR ?= 0.34
 SWEEPS ?= some
 GUI_NPM := PYTHON=$(abspath $(BIN)/python) sh scripts/gui_npm.sh
-PAGE := src/smarttestudo/web/static/index.html
+PAGE := src/smarttestudo/ruler/server/static/index.html
 GUI_PACKAGES := gui/node_modules/.package-lock.json
 GUI_SOURCES := $(shell find gui -type f -not -path 'gui/node_modules/*' -not -path 'gui/tests/*') docs/language.md docs/quality-levels.md $(wildcard docs/reference/*.md)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
@@ -50,7 +50,7 @@ quick: lint
 
 test-plain: $(VENV)/dev.stamp
 	$(BIN)/pytest --numprocesses auto --dist worksteal -m "not process" --examples-factor $(EXAMPLES_FACTOR) --quiet \
-		--ignore tests/adapters/ros tests
+		--ignore tests/robot/ros tests
 
 # Each law tries a third of its examples, and pages are looked at on two screens; continuous integration asks for
 # all: make test EXAMPLES_FACTOR=1 SWEEPS=all
@@ -140,7 +140,7 @@ benchmarks: $(VENV)/dev.stamp $(PAGE)
 	for benchmark in benchmarks/*.py; do $(BIN)/python $$benchmark || exit 1; done
 
 clean:
-	rm -rf $(VENV) src/smarttestudo/web/static gui/node_modules tests/adapters/foxglove/client/node_modules build install log dist htmlcov .coverage demo-out .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
+	rm -rf $(VENV) src/smarttestudo/ruler/server/static gui/node_modules tests/link/foxglove/client/node_modules build install log dist htmlcov .coverage demo-out .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
 
 $(VENV)/bin/python:
 	@PYTHON=$(PYTHON) sh scripts/check_python.sh

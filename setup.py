@@ -31,7 +31,7 @@ SHARED_FOLDERS = ("launch", "worlds", "profiles", "examples", "examples/quality"
 SETUPTOOLS = int(setuptools.__version__.partition(".")[0])
 FIRST_TO_READ_PYPROJECT = 61
 FIRST_WITH_EXPRESSIONS = 77
-PAGE = ROOT / "src" / "smarttestudo" / "web" / "static" / "index.html"
+PAGE = ROOT / "src" / "smarttestudo" / "ruler" / "server" / "static" / "index.html"
 MAKE_PAGE = ROOT / "scripts" / "make_gui.sh"
 PAGE_WITHIN_S = 600
 

@@ -18,7 +18,7 @@ import time
 from pathlib import Path
 from typing import NamedTuple
 
-from smarttestudo.adapters.rosbag.writer import create_recording
+from smarttestudo.bags.writer import create_recording
 from smarttestudo.domain.recording import Channel, Storage
 
 IMAGES_PER_S = 29

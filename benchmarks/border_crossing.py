@@ -13,11 +13,11 @@ import time
 from collections.abc import Callable, Iterator
 from types import SimpleNamespace
 
-from smarttestudo.adirf.parser import parse
-from smarttestudo.adirf.rule_set import compile_rules
 from smarttestudo.domain.observation import Arrival
 from smarttestudo.domain.profile import Profile, TopicProfile
-from smarttestudo.runtime import Knowledge, step
+from smarttestudo.language.parser import parse
+from smarttestudo.language.rule_set import compile_rules
+from smarttestudo.loop import Knowledge, step
 
 TURNS = 15
 CROSSINGS = 2000

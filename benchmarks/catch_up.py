@@ -16,9 +16,9 @@ from pathlib import Path
 # In the place of this folder, whose link.py is another.
 sys.path[0] = str(Path(__file__).parents[1] / "tests")
 
-from link.fetched_path import path_errors  # noqa: E402
-from link.simulated_fetch import GAP, LIVE, NEEDS, SPARE_LINK, Contents, FetchingEnds, spare_link  # noqa: E402
-from link.simulated_link import Ends, S, quantile  # noqa: E402
+from incidents.fetched_path import path_errors  # noqa: E402
+from incidents.simulated_fetch import GAP, LIVE, NEEDS, SPARE_LINK, Contents, FetchingEnds, spare_link  # noqa: E402
+from link.protocol.simulated_link import Ends, S, quantile  # noqa: E402
 
 GAP_S = 60.0
 FROM_S = 10.0

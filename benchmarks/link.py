@@ -20,7 +20,7 @@ from collections.abc import Sequence
 from contextlib import ExitStack
 from typing import Any
 
-from smarttestudo.adapters.network_namespaces import ThinLink, require_links, thin_link
+from smarttestudo.demo.network_namespaces import ThinLink, require_links, thin_link
 from smarttestudo.domain.errors import NetworkError
 from thin_link.cases import CASES, WARM_S, Arrival, Case, Seen, Target
 from thin_link.ends import role

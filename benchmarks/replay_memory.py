@@ -16,7 +16,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from smarttestudo.adapters.rosbag.writer import create_recording
+from smarttestudo.bags.writer import create_recording
 from smarttestudo.domain.recording import Channel, Storage
 
 IMAGE_BYTES = 6_220_800

@@ -22,10 +22,10 @@ from pathlib import Path
 
 from rosbags.rosbag2 import Reader, Writer
 
-from smarttestudo.adapters.rosbag.reader import open_recording
-from smarttestudo.use_cases.demo.mission import record_mission
-from smarttestudo.use_cases.replay.replay import ReplayRequest, replay
-from smarttestudo.use_cases.rules.rule_sets import load_rules
+from smarttestudo.bags.reader import open_recording
+from smarttestudo.demo.mission import record_mission
+from smarttestudo.replays.replay import ReplayRequest, replay
+from smarttestudo.rules.rule_sets import load_rules
 
 TURNS = 15
 WARM_UPS = 1

@@ -14,11 +14,11 @@ import time
 from collections.abc import Callable
 from types import SimpleNamespace
 
-from smarttestudo.adirf.parser import parse
-from smarttestudo.adirf.rule_set import compile_rules
 from smarttestudo.domain.observation import Arrival
 from smarttestudo.domain.profile import Profile, TopicProfile
-from smarttestudo.runtime import Knowledge, step
+from smarttestudo.language.parser import parse
+from smarttestudo.language.rule_set import compile_rules
+from smarttestudo.loop import Knowledge, step
 
 TURNS = 9
 CROSSINGS = 1000

@@ -27,7 +27,7 @@ export default defineConfig({
   base: "./",
   plugins: [blocklyMedia(), documentation()],
   build: {
-    outDir: "../src/smarttestudo/web/static",
+    outDir: "../src/smarttestudo/ruler/server/static",
     emptyOutDir: true,
     modulePreload: { polyfill: false },
     reportCompressedSize: false,

@@ -16,16 +16,16 @@ from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
 import msgspec
 
-from smarttestudo.adapters.files.project_folder import ProjectFolder
-from smarttestudo.adapters.ros import open_graph_robots
 from smarttestudo.domain.rate import Tier
-from smarttestudo.use_cases.ruler.robot_incidents import RobotIncidents
-from smarttestudo.use_cases.ruler.robot_link import RobotLink
-from smarttestudo.web import socket
-from smarttestudo.web.app import api_routes, keeping_routes, robot_incident_routes
-from smarttestudo.web.errors import ErrorAnswer
-from smarttestudo.web.keeping import Keepings
-from smarttestudo.web.routes import ApiRoute
+from smarttestudo.robot.ros import open_graph_robots
+from smarttestudo.ruler.answers.robot_incidents import RobotIncidents
+from smarttestudo.ruler.answers.robot_link import RobotLink
+from smarttestudo.ruler.project.project_folder import ProjectFolder
+from smarttestudo.ruler.server import socket
+from smarttestudo.ruler.server.app import api_routes, keeping_routes, robot_incident_routes
+from smarttestudo.ruler.server.errors import ErrorAnswer
+from smarttestudo.ruler.server.keeping import Keepings
+from smarttestudo.ruler.server.routes import ApiRoute
 
 TYPES = Path(__file__).resolve().parent.parent / "gui" / "src" / "api" / "types.ts"
 HEAD = """// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
@@ -173,7 +173,7 @@ def _alias(kind: Any) -> str | None:
     return min(names) if names else None
 
 
-_PLACES = ("smarttestudo.use_cases.ruler.", "smarttestudo.web.")
+_PLACES = ("smarttestudo.ruler.answers.", "smarttestudo.ruler.server.")
 
 
 def _is_same(value: object, kind: Any) -> bool:

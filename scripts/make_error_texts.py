@@ -17,16 +17,14 @@ NOTE = "<!-- Written by scripts/make_error_texts.py; change the code instead. --
 SECTIONS: Mapping[str, Sequence[str]] = {
     "Command lines": ("cli",),
     "Rule files, profiles, missions and maps": (
-        "adapters/files", "use_cases/rules", "optimizer", "adapters/solver", "simulation",
+        "files", "rules", "optimizer", "simulation", "ruler/project",
     ),
-    "On a robot": ("adapters/ros", "use_cases/live", "domain"),
-    "Over a link": (
-        "adapters/zenoh", "link", "use_cases/receive", "adapters/foxglove", "adapters/openmetrics",
-    ),
-    "Incidents": ("adapters/incidents", "runtime"),
-    "Recordings": ("adapters/rosbag", "adapters/json", "use_cases/bags", "use_cases/replay", "visualizer"),
-    "The demo": ("use_cases/demo", "adapters/network_namespaces"),
-    "The Ruler's page": ("web", "use_cases/ruler", "adirf"),
+    "On a robot": ("robot", "domain"),
+    "Over a link": ("link",),
+    "Incidents": ("incidents", "loop"),
+    "Recordings": ("bags", "replays", "accuracy", "report"),
+    "The demo": ("demo",),
+    "The Ruler's page": ("ruler/answers", "ruler/server", "language", "checks", "editing"),
 }  # fmt: skip
 """Folders of the code, by where a user meets their texts."""
 WARNINGS = re.compile(r"(\.log|get_logger\(\))\.(warning|error)$|\._?(warn|warn_once|say)$")

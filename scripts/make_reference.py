@@ -11,22 +11,22 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from smarttestudo.adapters.openmetrics.status import STATUS_METRICS
-from smarttestudo.adirf.checks import CHECKS, Example, RuleCheck
-from smarttestudo.adirf.properties import (
+from smarttestudo.checks import CHECKS, Example, RuleCheck
+from smarttestudo.cli.command_parser import CommandParser
+from smarttestudo.cli.commands import command_parser
+from smarttestudo.domain.finding import Severity
+from smarttestudo.domain.metric import MetricName
+from smarttestudo.domain.profile import Profile
+from smarttestudo.language.properties import (
     ARRIVAL_PROPERTIES,
     PropertySpec,
     known_types,
     properties_for_bounds,
     properties_of,
 )
-from smarttestudo.cli.command_parser import CommandParser
-from smarttestudo.cli.commands import command_parser
-from smarttestudo.domain.finding import Severity
-from smarttestudo.domain.metric import MetricName
-from smarttestudo.domain.profile import Profile
-from smarttestudo.use_cases.live.run_metrics import DECISIONS
-from smarttestudo.use_cases.receive.reception_metrics import RECEPTION_METRICS
+from smarttestudo.link.openmetrics.status import STATUS_METRICS
+from smarttestudo.link.receive.reception_metrics import RECEPTION_METRICS
+from smarttestudo.robot.run_metrics import DECISIONS
 
 REFERENCE = Path(__file__).resolve().parent.parent / "docs" / "reference"
 NOTE = "<!-- Written by scripts/make_reference.py; change the code instead. -->"

@@ -25,7 +25,7 @@ wheel=$(echo "$folder"/dist/*.whl)
     tail -n 5 "$folder/demo.log" >&2
     exit 1
 }
-"$folder/empty/bin/python" -c 'import sys; from smarttestudo.web.page import is_page_built; sys.exit(not is_page_built())' || {
+"$folder/empty/bin/python" -c 'import sys; from smarttestudo.ruler.server.page import is_page_built; sys.exit(not is_page_built())' || {
     echo "$wheel: error: it lacks the page of 'testudo ruler'" >&2
     exit 1
 }

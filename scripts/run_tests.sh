@@ -5,7 +5,7 @@
 set -u
 bin=${BIN:-.venv/bin}
 results=build/tests
-live="tests/ros tests/web/browser/test_robot.py"
+live="tests/ros tests/ruler/browser/test_robot.py"
 processors=$(getconf _NPROCESSORS_ONLN)
 failed=""
 

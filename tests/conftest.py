@@ -30,7 +30,7 @@ settings.load_profile("default")
 # Where Hypothesis itself reads them at each run; its decorator may be applied to a test but once.
 _SETTINGS_OF_LAW = "_hypothesis_internal_use_settings"
 _TESTS = Path(__file__).parent
-_FOLDERS_OF_PROCESSES = ("ros", "ros_package", "web")
+_FOLDERS_OF_PROCESSES = ("ros", "ros_package", "ruler")
 _SIGNALS_OF_A_TERMINAL = (signal.SIGINT, signal.SIGQUIT, signal.SIGHUP)
 
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import pytest
 
-from smarttestudo.adapters.network_namespaces import in_namespace, require_links
+from smarttestudo.demo.network_namespaces import in_namespace, require_links
 from smarttestudo.domain.errors import NetworkError
 
 SERVER = "server"

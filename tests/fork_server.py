@@ -54,7 +54,7 @@ RESET = (signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT, signal.SIGCHLD)
 def import_everything() -> None:
     """Import all of SmartTestudo but what imports rclpy, which starts threads, and threads are not forked."""
     ours = [module.name for module in pkgutil.walk_packages(smarttestudo.__path__, "smarttestudo.")]
-    of_ros = "smarttestudo.adapters.ros."
+    of_ros = "smarttestudo.robot.ros."
     for name in (*ours, *IMPORTED_LATE):
         if not name.startswith(of_ros) and not name.endswith("__main__"):
             # An extra may not be installed; who needs it says so.

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from smarttestudo.adapters.network_namespaces import ThinLink, thin_link
+from smarttestudo.demo.network_namespaces import ThinLink, thin_link
 from smarttestudo.domain.errors import NetworkError
 
 

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from live.processes import Process
-from smarttestudo.adapters.network_namespaces import in_namespace
+from smarttestudo.demo.network_namespaces import in_namespace
 from thin_link.fast_dds import ENVIRONMENT
 
 _SCRIPT = Path(__file__).parents[1] / "link.py"

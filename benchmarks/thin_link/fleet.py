@@ -10,11 +10,11 @@ import threading
 import time
 from contextlib import ExitStack
 
-from smarttestudo.adapters.network_namespaces import OPERATOR_ADDRESS
-from smarttestudo.adapters.zenoh import open_operator_end, open_robot_end
-from smarttestudo.adapters.zenoh.security import LinkOptions
+from smarttestudo.demo.network_namespaces import OPERATOR_ADDRESS
 from smarttestudo.domain.link import LinkNeeds, StreamInfo
 from smarttestudo.domain.robot import Qos
+from smarttestudo.link.zenoh import open_operator_end, open_robot_end
+from smarttestudo.link.zenoh.security import LinkOptions
 from thin_link.roles import ENDPOINT, warn
 
 ROUTER = f"tcp/{OPERATOR_ADDRESS}:7449"

@@ -16,7 +16,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from live.processes import Process
-from smarttestudo.adapters.network_namespaces import ThinLink, thin_link
+from smarttestudo.demo.network_namespaces import ThinLink, thin_link
 from thin_link.cases import IMAGE, SMALL, Target
 from thin_link.ends import process, role
 from thin_link.fleet import FLEET_BYTES_PER_S, ROUTER

@@ -21,7 +21,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 
-from smarttestudo.adapters.network_namespaces import OPERATOR_ADDRESS
+from smarttestudo.demo.network_namespaces import OPERATOR_ADDRESS
 from thin_link.fast_dds import fast_dds_operator, fast_dds_robot
 
 ENDPOINT = f"tcp/{OPERATOR_ADDRESS}:7447"
@@ -153,10 +153,10 @@ def warn(text: str) -> None:
 
 @contextmanager
 def _testudo_robot(topics: Sequence[Topic]) -> Iterator[tuple[list[Publish], Callable[[], bool]]]:
-    from smarttestudo.adapters.zenoh import open_robot_end  # noqa: PLC0415  the rival needs none of it
-    from smarttestudo.adapters.zenoh.security import LinkOptions  # noqa: PLC0415
     from smarttestudo.domain.link import LinkNeeds, StreamInfo  # noqa: PLC0415
     from smarttestudo.domain.robot import Qos  # noqa: PLC0415
+    from smarttestudo.link.zenoh import open_robot_end  # noqa: PLC0415  the rival needs none of it
+    from smarttestudo.link.zenoh.security import LinkOptions  # noqa: PLC0415
 
     qos = Qos(reliable=False, transient_local=False, depth=5)
     with open_robot_end("robot", LinkOptions(connect=(ENDPOINT,), insecure=True), warn) as end:
@@ -173,9 +173,9 @@ def _no_robot(topics: Sequence[Topic]) -> Iterator[tuple[list[Publish], Callable
 
 @contextmanager
 def _testudo_operator(note: Note, _topics: Sequence[Topic]) -> Iterator[None]:
-    from smarttestudo.adapters.zenoh import open_operator_end  # noqa: PLC0415  the rival needs none of it
-    from smarttestudo.adapters.zenoh.security import LinkOptions  # noqa: PLC0415
     from smarttestudo.domain.link import ReceivedMessage  # noqa: PLC0415
+    from smarttestudo.link.zenoh import open_operator_end  # noqa: PLC0415  the rival needs none of it
+    from smarttestudo.link.zenoh.security import LinkOptions  # noqa: PLC0415
 
     is_closed = threading.Event()
     with open_operator_end(LinkOptions(listen=(ENDPOINT,), insecure=True), warn) as end:
@@ -197,7 +197,7 @@ def _testudo_operator(note: Note, _topics: Sequence[Topic]) -> Iterator[None]:
 
 @contextmanager
 def _zenoh_robot(topics: Sequence[Topic]) -> Iterator[tuple[list[Publish], Callable[[], bool]]]:
-    from smarttestudo.adapters.zenoh.plain import plain_robot  # noqa: PLC0415  needs zenoh
+    from smarttestudo.link.zenoh.plain import plain_robot  # noqa: PLC0415  needs zenoh
 
     priorities = {one.name: one.zenoh_priority for one in topics}
     with plain_robot(ENDPOINT, priorities, compresses=_compresses(topics)) as (puts, is_connected):
@@ -206,7 +206,7 @@ def _zenoh_robot(topics: Sequence[Topic]) -> Iterator[tuple[list[Publish], Calla
 
 @contextmanager
 def _zenoh_operator(note: Note, topics: Sequence[Topic]) -> Iterator[None]:
-    from smarttestudo.adapters.zenoh.plain import plain_operator  # noqa: PLC0415  needs zenoh
+    from smarttestudo.link.zenoh.plain import plain_operator  # noqa: PLC0415  needs zenoh
 
     with plain_operator(ENDPOINT, note, compresses=_compresses(topics)):
         yield

@@ -5,7 +5,7 @@ import { existsSync, readdirSync, readFileSync, statSync } from "node:fs";
 
 const FIRST_VIEW_LIMIT_KB = 60;
 const TOTAL_LIMIT_KB = 500;
-const ROOT = new URL("../../src/smarttestudo/web/static/", import.meta.url);
+const ROOT = new URL("../../src/smarttestudo/ruler/server/static/", import.meta.url);
 
 const sentKb = (file) => {
   const compressed = new URL(`${file}.br`, ROOT);

@@ -4,7 +4,7 @@
 import { readdirSync, readFileSync, writeFileSync } from "node:fs";
 import { brotliCompressSync, constants, gzipSync } from "node:zlib";
 
-const ROOT = new URL("../../src/smarttestudo/web/static/", import.meta.url);
+const ROOT = new URL("../../src/smarttestudo/ruler/server/static/", import.meta.url);
 const TEXTS = /\.(js|css|html|svg)$/;
 const LEAST_BYTES = 500;
 

@@ -13,25 +13,26 @@ from os import PathLike
 from pathlib import Path
 from typing import Protocol, runtime_checkable
 
-from smarttestudo.adapters.files import decision_log
-from smarttestudo.adapters.files.outputs import require_separate
-from smarttestudo.adapters.files.profile import load_profile
-from smarttestudo.adapters.files.rule_files import find_rule_files, read_rule_text
-from smarttestudo.adapters.rosbag.reader import open_recording
-from smarttestudo.adirf.checks import CheckContext
-from smarttestudo.adirf.parser import parse
-from smarttestudo.adirf.rule_set import RuleSet
+from smarttestudo.accuracy import recorded_loss as loss
+from smarttestudo.accuracy.loss_report import LossReport
+from smarttestudo.bags import measure
+from smarttestudo.bags.bag_summary import BagSummary
+from smarttestudo.bags.reader import open_recording
+from smarttestudo.checks import CheckContext
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.finding import Finding
 from smarttestudo.domain.profile import Profile
+from smarttestudo.files.outputs import require_separate
+from smarttestudo.language.parser import parse
+from smarttestudo.language.rule_set import RuleSet
+from smarttestudo.loop import decision_log
 from smarttestudo.pacing.sample import WhenSlow
-from smarttestudo.use_cases.bags import loss, measure
-from smarttestudo.use_cases.replay import replay as replaying
-from smarttestudo.use_cases.replay.outcome import ReplayOutcome
-from smarttestudo.use_cases.rules.budget_findings import all_findings
-from smarttestudo.use_cases.rules.rule_sets import load_rules
-from smarttestudo.visualizer.bag_summary import BagSummary
-from smarttestudo.visualizer.loss.report import LossReport
+from smarttestudo.replays import replay as replaying
+from smarttestudo.replays.outcome import ReplayOutcome
+from smarttestudo.rules.budget_findings import all_findings
+from smarttestudo.rules.profile_file import load_profile
+from smarttestudo.rules.rule_files import find_rule_files, read_rule_text
+from smarttestudo.rules.rule_sets import load_rules
 
 AnyPath = str | PathLike[str]
 

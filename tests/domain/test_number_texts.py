@@ -11,7 +11,7 @@ import pytest
 
 from smarttestudo.domain.units import grouped
 from smarttestudo.optimizer.wording import kb_text
-from smarttestudo.visualizer.table import format_number
+from smarttestudo.report.table import format_number
 
 TABLE = json.loads((Path(__file__).parents[1] / "golden" / "numbers.json").read_text("utf-8"))
 

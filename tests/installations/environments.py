@@ -18,7 +18,7 @@ import tomli
 from forked_python import NOT_INHERITED
 
 ROOT = Path(__file__).resolve().parents[2]
-BUILT_PAGE = "src/smarttestudo/web/static"
+BUILT_PAGE = "src/smarttestudo/ruler/server/static"
 LIMIT_S = 300
 UV = [sys.executable, "-m", "uv"]
 

@@ -18,7 +18,6 @@ from pathlib import Path
 
 import pytest
 
-from adapters.zenoh.ends import free_endpoint, until
 from cli.test_command_lines import COMMANDS
 from installations.environments import (
     LIMIT_S,
@@ -30,6 +29,7 @@ from installations.environments import (
     run,
     with_python3,
 )
+from link.zenoh.ends import free_endpoint, until
 from ros.ros_processes import Process, SmallRobot
 from smarttestudo.domain.packages import Extra, how_to_install
 

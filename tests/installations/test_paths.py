@@ -16,11 +16,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from adapters.foxglove.foxglove_client import decoded_by_foxglove
-from adapters.zenoh.ends import free_endpoint, until
 from docs.code_blocks import Mark, blocks_of
 from installations.conftest import MakeEnvironment
 from installations.environments import LIMIT_S, clean_variables, does
+from link.foxglove.foxglove_client import decoded_by_foxglove
+from link.zenoh.ends import free_endpoint, until
 
 START = "docs/index.md"
 CAMERA = "docs/tutorials/camera-over-lte.md"

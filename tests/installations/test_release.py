@@ -14,7 +14,7 @@ from pathlib import Path
 
 from installations.environments import ROOT
 
-PAGE = "smarttestudo/web/static/index.html"
+PAGE = "smarttestudo/ruler/server/static/index.html"
 
 
 def test_a_release_holds_the_page_its_source_and_each_file_once(tmp_path: Path) -> None:

@@ -17,11 +17,11 @@ from types import SimpleNamespace
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from runtime.loop_driver import LoopDriver
+from loop.loop_driver import LoopDriver
 from smarttestudo.domain.decision import BoundReason, PlannedRate, Reason
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.rate import Rate
-from smarttestudo.runtime.knowledge.settling_bounds import SettlingBounds
+from smarttestudo.loop.knowledge.settling_bounds import SettlingBounds
 
 PROPERTIES = ("position", "orientation")
 CONDITIONS = ("/p", "/q", "/r")

@@ -10,13 +10,13 @@ from types import SimpleNamespace
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from adirf.evaluator.naive_time import random_condition
-from adirf.evaluator.random_rules import block, rule_file, set_frequency
-from smarttestudo.adirf.rule_set import RuleSet, compile_rules
+from language.evaluator.naive_time import random_condition
+from language.evaluator.random_rules import block, rule_file, set_frequency
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.signal import Signal
-from smarttestudo.runtime import RelayLoop
-from smarttestudo.runtime.inputs import LoopInput, MessageInput, WakeInput
+from smarttestudo.language.rule_set import RuleSet, compile_rules
+from smarttestudo.loop import RelayLoop
+from smarttestudo.loop.inputs import LoopInput, MessageInput, WakeInput
 
 SIGNALS = [Signal("/p", "x"), Signal("/p", "y"), Signal("/q", "x")]
 BORDERS = [0.0, 1.0, 2.0]

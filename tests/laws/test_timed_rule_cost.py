@@ -8,15 +8,24 @@ from types import SimpleNamespace
 
 import pytest
 
-from adirf.evaluator.naive_time import duration
-from adirf.evaluator.random_rules import SPAN, block, check, rule_file, set_frequency
-from smarttestudo.adirf.rule_set import compile_rules
-from smarttestudo.adirf.syntax import And, Check, Condition, Operator, Statement, Timed, TimeWord, Until
+from language.evaluator.naive_time import duration
+from language.evaluator.random_rules import SPAN, block, check, rule_file, set_frequency
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.signal import Signal
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.runtime import RelayLoop
-from smarttestudo.runtime.inputs import MessageInput, WakeInput
+from smarttestudo.language.rule_set import compile_rules
+from smarttestudo.language.syntax import (
+    And,
+    Check,
+    Condition,
+    Operator,
+    Statement,
+    Timed,
+    TimeWord,
+    Until,
+)
+from smarttestudo.loop import RelayLoop
+from smarttestudo.loop.inputs import MessageInput, WakeInput
 
 X = Signal("/odom", "x")
 METRES = 8

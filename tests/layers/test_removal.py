@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 PACKAGE = Path(__file__).parents[2] / "src" / "smarttestudo"
-REMOVAL = "adapters/files/removal.py"
+REMOVAL = "files/removal.py"
 REMOVING = frozenset({"rmtree", "unlink", "rmdir", "removedirs", "TemporaryDirectory"})
 """What removes, whatever it is called on; lists and sets have a ``remove``, too."""
 REMOVING_OF_OS = frozenset({"remove", "renames"})

@@ -14,12 +14,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from optimizer.instances import accuracy_tiers
-from smarttestudo.adirf.parser import parse
 from smarttestudo.cli.main import main
 from smarttestudo.domain.accuracy import LevelledProperty
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.domain.rate import Tier
+from smarttestudo.language.parser import parse
 from smarttestudo.optimizer.greedy import GreedySolver
 from smarttestudo.optimizer.model import Model
 from smarttestudo.optimizer.rule_asks import Undecided

@@ -9,16 +9,16 @@ from pathlib import Path
 
 import pytest
 
-from adapters.rosbag.bag_factory import START_NS, BagContent, write_bag
-from reckoning.ros_messages import JOINTS, ODOMETRY, TRANSFORMS, odometry, planar
-from smarttestudo.adapters.files.profile import load_profile
+from bags.bag_factory import START_NS, BagContent, write_bag
+from pacing.reckoning.ros_messages import JOINTS, ODOMETRY, TRANSFORMS, odometry, planar
+from replays.replay_runs import replay_content
+from replays.test_replay_bounds import moved_frames, recorded, walking_arm
 from smarttestudo.cli.main import main
 from smarttestudo.domain.accuracy import AccuracyTiers, LevelledProperty
 from smarttestudo.domain.profile import TopicProfile
 from smarttestudo.optimizer.accuracy_measure import AccuracyMeasure
-from smarttestudo.reckoning.motion import Twist, Vector3
-from use_cases.replay.replay_runs import replay_content
-from use_cases.replay.test_replay_bounds import moved_frames, recorded, walking_arm
+from smarttestudo.pacing.reckoning.motion import Twist, Vector3
+from smarttestudo.rules.profile_file import load_profile
 
 SECONDS = 30
 STEADY = Twist(Vector3(0.0, 0, 0), Vector3(0, 0, 0.0))

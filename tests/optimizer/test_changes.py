@@ -10,7 +10,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from optimizer.instances import ask
-from smarttestudo.adapters.solver.highs_solver import HighsChangeFinder
 from smarttestudo.domain.profile import TopicProfile
 from smarttestudo.domain.rate import Tier
 from smarttestudo.domain.source import Span
@@ -20,6 +19,7 @@ from smarttestudo.optimizer.model import Model
 from smarttestudo.optimizer.problem import fits
 from smarttestudo.optimizer.rule_asks import Part
 from smarttestudo.optimizer.rule_rates import SolvedPart, solve_part
+from smarttestudo.optimizer.solver.highs_solver import HighsChangeFinder
 
 HERE = Span(line=1, column=1, end_line=1, end_column=2)
 

@@ -12,17 +12,17 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from smarttestudo.adapters.solver.highs_solver import HighsSolver
-from smarttestudo.adirf.normal_form import holds
-from smarttestudo.adirf.parser import parse
-from smarttestudo.adirf.region import Region
-from smarttestudo.adirf.rule_set import RuleSet, compile_rules
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.signal import Signal
+from smarttestudo.language.normal_form import holds
+from smarttestudo.language.parser import parse
+from smarttestudo.language.region import Region
+from smarttestudo.language.rule_set import RuleSet, compile_rules
 from smarttestudo.optimizer.joint.check import JointCheck, Loads, check_together
 from smarttestudo.optimizer.joint.repair import lowered_rates
 from smarttestudo.optimizer.problem import fits
+from smarttestudo.optimizer.solver.highs_solver import HighsSolver
 
 TOPICS = ("/a", "/b", "/c")
 SIGNALS = ("/x p", "/x q", "/y p")

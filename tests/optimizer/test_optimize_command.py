@@ -11,11 +11,11 @@ import pytest
 
 from optimizer import golden
 from optimizer.rule_files import write_inspection, write_profile
-from smarttestudo.adirf.checks import CheckContext, check_rules
-from smarttestudo.adirf.parser import parse
-from smarttestudo.adirf.syntax import SetFrequency
+from smarttestudo.checks import CheckContext, check_rules
 from smarttestudo.cli.main import main
 from smarttestudo.domain.finding import Severity
+from smarttestudo.language.parser import parse
+from smarttestudo.language.syntax import SetFrequency
 
 
 def test_the_golden_file_gets_the_thesis_s_rates_and_keeps_its_text(

@@ -12,13 +12,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from smarttestudo.adapters.files.profile import load_profile
-from smarttestudo.adapters.rosbag.qos import stored_qos
-from smarttestudo.adapters.rosbag.writer import create_recording
+from smarttestudo.bags.qos import stored_qos
+from smarttestudo.bags.writer import create_recording
 from smarttestudo.cli.main import main
 from smarttestudo.domain.recording import Channel, Storage
 from smarttestudo.domain.robot import Qos
 from smarttestudo.optimizer.profiling import TopicMeasure, proposed_tiers_hz
+from smarttestudo.rules.profile_file import load_profile
 
 S = 1_000_000_000
 SCAN = Channel(topic="/scan", type_name="sensor_msgs/msg/LaserScan")

@@ -8,13 +8,13 @@ from pathlib import Path
 
 import pytest
 
-from smarttestudo.adapters.files.profile import load_profile
+from robot.status.virtual_robot import Source, VirtualRobot
 from smarttestudo.cli.main import main
 from smarttestudo.domain.accuracy import LevelledProperty
 from smarttestudo.domain.errors import TestudoError
 from smarttestudo.domain.profile import Profile
-from smarttestudo.use_cases.live.profile import RobotProfile, profile_of_robot
-from use_cases.status.virtual_robot import Source, VirtualRobot
+from smarttestudo.robot.profile import RobotProfile, profile_of_robot
+from smarttestudo.rules.profile_file import load_profile
 
 TESTUDO = ("/smarttestudo2",)
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from smarttestudo.adapters.rosbag.writer import create_recording
+from smarttestudo.bags.writer import create_recording
 from smarttestudo.cli.main import main
 from smarttestudo.domain.recording import Channel, Storage
 

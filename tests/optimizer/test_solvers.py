@@ -11,9 +11,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from optimizer.instances import demands
-from smarttestudo.adapters.solver.highs_solver import HighsSolver
 from smarttestudo.optimizer.greedy import GreedySolver
 from smarttestudo.optimizer.problem import Budget, Demand, Piece, Solver, fits, used_kb_per_s
+from smarttestudo.optimizer.solver.highs_solver import HighsSolver
 
 
 def demand(topic: str, size_kb: float, least_hz: float, *pieces: tuple[float, float]) -> Demand:

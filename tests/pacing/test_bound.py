@@ -11,13 +11,11 @@ from dataclasses import dataclass, field
 from hypothesis import given
 from hypothesis import strategies as st
 
-from reckoning.ros_messages import ODOMETRY, TRANSFORMS, odometry, planar, transforms
-from smarttestudo.adirf.properties import gauges_for
+from pacing.reckoning.ros_messages import ODOMETRY, TRANSFORMS, odometry, planar, transforms
 from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.language.properties import gauges_for
 from smarttestudo.pacing.bound import HEARTBEAT_HZ, BoundRecord
-from smarttestudo.pacing.sample import Pass, Sample, StreamKind
-from smarttestudo.pacing.topic_pacer import Accuracy, TopicPacer
-from smarttestudo.reckoning.motion import (
+from smarttestudo.pacing.reckoning.motion import (
     SpatialPose,
     Twist,
     Vector3,
@@ -25,7 +23,9 @@ from smarttestudo.reckoning.motion import (
     position_distance_m,
     twist_between,
 )
-from smarttestudo.reckoning.picture import Picture
+from smarttestudo.pacing.reckoning.picture import Picture
+from smarttestudo.pacing.sample import Pass, Sample, StreamKind
+from smarttestudo.pacing.topic_pacer import Accuracy, TopicPacer
 
 START_NS = 1_000 * NS_PER_S
 

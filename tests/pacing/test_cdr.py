@@ -12,7 +12,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rosbags.typesys import Stores, get_typestore
 
-from smarttestudo.cdr import MAX_TRANSFORMS, child_frames, header_stamp, string_message, string_text
+from smarttestudo.pacing.cdr import (
+    MAX_TRANSFORMS,
+    child_frames,
+    header_stamp,
+    string_message,
+    string_text,
+)
 
 STORE = get_typestore(Stores.ROS2_HUMBLE)
 names = st.text(st.characters(exclude_characters="\x00", exclude_categories=["Cs"]), max_size=20)

@@ -9,7 +9,7 @@ import struct
 from hypothesis import given
 from hypothesis import strategies as st
 
-from smarttestudo.cdr import FrameReader, child_frames
+from smarttestudo.pacing.cdr import FrameReader, child_frames
 
 names = st.sampled_from(["", "odom", "base", "wheel", "base_link", "camera_rgb_frame"])
 words = st.integers(0, 2**32 - 1)

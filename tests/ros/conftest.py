@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from adapters.zenoh.ends import free_endpoint
+from link.zenoh.ends import free_endpoint
 from ros.ros_domains import free_domain
 from ros.ros_processes import SmallRobot
 

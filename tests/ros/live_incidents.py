@@ -8,7 +8,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from adapters.rosbag.bag_factory import BagMessage
+from bags.bag_factory import BagMessage
 from ros.ros_processes import Process
 
 ODOM = {"type": "nav_msgs/msg/Odometry", "hz": 20, "reliable": True}

@@ -9,7 +9,7 @@ import signal
 import time
 from typing import Any
 
-from adapters.zenoh.ends import until
+from link.zenoh.ends import until
 from ros.ros_processes import LINE_TIMEOUT_S, Process, SmallRobot
 
 GOAL_TYPE = "geometry_msgs/msg/PoseStamped"

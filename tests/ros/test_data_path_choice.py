@@ -14,10 +14,10 @@ from pathlib import Path
 import pytest
 
 from ros.ros_processes import TESTUDO, SmallRobot
-from smarttestudo.adapters.ros import open_robot
-from smarttestudo.adapters.ros.rcl.bindings import InfoLayout
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.robot import DataPathKind
+from smarttestudo.robot.ros import open_robot
+from smarttestudo.robot.ros.rcl.bindings import InfoLayout
 
 # An old lark, which rclpy imports, uses a module of Python that is deprecated.
 pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
@@ -127,7 +127,7 @@ def test_where_images_can_be_taken_serialized_they_are(robot: SmallRobot) -> Non
 def test_types_with_a_sequence_of_bytes_are_known_by_their_fields(type_name: str, *, has_bytes: bool) -> None:
     if importlib.util.find_spec("rclpy") is None:
         pytest.skip("ROS 2 (rclpy) is not installed")
-    from smarttestudo.adapters.ros.message_types import has_byte_sequence  # noqa: PLC0415  needs rclpy
+    from smarttestudo.robot.ros.message_types import has_byte_sequence  # noqa: PLC0415  needs rclpy
 
     assert has_byte_sequence(type_name) is has_bytes
 

@@ -13,12 +13,12 @@ from typing import Any
 
 import pytest
 
-from smarttestudo.adapters.ros import open_robot
-from smarttestudo.adapters.ros.rcl.buffers import KEPT_BUFFERS
-from smarttestudo.adapters.ros.rcl.wake_ups import MOST_AT_ONCE
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import DataPath, DataPathKind, Publisher, Qos, Robot
+from smarttestudo.robot.ros import open_robot
+from smarttestudo.robot.ros.rcl.buffers import KEPT_BUFFERS
+from smarttestudo.robot.ros.rcl.wake_ups import MOST_AT_ONCE
 
 # An old lark, which rclpy imports, uses a module of Python that is deprecated.
 pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")

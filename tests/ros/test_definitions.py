@@ -12,9 +12,9 @@ from typing import Any
 import pytest
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from smarttestudo.adapters.ros.definitions import message_definition
-from smarttestudo.adapters.ros.message_types import is_installed
-from smarttestudo.adapters.simulated_robot.messages import RobotMessages
+from smarttestudo.robot.ros.definitions import message_definition
+from smarttestudo.robot.ros.message_types import is_installed
+from smarttestudo.simulation.messages.messages import RobotMessages
 
 if importlib.util.find_spec("rclpy") is None:
     pytest.skip("ROS 2 (rclpy) is not installed", allow_module_level=True)

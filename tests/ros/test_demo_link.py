@@ -12,8 +12,8 @@ import pytest
 
 from ros.ros_processes import LINE_TIMEOUT_S, Process, SmallRobot
 from ros.test_demo_live import LIVE_TOPICS, messages_of
-from smarttestudo.adapters.network_namespaces import ThinLink
-from smarttestudo.adapters.rosbag.reader import open_recording
+from smarttestudo.bags.reader import open_recording
+from smarttestudo.demo.network_namespaces import ThinLink
 from thin_links import link, namespaces
 
 __all__ = ["link"]

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from ros.ros_processes import SmallRobot
-from smarttestudo.adapters.rosbag.reader import open_recording
+from smarttestudo.bags.reader import open_recording
 
 LIVE_TOPICS = {
     "/cmd_vel",

@@ -10,8 +10,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from smarttestudo.adapters.ros.discovery import discovery_variables
 from smarttestudo.domain.robot import DiscoveryRange
+from smarttestudo.robot.ros.discovery import discovery_variables
 
 # An old lark, which rclpy imports, uses a module of Python that is deprecated.
 pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")

@@ -14,8 +14,8 @@ from pathlib import Path
 
 import pytest
 
-from adapters.zenoh.ends import free_endpoint
 from docs.code_blocks import ROOT, blocks_of, followed_pages, shell_blocks_run_of
+from link.zenoh.ends import free_endpoint
 from made_demos import made_demo, run_testudo_in
 from made_once import made_once
 from ros.ros_processes import TESTUDO, Process, SmallRobot

@@ -11,7 +11,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from adapters.rosbag.bag_reading import read_bag, read_with_rosbags
+from bags.bag_reading import read_bag, read_with_rosbags
 from ros.live_incidents import COUNT, ODOM, recorded
 from ros.ros_processes import LINE_TIMEOUT_S, SmallRobot
 from ros.test_incidents import trigger

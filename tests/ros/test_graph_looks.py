@@ -10,10 +10,10 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from smarttestudo.adapters.ros import graph_looks, open_robot
-from smarttestudo.adapters.ros.graph_looks import GraphLooks
-from smarttestudo.adapters.ros.real_timers import RealTimers
 from smarttestudo.domain.robot import DataPathKind, OutputDomain, Qos, Robot
+from smarttestudo.robot.ros import graph_looks, open_robot
+from smarttestudo.robot.ros.graph_looks import GraphLooks
+from smarttestudo.robot.ros.real_timers import RealTimers
 
 # An old lark, which rclpy imports, uses a module of Python that is deprecated.
 pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")

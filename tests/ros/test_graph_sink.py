@@ -10,13 +10,13 @@ from collections.abc import Iterator
 
 import pytest
 
+from robot.small_graph import TEXT, SmallGraph
 from ros.ros_processes import LINE_TIMEOUT_S, SmallRobot
-from smarttestudo.adapters.ros import open_robot
-from smarttestudo.adapters.ros.graph_sink import MAX_DEPTH, GraphSink
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.link import ReceivedMessage, StreamInfo
 from smarttestudo.domain.robot import DataPathKind, Qos, Robot
-from use_cases.live.small_graph import TEXT, SmallGraph
+from smarttestudo.robot.ros import open_robot
+from smarttestudo.robot.ros.graph_sink import MAX_DEPTH, GraphSink
 
 # An old lark, which rclpy imports, uses a module of Python that is deprecated.
 pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")

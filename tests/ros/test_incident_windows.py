@@ -14,13 +14,13 @@ from typing import Any
 
 import pytest
 
-from adapters.rosbag.bag_factory import BagMessage
-from adapters.rosbag.bag_reading import read_bag
+from bags.bag_factory import BagMessage
+from bags.bag_reading import read_bag
 from ros.live_incidents import COUNT, FRAMES, HEARD_COUNT, ODOM, numbers, record_of, recorded
 from ros.ros_processes import Process, SmallRobot
-from smarttestudo.adapters.files.input_log import read_inputs
-from smarttestudo.adapters.incidents.segments import LATCHED_SHARED_NS
-from smarttestudo.runtime.inputs import MessageInput
+from smarttestudo.incidents.segments import LATCHED_SHARED_NS
+from smarttestudo.loop.input_log import read_inputs
+from smarttestudo.loop.inputs import MessageInput
 
 INCIDENTS = 10
 S = 1_000_000_000

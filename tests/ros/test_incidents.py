@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from adapters.rosbag.bag_reading import read_bag, read_with_mcap, read_with_rosbags
+from bags.bag_reading import read_bag, read_with_mcap, read_with_rosbags
 from ros.live_incidents import COUNT, FRAMES, ODOM, numbers, record_of, recorded
 from ros.ros_processes import TESTUDO, Process, SmallRobot
 

@@ -16,8 +16,8 @@ import pytest
 from ros.calm_window import Arrival, calm_window
 from ros.ros_processes import LINE_TIMEOUT_S, TESTUDO, Process, SmallRobot
 from ros.test_telling import diagnostics_when
-from smarttestudo.adapters.ros import open_robot
 from smarttestudo.domain.robot import DataPathKind
+from smarttestudo.robot.ros import open_robot
 
 # An old lark, which rclpy imports, uses a module of Python that is deprecated.
 pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")

@@ -12,7 +12,7 @@ import pytest
 # The signal comes when the library is looked for, which Python does before that is loaded.
 PROGRAM = """
 import os, signal, sys
-from smarttestudo.adapters.ros.loading import load_rclpy
+from smarttestudo.robot.ros.loading import load_rclpy
 
 class Interrupting:
     def find_spec(self, name, path=None, target=None):

@@ -8,8 +8,8 @@ import math
 import time
 from collections.abc import Callable
 
-from adapters.openmetrics.scraping import Samples, require_only_growth, samples, value
-from adapters.zenoh.ends import free_endpoint
+from link.openmetrics.scraping import Samples, require_only_growth, samples, value
+from link.zenoh.ends import free_endpoint
 from ros.ros_processes import LINE_TIMEOUT_S, Process, SmallRobot
 
 IMU = "sensor_msgs/msg/Imu"

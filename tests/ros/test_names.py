@@ -69,7 +69,7 @@ def test_the_adapters_can_be_imported_where_what_a_distribution_lacks_is_hidden(
     if importlib.util.find_spec("rclpy") is None:
         pytest.skip("ROS 2 (rclpy) is not installed")
     paths = [path.relative_to(ADAPTERS).with_suffix("") for path in sorted(ADAPTERS.rglob("[a-z]*.py"))]
-    modules = [".".join(("smarttestudo.adapters.ros", *path.parts)) for path in paths]
+    modules = [".".join(("smarttestudo.robot.ros", *path.parts)) for path in paths]
     names = [name for name in TABLES[distribution]["names"] if is_import(name)]
     used = sorted(name for choice in used_names() for name in choice if is_import(name))
     arguments = [",".join(part) for part in (names, used, modules)]

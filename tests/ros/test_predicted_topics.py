@@ -12,8 +12,8 @@ from typing import NamedTuple
 import pytest
 
 from ros.ros_processes import SmallRobot
-from smarttestudo.adapters.rosbag.reader import open_recording
-from smarttestudo.cdr import PoseReader, header_stamp_ns
+from smarttestudo.bags.reader import open_recording
+from smarttestudo.pacing.cdr import PoseReader, header_stamp_ns
 
 TWIST = (0.4, 0.2)
 BOUND_M = 0.05

@@ -10,11 +10,11 @@ from collections.abc import Callable, Iterator
 import pytest
 
 from ros.ros_processes import SmallRobot
-from smarttestudo.adapters.ros import open_robot
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.parameter import SilentNodeError, Values
 from smarttestudo.domain.robot import DataPathKind, Robot
 from smarttestudo.domain.rule_texts import RuleTexts
+from smarttestudo.robot.ros import open_robot
 
 # An old lark, which rclpy imports, uses a module of Python that is deprecated.
 pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")

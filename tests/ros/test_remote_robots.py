@@ -15,14 +15,14 @@ from typing import Any
 
 import pytest
 
-from adapters.zenoh.ends import refuse_warning
+from link.zenoh.ends import refuse_warning
 from ros.ros_processes import LINE_TIMEOUT_S, TESTUDO, Process, SmallRobot
-from smarttestudo.adapters.ros import open_graph_robots
-from smarttestudo.adapters.zenoh import open_link_robots
-from smarttestudo.adapters.zenoh.security import LinkOptions
 from smarttestudo.domain.parameter import SilentNodeError
 from smarttestudo.domain.remote_robots import RemoteRobots
 from smarttestudo.domain.status import RulesOrigin
+from smarttestudo.link.zenoh import open_link_robots
+from smarttestudo.link.zenoh.security import LinkOptions
+from smarttestudo.robot.ros import open_graph_robots
 
 # An old lark, which rclpy imports, uses a module of Python that is deprecated.
 pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")

@@ -9,8 +9,8 @@ from collections.abc import Callable
 from typing import Any
 
 from ros.ros_processes import Process, SmallRobot
-from smarttestudo.adapters.files.profile import load_profile
 from smarttestudo.cli.main import main
+from smarttestudo.rules.profile_file import load_profile
 
 IMU = "sensor_msgs/msg/Imu"
 RULES = """begin

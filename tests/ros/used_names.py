@@ -8,9 +8,9 @@ import ast
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-import smarttestudo.adapters.ros
+import smarttestudo.robot.ros
 
-ADAPTERS = Path(smarttestudo.adapters.ros.__file__).parent
+ADAPTERS = Path(smarttestudo.robot.ros.__file__).parent
 # What variables of these names are, wherever the adapters use them.
 CLASSES = {
     "node": "rclpy.node.Node",

@@ -81,7 +81,7 @@ def test_package_xml_depends_on_every_ros_package_that_is_used() -> None:
     package = ElementTree.parse(ROOT / "package.xml").getroot()
     trees = [
         ast.parse(path.read_text(encoding="utf-8"))
-        for path in (ROOT / "src" / "smarttestudo" / "adapters" / "ros").rglob("*.py")
+        for path in (ROOT / "src" / "smarttestudo" / "robot" / "ros").rglob("*.py")
     ]
     nodes = [node for tree in trees for node in ast.walk(tree)]
     imported = {

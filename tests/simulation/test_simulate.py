@@ -6,10 +6,10 @@ from __future__ import annotations
 
 import pytest
 
-from smarttestudo.adapters.simulated_robot.messages import RobotMessages
+from robot.small_graph import SmallGraph
+from smarttestudo.demo.simulate import SimulateRequest, simulate
 from smarttestudo.simulation.camera import FrameSize
-from smarttestudo.use_cases.demo.simulate import SimulateRequest, simulate
-from use_cases.live.small_graph import SmallGraph
+from smarttestudo.simulation.messages.messages import RobotMessages
 
 TYPES = {channel.type_name for channel in RobotMessages().channels.values()}
 TRANSFORMS = "tf2_msgs/msg/TFMessage"

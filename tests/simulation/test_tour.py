@@ -12,11 +12,11 @@ from pathlib import Path
 import pytest
 
 from simulation.missions import START_NS, of_topic
-from smarttestudo.adapters.files.mission_file import load_mission
 from smarttestudo.domain.errors import MissionError
 from smarttestudo.domain.floor_plan import Point
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.simulation.mission import MissionRequest, drive_mission
+from smarttestudo.simulation.mission_file import load_mission
 from smarttestudo.simulation.readings import Command, Topic
 from smarttestudo.simulation.robot import DifferentialDrive, DriveModel
 from smarttestudo.simulation.tour import Tour, Waypoint, WaypointFollower

@@ -9,7 +9,9 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from smarttestudo.adapters.files.outputs import require_separate
+from smarttestudo.bags.bag_comparison import BagComparison, compare_bags
+from smarttestudo.bags.incident_mark import incident_subtitle
+from smarttestudo.bags.topic_selection import select_topics
 from smarttestudo.cli import bag_figures
 from smarttestudo.cli.bag_options import (
     add_map,
@@ -23,15 +25,13 @@ from smarttestudo.cli.bag_options import (
 from smarttestudo.cli.command_parser import CommandParser, add_lazy
 from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.progress import progress
-from smarttestudo.visualizer import bag_tables, comparison_tables
-from smarttestudo.visualizer.bag_comparison import BagComparison, compare_bags
-from smarttestudo.visualizer.incident_mark import incident_subtitle
-from smarttestudo.visualizer.table import Table
-from smarttestudo.visualizer.topic_selection import select_topics
+from smarttestudo.files.outputs import require_separate
+from smarttestudo.report import bag_tables, comparison_tables
+from smarttestudo.report.table import Table
 
 if TYPE_CHECKING:
+    from smarttestudo.bags.bag_summary import BagSummary
     from smarttestudo.cli.command_parser import Subcommands
-    from smarttestudo.visualizer.bag_summary import BagSummary
 
 _TABLES: Mapping[str, tuple[str, Callable[[BagSummary], Table]]] = {
     "info": ("when a recording was made, and its topics with type, size and QoS", bag_tables.info_table),
@@ -144,7 +144,7 @@ def _compare_tables(compared: BagComparison) -> list[Table]:
 
 
 def _measure(path: Path, *, with_latency: bool = False) -> BagSummary:
-    from smarttestudo.use_cases.bags.measure import measure_bag  # noqa: PLC0415  needs packages a robot lacks
+    from smarttestudo.bags.measure import measure_bag  # noqa: PLC0415  needs packages a robot lacks
 
     with progress(f"Reading {path}") as report:
         return measure_bag(path, report, with_latency=with_latency)

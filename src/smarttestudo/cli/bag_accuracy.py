@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from smarttestudo.adapters.files.profile import load_profile
+from smarttestudo.accuracy.comparison import View
 from smarttestudo.cli.bag_options import (
     add_form,
     print_csv,
@@ -25,12 +25,12 @@ from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.progress import progress
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.profile import Profile
-from smarttestudo.use_cases.rules.rule_sets import load_rules
-from smarttestudo.visualizer.accuracy_comparison import View
-from smarttestudo.visualizer.accuracy_comparison_table import accuracy_sentences, accuracy_tables
+from smarttestudo.report.accuracy_comparison_table import accuracy_sentences, accuracy_tables
+from smarttestudo.rules.profile_file import load_profile
+from smarttestudo.rules.rule_sets import load_rules
 
 if TYPE_CHECKING:
-    from smarttestudo.use_cases.rules.rule_sets import LoadedRules
+    from smarttestudo.rules.rule_sets import LoadedRules
 
 EXIT_ERROR = 1
 
@@ -72,11 +72,7 @@ def add_arguments(action: CommandParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Compare and print; 1 if rules have an error."""
-    from smarttestudo.use_cases.replay.accuracy_comparison import (  # noqa: PLC0415  needs packages a robot lacks
-        AccuracyRequest,
-        NamedRules,
-        compare_accuracy,
-    )
+    from smarttestudo.accuracy.recorded_comparison import AccuracyRequest, NamedRules, compare_accuracy  # noqa: PLC0415  needs packages a robot lacks
 
     profile = load_profile(arguments.profile) if arguments.profile else Profile()
     loaded = list(_loaded(arguments, profile))

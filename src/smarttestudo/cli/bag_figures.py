@@ -10,10 +10,10 @@ from collections.abc import Mapping, Sequence
 from enum import Enum
 from pathlib import Path
 
-from smarttestudo.adapters.files.outputs import require_separate
 from smarttestudo.cli.loop_options import budget_kb_per_s
 from smarttestudo.cli.paths import file_path, own_name
 from smarttestudo.cli.progress import progress
+from smarttestudo.files.outputs import require_separate
 
 
 class Drawn(Enum):
@@ -64,7 +64,7 @@ def require_separate_figures(figures: Path | None, bags: Sequence[Path]) -> None
 
 def figure_files(folder: Path) -> Sequence[Path]:
     """All that may be written into ``folder``."""
-    from smarttestudo.adapters.figures import draw  # noqa: PLC0415  needs packages a robot lacks
+    from smarttestudo.report.figures import draw  # noqa: PLC0415  needs packages a robot lacks
 
     return draw.figure_files(folder)
 
@@ -79,9 +79,9 @@ def draw_pair(
     arguments: argparse.Namespace, a: Path, b: Path | None, *, mapping: Mapping[str, str], folder: Path
 ) -> None:
     """Draw the bag ``a``, with ``b`` over it if there is one, and say where."""
-    from smarttestudo.use_cases.bags import report  # noqa: PLC0415  needs packages a robot lacks
-    from smarttestudo.use_cases.bags.report import ReportRequest  # noqa: PLC0415
-    from smarttestudo.visualizer.comparison_tables import RunNames  # noqa: PLC0415
+    from smarttestudo.report import bag_report as report  # noqa: PLC0415  needs packages a robot lacks
+    from smarttestudo.report.bag_report import ReportRequest  # noqa: PLC0415
+    from smarttestudo.report.comparison_tables import RunNames  # noqa: PLC0415
 
     kinds = {
         Drawn.RATES: report.RATES,

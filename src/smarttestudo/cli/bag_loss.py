@@ -9,9 +9,7 @@ import sys
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from smarttestudo.adapters.files.decision_log import read_decisions
-from smarttestudo.adapters.files.profile import load_profile
-from smarttestudo.adirf.properties import ARRIVAL_PROPERTIES, is_field_path
+from smarttestudo.accuracy.bounds import bounded_topics, needs_decisions
 from smarttestudo.cli.bag_options import (
     add_map,
     add_predict,
@@ -31,14 +29,16 @@ from smarttestudo.cli.progress import progress
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.profile import Profile
-from smarttestudo.use_cases.rules.rule_sets import LoadedRules, load_rules
-from smarttestudo.visualizer.loss.accuracy_curve_table import accuracy_table
-from smarttestudo.visualizer.loss.bounds import bounded_topics, needs_decisions
-from smarttestudo.visualizer.loss.tables import arms_text, curve_table, loss_tables
+from smarttestudo.language.properties import ARRIVAL_PROPERTIES, is_field_path
+from smarttestudo.loop.decision_log import read_decisions
+from smarttestudo.report.accuracy_curve_table import accuracy_table
+from smarttestudo.report.loss_tables import arms_text, curve_table, loss_tables
+from smarttestudo.rules.profile_file import load_profile
+from smarttestudo.rules.rule_sets import LoadedRules, load_rules
 
 if TYPE_CHECKING:
-    from smarttestudo.use_cases.bags.curves import LossCurves
-    from smarttestudo.visualizer.table import Table
+    from smarttestudo.accuracy.recorded_curves import LossCurves
+    from smarttestudo.report.table import Table
 
 EXIT_ERROR = 1
 
@@ -101,7 +101,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _run_loss(arguments: argparse.Namespace, fields: Mapping[str, Sequence[str]], profile: Profile) -> int:
-    from smarttestudo.use_cases.bags.loss import LossQuestion, measure_loss  # noqa: PLC0415  needs packages a robot lacks
+    from smarttestudo.accuracy.recorded_loss import LossQuestion, measure_loss  # noqa: PLC0415  needs packages a robot lacks
 
     mapping = topic_mapping(arguments.map)
     rules = load_rules(arguments.rules, profile=profile) if arguments.rules else None
@@ -138,7 +138,7 @@ def _decisions(
     arguments: argparse.Namespace, rules: LoadedRules | None, profile: Profile
 ) -> Sequence[Decision]:
     """Those that were kept, else, where blocks ask for bounds, what the rules decide over A."""
-    from smarttestudo.use_cases.replay.decisions import decisions_over  # noqa: PLC0415  as above
+    from smarttestudo.replays.decisions import decisions_over  # noqa: PLC0415  as above
 
     if arguments.decisions is not None:
         return read_decisions(arguments.decisions)
@@ -150,7 +150,7 @@ def _decisions(
 
 
 def _run_curves(arguments: argparse.Namespace, fields: Mapping[str, Sequence[str]], profile: Profile) -> int:
-    from smarttestudo.use_cases.bags.curves import measure_curves  # noqa: PLC0415  as above
+    from smarttestudo.accuracy.recorded_curves import measure_curves  # noqa: PLC0415  as above
 
     for option in ("rules", "map", "decisions", "predict"):
         if getattr(arguments, option):

@@ -10,14 +10,14 @@ import sys
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 
-from smarttestudo.adapters.files.incident_store import record_beside
+from smarttestudo.accuracy.bounds import bounded_topics
+from smarttestudo.bags.incident_mark import incident_text
+from smarttestudo.bags.incident_record import record_beside
 from smarttestudo.cli.tables import print_table
 from smarttestudo.domain.errors import RecordingError, UsageError
 from smarttestudo.domain.json_text import json_text
-from smarttestudo.use_cases.rules.rule_sets import LoadedRules
-from smarttestudo.visualizer.incident_mark import incident_text
-from smarttestudo.visualizer.loss.bounds import bounded_topics
-from smarttestudo.visualizer.table import Table
+from smarttestudo.report.table import Table
+from smarttestudo.rules.rule_sets import LoadedRules
 
 
 def add_topics(action: argparse.ArgumentParser) -> None:

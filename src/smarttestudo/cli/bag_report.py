@@ -11,11 +11,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from smarttestudo import __version__
-from smarttestudo.adapters.files.decision_log import read_decisions
-from smarttestudo.adapters.files.outputs import require_separate
-from smarttestudo.adapters.files.profile import load_profile
-from smarttestudo.adapters.files.rule_files import rule_files_named
-from smarttestudo.adapters.files.whole_file import whole_file
 from smarttestudo.cli.bag_figures import (
     add_budget,
     add_figures_folder,
@@ -35,10 +30,15 @@ from smarttestudo.cli.finding_text import print_findings
 from smarttestudo.cli.paths import file_path, own_name
 from smarttestudo.cli.progress import progress
 from smarttestudo.domain.profile import Profile
-from smarttestudo.use_cases.rules.rule_sets import LoadedRules, load_rules
+from smarttestudo.files.outputs import require_separate
+from smarttestudo.files.whole_file import whole_file
+from smarttestudo.loop.decision_log import read_decisions
+from smarttestudo.rules.profile_file import load_profile
+from smarttestudo.rules.rule_files import rule_files_named
+from smarttestudo.rules.rule_sets import LoadedRules, load_rules
 
 if TYPE_CHECKING:
-    from smarttestudo.visualizer.report import RunReport
+    from smarttestudo.report.run_report import RunReport
 
 EXIT_ERROR = 1
 _DEFAULT_OUTPUT = Path("report.html")
@@ -104,7 +104,7 @@ def run(arguments: argparse.Namespace) -> int:
         report = _report(arguments, profile or Profile(), rules)
         write(_html(report))
     if arguments.figures is not None:
-        from smarttestudo.use_cases.bags.report import draw_report  # noqa: PLC0415  as below
+        from smarttestudo.report.bag_report import draw_report  # noqa: PLC0415  as below
 
         print_written(draw_report(report, arguments.figures))
     print(f"{arguments.output}: {_summary(report)}")  # noqa: T201
@@ -128,17 +128,17 @@ def _map_files(nav2_map: Path | None) -> Sequence[Path]:
     """The map's description and the image that it names."""
     if nav2_map is None:
         return ()
-    from smarttestudo.adapters.files.nav2_map import read_map_header  # noqa: PLC0415  needs packages a robot lacks
+    from smarttestudo.ruler.project.nav2_map import read_map_header  # noqa: PLC0415  needs packages a robot lacks
 
     return nav2_map, read_map_header(nav2_map).image
 
 
 def _report(arguments: argparse.Namespace, profile: Profile, rules: LoadedRules | None) -> RunReport:
-    from smarttestudo.adapters.files.nav2_map import read_nav2_map  # noqa: PLC0415  needs packages a robot lacks
     from smarttestudo.domain.floor_plan import FloorPlan  # noqa: PLC0415
-    from smarttestudo.use_cases.bags.report import ReportRequest, bag_report  # noqa: PLC0415
-    from smarttestudo.visualizer.comparison_tables import RunNames  # noqa: PLC0415
-    from smarttestudo.visualizer.report import Fact  # noqa: PLC0415
+    from smarttestudo.report.bag_report import ReportRequest, bag_report  # noqa: PLC0415
+    from smarttestudo.report.comparison_tables import RunNames  # noqa: PLC0415
+    from smarttestudo.report.run_report import Fact  # noqa: PLC0415
+    from smarttestudo.ruler.project.nav2_map import read_nav2_map  # noqa: PLC0415  needs packages a robot lacks
 
     a, b = arguments.a, arguments.b
     occupancy = None if arguments.nav2_map is None else read_nav2_map(arguments.nav2_map)
@@ -174,12 +174,12 @@ def _report(arguments: argparse.Namespace, profile: Profile, rules: LoadedRules 
 
 
 def _html(report: RunReport) -> str:
-    from smarttestudo.visualizer.report import render_report  # noqa: PLC0415  as above
+    from smarttestudo.report.document import render_report  # noqa: PLC0415  as above
 
     return render_report(report)
 
 
 def _summary(report: RunReport) -> str:
-    from smarttestudo.visualizer.summary import summary_sentence  # noqa: PLC0415  as above
+    from smarttestudo.report.summary import summary_sentence  # noqa: PLC0415  as above
 
     return summary_sentence(report.comparison, len(report.decisions), report.loss)

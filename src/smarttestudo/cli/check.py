@@ -13,11 +13,7 @@ from functools import partial
 from pathlib import Path
 from typing import TypeVar
 
-from smarttestudo.adapters.files.profile import load_profile
-from smarttestudo.adapters.files.rule_files import find_rule_files, read_rule_text
-from smarttestudo.adapters.zenoh import open_link_robots
-from smarttestudo.adirf.checks import CheckContext
-from smarttestudo.adirf.parser import parse
+from smarttestudo.checks import CheckContext
 from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.finding_text import print_findings, summary, write_lines
 from smarttestudo.cli.link_options import add_connect, connect_options, warn
@@ -26,7 +22,11 @@ from smarttestudo.cli.robots import add_robot, topics_of_robot
 from smarttestudo.cli.terminal import stop_signals
 from smarttestudo.domain.errors import RuleFileError, UsageError
 from smarttestudo.domain.finding import Finding, Severity
-from smarttestudo.use_cases.rules.budget_findings import all_findings
+from smarttestudo.language.parser import parse
+from smarttestudo.link.zenoh import open_link_robots
+from smarttestudo.rules.budget_findings import all_findings
+from smarttestudo.rules.profile_file import load_profile
+from smarttestudo.rules.rule_files import find_rule_files, read_rule_text
 
 _T = TypeVar("_T")
 
@@ -109,7 +109,7 @@ def _topics(arguments: argparse.Namespace) -> Mapping[str, str] | None:
 
 
 def _topics_of(bag: Path) -> dict[str, str]:
-    from smarttestudo.adapters.rosbag.reader import open_recording  # noqa: PLC0415  needs packages a robot lacks
+    from smarttestudo.bags.reader import open_recording  # noqa: PLC0415  needs packages a robot lacks
 
     with open_recording(bag) as recording:
         return {channel.topic: channel.type_name for channel in recording.channels}

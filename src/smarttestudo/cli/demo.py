@@ -15,9 +15,6 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from smarttestudo.adapters.files.outputs import require_separate
-from smarttestudo.adapters.ros import open_robot
-from smarttestudo.adapters.ros.discovery import discovery_variables
 from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.loop_options import add_mission, add_simulation, add_when_slow, seconds
 from smarttestudo.cli.paths import file_path
@@ -26,14 +23,17 @@ from smarttestudo.cli.progress import progress
 from smarttestudo.cli.tables import print_table
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.robot import DiscoveryRange, Robot
+from smarttestudo.files.outputs import require_separate
 from smarttestudo.pacing.sample import WhenSlow
-from smarttestudo.visualizer.comparison_tables import bandwidth_table, frequency_table
-from smarttestudo.visualizer.link_comparison import arrival_ages_table, arrival_rates_table
+from smarttestudo.report.comparison_tables import bandwidth_table, frequency_table
+from smarttestudo.report.link_comparison import arrival_ages_table, arrival_rates_table
+from smarttestudo.robot.ros import open_robot
+from smarttestudo.robot.ros.discovery import discovery_variables
 
 if TYPE_CHECKING:
-    from smarttestudo.use_cases.demo.demo import DemoOutcome
-    from smarttestudo.visualizer.accuracy_comparison import AccuracyComparison
-    from smarttestudo.visualizer.loss.report import LossReport
+    from smarttestudo.accuracy.comparison import AccuracyComparison
+    from smarttestudo.accuracy.loss_report import LossReport
+    from smarttestudo.demo.demo import DemoOutcome
 
 _DEFAULT_OUT = Path("demo-out")
 _DEFAULT_SECONDS = 200.0
@@ -101,7 +101,7 @@ def add_arguments(parser: CommandParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the demo and print what came of it."""
-    from smarttestudo.use_cases.demo.demo import DemoRequest, run_demo  # noqa: PLC0415  needs packages a robot lacks
+    from smarttestudo.demo.demo import DemoRequest, run_demo  # noqa: PLC0415  needs packages a robot lacks
 
     require_separate({"--out": arguments.out})
     if arguments.link is not None and arguments.full_images:
@@ -164,9 +164,9 @@ def _recorder(opened: ExitStack) -> Robot:
 
 
 def _print(outcome: DemoOutcome, out: Path, *, with_thesis: bool) -> None:
-    from smarttestudo.use_cases.demo import demo  # noqa: PLC0415  see run
-    from smarttestudo.use_cases.demo.rules import PREDICTED, RULES, WITHIN  # noqa: PLC0415
-    from smarttestudo.visualizer.summary import declared_sentence  # noqa: PLC0415
+    from smarttestudo.demo import demo  # noqa: PLC0415  see run
+    from smarttestudo.demo.rules import PREDICTED, RULES, WITHIN  # noqa: PLC0415
+    from smarttestudo.report.summary import declared_sentence  # noqa: PLC0415
 
     for table in (frequency_table(outcome.comparison), bandwidth_table(outcome.comparison)):
         print_table(table)
@@ -218,14 +218,14 @@ def _own_command() -> str:
 
 
 def _print_loss(loss: LossReport | None) -> None:
-    from smarttestudo.visualizer.summary import loss_sentences  # noqa: PLC0415  see run
+    from smarttestudo.report.summary import loss_sentences  # noqa: PLC0415  see run
 
     for sentence in () if loss is None else (*loss_sentences(loss), ""):
         print(sentence)  # noqa: T201
 
 
 def _print_accuracy(accuracy: AccuracyComparison | None) -> None:
-    from smarttestudo.visualizer.accuracy_comparison_table import accuracy_sentences, accuracy_tables  # noqa: PLC0415  see run
+    from smarttestudo.report.accuracy_comparison_table import accuracy_sentences, accuracy_tables  # noqa: PLC0415  see run
 
     if accuracy is None:
         return

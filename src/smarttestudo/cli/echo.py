@@ -15,8 +15,6 @@ from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from typing import TextIO
 
-from smarttestudo.adapters.ros import open_robot
-from smarttestudo.adirf.properties import is_field_path
 from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.echo_text import echo_block, echo_json, echo_line, message_block
 from smarttestudo.cli.loop_options import add_ros_arguments
@@ -25,7 +23,9 @@ from smarttestudo.cli.terminal import duration_s, stop_signals
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.names import is_topic_name
 from smarttestudo.domain.robot import Robot
-from smarttestudo.use_cases.live.echo import Bounds, Echo, EchoedTopic, unheard_error
+from smarttestudo.language.properties import is_field_path
+from smarttestudo.robot.echo import Bounds, Echo, EchoedTopic, unheard_error
+from smarttestudo.robot.ros import open_robot
 
 _SHOW_PERIOD_S = 1.0
 _LOOK_PERIOD_S = 0.2

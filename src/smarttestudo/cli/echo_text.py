@@ -8,8 +8,8 @@ import math
 from collections.abc import Iterator, Mapping
 
 from smarttestudo.domain.units import grouped
-from smarttestudo.use_cases.live.echo import Echo, PlainValue
-from smarttestudo.visualizer.table import MISSING, format_number, printable
+from smarttestudo.report.table import MISSING, format_number, printable
+from smarttestudo.robot.echo import Echo, PlainValue
 
 _MOST_ON_ONE_LINE = 8
 _DIGITS = 10

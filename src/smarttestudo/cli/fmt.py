@@ -8,13 +8,13 @@ import argparse
 import sys
 from pathlib import Path
 
-from smarttestudo.adapters.files.rule_files import find_rule_files, read_rule_text, write_rule_text
-from smarttestudo.adirf.formatter import first_line_end, format_file
-from smarttestudo.adirf.parser import parse
 from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.finding_text import print_findings
 from smarttestudo.cli.paths import file_path
 from smarttestudo.domain.errors import RuleFileError, TestudoError
+from smarttestudo.language.formatter import first_line_end, format_file
+from smarttestudo.language.parser import parse
+from smarttestudo.rules.rule_files import find_rule_files, read_rule_text, write_rule_text
 
 EXIT_ERROR = 1
 

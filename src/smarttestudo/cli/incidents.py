@@ -8,8 +8,7 @@ import argparse
 import sys
 from typing import TYPE_CHECKING
 
-from smarttestudo.adapters.files.incident_store import IncidentStore, StoredIncident
-from smarttestudo.adapters.json.incidents import incident_to_json
+from smarttestudo.bags.incident_mark import missing_text, signal_texts
 from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.link_options import add_connect, connect_options
 from smarttestudo.cli.paths import file_path
@@ -17,10 +16,11 @@ from smarttestudo.cli.remote_incidents import fetch, incident_table, list_remote
 from smarttestudo.cli.robots import add_robot
 from smarttestudo.cli.tables import print_table
 from smarttestudo.domain.errors import RecordingError, UsageError
+from smarttestudo.domain.incident_json import incident_to_json
 from smarttestudo.domain.json_text import json_text
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S, counted, utc_time
-from smarttestudo.visualizer.incident_mark import missing_text, signal_texts
-from smarttestudo.visualizer.table import Align, Column, Number, Row, Table, Text
+from smarttestudo.incidents.store import IncidentStore, StoredIncident
+from smarttestudo.report.table import Align, Column, Number, Row, Table, Text
 
 if TYPE_CHECKING:
     from smarttestudo.cli.command_parser import Subcommands

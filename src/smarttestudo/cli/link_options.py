@@ -7,9 +7,9 @@ from __future__ import annotations
 import argparse
 import sys
 
-from smarttestudo.adapters.zenoh.security import LinkOptions
 from smarttestudo.cli.paths import file_path
 from smarttestudo.domain.errors import UsageError
+from smarttestudo.link.zenoh.security import LinkOptions
 
 _NEED_A_LINK = ("accept", "robot", "zenoh_config", "insecure")
 

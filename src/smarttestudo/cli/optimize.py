@@ -9,26 +9,26 @@ import sys
 from collections.abc import Sequence
 from typing import TextIO
 
-from smarttestudo.adapters.files.outputs import require_separate
-from smarttestudo.adapters.files.rule_files import write_rule_text
-from smarttestudo.adirf.formatter import number_text
 from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.tables import print_table
 from smarttestudo.domain.finding import Finding
 from smarttestudo.domain.json_text import json_text
+from smarttestudo.files.outputs import require_separate
+from smarttestudo.language.formatter import number_text
 from smarttestudo.optimizer.explanation import PartExplanation
 from smarttestudo.optimizer.model import Model
 from smarttestudo.optimizer.rule_rates import SolvedPart
 from smarttestudo.optimizer.wording import kb_text, wanted_text
-from smarttestudo.use_cases.rules.optimize import (
+from smarttestudo.report.table import Align, Cell, Column, Number, Row, Table, Text
+from smarttestudo.rules.optimize import (
     OptimizeCommand,
     OptimizeOutcome,
     RefusedRulesError,
     optimize,
 )
-from smarttestudo.use_cases.rules.optimize_json import optimize_json
-from smarttestudo.visualizer.table import Align, Cell, Column, Number, Row, Table, Text
+from smarttestudo.rules.optimize_json import optimize_json
+from smarttestudo.rules.rule_files import write_rule_text
 
 EXIT_ERROR = 1
 

@@ -12,17 +12,17 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from smarttestudo.adapters.files.outputs import require_separate
-from smarttestudo.adapters.files.profile import load_profile
-from smarttestudo.adapters.files.whole_file import whole_file
-from smarttestudo.adapters.ros import open_robot
 from smarttestudo.cli.bag_options import topic_pattern
 from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.progress import progress
 from smarttestudo.cli.terminal import add_timeout, duration_s
 from smarttestudo.domain.errors import ProfileError, UsageError
-from smarttestudo.use_cases.live.profile import profile_of_robot
+from smarttestudo.files.outputs import require_separate
+from smarttestudo.files.whole_file import whole_file
+from smarttestudo.robot.profile import profile_of_robot
+from smarttestudo.robot.ros import open_robot
+from smarttestudo.rules.profile_file import load_profile
 
 if TYPE_CHECKING:
     from smarttestudo.domain.profile import Profile
@@ -92,8 +92,8 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _of_recording(arguments: argparse.Namespace, levels: Profile | None) -> str:
-    from smarttestudo.adapters.rosbag.reader import open_recording  # noqa: PLC0415  needs packages a robot lacks
-    from smarttestudo.use_cases.bags.profile import profile_of_recording  # noqa: PLC0415
+    from smarttestudo.bags.profile import profile_of_recording  # noqa: PLC0415
+    from smarttestudo.bags.reader import open_recording  # noqa: PLC0415  needs packages a robot lacks
 
     proposals = _breakpoints(arguments.bag) if arguments.from_curve else None
     with open_recording(arguments.bag) as recording:
@@ -126,7 +126,7 @@ def _note(notices: Iterable[str]) -> None:
 
 
 def _breakpoints(bag: Path) -> dict[str, TierProposal]:
-    from smarttestudo.use_cases.bags.curves import measure_curves  # noqa: PLC0415  see _of_recording
+    from smarttestudo.accuracy.recorded_curves import measure_curves  # noqa: PLC0415  see _of_recording
 
     with progress(f"Reading {bag}") as report:
         curves = measure_curves(bag, report=report).curves

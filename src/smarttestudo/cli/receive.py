@@ -13,14 +13,6 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, closing, contextmanager
 
-from smarttestudo.adapters.foxglove import open_foxglove_sink
-from smarttestudo.adapters.ros import open_robot
-from smarttestudo.adapters.ros.graph_sink import GraphSink
-from smarttestudo.adapters.ros.loading import has_rclpy
-from smarttestudo.adapters.zenoh import open_operator_end, require_zenoh, suspended_too_ns
-from smarttestudo.adapters.zenoh.arrivals import LinkEvent
-from smarttestudo.adapters.zenoh.commanded import OutgoingCommands
-from smarttestudo.adapters.zenoh.security import LinkOptions
 from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.link_options import add_zenoh_config, warn
 from smarttestudo.cli.metrics_options import add_openmetrics, served_metrics
@@ -34,15 +26,23 @@ from smarttestudo.domain.link import Sink
 from smarttestudo.domain.names import STATUS_TOPIC, full_topic_names
 from smarttestudo.domain.units import NS_PER_S, utc_time
 from smarttestudo.domain.visible_topics import testudo_nodes
-from smarttestudo.link.reports import MAX_PREDICTED
-from smarttestudo.use_cases.receive.arrival_log import ArrivalLog
-from smarttestudo.use_cases.receive.incident_mirror import IncidentMirror, MirrorFolders
-from smarttestudo.use_cases.receive.prediction import Predictor
-from smarttestudo.use_cases.receive.reception import Reception
-from smarttestudo.use_cases.receive.reception_metrics import ReceptionMetrics
-from smarttestudo.use_cases.receive.sending import CommandRoute, Sending
-from smarttestudo.use_cases.receive.status_sink import StatusSink
-from smarttestudo.visualizer.table import printable
+from smarttestudo.link.foxglove import open_foxglove_sink
+from smarttestudo.link.protocol.reports import MAX_PREDICTED
+from smarttestudo.link.receive.arrival_log import ArrivalLog
+from smarttestudo.link.receive.incident_mirror import IncidentMirror, MirrorFolders
+from smarttestudo.link.receive.prediction import Predictor
+from smarttestudo.link.receive.reception import Reception
+from smarttestudo.link.receive.reception_metrics import ReceptionMetrics
+from smarttestudo.link.receive.sending import CommandRoute, Sending
+from smarttestudo.link.receive.status_sink import StatusSink
+from smarttestudo.link.zenoh import open_operator_end, require_zenoh, suspended_too_ns
+from smarttestudo.link.zenoh.arrivals import LinkEvent
+from smarttestudo.link.zenoh.commanded import OutgoingCommands
+from smarttestudo.link.zenoh.security import LinkOptions
+from smarttestudo.report.table import printable
+from smarttestudo.robot.ros import open_robot
+from smarttestudo.robot.ros.graph_sink import GraphSink
+from smarttestudo.robot.ros.loading import has_rclpy
 
 DEFAULT_LISTEN = "tcp/127.0.0.1:7447"
 _WAIT_S = 0.05
@@ -246,7 +246,7 @@ def _sinks(arguments: argparse.Namespace, opened: ExitStack) -> Iterator[Sink]:
         robot = opened.enter_context(open_robot(name=_receiving_node()))
         yield GraphSink(robot.data_path, warn, pattern=arguments.output_topic)
     if arguments.record is not None:
-        from smarttestudo.adapters.rosbag.recording_sink import RecordingSink  # noqa: PLC0415  needs rosbags
+        from smarttestudo.bags.recording_sink import RecordingSink  # noqa: PLC0415  needs rosbags
 
         say = (lambda _: None) if sys.stdout.isatty() else _say
         yield RecordingSink(arguments.record, warn, time.time_ns, pattern=arguments.output_topic, say=say)

@@ -7,9 +7,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from smarttestudo.cli.top_table import Line, Look
-from smarttestudo.use_cases.receive.reception import ReceivedRobot, Reception
-from smarttestudo.use_cases.receive.sending import CommandRoute
-from smarttestudo.visualizer.table import Align, Column, Number, Row, Table, Text, plain_table, printable
+from smarttestudo.link.receive.reception import ReceivedRobot, Reception
+from smarttestudo.link.receive.sending import CommandRoute
+from smarttestudo.report.table import (
+    Align,
+    Column,
+    Number,
+    Row,
+    Table,
+    Text,
+    plain_table,
+    printable,
+)
 
 _COLUMNS = (
     Column(heading="Topic", align=Align.LEFT),

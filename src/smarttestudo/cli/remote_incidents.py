@@ -12,7 +12,6 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict
 
-from smarttestudo.adapters.zenoh import open_link_incidents
 from smarttestudo.cli.link_options import connect_options, warn
 from smarttestudo.cli.tables import print_table
 from smarttestudo.cli.terminal import stop_signals
@@ -20,7 +19,8 @@ from smarttestudo.domain.errors import LinkError, UsageError
 from smarttestudo.domain.json_text import json_text
 from smarttestudo.domain.remote_incidents import FetchProgress, OnProgress, RemoteIncident, RemoteIncidents
 from smarttestudo.domain.units import BYTES_PER_KB, BYTES_PER_MB
-from smarttestudo.visualizer.table import Align, Column, Number, Row, Table, Text
+from smarttestudo.link.zenoh import open_link_incidents
+from smarttestudo.report.table import Align, Column, Number, Row, Table, Text
 
 _EXIT_STOPPED = 1
 _FOUND_WITHIN_S = 10.0

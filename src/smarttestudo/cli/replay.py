@@ -10,13 +10,7 @@ from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
-from smarttestudo.adapters.files.decision_log import decision_log
-from smarttestudo.adapters.files.input_log import holds_inputs
-from smarttestudo.adapters.files.outputs import require_separate
-from smarttestudo.adapters.files.profile import load_profile
-from smarttestudo.adapters.files.rule_files import rule_files_named
-from smarttestudo.adapters.files.whole_file import whole_file
-from smarttestudo.adirf.rule_set import RuleSet
+from smarttestudo.bags.comparison import change_percent
 from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.finding_text import print_findings
 from smarttestudo.cli.loop_options import add_rules, memory_mb
@@ -31,16 +25,22 @@ from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.recording import RecordingReader, Storage
 from smarttestudo.domain.units import counted
+from smarttestudo.files.outputs import require_separate
+from smarttestudo.files.whole_file import whole_file
+from smarttestudo.language.rule_set import RuleSet
+from smarttestudo.loop.decision_log import decision_log
+from smarttestudo.loop.input_log import holds_inputs
 from smarttestudo.pacing.sample import WhenSlow
-from smarttestudo.use_cases.replay.outcome import ReplayOutcome, TopicOutcome
-from smarttestudo.use_cases.rules.rule_sets import LoadedRules, load_rules
-from smarttestudo.visualizer.comparison import change_percent
-from smarttestudo.visualizer.comparison_tables import DECLARED
-from smarttestudo.visualizer.table import Align, Column, Number, Row, Table, Text
+from smarttestudo.replays.outcome import ReplayOutcome, TopicOutcome
+from smarttestudo.report.comparison_tables import DECLARED
+from smarttestudo.report.table import Align, Column, Number, Row, Table, Text
+from smarttestudo.rules.profile_file import load_profile
+from smarttestudo.rules.rule_files import rule_files_named
+from smarttestudo.rules.rule_sets import LoadedRules, load_rules
 
 if TYPE_CHECKING:
-    from smarttestudo.use_cases.replay.incidents import IncidentRequest
-    from smarttestudo.use_cases.replay.outcome import ReplayOutcome
+    from smarttestudo.replays.incidents import IncidentRequest
+    from smarttestudo.replays.outcome import ReplayOutcome
 
 
 _TOPIC = Column(heading="Topic", align=Align.LEFT)
@@ -236,7 +236,7 @@ def run(arguments: argparse.Namespace) -> int:
             raise UsageError(
                 "a replay of a recording needs it", place=f"--{option}", remedy=f"add --{option}"
             )
-    from smarttestudo.adapters.rosbag.reader import open_recording  # noqa: PLC0415  needs packages a robot lacks
+    from smarttestudo.bags.reader import open_recording  # noqa: PLC0415  needs packages a robot lacks
 
     profile = None if arguments.profile is None else load_profile(arguments.profile)
     with open_recording(arguments.bag) as recording:
@@ -259,7 +259,7 @@ def _require_separate(arguments: argparse.Namespace) -> None:
 
 def _run_inputs(arguments: argparse.Namespace) -> int:
     """What a live run saw, decided anew."""
-    from smarttestudo.use_cases.replay.inputs import replay_inputs  # noqa: PLC0415  see run
+    from smarttestudo.replays.inputs import replay_inputs  # noqa: PLC0415  see run
 
     for option in ("rules", "output", "profile", "budget", "report", "incidents"):
         if getattr(arguments, option) is not None:
@@ -287,7 +287,7 @@ def _ignore(_: object) -> None:
 def _replay(
     arguments: argparse.Namespace, recording: RecordingReader, profile: Profile, rules: LoadedRules
 ) -> ReplayOutcome:
-    from smarttestudo.use_cases.replay.replay import ReplayRequest, replay  # noqa: PLC0415  see run
+    from smarttestudo.replays.replay import ReplayRequest, replay  # noqa: PLC0415  see run
 
     decisions: list[Decision] = []
     with ExitStack() as opened:
@@ -340,7 +340,7 @@ def _predicted(topics: Sequence[str], rule_set: RuleSet) -> frozenset[str]:
 
 
 def _incidents(arguments: argparse.Namespace, rules: LoadedRules) -> IncidentRequest | None:
-    from smarttestudo.use_cases.replay.incidents import IncidentRequest  # noqa: PLC0415  see run
+    from smarttestudo.replays.incidents import IncidentRequest  # noqa: PLC0415  see run
 
     if arguments.incidents is None:
         return None
@@ -358,8 +358,8 @@ def _report(
     profile: Profile,
     rules: LoadedRules,
 ) -> str:
-    from smarttestudo.use_cases.replay.report import replay_report  # noqa: PLC0415  see run
-    from smarttestudo.visualizer.report import render_report  # noqa: PLC0415
+    from smarttestudo.report.document import render_report  # noqa: PLC0415
+    from smarttestudo.report.replay_report import replay_report  # noqa: PLC0415  see run
 
     return render_report(
         replay_report(

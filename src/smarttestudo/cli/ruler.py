@@ -10,13 +10,13 @@ import webbrowser
 from functools import partial
 from pathlib import Path
 
-from smarttestudo.adapters.files.project_folder import ProjectFolder
-from smarttestudo.adapters.ros import open_graph_robots
-from smarttestudo.adapters.zenoh import open_link_incidents, open_link_robots
 from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.link_options import add_connect, connect_options, warn
 from smarttestudo.cli.paths import file_path
 from smarttestudo.domain.errors import RuleFileError
+from smarttestudo.link.zenoh import open_link_incidents, open_link_robots
+from smarttestudo.robot.ros import open_graph_robots
+from smarttestudo.ruler.project.project_folder import ProjectFolder
 
 DEFAULT_PORT = 8750
 _MAX_PORT = 65535
@@ -59,11 +59,11 @@ def _port(text: str) -> int:
 
 def run(arguments: argparse.Namespace) -> int:
     """Serve until Ctrl-C."""
-    from smarttestudo.use_cases.ruler.robot_incidents import OpenIncidents  # noqa: PLC0415
-    from smarttestudo.use_cases.ruler.robot_link import OpenRobots  # noqa: PLC0415
-    from smarttestudo.web.guard import ServerAddress  # noqa: PLC0415  needs packages a robot lacks
-    from smarttestudo.web.page import is_page_built  # noqa: PLC0415
-    from smarttestudo.web.server import serve  # noqa: PLC0415
+    from smarttestudo.ruler.answers.robot_incidents import OpenIncidents  # noqa: PLC0415
+    from smarttestudo.ruler.answers.robot_link import OpenRobots  # noqa: PLC0415
+    from smarttestudo.ruler.server.guard import ServerAddress  # noqa: PLC0415  needs packages a robot lacks
+    from smarttestudo.ruler.server.page import is_page_built  # noqa: PLC0415
+    from smarttestudo.ruler.server.server import serve  # noqa: PLC0415
 
     path: Path = arguments.path
     options = connect_options(arguments)

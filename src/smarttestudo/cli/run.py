@@ -9,12 +9,6 @@ import platform
 import re
 from contextlib import ExitStack
 
-from smarttestudo.adapters.files.decision_log import growing_decision_log
-from smarttestudo.adapters.files.input_log import INPUTS_FILE, input_log
-from smarttestudo.adapters.files.outputs import require_separate
-from smarttestudo.adapters.files.rule_files import rule_files_named
-from smarttestudo.adapters.ros import open_robot
-from smarttestudo.adapters.zenoh import open_robot_end
 from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.link_options import add_link, link_options, warn
 from smarttestudo.cli.loop_options import (
@@ -34,11 +28,17 @@ from smarttestudo.domain.incident import DEFAULT_INCIDENT_MEMORY_MB, DEFAULT_INC
 from smarttestudo.domain.names import TOPIC_PLACEHOLDER, is_topic_prefix
 from smarttestudo.domain.parameter import ParameterValue
 from smarttestudo.domain.robot import DataPathKind
-from smarttestudo.use_cases.live.decisions import Decided
-from smarttestudo.use_cases.live.output_topics import DEFAULT_OUTPUT_TOPIC
-from smarttestudo.use_cases.live.run import run_live
-from smarttestudo.use_cases.live.run_metrics import RunMetrics
-from smarttestudo.use_cases.live.run_parameters import RunParameters, RunRequest
+from smarttestudo.files.outputs import require_separate
+from smarttestudo.link.zenoh import open_robot_end
+from smarttestudo.loop.decision_log import growing_decision_log
+from smarttestudo.loop.input_log import INPUTS_FILE, input_log
+from smarttestudo.robot.decisions import Decided
+from smarttestudo.robot.output_topics import DEFAULT_OUTPUT_TOPIC
+from smarttestudo.robot.ros import open_robot
+from smarttestudo.robot.run import run_live
+from smarttestudo.robot.run_metrics import RunMetrics
+from smarttestudo.robot.run_parameters import RunParameters, RunRequest
+from smarttestudo.rules.rule_files import rule_files_named
 
 
 def add_arguments(parser: CommandParser) -> None:

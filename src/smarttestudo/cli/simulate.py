@@ -9,11 +9,11 @@ import sys
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from smarttestudo.adapters.ros import open_robot
 from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.loop_options import add_mission, add_ros_arguments, add_simulation, seconds
 from smarttestudo.cli.physics_options import add_physics, load_physics, require_physics
 from smarttestudo.cli.terminal import key_presses, stop_signals
+from smarttestudo.robot.ros import open_robot
 
 if TYPE_CHECKING:
     from smarttestudo.domain.robot import Robot
@@ -60,7 +60,7 @@ def run(arguments: argparse.Namespace) -> int:
 def _drive(
     arguments: argparse.Namespace, frames: FrameSize, robot: Robot, stopped: Callable[[], bool]
 ) -> None:
-    from smarttestudo.use_cases.demo.simulate import SimulateRequest, simulate  # noqa: PLC0415  see run
+    from smarttestudo.demo.simulate import SimulateRequest, simulate  # noqa: PLC0415  see run
 
     simulate(
         SimulateRequest(
@@ -74,8 +74,8 @@ def _drive(
 def _drive_with_physics(
     arguments: argparse.Namespace, frames: FrameSize, robot: Robot, stopped: Callable[[], bool]
 ) -> None:
+    from smarttestudo.demo.physics import SimulatePhysicsRequest, simulate_physics  # noqa: PLC0415
     from smarttestudo.simulation.physics.drive import RobotKind, teleop_of  # noqa: PLC0415  see run
-    from smarttestudo.use_cases.demo.physics import SimulatePhysicsRequest, simulate_physics  # noqa: PLC0415
 
     kind = RobotKind(arguments.robot or RobotKind.WAFFLE.value)
     with key_presses() as keys:

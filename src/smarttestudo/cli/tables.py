@@ -8,7 +8,7 @@ import shutil
 import sys
 from typing import TYPE_CHECKING, TextIO
 
-from smarttestudo.visualizer.table import Align, Table, format_cell, plain_table, table_parts
+from smarttestudo.report.table import Align, Table, format_cell, plain_table, table_parts
 
 if TYPE_CHECKING:
     from rich.table import Table as RichTable

@@ -11,9 +11,6 @@ import time
 from collections.abc import Callable
 from contextlib import ExitStack
 
-from smarttestudo.adapters.json.status import status_to_json
-from smarttestudo.adapters.ros import open_graph_robots
-from smarttestudo.adapters.zenoh import open_link_robots
 from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.link_options import add_connect, connect_options, warn
 from smarttestudo.cli.robots import wait_for_all
@@ -30,6 +27,9 @@ from smarttestudo.cli.top_table import (
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.json_text import json_text
 from smarttestudo.domain.remote_robots import RemoteRobots
+from smarttestudo.domain.status_json import status_to_json
+from smarttestudo.link.zenoh import open_link_robots
+from smarttestudo.robot.ros import open_graph_robots
 
 _SHOW_PERIOD_S = 1.0
 _WAIT_S = 0.1

@@ -19,8 +19,7 @@ from smarttestudo.domain.incident import IncidentState
 from smarttestudo.domain.link_state import AcceptedTopic, LinkState
 from smarttestudo.domain.status import DiagnosticLevel, RuntimeStatus, Silence, TopicStatus
 from smarttestudo.domain.units import BYTES_PER_MB, counted, grouped
-from smarttestudo.use_cases.live.diagnostics import topic_health
-from smarttestudo.visualizer.table import (
+from smarttestudo.report.table import (
     Align,
     Cell,
     Column,
@@ -32,6 +31,7 @@ from smarttestudo.visualizer.table import (
     plain_table,
     printable,
 )
+from smarttestudo.robot.diagnostics import topic_health
 
 WIDE = 110
 _QUIET = frozenset({Silence.OFF, Silence.NO_SUBSCRIBER})

@@ -9,13 +9,13 @@ import math
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 
-from smarttestudo.adirf.properties import gauges_for, properties_for_bounds
-from smarttestudo.cdr import FrameReader
 from smarttestudo.domain.accuracy import AccuracyTiers, LevelledProperty
+from smarttestudo.language.properties import gauges_for, properties_for_bounds
 from smarttestudo.pacing.bound import HEARTBEAT_HZ
+from smarttestudo.pacing.cdr import FrameReader
+from smarttestudo.pacing.reckoning.picture import Picture
 from smarttestudo.pacing.sample import Sample, StreamKind
 from smarttestudo.pacing.topic_pacer import Accuracy, TopicPacer
-from smarttestudo.reckoning.picture import Picture
 
 PROPOSED_BOUNDS: Mapping[LevelledProperty, tuple[float, ...]] = MappingProxyType(
     {

@@ -8,9 +8,9 @@ import re
 from collections.abc import Mapping
 from itertools import accumulate
 
-from smarttestudo.adirf.formatter import number_text
-from smarttestudo.adirf.syntax import RuleFile, SetFrequency, tiers_in
 from smarttestudo.domain.source import Span
+from smarttestudo.language.formatter import number_text
+from smarttestudo.language.syntax import RuleFile, SetFrequency, tiers_in
 from smarttestudo.optimizer.rule_asks import StatementKey
 from smarttestudo.optimizer.rule_rates import Optimization
 from smarttestudo.optimizer.wording import hz_text

@@ -9,8 +9,12 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 
-from smarttestudo.adirf.normal_form import Resolve
-from smarttestudo.adirf.syntax import (
+from smarttestudo.domain.accuracy import AccuracyTiers
+from smarttestudo.domain.profile import Profile
+from smarttestudo.domain.rate import Rate, Tier
+from smarttestudo.domain.source import Span
+from smarttestudo.language.normal_form import Resolve
+from smarttestudo.language.syntax import (
     Block,
     KeepAtLeast,
     KeepWithin,
@@ -22,10 +26,6 @@ from smarttestudo.adirf.syntax import (
     bounds_in,
     sets_in,
 )
-from smarttestudo.domain.accuracy import AccuracyTiers
-from smarttestudo.domain.profile import Profile
-from smarttestudo.domain.rate import Rate, Tier
-from smarttestudo.domain.source import Span
 from smarttestudo.optimizer.model import Ask, BoundNeeds, TopicNeeds, accuracy_of, needs_of
 
 StatementKey = tuple[str, Span]

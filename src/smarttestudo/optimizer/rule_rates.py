@@ -7,10 +7,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from smarttestudo.adirf.normal_form import Resolve
-from smarttestudo.adirf.syntax import KeepWithin, RuleFile, SetFrequency, bound_span
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.rate import Rate
+from smarttestudo.language.normal_form import Resolve
+from smarttestudo.language.syntax import KeepWithin, RuleFile, SetFrequency, bound_span
 from smarttestudo.optimizer.allocation import best_rates, rounded_down
 from smarttestudo.optimizer.model import MissingEntryError, Model
 from smarttestudo.optimizer.problem import Solver, fits, used_kb_per_s

@@ -9,10 +9,10 @@ from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
 
 from smarttestudo.pacing.grid import NEVER_NS, Grid, Pace
+from smarttestudo.pacing.reckoning.picture import Picture
 from smarttestudo.pacing.sample import Pass, Sample
 from smarttestudo.pacing.stream import VolatileStream
 from smarttestudo.pacing.streams import NO_FRAMES, Streams
-from smarttestudo.reckoning.picture import Picture
 
 HEARTBEAT_HZ = 0.5
 """Without a floor, one message in 2 s passes all the same, so that silence is a failure."""

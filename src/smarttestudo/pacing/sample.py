@@ -10,7 +10,7 @@ from enum import Enum
 from typing import NamedTuple, Protocol
 
 from smarttestudo.domain.payload import Payload
-from smarttestudo.reckoning.gauges import Reading
+from smarttestudo.pacing.reckoning.gauges import Reading
 
 
 class WhenSlow(Enum):

@@ -12,11 +12,11 @@ from functools import partial
 from smarttestudo.pacing.bound import BoundRecord, BoundStreams
 from smarttestudo.pacing.follower import Follower, FollowerNotifier
 from smarttestudo.pacing.grid import NEVER_NS, Pace
+from smarttestudo.pacing.reckoning.picture import Picture
 from smarttestudo.pacing.repeat import RepeatStream
 from smarttestudo.pacing.sample import Pacer, Pass, Sample, StreamKind, WhenSlow
 from smarttestudo.pacing.stream import LatchedStream, VolatileStream
 from smarttestudo.pacing.streams import FrameStreams, PublisherStreams, Streams
-from smarttestudo.reckoning.picture import Picture
 
 AnyStreams = Streams[VolatileStream] | Streams[LatchedStream] | Streams[RepeatStream] | BoundStreams
 

@@ -9,11 +9,11 @@ import math
 from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from smarttestudo.adirf.boxes import Box, Domain, Effort, boxes_where
-from smarttestudo.adirf.normal_form import reads, signals_of
-from smarttestudo.adirf.region import Bound, Region
-from smarttestudo.adirf.rule_set import RuleBlock
 from smarttestudo.domain.signal import Signal
+from smarttestudo.language.boxes import Box, Domain, Effort, boxes_where
+from smarttestudo.language.normal_form import reads, signals_of
+from smarttestudo.language.region import Bound, Region
+from smarttestudo.language.rule_set import RuleBlock
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -10,13 +10,13 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from smarttestudo.adirf.boxes import Domain, Effort, TooComplexError
-from smarttestudo.adirf.evaluator import Evaluator
-from smarttestudo.adirf.rule_set import RuleBlock, RuleSet
 from smarttestudo.domain.decision import PlannedRate
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.signal import ArrivalProperty, Signal
+from smarttestudo.language.boxes import Domain, Effort, TooComplexError
+from smarttestudo.language.evaluator import Evaluator
+from smarttestudo.language.rule_set import RuleBlock, RuleSet
 from smarttestudo.optimizer.joint.cells import Cluster, axes_of, cell_count, clusters_of, holding_together
 from smarttestudo.optimizer.problem import fits
 

@@ -7,9 +7,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from smarttestudo.adirf.evaluator import Evaluator
-from smarttestudo.adirf.rule_set import RuleSet
 from smarttestudo.domain.decision import Reason
+from smarttestudo.language.evaluator import Evaluator
+from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.optimizer.allocation import round_down
 from smarttestudo.optimizer.joint.check import Loads, Situation
 from smarttestudo.optimizer.problem import Budget, Demand, Piece, Solver

@@ -1,0 +1,278 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Whether what an operator received kept their picture within the bounds of the rules."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from smarttestudo.domain.decision import Decision
+from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.language.rule_set import RuleSet
+from smarttestudo.pacing.reckoning.gauges import Gauge
+from smarttestudo.pacing.reckoning.picture import Picture
+
+MOST_STRETCHES = 20
+"""Broken stretches that are told of one bound; the others are counted."""
+
+Bounds = Mapping[str, float]
+"""By property."""
+
+BoundsFrom = tuple[int, Bounds]
+"""A stamp in ns, and the bounds that are in force from it on."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BrokenStretch:
+    """From A's first message with the picture out of bounds to its next one with the picture within them.
+
+    It ends earlier where the bound is no longer in force, and at the end of A. Times are in s since the start
+    of A; ``worst`` is ``None`` where nothing was shown.
+    """
+
+    from_s: float
+    to_s: float
+    messages: int
+    worst: float | None
+
+    def to_json(self) -> dict[str, object]:
+        """The entry in ``--json``."""
+        return {"from_s": self.from_s, "to_s": self.to_s, "messages": self.messages, "worst": self.worst}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BoundLoss:
+    """How one bound of the rules was kept, over the messages of A while it was in force.
+
+    ``broken`` counts those after which the picture was more than ``bound`` off, or showed nothing;
+    ``unreadable`` those that say nothing, which are not among ``messages``. ``worst`` is the largest finite
+    error, at ``worst_at_s``; both are ``None`` where there is none. ``stretches`` are the first of
+    ``stretch_count``, which last ``broken_s`` together. ``reckons``: the receiver shows dead reckoning.
+    """
+
+    topic: str
+    property_name: str
+    unit: str
+    bound: float
+    reckons: bool
+    in_force_s: float
+    messages: int
+    broken: int
+    unreadable: int
+    worst: float | None
+    worst_at_s: float | None
+    broken_s: float
+    stretch_count: int
+    stretches: tuple[BrokenStretch, ...]
+
+    @property
+    def is_held(self) -> bool:
+        """Whether the picture was within the bound after every message."""
+        return not self.broken
+
+    def to_json(self) -> dict[str, object]:
+        """The entry in ``--json``."""
+        return {
+            "topic": self.topic,
+            "property": self.property_name,
+            "unit": self.unit,
+            "bound": self.bound,
+            "reckons": self.reckons,
+            "held": self.is_held,
+            "in_force_s": self.in_force_s,
+            "messages": self.messages,
+            "broken": self.broken,
+            "unreadable": self.unreadable,
+            "worst": self.worst,
+            "worst_at_s": self.worst_at_s,
+            "broken_s": self.broken_s,
+            "stretch_count": self.stretch_count,
+            "stretches": [stretch.to_json() for stretch in self.stretches],
+        }
+
+
+def bounds_of(rule_set: RuleSet, topic: str) -> frozenset[tuple[str, float]]:
+    """Every bound of ``topic`` that the rules write down: its property and its number."""
+    written = (rule_set.bounds, *(block.bounds for block in rule_set.blocks))
+    return frozenset(one for bounds in written for one in bounds.get(topic, {}).items())
+
+
+def bounded_topics(rule_set: RuleSet) -> frozenset[str]:
+    """The topics that have a bound somewhere in the rules."""
+    written = (rule_set.bounds, *(block.bounds for block in rule_set.blocks))
+    return frozenset(topic for bounds in written for topic in bounds)
+
+
+def needs_decisions(rule_set: RuleSet, topic: str) -> bool:
+    """Whether a block decides which bounds of ``topic`` are in force."""
+    return any(topic in block.bounds for block in rule_set.blocks)
+
+
+def bounds_in_force(rule_set: RuleSet, topic: str, decisions: Sequence[Decision]) -> Sequence[BoundsFrom]:
+    """The bounds of ``topic`` over time, from the decisions where a block has a word in it."""
+    if not needs_decisions(rule_set, topic):
+        return ((0, rule_set.bounds.get(topic, {})),)
+    return tuple(
+        (one.stamp_ns, one.planned.within)
+        for one in sorted(decisions, key=lambda one: one.stamp_ns)
+        if one.topic == topic and one.from_within != one.planned.within
+    )
+
+
+class BoundWatch:
+    """Judges the bounds of one topic: show it, in time order, what was received and what was sent.
+
+    ``written`` are the bounds of the rules, told of also where none was in force; ``in_force`` are those that
+    count, by stamp. Times of the result count from ``start_ns``.
+    """
+
+    def __init__(
+        self,
+        gauges: Sequence[Gauge],
+        in_force: Sequence[BoundsFrom],
+        written: frozenset[tuple[str, float]],
+        *,
+        reckons: bool,
+        start_ns: int,
+    ) -> None:
+        self._picture = Picture(gauges, reckons=reckons)
+        self._reckons = reckons
+        self._start_ns = self._now_ns = start_ns
+        self._coming = iter(in_force)
+        self._next = next(self._coming, None)
+        self._bounds: Bounds = {}
+        self._tallies = {one: _Tally(start_ns) for one in sorted(written)}
+        self._last: tuple[int, bytes] | None = None
+
+    def received(self, stamp_ns: int, payload: bytes, message: object | None) -> None:
+        """The operator got this; of one stamp, what was received comes before what was sent."""
+        self._picture.show(self._picture.read(payload, message, stamp_ns), None)
+        self._last = stamp_ns, payload
+
+    def sent(self, stamp_ns: int, payload: bytes, message: object | None) -> None:
+        """The robot sent this, from which the picture is so far off."""
+        self._advance(stamp_ns)
+        if not self._bounds:
+            return
+        readings = self._picture.read(payload, message, stamp_ns)
+        errors = dict.fromkeys(self._bounds, 0.0)
+        is_unreadable = None in readings
+        if not is_unreadable and not self._just_received(stamp_ns, payload):
+            errors = self._picture.errors(readings, None)
+        for name, bound in self._bounds.items():
+            tally = self._tally(name, bound)
+            if is_unreadable:
+                tally.unreadable += 1
+            else:
+                tally.judge(stamp_ns, errors[name], is_broken=errors[name] > bound)
+
+    def losses(self, topic: str, units: Mapping[str, str], end_ns: int) -> Iterator[BoundLoss]:
+        """What was found, at the end of A."""
+        self._advance(end_ns)
+        for name, bound in self._bounds.items():
+            self._tally(name, bound).leave(end_ns)
+        for (name, bound), tally in self._tallies.items():
+            yield BoundLoss(
+                topic=topic,
+                property_name=name,
+                unit=units.get(name, ""),
+                bound=bound,
+                reckons=self._reckons,
+                in_force_s=tally.in_force_ns / NS_PER_S,
+                messages=tally.messages,
+                broken=tally.broken,
+                unreadable=tally.unreadable,
+                worst=None if math.isnan(tally.worst) else tally.worst,
+                worst_at_s=None if math.isnan(tally.worst) else self._seconds(tally.worst_ns),
+                broken_s=tally.broken_ns / NS_PER_S,
+                stretch_count=tally.stretch_count,
+                stretches=tuple(self._stretch(one) for one in tally.stretches),
+            )
+
+    def _just_received(self, stamp_ns: int, payload: bytes) -> bool:
+        """Whether the picture was made from this very message: it is right then, whatever is in it."""
+        last = self._last
+        return last is not None and last[1] == payload and (not self._reckons or last[0] == stamp_ns)
+
+    def _advance(self, now_ns: int) -> None:
+        """Take the bounds that came into force until ``now_ns``."""
+        while self._next is not None and self._next[0] <= now_ns:
+            from_ns, bounds = max(self._next[0], self._start_ns), self._next[1]
+            for name, bound in self._bounds.items():
+                if bounds.get(name) != bound:
+                    self._tally(name, bound).leave(from_ns)
+            for name, bound in bounds.items():
+                if self._bounds.get(name) != bound:
+                    self._tally(name, bound).enter(from_ns)
+            self._bounds = bounds
+            self._next = next(self._coming, None)
+
+    def _tally(self, name: str, bound: float) -> _Tally:
+        return self._tallies.setdefault((name, bound), _Tally(self._start_ns))
+
+    def _stretch(self, stretch: _Stretch) -> BrokenStretch:
+        return BrokenStretch(
+            from_s=self._seconds(stretch.from_ns),
+            to_s=self._seconds(stretch.to_ns),
+            messages=stretch.messages,
+            worst=None if math.isnan(stretch.worst) else stretch.worst,
+        )
+
+    def _seconds(self, stamp_ns: int) -> float:
+        return (stamp_ns - self._start_ns) / NS_PER_S
+
+
+@dataclass(slots=True)
+class _Stretch:
+    from_ns: int
+    to_ns: int
+    messages: int = 0
+    worst: float = math.nan
+
+
+class _Tally:
+    """Counts of one bound while it is in force; ``worst`` is NaN as long as there is none."""
+
+    def __init__(self, start_ns: int) -> None:
+        self.messages = self.broken = self.unreadable = 0
+        self.in_force_ns = self.broken_ns = self.stretch_count = 0
+        self.worst, self.worst_ns = math.nan, start_ns
+        self.stretches: list[_Stretch] = []
+        self._entered_ns = start_ns
+        self._open: _Stretch | None = None
+
+    def enter(self, now_ns: int) -> None:
+        """The bound is in force from now on."""
+        self._entered_ns = now_ns
+
+    def leave(self, now_ns: int) -> None:
+        """The bound is not in force any more, or the recording ends."""
+        self.in_force_ns += max(0, now_ns - self._entered_ns)
+        self._close(now_ns)
+
+    def judge(self, now_ns: int, error: float, *, is_broken: bool) -> None:
+        """The picture's error after a message."""
+        self.messages += 1
+        if error < math.inf and not error <= self.worst:
+            self.worst, self.worst_ns = error, now_ns
+        if not is_broken:
+            self._close(now_ns)
+            return
+        self.broken += 1
+        if self._open is None:
+            self._open = _Stretch(now_ns, now_ns)
+        self._open.messages += 1
+        if error < math.inf and not error <= self._open.worst:
+            self._open.worst = error
+
+    def _close(self, now_ns: int) -> None:
+        stretch, self._open = self._open, None
+        if stretch is None:
+            return
+        stretch.to_ns = now_ns
+        self.broken_ns += now_ns - stretch.from_ns
+        self.stretch_count += 1
+        if len(self.stretches) < MOST_STRETCHES:
+            self.stretches.append(stretch)

@@ -1,0 +1,198 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What each rate of a topic loses, and the rates where that changes most."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from smarttestudo.accuracy.loss_report import Age, FieldError, error_columns
+from smarttestudo.accuracy.measure import age_of
+from smarttestudo.accuracy.reconstruction import field_error
+from smarttestudo.accuracy.samples import Field, TopicSamples
+from smarttestudo.domain.rate import RATE_STEP_HZ
+from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
+from smarttestudo.optimizer.profiling import TierProposal, rounded
+
+LEVELS = (0.2, 0.1, 0.05, 0.02, 0.01)
+"""Error relative to the field's range at τ0 … τ4."""
+
+_SLOWEST_SOURCE_HZ = (len(LEVELS) + 1) * RATE_STEP_HZ
+
+Loss = tuple[float, float, str]
+"""A rate in Hz, the relative hold RMSE of the worst field there, and that field."""
+
+
+def proposed_breakpoints(losses: Sequence[Loss], source_hz: float) -> TierProposal | None:
+    """Six thresholds from a loss curve.
+
+    τ0 … τ4 are the rates from which on who holds the last value errs by at most 20, 10, 5, 2, 1 % of the
+    field's range (RMSE, the worst field counts); τ5 is the source's rate, at which nothing is lost.
+
+    ``losses`` are those at some rates below ``source_hz``, in any order.
+    Between two rates, and below the lowest, the error counts as linear in the period 1/f, which it is for
+    a signal that changes slowly. The thresholds rise by 0.001 Hz or more and do not exceed the source.
+    ``None`` where nothing is lost at any rate, or the source is too slow for six thresholds.
+    """
+    source_hz = rounded(source_hz)
+    curve = _rising_curve(losses, source_hz)
+    if source_hz < _SLOWEST_SOURCE_HZ or curve[-1][1] <= 0:
+        return None
+    found = [_period_at(level, curve) for level in LEVELS]
+    tiers_hz = _strictly_rising([*(rounded(1 / period_s) for period_s, _ in found), source_hz])
+    worst = ", ".join(dict.fromkeys(field for _, field in found))
+    levels = ", ".join(f"{100 * level:g}" for level in LEVELS)
+    return TierProposal(
+        tiers_hz=tiers_hz,
+        origin=f"RMSE of holding: {levels} % of the range (worst: {worst}), 0 at source_hz",
+    )
+
+
+def _rising_curve(losses: Sequence[Loss], source_hz: float) -> list[Loss]:
+    """Period in s, error and field, with both rising: an error that falls again at a lower rate is luck."""
+    curve: list[Loss] = [(1 / source_hz, 0.0, "")]
+    for rate_hz, error, field in sorted(losses, reverse=True):
+        if rate_hz < source_hz:
+            _, before, worst_before = curve[-1]
+            curve.append(
+                (1 / rate_hz, error, field) if error > before else (1 / rate_hz, before, worst_before)
+            )
+    return curve
+
+
+def _period_at(level: float, curve: Sequence[Loss]) -> tuple[float, str]:
+    """The period at which the error reaches ``level``, and the field that does."""
+    for (short_s, below, _), (long_s, above, field) in itertools.pairwise(curve):
+        if above > level:
+            return short_s + (level - below) / (above - below) * (long_s - short_s), field
+    longest_s, error, field = curve[-1]
+    return longest_s * level / error, field
+
+
+def _strictly_rising(rates_hz: Sequence[float]) -> tuple[float, ...]:
+    """``rates_hz``, which do not fall, with 0.001 Hz between those that would be nearer."""
+    apart: list[float] = []
+    for rate_hz in reversed(rates_hz):
+        below = apart[-1] - RATE_STEP_HZ if apart else rate_hz
+        apart.append(round(min(rate_hz, below), 9))
+    lowest = [(index + 1) * RATE_STEP_HZ for index in range(len(apart))]
+    return tuple(round(max(rate, least), 9) for rate, least in zip(reversed(apart), lowest, strict=True))
+
+
+_LOWEST_HZ = 0.1
+_SLOW_SHARE = 0.02
+_FEWEST_MESSAGES = 4
+_BELOW_SOURCE = 0.95
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CurvePoint:
+    """A topic at one rate: what it carries, its age, and the error of each of the curve's fields.
+
+    An error is ``None`` where nothing known of the field passed.
+    """
+
+    rate_hz: float
+    kb_per_s: float
+    age: Age | None
+    errors: tuple[FieldError | None, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LossCurve:
+    """The loss at rising rates, up to ``source_hz``, where every message passes and nothing is lost.
+
+    ``fields`` are those that ever changed; ``breakpoints`` is ``None`` where none can be proposed.
+    """
+
+    topic: str
+    source_hz: float
+    fields: tuple[Field, ...]
+    points: tuple[CurvePoint, ...]
+    breakpoints: TierProposal | None
+
+    def to_json(self) -> dict[str, object]:
+        """The topic's entry in ``--json``."""
+        return {
+            "source_hz": self.source_hz,
+            "points": [
+                {
+                    "hz": point.rate_hz,
+                    "kb_per_s": point.kb_per_s,
+                    "age": point.age.to_json() if point.age else None,
+                    "fields": {
+                        field.name: {"unit": field.unit, **error.to_json()}
+                        for field, error in zip(self.fields, point.errors, strict=True)
+                        if error
+                    },
+                }
+                for point in self.points
+            ],
+            "tiers_hz": list(self.breakpoints.tiers_hz) if self.breakpoints else None,
+            "tiers_from": self.breakpoints.origin if self.breakpoints else None,
+        }
+
+    def rows(self) -> Iterator[dict[str, object]]:
+        """One row for each rate and field, for ``--csv``."""
+        for point in self.points:
+            for field, error in zip(self.fields, point.errors, strict=True):
+                row: dict[str, object] = {"topic": self.topic, "field": field.name, "unit": field.unit}
+                row |= {"hz": point.rate_hz, "kb_per_s": point.kb_per_s}
+                yield row | error_columns(error)
+
+
+def loss_curve(samples: TopicSamples, end_ns: int) -> LossCurve | None:
+    """The curve of a topic; ``None`` where no field ever changed, or there is no rate."""
+    fields = tuple(field for field in samples.fields if samples.series(field).value_range)
+    source_hz = samples.mean_hz
+    if not fields or source_hz is None:
+        return None
+    duration_s = (end_ns - samples.stamps_ns[0]) / NS_PER_S
+    points = tuple(
+        _point(samples, fields, rate_hz, end_ns) for rate_hz in curve_rates_hz(source_hz, duration_s)
+    )
+    losses = [worst_loss(point, fields) for point in points[:-1]]
+    return LossCurve(
+        topic=samples.channel.topic,
+        source_hz=source_hz,
+        fields=fields,
+        points=points,
+        breakpoints=proposed_breakpoints(losses, source_hz),
+    )
+
+
+def curve_rates_hz(source_hz: float, duration_s: float) -> tuple[float, ...]:
+    """0.1, 0.2, 0.5, 1, 2, 5 … Hz below the source, and the source's own rate.
+
+    Slow sources start at 2 % of their rate. The lowest rate has four messages in ``duration_s``.
+    """
+    lowest_hz = max(min(_LOWEST_HZ, _SLOW_SHARE * source_hz), _FEWEST_MESSAGES / duration_s, RATE_STEP_HZ)
+    steps = (digit * 10.0**power for power in itertools.count(-3) for digit in (1, 2, 5))
+    below = itertools.takewhile(lambda rate_hz: rate_hz < _BELOW_SOURCE * source_hz, steps)
+    return (*(round(rate_hz, 3) for rate_hz in below if rate_hz >= lowest_hz), source_hz)
+
+
+def _point(samples: TopicSamples, fields: tuple[Field, ...], rate_hz: float, end_ns: int) -> CurvePoint:
+    passed = samples.at_rate(math.inf if rate_hz == samples.mean_hz else rate_hz, end_ns)
+    series = [samples.series(field) for field in fields]
+    errors = (field_error(one, one.taken(passed.stamps_ns, passed.indices), end_ns) for one in series)
+    duration_s = (end_ns - samples.stamps_ns[0]) / NS_PER_S
+    size_bytes = sum(samples.sizes[index] for index in passed.indices)
+    return CurvePoint(
+        rate_hz=rate_hz,
+        kb_per_s=size_bytes / BYTES_PER_KB / duration_s,
+        age=age_of(passed.stamps_ns, sent_from_ns=samples.stamps_ns[0], end_ns=end_ns),
+        errors=tuple(errors),
+    )
+
+
+def worst_loss(point: CurvePoint, fields: tuple[Field, ...]) -> Loss:
+    """The relative hold RMSE of the worst of ``fields`` at the rate of ``point``."""
+    relative, field = max(
+        ((error.hold.relative_rmse or 0.0) if error else 0.0, field.name)
+        for error, field in zip(point.errors, fields, strict=True)
+    )
+    return point.rate_hz, relative, field

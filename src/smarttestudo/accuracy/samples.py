@@ -1,0 +1,220 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The values of a topic's fields over time."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import math
+from array import array
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from numbers import Real
+
+from smarttestudo.accuracy.thinning import Thinned, thinned
+from smarttestudo.domain.profile import LevelUnit
+from smarttestudo.domain.rate_meter import mean_hz
+from smarttestudo.domain.recording import Channel
+from smarttestudo.language.properties import Reader, properties_of, value_reader, wraps
+from smarttestudo.language.properties.field_path import PropertySpec
+from smarttestudo.pacing.sample import StreamKind
+
+FULL_TURN = 360.0
+MOST = 1e100
+"""Numbers beyond this are no measurements, and their squares would overflow."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Series:
+    """Values with their stamps, which never fall; a value that is not known is NaN.
+
+    The field has a value from its sample on until the next one. Of several samples with one stamp the last
+    counts. ``wraps`` says that the values are degrees in (−180, 180] that go round.
+    """
+
+    stamps_ns: array[int]
+    values: array[float]
+    wraps: bool = False
+
+    @property
+    def unknown(self) -> int:
+        """How many samples are not known."""
+        return sum(map(math.isnan, self.values))
+
+    @property
+    def value_range(self) -> float:
+        """Greatest minus least known value; of a field that wraps, of its continuous course, up to 360."""
+        known: Iterable[float] = itertools.filterfalse(math.isnan, self.values)
+        if self.wraps:
+            known = itertools.accumulate(known, lambda course, value: course + turn(course, value))
+        listed = list(known)
+        spread = max(listed) - min(listed) if listed else 0.0
+        return min(spread, FULL_TURN) if self.wraps else spread
+
+    def known(self) -> Series:
+        """The samples that are known."""
+        if not self.unknown:
+            return self
+        kept = [not math.isnan(value) for value in self.values]
+        return Series(
+            stamps_ns=array("q", itertools.compress(self.stamps_ns, kept)),
+            values=array("d", itertools.compress(self.values, kept)),
+            wraps=self.wraps,
+        )
+
+    def taken(self, stamps_ns: array[int], indices: array[int]) -> Series:
+        """The samples at ``indices``, which were received at ``stamps_ns``."""
+        values = self.values
+        return Series(
+            stamps_ns=stamps_ns, values=array("d", [values[index] for index in indices]), wraps=self.wraps
+        )
+
+
+def usable(value: float) -> float:
+    """``value``, or NaN where it is infinite or absurd."""
+    return value if -MOST < value < MOST else math.nan
+
+
+def turn(before: float, after: float) -> float:
+    """The shorter way from one angle to another, in degrees of [−180, 180]."""
+    return math.remainder(after - before, FULL_TURN)
+
+
+MOST_FIELDS = 12
+"""Fields of one topic that are looked at unasked, of a type without named properties."""
+
+IMAGE_TYPES = frozenset({"sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"})
+BULK_TYPES = IMAGE_TYPES | {"sensor_msgs/msg/PointCloud2", "nav_msgs/msg/OccupancyGrid"}
+"""Types whose numbers are not in their scalar fields: not decoded unless a field is asked for."""
+
+_DEEPEST = 8
+_NO_MEASUREMENTS = frozenset({"header", "covariance"})
+_TIME = frozenset({"sec", "nanosec"})
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Field:
+    """A property or field path; ``unit`` is empty where unknown, ``wraps`` true of degrees that go round."""
+
+    name: str
+    unit: str = ""
+    wraps: bool = False
+    is_asked: bool = False
+
+
+def fields_of(
+    type_name: str, message: object, *, asked: Sequence[str] = (), needed: Sequence[str] = ()
+) -> tuple[Field, ...]:
+    """The fields to look at of a topic of ``type_name``, of which ``message`` is one.
+
+    Of a type with named properties those, else the first ``MOST_FIELDS`` scalar numbers; then what is
+    ``asked`` for or ``needed`` beside them.
+    """
+    specs = properties_of(type_name)
+    names = [*specs] if specs else [*scalar_paths(message)][:MOST_FIELDS]
+    if type_name in BULK_TYPES:
+        names = []
+    chosen = dict.fromkeys([*names, *asked, *needed])
+    return tuple(_field(name, specs.get(name), is_asked=name in asked) for name in chosen)
+
+
+def scalar_paths(message: object, *, deepest: int = _DEEPEST) -> Iterator[str]:
+    """The paths of the numbers in a decoded message, without arrays, headers and times."""
+    if not dataclasses.is_dataclass(message) or not deepest:
+        return
+    names = [field.name for field in dataclasses.fields(message) if not field.name.startswith("_")]
+    if _TIME.issuperset(names):
+        return
+    for name in names:
+        value = getattr(message, name)
+        if isinstance(value, Real):
+            yield name
+        elif name not in _NO_MEASUREMENTS:
+            yield from (f"{name}.{path}" for path in scalar_paths(value, deepest=deepest - 1))
+
+
+def _field(name: str, spec: PropertySpec | None, *, is_asked: bool) -> Field:
+    if spec is None:
+        return Field(name=name, is_asked=is_asked)
+    return Field(name=name, unit=spec.unit, wraps=wraps(spec), is_asked=is_asked)
+
+
+class TopicSamples:
+    """The messages of one topic, added one by one: 16 bytes for each, and 8 for each of its fields.
+
+    ``undecodable`` counts messages that could not be decoded; what they said is not known.
+    """
+
+    __slots__ = (
+        "_columns",
+        "_has_frames",
+        "_readers",
+        "channel",
+        "fields",
+        "frames",
+        "sizes",
+        "stamps_ns",
+        "undecodable",
+    )
+
+    def __init__(self, channel: Channel) -> None:
+        self.channel = channel
+        self.stamps_ns = array("q")
+        self.sizes = array("q")
+        self.frames: list[tuple[str, ...]] = []
+        self.fields: tuple[Field, ...] = ()
+        self.undecodable = 0
+        self._columns: list[array[float]] = []
+        self._readers: list[Reader] = []
+        self._has_frames = self.kind is StreamKind.TRANSFORMS
+
+    @property
+    def size_bytes(self) -> int:
+        """All messages together."""
+        return sum(self.sizes)
+
+    @property
+    def mean_hz(self) -> float | None:
+        """(n − 1) / (last − first); ``None`` where that is not defined."""
+        lasted_ns = self.stamps_ns[-1] - self.stamps_ns[0] if self.stamps_ns else 0
+        return mean_hz(len(self.stamps_ns), lasted_ns)
+
+    @property
+    def kind(self) -> StreamKind:
+        """How the topic is thinned."""
+        return StreamKind.of(type_name=self.channel.type_name, transient_local=self.channel.transient_local)
+
+    def look_at(self, fields: Sequence[Field], level_unit: LevelUnit | None) -> None:
+        """Keep ``fields`` of every message from now on; what came before is not known."""
+        type_name = self.channel.type_name
+        self.fields = tuple(fields)
+        self._readers = [value_reader(type_name, field.name, level_unit) for field in fields]
+        self._columns = [self._unknown() for _ in fields]
+
+    def add(self, stamp_ns: int, size_bytes: int, frames: tuple[str, ...] = ()) -> None:
+        """Count a message; its fields are not known until ``read``."""
+        self.stamps_ns.append(stamp_ns)
+        self.sizes.append(size_bytes)
+        if self._has_frames:
+            self.frames.append(frames)
+        for column in self._columns:
+            column.append(math.nan)
+
+    def read(self, message: object) -> None:
+        """Take the fields of the message that was counted last."""
+        for column, reader in zip(self._columns, self._readers, strict=True):
+            column[-1] = usable(reader(message))
+
+    def series(self, field: Field) -> Series:
+        """A field over time; one that was not looked at is not known at any."""
+        names = [one.name for one in self.fields]
+        values = self._columns[names.index(field.name)] if field.name in names else self._unknown()
+        return Series(stamps_ns=self.stamps_ns, values=values, wraps=field.wraps)
+
+    def at_rate(self, rate_hz: float, end_ns: int) -> Thinned:
+        """What passes of the topic until ``end_ns`` at a fixed rate, infinite for all."""
+        return thinned(self.stamps_ns, rate_hz, end_ns=end_ns, kind=self.kind, frames=self.frames)
+
+    def _unknown(self) -> array[float]:
+        return array("d", [math.nan]) * len(self.stamps_ns)

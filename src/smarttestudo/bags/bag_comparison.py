@@ -1,0 +1,89 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Two recordings beside each other."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass, replace
+
+from smarttestudo.bags.bag_summary import BagSummary
+from smarttestudo.bags.comparison import Comparison, TopicComparison, compare
+from smarttestudo.domain.errors import RecordingError
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BagComparison:
+    """The recordings ``a`` and ``b`` with their topics paired."""
+
+    a: BagSummary
+    b: BagSummary
+    comparison: Comparison
+
+    @property
+    def names(self) -> frozenset[str]:
+        """What the topics are called in either recording."""
+        pairs = self.comparison.topics
+        return frozenset(name for pair in pairs for name in (pair.topic, pair.after_topic) if name)
+
+    def only(self, names: Collection[str]) -> BagComparison:
+        """The same with the pairs of which one topic is in ``names``."""
+        kept = tuple(
+            pair for pair in self.comparison.topics if pair.topic in names or pair.after_topic in names
+        )
+        return replace(self, comparison=Comparison(topics=kept))
+
+    def to_json(self) -> dict[str, object]:
+        """The object that ``--json`` prints; ``change_percent`` of a topic is that of ``binned_hz``."""
+        pairs = self.comparison.topics
+        a = self.a.only({pair.topic for pair in pairs if pair.before})
+        b = self.b.only({pair.after_topic for pair in pairs})
+        return {
+            "a": self.a.name,
+            "b": self.b.name,
+            "topics": {pair.topic: _pair_to_json(pair) for pair in pairs},
+            "total": {
+                "a": a.total.to_json(),
+                "b": b.total.to_json(),
+                "bandwidth_change_percent": self.comparison.bandwidth_change_percent,
+            },
+            "notices": [*self.a.notices, *self.b.notices],
+        }
+
+    def rows(self) -> Iterator[dict[str, object]]:
+        """One row for each pair, for ``--csv``."""
+        for pair in self.comparison.topics:
+            yield {
+                "topic": pair.topic,
+                "b_topic": pair.after_topic,
+                "a_hz": pair.before.binned_hz if pair.before else None,
+                "b_hz": pair.after.binned_hz if pair.after else None,
+                "change_percent": pair.change_percent,
+                "a_kb_per_s": pair.before.kb_per_s if pair.before else None,
+                "b_kb_per_s": pair.after.kb_per_s if pair.after else None,
+                "bandwidth_change_percent": pair.bandwidth_change_percent,
+            }
+
+
+def compare_bags(a: BagSummary, b: BagSummary, mapping: Mapping[str, str]) -> BagComparison:
+    """Pair the topics of ``a`` and ``b``, first by ``mapping``, then by name.
+
+    Raises:
+        RecordingError: they have no topic in common.
+    """
+    comparison = compare(a.statistics, b.statistics, mapping=mapping)
+    if not any(pair.before and pair.after for pair in comparison.topics):
+        raise RecordingError(
+            f"it has no topic in common with {a.name}", place=b.name, remedy="pair two by --map /a=/b"
+        )
+    return BagComparison(a=a, b=b, comparison=comparison)
+
+
+def _pair_to_json(pair: TopicComparison) -> dict[str, object]:
+    return {
+        "a": pair.before.to_json() if pair.before else None,
+        "b": pair.after.to_json() if pair.after else None,
+        "b_topic": pair.after_topic,
+        "change_percent": pair.change_percent,
+        "bandwidth_change_percent": pair.bandwidth_change_percent,
+    }

@@ -1,0 +1,105 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Which storage files a path stands for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from smarttestudo.bags import zstd_files
+from smarttestudo.bags.mcap import records as mcap_records
+from smarttestudo.bags.metadata import BagMetadata, read_metadata, require_known_formats
+from smarttestudo.bags.sqlite import pages as sqlite_pages
+from smarttestudo.domain.errors import RecordingError
+from smarttestudo.files.input_file import require_file
+
+_MAGIC_BY_SUFFIX = {".db3": sqlite_pages.MAGIC, ".mcap": mcap_records.MAGIC}
+_ROS1_MAGIC = b"#ROSBAG V"
+_MAGIC_BYTES = 16
+_EXPECTED = "give a rosbag2 folder, a .db3 or an .mcap file"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BagFiles:
+    """The storage files of a bag, those that are gone, what its metadata says, and what is odd about it."""
+
+    paths: tuple[Path, ...]
+    metadata: BagMetadata
+    missing: tuple[Path, ...] = ()
+    notices: tuple[str, ...] = ()
+
+
+def find_bag_files(path: Path) -> BagFiles:
+    """The files of the bag at ``path``, a rosbag2 folder or a single storage file.
+
+    Raises ``RecordingError`` where there is none.
+    """
+    try:
+        if path.is_dir():
+            return _in_folder(path)
+        require_bag_file(path)
+    except FileNotFoundError as error:
+        raise RecordingError("no such file or folder", place=str(path), remedy=_EXPECTED) from error
+    except OSError as error:
+        cause = f"cannot be read: {error.strerror}"
+        raise RecordingError(cause, place=str(path), remedy="check the path and its permissions") from error
+    return BagFiles(paths=(path,), metadata=BagMetadata())
+
+
+def require_bag_file(path: Path) -> None:
+    """Raise ``RecordingError`` unless ``path`` begins as a storage file of its suffix must."""
+    require_file(path)
+    with path.open("rb") as file:
+        magic = file.read(_MAGIC_BYTES)
+    if not magic:
+        raise RecordingError("the file is empty", place=str(path), remedy=_EXPECTED)
+    if magic.startswith(_ROS1_MAGIC):
+        remedy = f"convert it: rosbags-convert --src {path.name} --dst {path.stem}"
+        raise RecordingError("a ROS 1 bag, not a rosbag2", place=str(path), remedy=remedy)
+    expected = _expected_magic(path)
+    if expected is None:
+        cause = f"unknown storage {path.suffix!r}" if path.suffix else "unknown storage"
+        raise RecordingError(cause, place=str(path), remedy=_EXPECTED)
+    if not magic.startswith(expected):
+        raise RecordingError("not a recording: unknown file header", place=str(path), remedy=_EXPECTED)
+
+
+def is_packed(path: Path) -> bool:
+    """Whether ``path`` is a whole storage file compressed with Zstandard."""
+    return path.suffix == zstd_files.SUFFIX
+
+
+def _expected_magic(path: Path) -> bytes | None:
+    if is_packed(path):
+        return zstd_files.MAGIC if path.with_suffix("").suffix in _MAGIC_BY_SUFFIX else None
+    return _MAGIC_BY_SUFFIX.get(path.suffix)
+
+
+def _in_folder(folder: Path) -> BagFiles:
+    try:
+        metadata = read_metadata(folder)
+    except RecordingError as error:
+        paths = _storage_files(folder)
+        notice = f"{folder}: {error.cause}; the files in the folder were read instead"
+        return BagFiles(paths=paths, metadata=BagMetadata(), notices=(notice,))
+    require_known_formats(metadata, folder)
+    named = [folder / name for name in metadata.file_names]
+    present = tuple(path for path in named if path.is_file())
+    missing = tuple(path for path in named if path not in present)
+    notices = tuple(f"{path}: missing, but named in the metadata" for path in missing)
+    paths = present or _storage_files(folder)
+    return BagFiles(paths=paths, missing=missing, metadata=metadata, notices=notices)
+
+
+def _storage_files(folder: Path) -> tuple[Path, ...]:
+    """The storage files in ``folder``; of a file and its packed copy, the file."""
+    found = sorted(path for path in folder.iterdir() if path.is_file() and _expected_magic(path) is not None)
+    paths = tuple(path for path in found if not (is_packed(path) and path.with_suffix("") in found))
+    if not paths:
+        raise RecordingError("the folder holds no .db3 or .mcap file", place=str(folder), remedy=_EXPECTED)
+    storages = {path.with_suffix("").suffix if is_packed(path) else path.suffix for path in paths}
+    if len(storages) > 1:
+        cause = "the folder holds .db3 and .mcap files, and no metadata name those of the recording"
+        raise RecordingError(cause, place=str(folder), remedy="name one of the files")
+    return paths

@@ -1,0 +1,67 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a recording that is an incident says of itself: when it happened, which rule, and what is odd."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from smarttestudo.bags.statistics import RecordingSpan
+from smarttestudo.domain.incident import IncidentRecord, Missing
+from smarttestudo.domain.units import NS_PER_S, counted, grouped, utc_time
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class IncidentMark:
+    """The moment at which a rule began to hold, in s since the start of its recording, and it in words."""
+
+    name: str
+    at_s: float
+    text: str
+
+
+def incident_mark(record: IncidentRecord, span: RecordingSpan) -> IncidentMark:
+    """Where in ``span`` the incident is."""
+    at_s = (record.triggered_ns - span.start_ns) / NS_PER_S
+    text = f"{record.name} at {grouped(at_s, 1)} s, {utc_time(record.triggered_ns)}: {_reason(record)}"
+    return IncidentMark(name=record.name, at_s=at_s, text=text)
+
+
+def incident_text(record: IncidentRecord) -> str:
+    """Its name, when it happened, the rule, and what its condition read."""
+    return f"{record.name} at {utc_time(record.triggered_ns)}: {_reason(record)}"
+
+
+def incident_subtitle(record: IncidentRecord | None) -> str:
+    """The line that follows the name of a recording that is an incident; empty for any other."""
+    return "" if record is None else f"\nincident {incident_text(record)}"
+
+
+def _reason(record: IncidentRecord) -> str:
+    return ", ".join((f"rule {record.rule}", *signal_texts(record)))
+
+
+def signal_texts(record: IncidentRecord) -> Iterator[str]:
+    """What the condition read, a text each."""
+    for signal, value in record.values.items():
+        yield f"{signal} = {'unknown' if value is None else format(value, 'g')}"
+
+
+def incident_notices(record: IncidentRecord, span: RecordingSpan) -> Iterator[str]:
+    """What numbers over ``span`` hold beside the window, and what they lack of it."""
+    extra_s = (record.from_ns - span.start_ns) / NS_PER_S
+    if extra_s > 0:
+        yield (
+            f"the first {grouped(extra_s, 1)} s are from before the window of {record.name}: "
+            "they share a file with an earlier incident"
+        )
+    for missing in record.missing:
+        yield f"missing: {missing_text(missing)}"
+
+
+def missing_text(missing: Missing) -> str:
+    """Of which topic, how much, from when to when, and why."""
+    messages = "what came" if missing.messages is None else counted(missing.messages, "message")
+    between = f"{utc_time(missing.from_ns)} to {utc_time(missing.to_ns)}"
+    return f"{missing.topic}: {messages} from {between} ({missing.reason.value})"

@@ -1,0 +1,84 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The messages of a whole .mcap file without their payloads (https://mcap.dev/spec)."""
+
+from __future__ import annotations
+
+import heapq
+import io
+import struct
+from collections.abc import Iterator
+from operator import itemgetter
+from pathlib import Path
+from typing import BinaryIO
+
+from mcap.opcode import Opcode
+from mcap.reader import make_reader
+from mcap.records import ChunkIndex
+
+from smarttestudo.bags.mcap.records import BROKEN, chunk_content
+from smarttestudo.bags.stored_file import ChannelsByNumber, Outline, OutlineError
+
+_FRAME = struct.Struct("<BQ")
+_MESSAGE = struct.Struct("<BQHIQ8x")
+_MESSAGE_HEADER_BYTES = _MESSAGE.size - _FRAME.size
+_CHUNK_HEADER_BYTES = 40
+
+_Place = tuple[int, int, Outline | None]
+"""Stamp in ns, start of the chunk, message; before the first of a chunk, none."""
+
+
+def mcap_outlines(path: Path, channels: ChannelsByNumber, head_bytes: int) -> Iterator[Outline]:
+    """The outlines of the messages of ``channels`` in the chunks of the file at ``path``, in time order.
+
+    Raises ``OutlineError`` where the records of a chunk make no sense.
+    """
+    try:
+        with path.open("rb") as file:
+            summary = make_reader(file).get_summary()
+            if summary is None:
+                raise OutlineError("no summary")
+            chunks = (_in_chunk(file, chunk, channels, head_bytes) for chunk in summary.chunk_indexes)
+            for _, _, outline in heapq.merge(*chunks, key=itemgetter(0, 1)):
+                if outline is not None:
+                    yield outline
+    except BROKEN as error:
+        raise OutlineError(str(error)) from error
+
+
+def _in_chunk(
+    file: BinaryIO, chunk: ChunkIndex, channels: ChannelsByNumber, head_bytes: int
+) -> Iterator[_Place]:
+    # The merge takes the first item of all chunks at once; this one keeps a chunk unread until it is due.
+    yield chunk.message_start_time, 0, None
+    content = chunk.chunk_start_offset + _FRAME.size
+    if chunk.compression:
+        file.seek(content)
+        unpacked = chunk_content(file.read(chunk.chunk_length - _FRAME.size), is_whole=True)
+        outlines = _outlines(io.BytesIO(unpacked), 0, len(unpacked), channels, head_bytes)
+    else:
+        first = content + _CHUNK_HEADER_BYTES
+        outlines = _outlines(file, first, first + chunk.uncompressed_size, channels, head_bytes)
+    for outline in sorted(outlines, key=itemgetter(1)):
+        yield outline[1], chunk.chunk_start_offset, outline
+
+
+def _outlines(
+    records: BinaryIO, start: int, end: int, channels: ChannelsByNumber, head_bytes: int
+) -> Iterator[Outline]:
+    """Hop over the records from byte ``start`` to ``end`` by their lengths."""
+    while start < end:
+        records.seek(start)
+        header = records.read(_MESSAGE.size + head_bytes)
+        if len(header) < _MESSAGE.size and start + len(header) < end:
+            raise OutlineError("a record is cut off")
+        opcode, size_bytes = _FRAME.unpack_from(header)
+        start += _FRAME.size + size_bytes
+        if start > end:
+            raise OutlineError("a record is longer than its chunk")
+        if opcode != Opcode.MESSAGE:
+            continue
+        _, _, number, _, stamp_ns = _MESSAGE.unpack_from(header)
+        if number in channels:
+            head = header[_MESSAGE.size : _FRAME.size + size_bytes]
+            yield channels[number], stamp_ns, size_bytes - _MESSAGE_HEADER_BYTES, head

@@ -1,0 +1,161 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""An .mcap file without a usable index: cut off, damaged, or written without one."""
+
+from __future__ import annotations
+
+import heapq
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, closing
+from functools import partial
+from pathlib import Path
+from typing import TypeVar
+
+from mcap.records import Channel as ChannelRecord
+from mcap.records import McapRecord, Message, Schema
+
+from smarttestudo.bags.definitions import normal_definition
+from smarttestudo.bags.mcap.records import MessageHeader, RecordReader
+from smarttestudo.bags.qos import QosReader, is_transient_local
+from smarttestudo.bags.stored_file import ChannelsByNumber, Outline, TimeIndex, read_so_far
+from smarttestudo.domain.errors import RecordingError
+from smarttestudo.domain.recording import Channel, RecordedMessage
+from smarttestudo.domain.units import grouped
+
+_IDL_ENCODINGS = frozenset({"ros2idl", "omgidl"})
+_DEFINED_ENCODINGS = frozenset({"ros2msg"}) | _IDL_ENCODINGS
+_T = TypeVar("_T")
+_Found = tuple[int, int, _T]
+"""Number of the channel, stamp in ns, content."""
+_Ordered = tuple[int, int, int, _T]
+"""Stamp in ns, place among the messages found, number of the channel, content."""
+
+
+class RecoveredMcapFile:
+    """Reads the whole file once for what is in it, and again in time order, one chunk at a time.
+
+    ``whole_bytes`` is how long the file was before it was cut off, where that is known.
+    """
+
+    def __init__(self, path: Path, whole_bytes: int | None = None) -> None:
+        self._whole_bytes = whole_bytes
+        self._schemas: dict[int, Schema] = {}
+        self._counts: Counter[int] = Counter()
+        self._qos = QosReader()
+        self.channels: dict[int, Channel] = {}
+        self.start_ns = self.end_ns = 0
+        with ExitStack() as opened:
+            self._records = RecordReader(opened.enter_context(path.open("rb")))
+            self._index = opened.enter_context(closing(TimeIndex()))
+            self._find_messages()
+            if not self.channels and self._records.cut_off_at is not None:
+                raise RecordingError("no rosbag2 topics can be found in it", place=str(path))
+            self._resources = opened.pop_all()
+        self.message_count = sum(self._counts[number] for number in self.channels)
+
+    def messages(self, channels: ChannelsByNumber) -> Iterator[RecordedMessage]:
+        """Every message of ``channels`` that is whole, in time order."""
+        for stamp_ns, _, number, payload in self._in_time_order(self._payloads_at):
+            if number in channels:
+                yield channels[number], stamp_ns, payload
+
+    def outlines(self, channels: ChannelsByNumber, head_bytes: int) -> Iterator[Outline]:
+        """The outlines of ``messages``; chunks are unpacked, messages outside of them are not read."""
+        read = partial(self._heads_at, head_bytes=head_bytes)
+        for stamp_ns, _, number, (size_bytes, head) in self._in_time_order(read):
+            yield channels[number], stamp_ns, size_bytes, head
+
+    def notices(self) -> Sequence[str]:
+        """Whether the file is cut off or damaged, and how much of it was read."""
+        notices = list(self._qos.notices)
+        if self._records.cut_off_at is not None:
+            notices.append(
+                f"cut off or damaged at byte {grouped(self._records.cut_off_at)}: {read_so_far(self)}"
+            )
+        if self._records.damaged_chunks:
+            notices.append(
+                f"damaged chunks left out: {grouped(self._records.damaged_chunks)}; {read_so_far(self)}"
+            )
+        homeless = self._counts.total() - self.message_count
+        if homeless:
+            notices.append(
+                f"{grouped(homeless)} messages of topics that the file does not name were left out"
+            )
+        return notices
+
+    @property
+    def readable_share(self) -> float | None:
+        """The share of the file's bytes that is there and not damaged; unknown if it is cut off."""
+        if self._records.cut_off_at is not None:
+            return self._records.file_bytes / self._whole_bytes if self._whole_bytes else None
+        return 1 - self._records.damaged_bytes / self._records.file_bytes
+
+    def close(self) -> None:
+        """Let go of the file."""
+        self._resources.close()
+
+    def _in_time_order(self, read: Callable[[int], Iterator[_Found[_T]]]) -> Iterator[_Ordered[_T]]:
+        """What ``read`` finds at each place of the index."""
+        pending: list[_Ordered[_T]] = []
+        order = 0
+        for start_ns, offset in self._index.places():
+            while pending and pending[0][0] < start_ns:
+                yield heapq.heappop(pending)
+            for number, stamp_ns, content in read(offset):
+                if number in self.channels:
+                    heapq.heappush(pending, (stamp_ns, order, number, content))
+                    order += 1
+        while pending:
+            yield heapq.heappop(pending)
+
+    def _payloads_at(self, offset: int) -> Iterator[_Found[bytes]]:
+        for record in self._records.at(offset):
+            if isinstance(record, Message):
+                yield record.channel_id, record.log_time, record.data
+
+    def _heads_at(self, offset: int, *, head_bytes: int) -> Iterator[_Found[tuple[int, bytes]]]:
+        for record in self._records.heads_at(offset, head_bytes):
+            if isinstance(record, MessageHeader):
+                yield record.channel_id, record.log_time, (record.payload_bytes, record.head)
+
+    def _find_messages(self) -> None:
+        seen = False
+        for place in self._records.places():
+            stamps = [stamp_ns for record in self._records.heads(place) for stamp_ns in self._note(record)]
+            if not stamps:
+                continue
+            first_ns, last_ns = min(stamps), max(stamps)
+            self.start_ns = min(self.start_ns, first_ns) if seen else first_ns
+            self.end_ns = max(self.end_ns, last_ns)
+            seen = True
+            self._index.add(key=place.offset, stamp_ns=first_ns, offset=place.offset)
+
+    def _note(self, record: McapRecord | MessageHeader) -> Iterator[int]:
+        """Take in ``record``; gives its stamp if it is a message."""
+        match record:
+            case Schema():
+                self._schemas.setdefault(record.id, record)
+            case ChannelRecord() if record.id not in self.channels:
+                schema = self._schemas.get(record.schema_id)
+                if schema is not None:
+                    self.channels[record.id] = self._channel(record, schema)
+            case MessageHeader():
+                self._counts[record.channel_id] += 1
+                yield record.log_time
+
+    def _channel(self, record: ChannelRecord, schema: Schema) -> Channel:
+        metadata: Mapping[str, str] = record.metadata
+        qos = self._qos.read_or_note(record.topic, metadata.get("offered_qos_profiles"))
+        definition = schema.data.decode("utf-8", "replace") if schema.encoding in _DEFINED_ENCODINGS else ""
+        return Channel(
+            topic=record.topic,
+            type_name=schema.name,
+            definition=normal_definition(
+                definition, type_name=schema.name, is_idl=schema.encoding in _IDL_ENCODINGS
+            ),
+            digest=metadata.get("topic_type_hash", ""),
+            qos=qos,
+            serialization_format=record.message_encoding,
+            transient_local=is_transient_local(qos),
+        )

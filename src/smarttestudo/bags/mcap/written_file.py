@@ -1,0 +1,137 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""A file that ``McapWriter`` began: read as far as it goes, and completed."""
+
+from __future__ import annotations
+
+import struct
+from pathlib import Path
+from typing import BinaryIO
+
+from smarttestudo.bags.mcap.record_bytes import (
+    CHUNK_START,
+    FOOTER_BYTES,
+    FRAME,
+    MAGIC,
+    MESSAGE_HEADER,
+    ChunkPlace,
+    Op,
+    StoredChannel,
+    read_channel,
+    read_schema,
+)
+from smarttestudo.bags.mcap.writer import FileContent, McapState, McapWriter
+from smarttestudo.domain.errors import RecordingError
+from smarttestudo.files.removal import remove
+
+_MAX_DESCRIPTION_BYTES = 10_000_000
+
+
+def complete_file(path: Path) -> tuple[FileContent, dict[str, StoredChannel]]:
+    """What the file holds, and its channels by topic. One without an end gets one; half a message is cut off.
+
+    Raises ``RecordingError`` for a file of another origin, ``OSError`` where it cannot be written.
+    """
+    try:
+        with path.open("rb") as file:
+            walk = _Walk(file)
+            is_whole = walk.read()
+    except (struct.error, ValueError) as error:
+        raise RecordingError("is damaged", place=str(path)) from error
+    state = walk.state
+    channels = {channel.topic: channel for channel in state.channels}
+    return state.content() if is_whole else McapWriter(path, state).close(), channels
+
+
+def complete_files(folder: Path) -> tuple[dict[str, FileContent], dict[str, StoredChannel]]:
+    """What the files of an incident hold, by name in the order of time, and their channels by topic.
+
+    A file that was opened and no more, as the process was killed, is removed. Raises as ``complete_file``.
+    """
+    files: dict[str, FileContent] = {}
+    channels: dict[str, StoredChannel] = {}
+    # The file of latched messages was written after those that begin when it does.
+    for file in sorted(folder.glob("*.mcap"), key=lambda one: (len(one.name), one.name), reverse=True):
+        if file.is_symlink():
+            continue
+        if file.stat().st_size == 0:
+            remove(folder, [file.name])
+            continue
+        files[file.name], found = complete_file(file)
+        channels.update(found)
+    return dict(sorted(files.items(), key=lambda entry: (entry[1].first_ns, entry[1].last_ns))), channels
+
+
+class _Walk:
+    """Over the records of ``file``, in their order."""
+
+    def __init__(self, file: BinaryIO) -> None:
+        self._file = file
+        self._file_bytes = file.seek(0, 2)
+        self._schemas: dict[int, tuple[str, str]] = {}
+        self.state = McapState()
+
+    def read(self) -> bool:
+        """Take in all records; whether the file has an end. If not, its last chunk is left open."""
+        if self._at(0, len(MAGIC)) != MAGIC:
+            raise ValueError("not an mcap file")
+        is_whole = self._has_end()
+        end = self._records(len(MAGIC), self._file_bytes)
+        state = self.state
+        if is_whole:
+            state.close_chunk()
+        elif state.chunk is not None:
+            state.size_bytes = state.chunk.start + CHUNK_START.size + state.chunk.record_bytes
+        else:
+            state.size_bytes = end
+        return is_whole
+
+    def _records(self, start: int, end: int) -> int:
+        """Take in the records from ``start`` to ``end``; where the last whole one ends."""
+        while start + FRAME.size <= end:
+            op, size = FRAME.unpack(self._at(start, FRAME.size))
+            content = start + FRAME.size
+            if op in (0, Op.DATA_END, Op.FOOTER) or content + size > end:
+                return start
+            if op == Op.CHUNK:
+                self._begin_chunk(start)
+                start = self._records(start + CHUNK_START.size, content + size)
+            else:
+                self._take(op, start, content, size)
+                start = content + size
+            chunk = self.state.chunk
+            if chunk is not None and op in (Op.SCHEMA, Op.CHANNEL, Op.MESSAGE):
+                chunk.record_bytes = start - chunk.start - CHUNK_START.size
+        return start
+
+    def _begin_chunk(self, start: int) -> None:
+        self.state.close_chunk()
+        self.state.chunk = ChunkPlace(start=start)
+
+    def _take(self, op: int, start: int, content: int, size: int) -> None:
+        state, chunk = self.state, self.state.chunk
+        if op in (Op.SCHEMA, Op.CHANNEL) and size > _MAX_DESCRIPTION_BYTES:
+            raise ValueError("too large a description")
+        if op == Op.SCHEMA:
+            number, name, definition = read_schema(self._at(content, size))
+            self._schemas[number] = name, definition
+            state.schemas[name] = number
+        elif op == Op.CHANNEL:
+            number, channel = read_channel(self._at(content, size), self._schemas)
+            state.channels[channel] = number
+        elif op == Op.MESSAGE and chunk is not None:
+            number, _, stamp_ns, _ = MESSAGE_HEADER.unpack(self._at(content, MESSAGE_HEADER.size))
+            within = start - chunk.start - CHUNK_START.size
+            state.note(chunk, number, stamp_ns, within, size - MESSAGE_HEADER.size)
+        elif op == Op.MESSAGE_INDEX and chunk is not None:
+            (number,) = struct.unpack("<H", self._at(content, 2))
+            chunk.indexes[number] = start
+            chunk.index_bytes += FRAME.size + size
+
+    def _has_end(self) -> bool:
+        end = self._at(max(self._file_bytes - FOOTER_BYTES, 0), FOOTER_BYTES)
+        return end[:1] == bytes([Op.FOOTER]) and end.endswith(MAGIC)
+
+    def _at(self, offset: int, size: int) -> bytes:
+        self._file.seek(offset)
+        return self._file.read(size)

@@ -1,0 +1,241 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Measuring a recording in one pass, without reading payloads where nothing in them is asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+from operator import attrgetter
+from pathlib import Path
+
+from smarttestudo.bags.bag_summary import BagSummary, BagTopic
+from smarttestudo.bags.definitions import MessageTypes, RosbagDecoder
+from smarttestudo.bags.floor import PathPoint
+from smarttestudo.bags.incident_mark import incident_notices
+from smarttestudo.bags.incident_record import record_beside
+from smarttestudo.bags.qos import qos_in_words
+from smarttestudo.bags.reader import open_recording
+from smarttestudo.bags.robot_path import PathReader, places_in
+from smarttestudo.bags.statistics import (
+    IntervalHistogram,
+    LatencyAccumulator,
+    RecordingSpan,
+    topic_statistics,
+)
+from smarttestudo.bags.trace import TraceAccumulator
+from smarttestudo.domain.errors import RecordingError
+from smarttestudo.domain.incident import IncidentRecord
+from smarttestudo.domain.intervals import Intervals
+from smarttestudo.domain.recording import Channel, RecordedSize, RecordingReader
+from smarttestudo.domain.units import grouped
+from smarttestudo.pacing.cdr import HEADER_BYTES, STAMP_BYTES, header_stamp_ns
+
+
+class TopicCounter:
+    """Messages, bytes and intervals of a topic; memory does not grow with their number."""
+
+    __slots__ = ("intervals", "latencies", "trace")
+
+    def __init__(self, *, with_latency: bool = False) -> None:
+        self.trace = TraceAccumulator()
+        self.intervals = Intervals()
+        self.latencies = LatencyAccumulator() if with_latency else None
+
+    def add(self, stamp_ns: int, size_bytes: int) -> None:
+        """Count one message."""
+        self.trace.add(stamp_ns, size_bytes)
+        self.intervals.record(stamp_ns)
+
+    def add_stamp(self, stamp_ns: int, head: bytes) -> None:
+        """Count the latency of a message that begins with ``head``, if its header was stamped."""
+        sent_ns = header_stamp_ns(head)
+        if sent_ns is not None and self.latencies is not None:
+            self.latencies.add(stamp_ns - sent_ns)
+
+    def topic(self, channels: Sequence[Channel], span: RecordingSpan, *, is_declared: bool) -> BagTopic:
+        """The topic of ``channels``, of which there are several if it has several types."""
+        return BagTopic(
+            name=channels[0].topic,
+            type_name=" or ".join(channel.type_name for channel in channels),
+            qos=qos_in_words(profile for channel in channels for profile in channel.qos),
+            statistics=topic_statistics(self.trace, span, declared=is_declared),
+            longest_gap_s=self.intervals.longest_s,
+            jitter_s=self.intervals.jitter_s,
+            latency=None if self.latencies is None else self.latencies.latency(),
+        )
+
+
+class RunCounter(TopicCounter):
+    """Also how often which interval came."""
+
+    __slots__ = ("histogram",)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.histogram = IntervalHistogram()
+
+    def add(self, stamp_ns: int, size_bytes: int) -> None:
+        """Count one message."""
+        super().add(stamp_ns, size_bytes)
+        self.histogram.record(stamp_ns)
+
+
+_MESSAGES_PER_REPORT = 4096
+_topic_of = attrgetter("topic")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MeasuredRun:
+    """A recording's numbers and channels, its topics over time by name, and the robot's places, if known."""
+
+    summary: BagSummary
+    channels: tuple[Channel, ...]
+    topics: Mapping[str, RunCounter]
+    path: tuple[PathPoint, ...]
+
+
+def measure_bag(path: Path, report: Callable[[float], None], *, with_latency: bool = False) -> BagSummary:
+    """The topics of the recording at ``path``, by name; ``report`` gets the share done now and then.
+
+    Sizes are those that the recording declares, and where it does not, those of its messages. Latency needs
+    the beginning of each payload.
+
+    Raises:
+        RecordingError: it cannot be read, or is empty.
+    """
+    with open_recording(path) as recording:
+        types = MessageTypes()
+        counters = {channel.topic: TopicCounter(with_latency=with_latency) for channel in recording.channels}
+        sizes = _sizes_noting_latency(recording, types, counters) if with_latency else recording.sizes()
+        _count(path, recording, sizes, counters, report)
+        return _summary(path, recording, counters, _undefined(recording, types))
+
+
+def measure_run(
+    path: Path, report: Callable[[float], None], *, with_places: bool = True, by_transforms: bool = False
+) -> MeasuredRun:
+    """What ``measure_bag`` gives, and the course of it over time.
+
+    ``with_places`` reads payloads to know where the robot was, ``by_transforms`` from its transforms even
+    where it has odometry.
+
+    Raises:
+        RecordingError: it cannot be read, or is empty.
+    """
+    with open_recording(path) as recording:
+        counters = {channel.topic: RunCounter() for channel in recording.channels}
+        robot = _Robot(recording, by_transforms=by_transforms) if with_places else None
+        _count(path, recording, robot.sizes() if robot else recording.sizes(), counters, report)
+        return MeasuredRun(
+            summary=_summary(path, recording, counters, robot.notices() if robot else ()),
+            channels=tuple(recording.channels),
+            topics=counters,
+            path=robot.path if robot else (),
+        )
+
+
+class _Robot:
+    """Is followed while its messages are counted; one that cannot be decoded costs a place."""
+
+    def __init__(self, recording: RecordingReader, *, by_transforms: bool) -> None:
+        self._recording = recording
+        self._places: PathReader | None = places_in(
+            recording.channels, RosbagDecoder(), recording.start_ns, by_transforms=by_transforms
+        )
+        self._undecodable = 0
+
+    @property
+    def path(self) -> tuple[PathPoint, ...]:
+        """Where it was."""
+        return tuple(self._places.path) if self._places else ()
+
+    def sizes(self) -> Iterator[RecordedSize]:
+        """As ``RecordingReader.sizes``."""
+        if self._places is None:
+            yield from self._recording.sizes()
+            return
+        for channel, stamp_ns, payload in self._recording.messages():
+            try:
+                self._places.take(channel, stamp_ns, payload)
+            except RecordingError:
+                self._undecodable += 1
+            yield channel, stamp_ns, len(payload)
+
+    def notices(self) -> Iterator[str]:
+        """What could not be decoded."""
+        if self._undecodable:
+            yield f"{grouped(self._undecodable)} places of the robot could not be decoded"
+
+
+def _sizes_noting_latency(
+    recording: RecordingReader, types: MessageTypes, counters: Mapping[str, TopicCounter]
+) -> Iterator[RecordedSize]:
+    stamped = {
+        (channel.topic, channel.type_name) for channel in recording.channels if types.has_header(channel)
+    }
+    for channel, stamp_ns, (size_bytes, head) in recording.heads(HEADER_BYTES + STAMP_BYTES):
+        if (channel.topic, channel.type_name) in stamped:
+            counters[channel.topic].add_stamp(stamp_ns, head)
+        yield channel, stamp_ns, size_bytes
+
+
+def _count(
+    path: Path,
+    recording: RecordingReader,
+    sizes: Iterable[RecordedSize],
+    counters: Mapping[str, TopicCounter],
+    report: Callable[[float], None],
+) -> None:
+    declared_bytes, messages = recording.declared_bytes, recording.message_count
+    if not messages:
+        lost = "; ".join(recording.notices())
+        raise RecordingError("the recording holds no message", place=str(path), remedy=lost or None)
+    for number, (channel, stamp_ns, size_bytes) in enumerate(sizes):
+        counters[channel.topic].add(stamp_ns, declared_bytes.get(channel.topic, size_bytes))
+        if number % _MESSAGES_PER_REPORT == 0:
+            report(number / messages)
+
+
+def _summary(
+    path: Path,
+    recording: RecordingReader,
+    counters: Mapping[str, TopicCounter],
+    more_notices: Iterable[str],
+) -> BagSummary:
+    """The summary of a recording that was counted."""
+    span = RecordingSpan(start_ns=recording.start_ns, end_ns=recording.end_ns)
+    incident, incident_lacks = _incident(path, span)
+    by_topic = groupby(sorted(recording.channels, key=_topic_of), key=_topic_of)
+    topics = tuple(
+        counters[topic].topic(tuple(channels), span, is_declared=topic in recording.declared_bytes)
+        for topic, channels in by_topic
+    )
+    return BagSummary(
+        name=str(path),
+        storage=recording.storage,
+        span=span,
+        topics=topics,
+        readable_share=recording.readable_share,
+        notices=(*recording.notices(), *more_notices, *incident_lacks),
+        incident=incident,
+    )
+
+
+def _incident(path: Path, span: RecordingSpan) -> tuple[IncidentRecord | None, tuple[str, ...]]:
+    """What the recording says of itself where it is an incident, and what is odd about it."""
+    try:
+        record = record_beside(path)
+    except RecordingError as error:
+        return None, (f"what happened is not known: {error}",)
+    return record, () if record is None else tuple(incident_notices(record, span))
+
+
+def _undefined(recording: RecordingReader, types: MessageTypes) -> Iterator[str]:
+    for channel in recording.channels:
+        if not types.is_defined(channel):
+            yield (
+                f"{channel.topic}: neither the recording nor ROS 2 defines {channel.type_name}; "
+                "its messages are counted, but cannot be decoded"
+            )

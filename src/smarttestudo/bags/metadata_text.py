@@ -1,0 +1,100 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The ``metadata.yaml`` of a rosbag2 (version 8, which all from Humble on read), written without YAML."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping, Sequence
+
+from smarttestudo.bags.mcap.record_bytes import StoredChannel
+from smarttestudo.bags.mcap.writer import FileContent
+from smarttestudo.domain.robot import Qos
+
+METADATA_NAME = "metadata.yaml"
+_UNLIMITED = "{sec: 9223372036, nsec: 854775807}"
+_KEEP_LAST, _AUTOMATIC = 1, 1
+_RELIABLE, _BEST_EFFORT = 1, 2
+_TRANSIENT_LOCAL, _VOLATILE = 1, 2
+
+
+def offered_qos(qos: Qos) -> str:
+    """What a bag says of a publisher with ``qos``."""
+    return (
+        f"- history: {_KEEP_LAST}\n"
+        f"  depth: {qos.depth}\n"
+        f"  reliability: {_RELIABLE if qos.reliable else _BEST_EFFORT}\n"
+        f"  durability: {_TRANSIENT_LOCAL if qos.transient_local else _VOLATILE}\n"
+        f"  deadline: {_UNLIMITED}\n"
+        f"  lifespan: {_UNLIMITED}\n"
+        f"  liveliness: {_AUTOMATIC}\n"
+        f"  liveliness_lease_duration: {_UNLIMITED}\n"
+        "  avoid_ros_namespace_conventions: false"
+    )
+
+
+def metadata_text(files: Mapping[str, FileContent], channels: Sequence[StoredChannel]) -> str:
+    """The metadata of a bag with ``files`` by name, in their order, and ``channels``, heard or not."""
+    filled = {name: content for name, content in files.items() if content.message_count}
+    first_ns = min((content.first_ns for content in filled.values()), default=0)
+    last_ns = max((content.last_ns for content in filled.values()), default=0)
+    lines = [
+        "rosbag2_bagfile_information:",
+        "  version: 8",
+        "  storage_identifier: mcap",
+        *_listed("  relative_file_paths", [f"    - {_quoted(name)}" for name in files]),
+        *_span("  ", first_ns, last_ns, sum(content.message_count for content in files.values())),
+        *_listed(
+            "  topics_with_message_count",
+            [line for channel in channels for line in _channel(channel, files.values())],
+        ),
+        '  compression_format: ""',
+        '  compression_mode: ""',
+        *_listed(
+            "  files",
+            [
+                line
+                for name, content in files.items()
+                for line in (
+                    f"    - path: {_quoted(name)}",
+                    *_span("      ", content.first_ns, content.last_ns, content.message_count),
+                )
+            ],
+        ),
+        "  custom_data: null",
+        "  ros_distro: smarttestudo",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _span(indent: str, first_ns: int, last_ns: int, messages: int) -> list[str]:
+    return [
+        f"{indent}duration:",
+        f"{indent}  nanoseconds: {last_ns - first_ns}",
+        f"{indent}starting_time:",
+        f"{indent}  nanoseconds_since_epoch: {first_ns}",
+        f"{indent}message_count: {messages}",
+    ]
+
+
+def _channel(channel: StoredChannel, files: Iterable[FileContent]) -> list[str]:
+    key = channel.topic, channel.type_name
+    messages = sum(content.of_types.get(key, 0) for content in files)
+    return [
+        "    - topic_metadata:",
+        f"        name: {_quoted(channel.topic)}",
+        f"        type: {_quoted(channel.type_name)}",
+        f"        serialization_format: {_quoted(channel.serialization_format)}",
+        f"        offered_qos_profiles: {_quoted(channel.qos_text)}",
+        f"        type_description_hash: {_quoted(channel.digest)}",
+        f"      message_count: {messages}",
+    ]
+
+
+def _listed(name: str, lines: list[str]) -> list[str]:
+    return [f"{name}:", *lines] if lines else [f"{name}: []"]
+
+
+def _quoted(text: str) -> str:
+    """A JSON string, which is a YAML one."""
+    return json.dumps(text)

@@ -1,0 +1,55 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""A profile from a recording."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from smarttestudo.bags.topic_selection import select_topics
+from smarttestudo.domain.names import is_topic_name
+from smarttestudo.domain.profile import Profile
+from smarttestudo.domain.recording import RecordingReader
+from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.optimizer.profiling import TierProposal, TopicMeasure, profile_text
+
+# More than a message with a pose, a robot's frames or its joints takes; images need not be read.
+_HEAD_BYTES = 1 << 16
+
+
+def profile_of_recording(
+    recording: RecordingReader,
+    *,
+    name: str,
+    patterns: Sequence[str] = (),
+    proposals: Mapping[str, TierProposal] | None = None,
+    levels: Profile | None = None,
+) -> str:
+    """The text of a profile of the topics of ``recording``, which is called ``name``.
+
+    ``patterns`` choose topics (default: all); one that names none is a ``RecordingError``. Where the
+    recording declares sizes, they count as the messages' sizes. ``proposals`` are tiers by topic,
+    the accuracies in ``levels`` are measured in place of proposed ones.
+    """
+    declared_bytes = recording.declared_bytes
+    known = {channel.topic for channel in recording.channels}
+    chosen = select_topics(patterns, known, place=name) if patterns else known
+    measures = {
+        channel.topic: TopicMeasure(
+            channel.type_name,
+            is_declared=channel.topic in declared_bytes,
+            # rosbag2 stores what each publisher offered that was there when recording began.
+            publishers=len(channel.qos),
+            known=levels.topic(channel.topic).accuracies if levels else {},
+        )
+        for channel in recording.channels
+        if channel.topic in chosen and is_topic_name(channel.topic)
+    }
+    head_bytes = _HEAD_BYTES if any(one.has_accuracies for one in measures.values()) else 0
+    for channel, stamp_ns, (size_bytes, head) in recording.heads(head_bytes):
+        measure = measures.get(channel.topic)
+        if measure is not None:
+            measure.record(stamp_ns, declared_bytes.get(channel.topic, size_bytes), head)
+    duration_s = (recording.end_ns - recording.start_ns) / NS_PER_S
+    by_name = dict(sorted(measures.items()))
+    return profile_text(by_name, duration_s=duration_s, measured_in=name, proposals=proposals)

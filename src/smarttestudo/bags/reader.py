@@ -1,0 +1,98 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Reads rosbag2 recordings: folders and single files, whole or cut off, in time order and constant memory."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import replace
+from pathlib import Path
+from tempfile import gettempdir
+
+from smarttestudo.bags import zstd_files
+from smarttestudo.bags.bag_files import BagFiles, find_bag_files, is_packed, require_bag_file
+from smarttestudo.bags.metadata import BagMetadata, embedded_metadata
+from smarttestudo.bags.recording import RecordingPart, RosbagRecording
+from smarttestudo.bags.storage_files import open_storage_file
+from smarttestudo.domain.errors import RecordingError
+from smarttestudo.domain.recording import RecordingReader
+from smarttestudo.files.removal import temporary_folder
+
+
+@contextmanager
+def open_recording(path: Path) -> Iterator[RecordingReader]:
+    """The recording at ``path``: a rosbag2 folder, a .db3 or an .mcap file, also packed as ``.zstd``.
+
+    A file of several that cannot be read costs what is in it, and a notice.
+
+    Raises:
+        RecordingError: there is no bag at ``path``, or nothing of it can be read.
+    """
+    bag = find_bag_files(path)
+    with ExitStack() as opened:
+        notices = list(bag.notices)
+        parts = _open_parts(bag, opened, notices)
+        metadata = bag.metadata if bag.metadata.file_names else _metadata_within(parts)
+        lacks_files = bool(bag.missing) or len(parts) < len(bag.paths)
+        yield RosbagRecording(parts, metadata, notices, lacks_files=lacks_files)
+
+
+def _open_parts(bag: BagFiles, opened: ExitStack, notices: list[str]) -> Sequence[RecordingPart]:
+    outcomes = [_try_part(path, opened, notices) for path in bag.paths]
+    parts = [outcome for outcome in outcomes if isinstance(outcome, RecordingPart)]
+    failures = [outcome for outcome in outcomes if isinstance(outcome, RecordingError)]
+    if not parts:
+        raise failures[0]
+    notices.extend(f"{failure.place}: {failure.cause}" for failure in failures)
+    return parts
+
+
+def _try_part(path: Path, opened: ExitStack, notices: list[str]) -> RecordingPart | RecordingError:
+    try:
+        return _open_part(path, opened, notices)
+    except RecordingError as error:
+        return error
+
+
+def _open_part(path: Path, opened: ExitStack, notices: list[str]) -> RecordingPart:
+    try:
+        require_bag_file(path)
+        storage_path, whole_bytes = path, None
+        if is_packed(path):
+            storage_path = _unpacked(path, opened, notices)
+            whole_bytes = zstd_files.unpacked_file_bytes(path)
+        file = open_storage_file(storage_path, whole_bytes)
+    except OSError as error:
+        cause = f"cannot be read: {error.strerror}"
+        raise RecordingError(cause, place=str(path), remedy="check the path and its permissions") from error
+    opened.callback(file.close)
+    return RecordingPart(path=path, storage_path=storage_path, file=file)
+
+
+def _unpacked(path: Path, opened: ExitStack, notices: list[str]) -> Path:
+    try:
+        folder = opened.enter_context(temporary_folder(prefix="testudo-"))
+        target = folder / path.with_suffix("").name
+        is_whole = zstd_files.unpack(path, target)
+    except OSError as error:
+        cause = f"it cannot be decompressed into {gettempdir()}: {error.strerror}"
+        remedy = "free some space there, or set TMPDIR to a folder that has more"
+        raise RecordingError(cause, place=str(path), remedy=remedy) from error
+    try:
+        require_bag_file(target)
+    except RecordingError as error:
+        cause = "its compressed content is no recording" if is_whole else "no part of it can be decompressed"
+        raise RecordingError(cause, place=str(path)) from error
+    if not is_whole:
+        notices.append(f"{path}: its compressed data are truncated or damaged; read as far as possible")
+    return target
+
+
+def _metadata_within(parts: Sequence[RecordingPart]) -> BagMetadata:
+    """The metadata that a storage file carries, without its list of files."""
+    for part in parts:
+        metadata = embedded_metadata(part.storage_path)
+        if metadata is not None:
+            return replace(metadata, file_names=(), message_count=0)
+    return BagMetadata()

@@ -1,0 +1,275 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The storage files of a bag as one recording."""
+
+from __future__ import annotations
+
+import heapq
+import json
+from collections import Counter
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import chain, islice
+from operator import itemgetter
+from pathlib import Path
+from typing import TypeVar
+
+from smarttestudo.bags import zstd_files
+from smarttestudo.bags.metadata import BagMetadata
+from smarttestudo.bags.stored_file import ChannelsByNumber, OutlineError, StoredFile
+from smarttestudo.domain.errors import RecordingError
+from smarttestudo.domain.recording import Channel, RecordedHead, RecordedMessage, RecordedSize, Storage
+
+ChannelKey = tuple[str, str]
+
+
+def key_of(channel: Channel) -> ChannelKey:
+    """What makes a channel one of a kind: topic and type."""
+    return channel.topic, channel.type_name
+
+
+def merged_channels(channels: Iterable[Channel]) -> dict[ChannelKey, Channel]:
+    """One channel for each topic and type; what an earlier one leaves open, later ones fill in."""
+    merged: dict[ChannelKey, Channel] = {}
+    for channel in channels:
+        known = merged.get(key_of(channel))
+        merged[key_of(channel)] = channel if known is None else _filled_in(known, channel)
+    return merged
+
+
+def _filled_in(known: Channel, other: Channel) -> Channel:
+    takes_qos = not known.qos
+    return replace(
+        known,
+        definition=known.definition or other.definition,
+        digest=known.digest or other.digest,
+        qos=other.qos if takes_qos else known.qos,
+        transient_local=other.transient_local if takes_qos else known.transient_local,
+    )
+
+
+DECLARED_BYTES_KEY = "smarttestudo.declared_bytes"
+
+
+def declared_bytes_in(custom_data: Mapping[str, str]) -> dict[str, int]:
+    """Bytes per message by topic, as the bag's ``custom_data`` declares them.
+
+    Raises ``RecordingError`` for an entry that does not map topics to whole numbers of bytes.
+    """
+    text = custom_data.get(DECLARED_BYTES_KEY)
+    if text is None:
+        return {}
+    try:
+        declared = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise RecordingError(f"its {DECLARED_BYTES_KEY} is not JSON") from error
+    if not isinstance(declared, dict) or not all(_is_size(size) for size in declared.values()):
+        raise RecordingError(f"its {DECLARED_BYTES_KEY} does not map topics to bytes")
+    return declared
+
+
+def with_declared_bytes(custom_data: Mapping[str, str], declared_bytes: Mapping[str, int]) -> dict[str, str]:
+    """``custom_data`` with ``declared_bytes`` in it, in place of what it declared before."""
+    kept = {key: value for key, value in custom_data.items() if key != DECLARED_BYTES_KEY}
+    if declared_bytes:
+        kept[DECLARED_BYTES_KEY] = json.dumps(dict(declared_bytes), sort_keys=True)
+    return kept
+
+
+def _is_size(value: object) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool) and value >= 0
+
+
+_T = TypeVar("_T")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RecordingPart:
+    """One opened storage file: ``path`` as the user knows it, ``storage_path`` where it lies unpacked."""
+
+    path: Path
+    storage_path: Path
+    file: StoredFile
+
+
+class RosbagRecording:
+    """A ``RecordingReader`` over storage files that may overlap in time."""
+
+    def __init__(
+        self,
+        parts: Sequence[RecordingPart],
+        metadata: BagMetadata,
+        notices: Sequence[str],
+        *,
+        lacks_files: bool = False,
+    ) -> None:
+        self._parts = parts
+        self._promised_messages = metadata.message_count
+        self._lacks_files = lacks_files
+        self._notices = list(notices)
+        self._broken: Counter[str] = Counter()
+        self.storage = Storage.MCAP if parts[0].storage_path.suffix == ".mcap" else Storage.SQLITE3
+        announced = (channel for part in parts for channel in part.file.channels.values())
+        self._channels = merged_channels(chain(metadata.channels, announced))
+        self.channels: Sequence[Channel] = tuple(self._channels.values())
+        self.custom_data: Mapping[str, str] = metadata.custom_data
+        self.declared_bytes: Mapping[str, int] = self._declared_bytes()
+        filled = [part.file for part in parts if part.file.message_count]
+        self.start_ns = min((file.start_ns for file in filled), default=0)
+        self.end_ns = max((file.end_ns for file in filled), default=0)
+
+    @property
+    def message_count(self) -> int | None:
+        """Messages that can be read, as far as that is known."""
+        return sum(part.file.message_count for part in self._parts)
+
+    @property
+    def readable_share(self) -> float | None:
+        """By the metadata's count of messages, or else by what each damaged file tells."""
+        files = [part.file for part in self._parts]
+        if not self._lacks_files and all(file.readable_share == 1 for file in files):
+            return 1.0
+        readable = sum(file.message_count for file in files)
+        promised: float | None = None
+        if self._promised_messages >= readable:
+            promised = self._promised_messages
+        elif not self._lacks_files:
+            promised = _messages_once(files)
+        return readable / promised if promised else None
+
+    def messages(self, topics: Collection[str] | None = None) -> Iterator[RecordedMessage]:
+        """All messages, or those of ``topics``, in time order; memory does not grow with their number."""
+        return self._in_time_order(partial(self._messages_of, topics=topics))
+
+    def sizes(self) -> Iterator[RecordedSize]:
+        """What ``messages`` gives, with each payload's size in its place and as far as possible unread."""
+        return self._in_time_order(self._sizes_of)
+
+    def heads(self, head_bytes: int) -> Iterator[RecordedHead]:
+        """What ``messages`` gives, of each payload its size and the first ``head_bytes``."""
+        return self._in_time_order(partial(self._heads_of, head_bytes=head_bytes))
+
+    def notices(self) -> Sequence[str]:
+        """What was lost or odd, one line each; complete once all messages were read."""
+        lost = [f"{part.path}: {notice}" for part in self._parts for notice in part.file.notices()]
+        broken = [
+            f"{topic}: {count} messages could not be decompressed and were left out"
+            for topic, count in self._broken.items()
+        ]
+        return [*self._notices, *lost, *broken]
+
+    def _in_time_order(
+        self, read: Callable[[StoredFile], Iterator[tuple[Channel, int, _T]]]
+    ) -> Iterator[tuple[Channel, int, _T]]:
+        """What ``read`` gives of all files, merged."""
+        filled = [part.file for part in self._parts if part.file.message_count]
+        return read(filled[0]) if len(filled) == 1 else _merged(filled, read)
+
+    def _messages_of(
+        self, file: StoredFile, *, topics: Collection[str] | None = None
+    ) -> Iterator[RecordedMessage]:
+        """The messages of ``file``, unpacked if the first is packed: rosbag2 packs all of a file or none."""
+        channels = self._channels_of(file)
+        if topics is not None:
+            channels = {number: channel for number, channel in channels.items() if channel.topic in topics}
+        messages = file.messages(channels)
+        first = next(messages, None)
+        if first is None:
+            return messages
+        stored = chain((first,), messages)
+        return self._unpacked(stored) if _is_packed(first) else stored
+
+    def _sizes_of(self, file: StoredFile) -> Iterator[RecordedSize]:
+        channels = self._channels_of(file)
+        first = next(file.messages(channels), None)
+        if first is None:
+            return
+        is_packed = _is_packed(first)
+        delivered = 0
+        try:
+            for size in _unpacked_sizes(file, channels) if is_packed else _stored_sizes(file, channels):
+                yield size
+                delivered += 1
+        except OutlineError:
+            rest = islice(file.messages(channels), delivered, None)
+            for channel, stamp_ns, payload in self._unpacked(rest) if is_packed else rest:
+                yield channel, stamp_ns, len(payload)
+
+    def _heads_of(self, file: StoredFile, *, head_bytes: int) -> Iterator[RecordedHead]:
+        """Messages that are packed one by one are unpacked for it."""
+        channels = self._channels_of(file)
+        first = next(file.messages(channels), None)
+        delivered = 0
+        if first is not None and not _is_packed(first):
+            with suppress(OutlineError):
+                for channel, stamp_ns, size_bytes, head in file.outlines(channels, head_bytes):
+                    yield channel, stamp_ns, (size_bytes, head)
+                    delivered += 1
+                return
+        for channel, stamp_ns, payload in islice(self._messages_of(file), delivered, None):
+            yield channel, stamp_ns, (len(payload), payload[:head_bytes])
+
+    def _channels_of(self, file: StoredFile) -> ChannelsByNumber:
+        return {number: self._channels[key_of(channel)] for number, channel in file.channels.items()}
+
+    def _unpacked(self, messages: Iterator[RecordedMessage]) -> Iterator[RecordedMessage]:
+        for channel, stamp_ns, packed in messages:
+            payload = zstd_files.unpack_message(packed)
+            if payload is None:
+                self._broken[channel.topic] += 1
+            else:
+                yield channel, stamp_ns, payload
+
+    def _declared_bytes(self) -> Mapping[str, int]:
+        try:
+            return declared_bytes_in(self.custom_data)
+        except RecordingError as error:
+            self._notices.append(f"{error.cause}; the sizes in the recording are used")
+            return {}
+
+
+def _messages_once(files: Iterable[StoredFile]) -> float | None:
+    """About how many messages ``files`` held before they were damaged; ``None`` where one does not tell."""
+    total = 0.0
+    for file in files:
+        if not file.readable_share:
+            return None
+        total += file.message_count / file.readable_share
+    return total
+
+
+def _merged(
+    files: Sequence[StoredFile], read: Callable[[StoredFile], Iterator[tuple[Channel, int, _T]]]
+) -> Iterator[tuple[Channel, int, _T]]:
+    starts = (_from_its_start(file, read) for file in files)
+    for _, entry in heapq.merge(*starts, key=itemgetter(0)):
+        if entry is not None:
+            yield entry
+
+
+def _from_its_start(
+    file: StoredFile, read: Callable[[StoredFile], Iterator[tuple[Channel, int, _T]]]
+) -> Iterator[tuple[int, tuple[Channel, int, _T] | None]]:
+    # The merge takes the first item of all files at once; this one keeps a file unread until it is due.
+    yield file.start_ns, None
+    for entry in read(file):
+        yield entry[1], entry
+
+
+def _stored_sizes(file: StoredFile, channels: ChannelsByNumber) -> Iterator[RecordedSize]:
+    return (outline[:3] for outline in file.outlines(channels, 0))
+
+
+def _unpacked_sizes(file: StoredFile, channels: ChannelsByNumber) -> Iterator[RecordedSize]:
+    """Raises ``OutlineError`` at a message whose beginning does not tell its size."""
+    for channel, stamp_ns, _, head in file.outlines(channels, zstd_files.HEADER_BYTES):
+        size_bytes = zstd_files.unpacked_bytes(head)
+        if size_bytes is None:
+            raise OutlineError("a compressed message does not contain its size")
+        yield channel, stamp_ns, size_bytes
+
+
+def _is_packed(message: RecordedMessage) -> bool:
+    return message[2].startswith(zstd_files.MAGIC)

@@ -1,0 +1,205 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Where a robot was: by a pose in the frame of its map, else by its odometry or its transforms."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, Protocol
+
+from smarttestudo.bags.floor import PathPoint
+from smarttestudo.domain.recording import Channel, MessageDecoder
+from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.language.properties.motion import yaw_degrees
+
+_STEP_NS = NS_PER_S // 5
+_MAP_FRAME = "map"
+_ODOMETRY = "nav_msgs/msg/Odometry"
+_LOCALIZED = "geometry_msgs/msg/PoseWithCovarianceStamped"
+_SAID_BY_PEOPLE = "initialpose"
+_TRANSFORMS = "tf2_msgs/msg/TFMessage"
+_ROBOT_FRAMES = ("base_footprint", "base_link")
+_MOST_LINKS = 50
+
+
+class PathReader(Protocol):
+    """Follows a robot through the messages of its recording."""
+
+    @property
+    def path(self) -> Sequence[PathPoint]:
+        """Where it was so far, at most five times a second."""
+
+    @property
+    def source(self) -> str:
+        """The topic that says so."""
+
+    @property
+    def frame(self) -> str:
+        """The frame of its places; empty while no message was read."""
+
+    def take(self, channel: Channel, stamp_ns: int, payload: bytes) -> None:
+        """Look at the next message of the recording.
+
+        Raises:
+            RecordingError: the message should say where the robot is, and cannot be decoded.
+        """
+
+
+class PosePlaces:
+    """The positions that one topic of odometry or poses gives."""
+
+    __slots__ = ("_channel", "_decoder", "_due_ns", "_start_ns", "frame", "path")
+
+    def __init__(self, channel: Channel, decoder: MessageDecoder, start_ns: int) -> None:
+        self.path: list[PathPoint] = []
+        self.frame = ""
+        self._channel = channel
+        self._decoder = decoder
+        self._start_ns = start_ns
+        self._due_ns = start_ns
+
+    @property
+    def source(self) -> str:
+        """As ``PathReader``."""
+        return self._channel.topic
+
+    def take(self, channel: Channel, stamp_ns: int, payload: bytes) -> None:
+        """As ``PathReader``."""
+        if channel is not self._channel or stamp_ns < self._due_ns:
+            return
+        self._due_ns = stamp_ns + _STEP_NS
+        message: Any = self._decoder.decode(channel, payload)
+        position = message.pose.pose.position
+        self.frame = message.header.frame_id.lstrip("/")
+        t_s = (stamp_ns - self._start_ns) / NS_PER_S
+        self.path.append(PathPoint(t_s=t_s, x_m=position.x, y_m=position.y))
+
+
+class BestPlaces:
+    """Of several readers the first with places in the frame of a map, else the first that is ``usual``.
+
+    Which frame a topic has only its messages say, so that all are followed.
+    """
+
+    __slots__ = ("_readers", "_usual")
+
+    def __init__(self, readers: Sequence[PathReader], usual: PathReader) -> None:
+        self._readers = readers
+        self._usual = usual
+
+    @property
+    def path(self) -> Sequence[PathPoint]:
+        """As ``PathReader``."""
+        return self._best.path
+
+    @property
+    def source(self) -> str:
+        """As ``PathReader``."""
+        return self._best.source
+
+    @property
+    def frame(self) -> str:
+        """As ``PathReader``."""
+        return self._best.frame
+
+    def take(self, channel: Channel, stamp_ns: int, payload: bytes) -> None:
+        """As ``PathReader``."""
+        for reader in self._readers:
+            reader.take(channel, stamp_ns, payload)
+
+    @property
+    def _best(self) -> PathReader:
+        return next((one for one in self._readers if one.frame == _MAP_FRAME), self._usual)
+
+
+class TransformPlaces:
+    """The place of the robot's base in the root of its transforms, seen from above.
+
+    Frames may turn about the vertical axis; the height is left out.
+    """
+
+    __slots__ = ("_channels", "_decoder", "_due_ns", "_links", "_start_ns", "frame", "path")
+
+    def __init__(self, channels: Sequence[Channel], decoder: MessageDecoder, start_ns: int) -> None:
+        self.path: list[PathPoint] = []
+        self.frame = ""
+        self._channels = channels
+        self._decoder = decoder
+        self._start_ns = start_ns
+        self._due_ns = start_ns
+        self._links: dict[str, tuple[str, float, float, float]] = {}
+
+    @property
+    def source(self) -> str:
+        """As ``PathReader``."""
+        return self._channels[0].topic
+
+    def take(self, channel: Channel, stamp_ns: int, payload: bytes) -> None:
+        """As ``PathReader``."""
+        if not any(channel is one for one in self._channels):
+            return
+        message: Any = self._decoder.decode(channel, payload)
+        for link in message.transforms:
+            move, turn = link.transform.translation, link.transform.rotation
+            parent = link.header.frame_id.lstrip("/")
+            self._links[link.child_frame_id.lstrip("/")] = (
+                parent,
+                move.x,
+                move.y,
+                math.radians(yaw_degrees(turn)),
+            )
+        frame = next((name for name in _ROBOT_FRAMES if name in self._links), None)
+        if frame is not None and stamp_ns >= self._due_ns:
+            self._due_ns = stamp_ns + _STEP_NS
+            x_m, y_m = self._in_root(frame)
+            t_s = (stamp_ns - self._start_ns) / NS_PER_S
+            self.path.append(PathPoint(t_s=t_s, x_m=x_m, y_m=y_m))
+
+    def _in_root(self, frame: str) -> tuple[float, float]:
+        x_m = y_m = 0.0
+        for _ in range(_MOST_LINKS):
+            if frame not in self._links:
+                break
+            frame, move_x_m, move_y_m, yaw_rad = self._links[frame]
+            self.frame = frame
+            cos, sin = math.cos(yaw_rad), math.sin(yaw_rad)
+            x_m, y_m = move_x_m + cos * x_m - sin * y_m, move_y_m + sin * x_m + cos * y_m
+        return x_m, y_m
+
+
+def places_in(
+    channels: Sequence[Channel], decoder: MessageDecoder, start_ns: int, *, by_transforms: bool
+) -> PathReader | None:
+    """What says where the robot of a recording with ``channels`` was; ``None`` if nothing does.
+
+    That is a topic whose poses are in the frame ``map``, ``/amcl_pose`` before others. Else it is the
+    odometry, ``/odom`` before others, else the transforms; ``by_transforms`` takes those before any topic.
+    """
+    known = [channel for channel in channels if decoder.can_decode(channel)]
+    transforms = [channel for channel in known if channel.type_name == _TRANSFORMS]
+    if transforms and by_transforms:
+        return TransformPlaces(transforms, decoder, start_ns)
+    localized = _by_name(known, _LOCALIZED, "/amcl_pose")
+    odometry = _by_name(known, _ODOMETRY, "/odom")
+    poses = [
+        PosePlaces(channel, decoder, start_ns)
+        for channel in (*localized, *odometry)
+        if not channel.topic.endswith(f"/{_SAID_BY_PEOPLE}")
+    ]
+    readers: list[PathReader] = [*poses]
+    if odometry:
+        usual = next(one for one in readers if one.source == odometry[0].topic)
+    elif transforms:
+        usual = TransformPlaces(transforms, decoder, start_ns)
+        readers.append(usual)
+    elif poses:
+        usual = poses[0]
+    else:
+        return None
+    return usual if len(readers) == 1 else BestPlaces(readers, usual)
+
+
+def _by_name(channels: Sequence[Channel], type_name: str, first: str) -> list[Channel]:
+    alike = (channel for channel in channels if channel.type_name == type_name)
+    return sorted(alike, key=lambda channel: (channel.topic != first, channel.topic))

@@ -1,0 +1,181 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""SQLite files read only, together with their write-ahead logs, and the topics that they announce."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import ExitStack, closing, contextmanager, suppress
+from os import SEEK_END, SEEK_SET
+from pathlib import Path
+from urllib.parse import quote
+
+import apsw
+
+from smarttestudo.bags.definitions import normal_definition
+from smarttestudo.bags.qos import QosReader, is_transient_local
+from smarttestudo.bags.sqlite.log import WriteAheadLog
+from smarttestudo.domain.recording import Channel
+
+_FLAGS = apsw.SQLITE_OPEN_READONLY | apsw.SQLITE_OPEN_URI
+
+
+class DatabaseFile:
+    """The bytes of a SQLite file as they would be with its log taken in."""
+
+    def __init__(self, path: Path, log: WriteAheadLog | None = None) -> None:
+        self._file = path.open("rb", buffering=0)
+        self._log = log if log is not None and log.page_numbers else None
+        self._log_file = None if self._log is None else self._log.path.open("rb", buffering=0)
+        own_bytes = self._file.seek(0, SEEK_END)
+        self._position = 0
+        self._own_bytes = own_bytes
+        self.file_bytes = self.present_bytes = own_bytes
+        """How long it is, and how much of that is there: pages between may be missing."""
+        if self._log is not None:
+            self.file_bytes = self._log.database_pages * self._log.page_bytes
+            own_pages = min(own_bytes // self._log.page_bytes, self._log.database_pages)
+            added = sum(own_pages < number <= self._log.database_pages for number in self._log.page_numbers)
+            self.present_bytes = (own_pages + added) * self._log.page_bytes
+            self._own_bytes = own_pages * self._log.page_bytes
+
+    def seek(self, offset: int, whence: int = SEEK_SET) -> int:
+        """Go to ``offset`` from the start, or from the end."""
+        self._position = offset + (self.file_bytes if whence == SEEK_END else 0)
+        return self._position
+
+    def read(self, size_bytes: int) -> bytes:
+        """The next ``size_bytes``, fewer where the file ends or a page is missing."""
+        if self._log is None:
+            self._file.seek(self._position)
+            data = self._file.read(size_bytes) or b""
+        else:
+            data = b"".join(self._pieces(self._log, size_bytes))
+        self._position += len(data)
+        return data
+
+    def close(self) -> None:
+        """Let go of both files."""
+        self._file.close()
+        if self._log_file is not None:
+            self._log_file.close()
+
+    def _pieces(self, log: WriteAheadLog, size_bytes: int) -> Iterator[bytes]:
+        at, end = self._position, min(self._position + size_bytes, self.file_bytes)
+        while at < end:
+            page, within = divmod(at, log.page_bytes)
+            wanted = min(end - at, log.page_bytes - within)
+            offset = log.offset_of(page + 1)
+            if offset is None and at >= self._own_bytes:
+                return
+            file = self._file if offset is None else self._log_file
+            assert file is not None
+            file.seek(at if offset is None else offset + within)
+            piece = file.read(wanted) or b""
+            yield piece
+            if len(piece) < wanted:
+                return
+            at += wanted
+
+
+@contextmanager
+def open_database(path: Path, log: WriteAheadLog | None = None) -> Iterator[apsw.Connection]:
+    """A connection to the database at ``path`` with ``log`` taken in; neither is locked or changed."""
+    address = f"file:{quote(str(path.absolute()))}?mode=ro&immutable=1"
+    with ExitStack() as opened:
+        system = None
+        if log is not None and log.page_numbers:
+            file = opened.enter_context(closing(DatabaseFile(path, log)))
+            system = opened.enter_context(_files_from(file))
+        yield opened.enter_context(closing(apsw.Connection(address, flags=_FLAGS, vfs=system)))
+
+
+@contextmanager
+def _files_from(file: DatabaseFile) -> Iterator[str]:
+    """The name of a file system, as SQLite understands it, whose one file is ``file``."""
+    system = _OneFileSystem(f"testudo-{id(file)}", file)
+    try:
+        yield system.name
+    finally:
+        system.unregister()
+
+
+class _OneFileSystem(apsw.VFS):
+    def __init__(self, name: str, file: DatabaseFile) -> None:
+        super().__init__(name, "")
+        self.name = name
+        self._file = file
+
+    def xOpen(self, name: str | apsw.URIFilename | None, flags: list[int]) -> apsw.VFSFile:  # noqa: N802
+        """The file for its name, and a temporary one for SQLite's own needs without."""
+        return super().xOpen(name, flags) if name is None else _OpenedFile(self._file)
+
+
+class _OpenedFile(apsw.VFSFile):
+    def __init__(self, file: DatabaseFile) -> None:
+        self._file = file
+
+    def xRead(self, amount: int, offset: int) -> bytes:  # noqa: N802
+        self._file.seek(offset)
+        return self._file.read(amount)
+
+    def xFileSize(self) -> int:  # noqa: N802
+        return self._file.present_bytes
+
+    def xFileControl(self, op: int, pointer: int) -> bool:  # noqa: ARG002, N802
+        return False
+
+    def xSectorSize(self) -> int:  # noqa: N802
+        return 0
+
+    def xDeviceCharacteristics(self) -> int:  # noqa: N802
+        return 0
+
+    def xClose(self) -> None:  # noqa: N802
+        """Leave the file open: it belongs to the database."""
+
+
+BROKEN = (apsw.Error, LookupError, TypeError, ValueError)
+"""What reading topics raises on a damaged file."""
+
+
+def read_topics(database: apsw.Connection, qos: QosReader) -> dict[int, Channel]:
+    """The channels that SQLite can read, by their numbers.
+
+    Raises one of ``BROKEN`` where it finds no table of them.
+    """
+    definitions = _definitions(database)
+    channels: dict[int, Channel] = {}
+    rows = database.execute("SELECT * FROM topics ORDER BY id")
+    with suppress(apsw.Error):
+        for row in rows:
+            columns = dict(zip((column[0] for column in rows.description), row, strict=True))
+            channels[int(columns["id"])] = _channel(columns, definitions, qos)
+    return channels
+
+
+def _channel(columns: dict[str, apsw.SQLiteValue], definitions: dict[str, str], qos: QosReader) -> Channel:
+    topic, type_name = str(columns["name"]), str(columns["type"])
+    profiles = qos.read_or_note(topic, columns.get("offered_qos_profiles"))
+    return Channel(
+        topic=topic,
+        type_name=type_name,
+        definition=definitions.get(type_name),
+        digest=str(columns.get("type_description_hash") or ""),
+        qos=profiles,
+        serialization_format=str(columns["serialization_format"]),
+        transient_local=is_transient_local(profiles),
+    )
+
+
+def _definitions(database: apsw.Connection) -> dict[str, str]:
+    """Definitions by type name; none in a bag of Humble or older, which has no such table."""
+    definitions: dict[str, str] = {}
+    with suppress(apsw.Error):
+        for name, encoding, text in database.execute(
+            "SELECT topic_type, encoding, encoded_message_definition FROM message_definitions"
+        ):
+            definition = normal_definition(str(text), type_name=str(name), is_idl=encoding == "ros2idl")
+            if definition is not None:
+                definitions[str(name)] = definition
+    return definitions

@@ -1,0 +1,98 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""A .db3 file read with SQLite itself, together with the log that a recorder may have left beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack
+from functools import partial
+from pathlib import Path
+
+import apsw
+
+from smarttestudo.bags.qos import QosReader
+from smarttestudo.bags.sqlite.database import BROKEN, open_database, read_topics
+from smarttestudo.bags.sqlite.log import WriteAheadLog
+from smarttestudo.bags.sqlite.recovered import RecoveredSqliteFile
+from smarttestudo.bags.stored_file import ChannelsByNumber, ContinuedFile, Outline, OutlineError
+from smarttestudo.domain.errors import RecordingError
+from smarttestudo.domain.recording import RecordedMessage
+
+# SQLite knows the length of a blob from the head of its row, and leaves the pages that hold the rest alone.
+_LENGTHS = """
+SELECT topic_id, timestamp, CASE typeof(data) WHEN 'blob' THEN length(data) END, x''
+FROM messages ORDER BY timestamp, id
+"""
+_HEADS = _LENGTHS.replace("x''", "substr(data, 1, ?)")
+
+
+def sqlite_outlines(
+    path: Path, channels: ChannelsByNumber, head_bytes: int, log: WriteAheadLog | None = None
+) -> Iterator[Outline]:
+    """The outlines of the messages of ``channels`` in the database at ``path``, in time order.
+
+    Raises ``OutlineError`` at a row that is no message, or where SQLite cannot read on.
+    """
+    try:
+        with open_database(path, log) as database:
+            rows = database.execute(_HEADS, (head_bytes,)) if head_bytes else database.execute(_LENGTHS)
+            for number, stamp_ns, size_bytes, head in rows:
+                if not (
+                    isinstance(size_bytes, int) and isinstance(stamp_ns, int) and isinstance(head, bytes)
+                ):
+                    raise OutlineError("a row without stamp or payload")
+                if number in channels:
+                    yield channels[number], stamp_ns, size_bytes, head
+    except apsw.Error as error:
+        raise OutlineError(str(error)) from error
+
+
+_SPAN = "SELECT count(*), min(timestamp), max(timestamp) FROM messages WHERE typeof(timestamp) = 'integer'"
+_MESSAGES = "SELECT topic_id, timestamp, data FROM messages {} ORDER BY timestamp, id"
+
+
+class SqliteFile(ContinuedFile):
+    """The database at ``path`` with ``log`` taken in, as far as both are whole.
+
+    Raises ``RecordingError`` where SQLite cannot read it.
+    """
+
+    def __init__(self, path: Path, log: WriteAheadLog | None) -> None:
+        self._path = path
+        self._log = log
+        self._qos = QosReader()
+        with ExitStack() as opened:
+            try:
+                self._database = opened.enter_context(open_database(path, log))
+                self.channels: ChannelsByNumber = read_topics(self._database, self._qos)
+                ((count, start_ns, end_ns),) = self._database.execute(_SPAN)
+                self.start_ns, self.end_ns = int(start_ns or 0), int(end_ns or 0)
+            except BROKEN as error:
+                raise RecordingError(f"SQLite cannot read it: {error}", place=str(path)) from error
+            self._resources = opened.pop_all()
+        super().__init__(partial(RecoveredSqliteFile, path, log), int(count))
+
+    def outlines(self, channels: ChannelsByNumber, head_bytes: int) -> Iterator[Outline]:
+        """The outlines of ``messages``, without reading payloads."""
+        return sqlite_outlines(self._path, channels, head_bytes, self._log)
+
+    def notices(self) -> Sequence[str]:
+        """What was lost, once all messages were read."""
+        damage = super().notices()
+        log_notices = () if self._log is None or damage else self._log.notices()
+        return [*log_notices, *self._qos.notices, *damage]
+
+    def close(self) -> None:
+        """Let go of the file and its log."""
+        self._resources.close()
+
+    def _as_stored(self, channels: ChannelsByNumber) -> Iterator[RecordedMessage]:
+        # A row that is not wanted is left unread; where all are, damage in any of them is seen.
+        numbers = ", ".join(map(str, channels))
+        condition = "" if channels.keys() == self.channels.keys() else f"WHERE topic_id IN ({numbers})"
+        for number, stamp_ns, payload in self._database.execute(_MESSAGES.format(condition)):
+            if not (isinstance(number, int) and isinstance(stamp_ns, int) and isinstance(payload, bytes)):
+                raise TypeError("a message without stamp or payload")
+            if number in channels:
+                yield channels[number], stamp_ns, payload

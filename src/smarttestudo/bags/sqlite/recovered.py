@@ -1,0 +1,122 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""A cut-off or damaged .db3 file, read as far as it goes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, closing
+from pathlib import Path
+
+from smarttestudo.bags.qos import QosReader
+from smarttestudo.bags.sqlite.database import BROKEN, DatabaseFile, open_database, read_topics
+from smarttestudo.bags.sqlite.log import WriteAheadLog
+from smarttestudo.bags.sqlite.pages import DamagedRowError, SqlitePages, SqliteRow
+from smarttestudo.bags.stored_file import ChannelsByNumber, Outline, TimeIndex, read_so_far
+from smarttestudo.domain.errors import RecordingError
+from smarttestudo.domain.recording import RecordedMessage
+
+# More than a row of rosbag2's table ``messages`` has before its payload.
+_ROW_HEAD_BYTES = 64
+
+
+class RecoveredSqliteFile:
+    """Takes the topics from SQLite itself, and the messages from the leaf pages that are still there."""
+
+    def __init__(self, path: Path, log: WriteAheadLog | None = None) -> None:
+        self._qos = QosReader()
+        self._log = log
+        with ExitStack() as opened:
+            file = opened.enter_context(closing(DatabaseFile(path, log)))
+            try:
+                self._pages = SqlitePages(file)
+            except DamagedRowError as error:
+                raise RecordingError("not a SQLite file", place=str(path)) from error
+            self._index = opened.enter_context(closing(TimeIndex()))
+            self.channels: ChannelsByNumber = _read_topics(path, log, self._qos)
+            self.start_ns = self.end_ns = self.message_count = self._damaged = 0
+            self._find_messages()
+            self._resources = opened.pop_all()
+        self._present_bytes = file.present_bytes
+
+    def messages(self, channels: ChannelsByNumber) -> Iterator[RecordedMessage]:
+        """Every message of ``channels`` that is whole, in time order."""
+        for _, offset in self._index.places():
+            try:
+                message = _as_message(self._pages.row_at(offset))
+            except DamagedRowError:
+                self._damaged += 1
+                continue
+            if message is not None:
+                number, stamp_ns, payload = message
+                if number in channels:
+                    yield channels[number], stamp_ns, payload
+
+    def outlines(self, channels: ChannelsByNumber, head_bytes: int) -> Iterator[Outline]:
+        """The outlines of ``messages``, without reading payloads."""
+        for _, offset in self._index.places():
+            row = self._pages.row_at(offset, _ROW_HEAD_BYTES + head_bytes)
+            message = _as_message(row)
+            if message is not None:
+                number, stamp_ns, payload = message
+                yield channels[number], stamp_ns, row.sizes[-1], payload[:head_bytes]
+
+    def notices(self) -> Sequence[str]:
+        """Whether the file is cut off or damaged, and how much of it was read."""
+        notices = [*(self._log.notices() if self._log is not None else ()), *self._qos.notices]
+        if self._is_cut_off:
+            notices.append(f"cut off: {read_so_far(self)}")
+        elif self._damaged:
+            notices.append(f"damaged: {read_so_far(self)}, {self._damaged} rows cannot be read")
+        return notices
+
+    @property
+    def readable_share(self) -> float:
+        """The share of the file's length that is there, or else that of its rows."""
+        if self._is_cut_off:
+            return self._present_bytes / self._pages.promised_bytes
+        rows = self.message_count + self._damaged
+        return self.message_count / rows if rows else 1.0
+
+    def close(self) -> None:
+        """Let go of the file."""
+        self._resources.close()
+
+    @property
+    def _is_cut_off(self) -> bool:
+        return self._present_bytes < self._pages.promised_bytes
+
+    def _find_messages(self) -> None:
+        for offset in self._pages.rows():
+            try:
+                row = self._pages.row_at(offset, _ROW_HEAD_BYTES)
+            except DamagedRowError:
+                self._damaged += 1
+                continue
+            message = _as_message(row)
+            if message is None or message[0] not in self.channels:
+                continue
+            stamp_ns = message[1]
+            if self._index.add(key=row.rowid, stamp_ns=stamp_ns, offset=offset):
+                self.start_ns = min(self.start_ns, stamp_ns) if self.message_count else stamp_ns
+                self.end_ns = max(self.end_ns, stamp_ns) if self.message_count else stamp_ns
+                self.message_count += 1
+
+
+def _as_message(row: SqliteRow) -> tuple[int, int, bytes] | None:
+    """Channel, stamp and payload in ``row`` if it has the columns of rosbag2's table ``messages``."""
+    match row.values:
+        case (_, int() as channel, int() as stamp_ns, bytes() as payload):
+            return channel, stamp_ns, payload
+        case _:
+            return None
+
+
+def _read_topics(path: Path, log: WriteAheadLog | None, qos: QosReader) -> ChannelsByNumber:
+    try:
+        with open_database(path, log) as database:
+            # Without it, SQLite opens no file that is shorter than its header says.
+            database.execute("PRAGMA writable_schema=ON")
+            return read_topics(database, qos)
+    except BROKEN as error:
+        raise RecordingError("no rosbag2 topics can be found in it", place=str(path)) from error

@@ -1,0 +1,186 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Rates, gaps and latencies of one topic of a recording."""
+
+from __future__ import annotations
+
+import math
+from array import array
+from collections import Counter
+from dataclasses import dataclass
+from fractions import Fraction
+from math import ceil
+
+from smarttestudo.bags.trace import TraceAccumulator
+from smarttestudo.domain.rate_meter import mean_hz
+from smarttestudo.domain.units import BITS_PER_BYTE, BYTES_PER_KB, NS_PER_S
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RecordingSpan:
+    """From the first to the last message of a recording, over all topics."""
+
+    start_ns: int
+    end_ns: int
+
+    @property
+    def duration_s(self) -> float:
+        """Seconds from the first message to the last."""
+        return (self.end_ns - self.start_ns) / NS_PER_S
+
+    def seconds_to(self, stamp_ns: int) -> float:
+        """Seconds from the recording's start to ``stamp_ns``."""
+        return (stamp_ns - self.start_ns) / NS_PER_S
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TopicStatistics:
+    """What a topic carried in a recording.
+
+    ``start_s`` and ``end_s`` are the topic's first and last message, in seconds since the recording's start.
+    ``mean_hz`` is (n − 1) / (last − first). ``binned_hz`` is the mean count of the epoch-aligned 1 s bins
+    from first to last, edges included; 0 without a message. ``kb_per_s`` counts over the recording's whole
+    duration. ``declared`` says that the bytes are sizes that the recording declares, not those it holds.
+    A number that the messages do not determine is ``None``.
+    """
+
+    messages: int
+    size_bytes: int
+    start_s: float | None
+    end_s: float | None
+    mean_hz: float | None
+    binned_hz: float
+    kb_per_s: float | None
+    declared: bool = False
+
+    @property
+    def kbit_per_s(self) -> float | None:
+        """``kb_per_s`` in kilobits of 1000 bits."""
+        return None if self.kb_per_s is None else self.kb_per_s * BITS_PER_BYTE
+
+    def to_json(self) -> dict[str, object]:
+        """The topic's entry in ``--json``."""
+        return {
+            "messages": self.messages,
+            "bytes": self.size_bytes,
+            "start_s": self.start_s,
+            "end_s": self.end_s,
+            "mean_hz": self.mean_hz,
+            "binned_hz": self.binned_hz,
+            "kb_per_s": self.kb_per_s,
+            "declared": self.declared,
+        }
+
+
+def topic_statistics(
+    trace: TraceAccumulator, span: RecordingSpan, *, declared: bool = False
+) -> TopicStatistics:
+    """The numbers of ``trace``, one topic of the recording that lasted over ``span``."""
+    messages, size_bytes = trace.messages, trace.size_bytes
+    first_ns, last_ns = trace.first_ns, trace.last_ns
+    return TopicStatistics(
+        messages=messages,
+        size_bytes=size_bytes,
+        start_s=None if first_ns is None else span.seconds_to(first_ns),
+        end_s=None if last_ns is None else span.seconds_to(last_ns),
+        mean_hz=mean_hz(messages, trace.span_ns),
+        binned_hz=_binned_hz(messages, first_ns, last_ns),
+        kb_per_s=size_bytes / BYTES_PER_KB / span.duration_s if span.duration_s > 0 else None,
+        declared=declared,
+    )
+
+
+def _binned_hz(messages: int, first_ns: int | None, last_ns: int | None) -> float:
+    if first_ns is None or last_ns is None:
+        return 0.0
+    return messages / (last_ns // NS_PER_S - first_ns // NS_PER_S + 1)
+
+
+_P95 = Fraction(95, 100)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Latency:
+    """Receive time minus ``header.stamp``: its mean, the least that 95 % do not exceed, and the largest.
+
+    ``None`` where no message has a stamp. Below zero, or years, where the two come from different clocks.
+    """
+
+    mean_s: float | None = None
+    p95_s: float | None = None
+    max_s: float | None = None
+
+    def to_json(self) -> dict[str, object]:
+        """What it adds to the topic's entry in ``--json``."""
+        return {
+            "latency_mean_s": self.mean_s,
+            "latency_p95_s": self.p95_s,
+            "latency_max_s": self.max_s,
+        }
+
+
+class LatencyAccumulator:
+    """Takes a topic's latencies one by one; memory grows by 8 bytes for each."""
+
+    __slots__ = ("_latencies_ns",)
+
+    def __init__(self) -> None:
+        self._latencies_ns = array("q")
+
+    def add(self, latency_ns: int) -> None:
+        """Count one message."""
+        self._latencies_ns.append(latency_ns)
+
+    def latency(self) -> Latency:
+        """The numbers over all messages so far."""
+        if not self._latencies_ns:
+            return Latency()
+        rising_ns = sorted(self._latencies_ns)
+        return Latency(
+            mean_s=sum(rising_ns) / len(rising_ns) / NS_PER_S,
+            p95_s=rising_ns[ceil(_P95 * len(rising_ns)) - 1] / NS_PER_S,
+            max_s=rising_ns[-1] / NS_PER_S,
+        )
+
+
+BINS_PER_DECADE = 20
+"""Equally wide on a logarithmic axis, each 12 % longer than the last."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class IntervalBin:
+    """``count`` intervals from ``from_s`` to just below ``to_s`` seconds."""
+
+    from_s: float
+    to_s: float
+    count: int
+
+
+class IntervalHistogram:
+    """Counts the intervals between messages, in constant memory.
+
+    Stamps that do not rise, as of messages recorded at one instant, are left out.
+    """
+
+    __slots__ = ("_counts", "_last_ns")
+
+    def __init__(self) -> None:
+        self._counts: Counter[int] = Counter()
+        self._last_ns: int | None = None
+
+    def record(self, stamp_ns: int) -> None:
+        """Take in the next message."""
+        if self._last_ns is not None and stamp_ns > self._last_ns:
+            self._counts[math.floor(math.log10(stamp_ns - self._last_ns) * BINS_PER_DECADE)] += 1
+        self._last_ns = stamp_ns
+
+    def bins(self) -> tuple[IntervalBin, ...]:
+        """The bins that have an interval, rising."""
+        return tuple(
+            IntervalBin(from_s=_edge_s(index), to_s=_edge_s(index + 1), count=count)
+            for index, count in sorted(self._counts.items())
+        )
+
+
+def _edge_s(index: int) -> float:
+    return float(10 ** (index / BINS_PER_DECADE)) / NS_PER_S

@@ -1,0 +1,190 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Writes rosbag2 recordings that appear under their name only when they are whole."""
+
+from __future__ import annotations
+
+import sqlite3
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack, contextmanager, suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal, cast
+
+from rosbags.interfaces import Connection, Qos
+from rosbags.rosbag2 import CompressionMode, StoragePlugin, Writer, WriterError
+from rosbags.rosbag2.storage_mcap import McapWriter, Schema, write_schema
+from rosbags.rosbag2.storage_sqlite3 import Sqlite3Writer
+
+from smarttestudo.bags.definitions import TypeLibrary
+from smarttestudo.bags.recording import ChannelKey, key_of, with_declared_bytes
+from smarttestudo.domain.errors import RecordingError
+from smarttestudo.domain.recording import Channel, RecordingWriter, Storage
+from smarttestudo.files.outputs import require_new, write_error
+from smarttestudo.files.removal import temporary_folder
+from smarttestudo.files.whole_file import PARTIAL_SUFFIX
+
+if TYPE_CHECKING:
+    from rosbags.rosbag2.writer import StorageWriter
+
+
+_PLUGINS = {Storage.SQLITE3: StoragePlugin.SQLITE3, Storage.MCAP: StoragePlugin.MCAP}
+
+
+@contextmanager
+def create_recording(
+    path: Path,
+    *,
+    storage: Storage = Storage.SQLITE3,
+    declared_bytes: Mapping[str, int] | None = None,
+    custom_data: Mapping[str, str] | None = None,
+    version: Literal[8, 9] = 8,
+) -> Iterator[RecordingWriter]:
+    """A new rosbag2 folder at ``path``, in place once the block ends well, and gone if it does not.
+
+    ``declared_bytes`` are the sizes that messages of a topic stand for, and go into ``custom_data``.
+    Version 8 of the metadata is what ``ros2 bag play`` reads from Humble on.
+
+    Raises:
+        RecordingError: ``path`` exists, cannot be written, or the disk is full.
+    """
+    require_new(path)
+    with ExitStack() as opened:
+        with _errors_at(path):
+            path.parent.mkdir(parents=True, exist_ok=True)
+            made = temporary_folder(path.parent, prefix=f".{path.name}-", suffix=PARTIAL_SUFFIX)
+            workshop = opened.enter_context(made)
+            writer = RosbagWriter(workshop / path.name, version=version, storage_plugin=_PLUGINS[storage])
+            for key, value in with_declared_bytes(custom_data or {}, declared_bytes or {}).items():
+                writer.set_custom_data(key, value)
+            writer.open()
+        try:
+            yield _RosbagRecordingWriter(path, writer)
+            with _errors_at(path):
+                writer.close()
+                require_new(path)
+                (workshop / path.name).rename(path)
+        except BaseException:
+            with suppress(Exception):
+                writer.abort()
+            raise
+
+
+class _RosbagRecordingWriter:
+    def __init__(self, path: Path, writer: RosbagWriter) -> None:
+        self._path = path
+        self._writer = writer
+        self._types = TypeLibrary()
+        self._connections: dict[ChannelKey, Connection] = {}
+
+    def add(self, channel: Channel) -> None:
+        """Announce ``channel``, so that it is listed even if no message of it follows."""
+        if key_of(channel) in self._connections:
+            return
+        definition, digest = self._types.definition_and_digest(channel)
+        with _errors_at(self._path):
+            self._connections[key_of(channel)] = self._writer.add_channel(
+                channel.topic,
+                channel.type_name,
+                definition=definition,
+                digest=digest,
+                serialization_format=channel.serialization_format,
+                qos=cast("list[Qos]", list(channel.qos)),
+            )
+
+    def write(self, channel: Channel, stamp_ns: int, payload: bytes) -> None:
+        """Append one message, adding its channel on first use."""
+        connection = self._connections.get((channel.topic, channel.type_name))
+        if connection is None:
+            self.add(channel)
+            connection = self._connections[key_of(channel)]
+        try:
+            self._writer.write(connection, stamp_ns, payload)
+        except (OSError, sqlite3.Error, WriterError) as error:
+            raise write_error(self._path, error) from error
+        except OverflowError as error:
+            cause = f"a message at {stamp_ns} ns is from a time that the file cannot hold"
+            remedy = "write to SQLite (--storage sqlite3), which holds times before 1970 too"
+            raise RecordingError(cause, place=str(self._path), remedy=remedy) from error
+
+
+@contextmanager
+def _errors_at(path: Path) -> Iterator[None]:
+    try:
+        yield
+    except (OSError, sqlite3.Error, WriterError) as error:
+        raise write_error(path, error) from error
+
+
+# rosbags insists on a hash that is not empty; this one never reaches the file.
+_UNKNOWN_DIGEST = "unknown"
+
+
+def _without_unknown(connection: Connection) -> Connection:
+    return connection._replace(digest="") if connection.digest == _UNKNOWN_DIGEST else connection
+
+
+class _Sqlite3Storage(Sqlite3Writer):
+    def __init__(self, path: Path, compression: CompressionMode) -> None:
+        if compression is not CompressionMode.NONE:
+            raise ValueError("compressed SQLite bags are not written")
+        # Not rosbags' own: it takes the path as an address, in which ?, # and % mean something else.
+        self.path = path / f"{path.name}.db3"
+        self.conn = sqlite3.connect(self.path)
+        self.conn.executescript(self.SQLITE_SCHEMA)
+        self.cursor = self.conn.cursor()
+
+    def add_msgtype(self, connection: Connection) -> None:
+        if connection.msgdef.data:
+            super().add_msgtype(_without_unknown(connection))
+
+    def add_connection(self, connection: Connection, offered_qos_profiles: str) -> None:
+        super().add_connection(_without_unknown(connection), offered_qos_profiles)
+
+
+class _McapStorage(McapWriter):
+    def add_msgtype(self, connection: Connection) -> None:
+        if connection.msgdef.data:
+            super().add_msgtype(connection)
+            return
+        schema = Schema(len(self.schemas) + 1, connection.msgtype, "", "")
+        self.schemas.append(schema)
+        write_schema(self.chunk.bio, schema)
+
+
+class RosbagWriter(Writer):
+    """Writes channels whose definition or hash is empty, too."""
+
+    STORAGE_PLUGINS: Mapping[StoragePlugin, type[StorageWriter]] = {
+        StoragePlugin.SQLITE3: _Sqlite3Storage,
+        StoragePlugin.MCAP: _McapStorage,
+    }
+
+    def add_channel(
+        self,
+        topic: str,
+        type_name: str,
+        *,
+        definition: str,
+        digest: str,
+        serialization_format: str,
+        qos: list[Qos],
+    ) -> Connection:
+        """Announce a topic; give the connection that its messages are written to."""
+        connection = self.add_connection(
+            topic,
+            type_name,
+            msgdef=definition,
+            rihs01=digest or _UNKNOWN_DIGEST,
+            serialization_format=serialization_format,
+            offered_qos_profiles=qos,
+        )
+        self.connections[-1] = _without_unknown(connection)
+        return self.connections[-1]
+
+    def write(self, connection: Connection, timestamp: int, data: bytes | memoryview) -> None:
+        """Append a message of a connection of ours; rosbags would look for it among all of them each time."""
+        assert self.storage is not None
+        self.storage.write(connection, timestamp, data)
+        self.counts[connection.id] += 1
+        self.min_timestamp = min(self.min_timestamp, timestamp)
+        self.max_timestamp = max(self.max_timestamp, timestamp)

@@ -1,0 +1,54 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""A fix that writes a default for a topic."""
+
+from __future__ import annotations
+
+from smarttestudo.domain.finding import Fix
+from smarttestudo.domain.source import Span
+from smarttestudo.language.syntax import Block, Collection, RuleFile
+
+
+def new_default(file: RuleFile | None, topic: str) -> Fix | None:
+    """Write ``SetFrequency topic Full`` behind the last default of ``file``, or before its rules.
+
+    ``None`` for a file without any statement.
+    """
+    part = _place(file)
+    if part is None:
+        return None
+    default = f"SetFrequency {topic} Full"
+    span, replacement = _insertion(part, default)
+    return Fix(span=span, replacement=replacement, title=f"add {default}")
+
+
+def _place(file: RuleFile | None) -> Collection | None:
+    """The last ``begin … end`` with a default, else the first one with a rule."""
+    parts = () if file is None else tuple(part for part in file.collections if part.statements)
+    with_default = (part for part in reversed(parts) if _last_default(part) is not None)
+    return next(with_default, next(iter(parts), None))
+
+
+def _last_default(part: Collection) -> int | None:
+    """The number of the last statement that is no rule."""
+    return max((at for at, one in enumerate(part.statements) if not isinstance(one, Block)), default=None)
+
+
+def _insertion(part: Collection, default: str) -> tuple[Span, str]:
+    """Where to write and what: a line of its own wherever the text has lines for its statements."""
+    last = _last_default(part)
+    if last is None:
+        first = part.statements[0].span
+        if first.line > part.span.line:
+            return _at(part.span.line + 1, 1), f"{' ' * (first.column - 1)}{default}\n"
+        return _at(first.line, first.column), f"{default} "
+    before = part.statements[last].span
+    behind = part.statements[last + 1 : last + 2]
+    next_line = behind[0].span.line if behind else part.span.end_line
+    if next_line > before.end_line:
+        return _at(before.end_line + 1, 1), f"{' ' * (before.column - 1)}{default}\n"
+    return _at(before.end_line, before.end_column), f" {default}"
+
+
+def _at(line: int, column: int) -> Span:
+    return Span(line=line, column=column, end_line=line, end_column=column)

@@ -1,0 +1,178 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The demo in real time: robot and runtime are processes of their own, and this one records both."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from smarttestudo.bags.writer import create_recording
+from smarttestudo.demo.mission import DECLARED_BYTES
+from smarttestudo.demo.processes import ChildProcess, child_process, testudo_command
+from smarttestudo.domain.errors import RosError
+from smarttestudo.domain.names import DECISIONS_TOPIC, output_name
+from smarttestudo.domain.payload import Payload
+from smarttestudo.domain.recording import Channel, RecordingWriter
+from smarttestudo.domain.robot import Qos, Robot, Subscription
+from smarttestudo.domain.units import NS_PER_S, ns_from_s
+from smarttestudo.pacing.sample import WhenSlow
+from smarttestudo.robot.output_topics import DEFAULT_OUTPUT_TOPIC
+from smarttestudo.simulation.messages.messages import RobotMessages
+from smarttestudo.simulation.readings import CAMERA_TOPICS, Topic
+
+_QOS = Qos(reliable=True, transient_local=False, depth=100)
+
+
+@contextmanager
+def recorded(
+    robot: Robot,
+    folder: Path,
+    channels: Iterable[Channel],
+    declared_bytes: Mapping[str, int],
+    heard_as: Callable[[str], str] = str,
+) -> Iterator[None]:
+    """Record the topics of ``channels`` into a new recording ``folder`` while the block handles messages.
+
+    They are recorded by their own name, and heard by that which ``heard_as`` makes of it. Stamps are the
+    node's time at which messages came.
+
+    Raises:
+        RecordingError: it cannot be written.
+        RosError: a topic cannot be received.
+    """
+    with create_recording(folder, declared_bytes=declared_bytes) as recording, ExitStack() as subscriptions:
+        for channel in channels:
+            recording.add(channel)
+            subscriptions.callback(_heard(robot, channel, heard_as(channel.topic), recording).close)
+        yield
+
+
+def _heard(robot: Robot, channel: Channel, topic: str, recording: RecordingWriter) -> Subscription:
+    def receive(payload: Payload, _publisher: Hashable) -> None:
+        recording.write(channel, robot.now_ns(), payload[:])
+
+    qos = replace(_QOS, transient_local=channel.transient_local)
+    return robot.data_path.subscribe(topic, channel.type_name, qos, receive)
+
+
+LOGS = ("runtime.log", "robot.log")
+_LOST_TIME = "s of real time so far, in which the robot stood still"
+_LOOK_S = 0.1
+_START_TIMEOUT_S = 40.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LiveDemoRequest:
+    """How long a mission, with which noise, under which rules, and where everything goes.
+
+    Without ``full_images`` the robot has no raw camera. ``physics`` gives it masses and a world of forces.
+    """
+
+    baseline: Path
+    adaptive: Path
+    rules: Path
+    decisions: Path
+    logs: Path
+    seconds: float
+    seed: int
+    full_images: bool
+    when_slow: WhenSlow
+    mission: Path | None = None
+    physics: bool = False
+
+
+def record_live(request: LiveDemoRequest, robot: Robot, report: Callable[[float], None]) -> tuple[str, ...]:
+    """Let the robot drive under the runtime, and record both. What was left out, a line for each topic.
+
+    Raises:
+        TestudoError: one of the processes failed.
+        RecordingError: a recording cannot be written.
+    """
+    blind = _camera_problem() if request.physics else None
+    channels, left_out = robot_channels(robot, full_images=request.full_images, camera_problem=blind)
+    declared_bytes = {} if request.full_images else DECLARED_BYTES
+    runtime_log, robot_log = (request.logs / name for name in LOGS)
+    with (
+        recorded(robot, request.baseline, channels, declared_bytes),
+        recorded(robot, request.adaptive, channels, declared_bytes, relayed_name),
+        child_process("runtime", testudo_command(*_run_arguments(request)), runtime_log) as runtime,
+    ):
+        _await_publisher(robot, DECISIONS_TOPIC, runtime)
+        with child_process(
+            "simulated robot", testudo_command(*_simulate_arguments(request)), robot_log
+        ) as driver:
+            _await_publisher(robot, Topic.ODOM.value, driver)
+            end_ns = robot.now_ns() + ns_from_s(request.seconds)
+            while (left_ns := end_ns - robot.now_ns()) > 0 and runtime.is_running() and driver.is_running():
+                robot.wait(end_ns, _LOOK_S)
+                report(1 - left_ns / NS_PER_S / request.seconds)
+            # It ends before the robot does, which would be a change of plans of its own.
+            runtime.end()
+    return (*left_out, *_lost_time(robot_log))
+
+
+def _lost_time(log: Path) -> list[str]:
+    """What the robot said last of time that it lost, if it did."""
+    said = [line for line in log.read_text("utf-8", "replace").splitlines() if _LOST_TIME in line]
+    return [
+        f"the robot: {line.partition(_LOST_TIME)[0].rpartition(': ')[2]}{_LOST_TIME}" for line in said[-1:]
+    ]
+
+
+def _camera_problem() -> str | None:
+    """Why a robot with physics would have no camera, if so."""
+    # This needs the extra physics.
+    from smarttestudo.simulation.physics.drive import camera_problem  # noqa: PLC0415
+
+    return camera_problem()
+
+
+def robot_channels(
+    robot: Robot, *, full_images: bool, camera_problem: str | None = None
+) -> tuple[list[Channel], tuple[str, ...]]:
+    """The topics that the robot will publish, and why it will not publish the others."""
+    channels, left_out = [], []
+    for topic, channel in RobotMessages().channels.items():
+        if topic is Topic.IMAGE and not full_images:
+            left_out.append(f"{topic.value}: off without --full-images")
+        elif camera_problem is not None and topic in CAMERA_TOPICS:
+            left_out.append(f"{topic.value}: no camera: {camera_problem}")
+        elif not robot.data_path.knows(channel.type_name):
+            left_out.append(f"{topic.value}: the message type {channel.type_name} is not installed")
+        else:
+            channels.append(channel)
+    return channels, tuple(left_out)
+
+
+def _await_publisher(robot: Robot, topic: str, process: ChildProcess) -> None:
+    deadline_ns = robot.now_ns() + ns_from_s(_START_TIMEOUT_S)
+    while not robot.publishers(topic):
+        if not process.is_running() or robot.now_ns() > deadline_ns:
+            raise RosError(f"nobody published {topic}", remedy="try again with another ROS_DOMAIN_ID")
+        robot.wait(None, _LOOK_S)
+
+
+def relayed_name(topic: str) -> str:
+    """What the runtime calls what it relays of ``topic``."""
+    return output_name(topic, DEFAULT_OUTPUT_TOPIC)
+
+
+def _run_arguments(request: LiveDemoRequest) -> list[str]:
+    return [
+        "run",
+        *("--rules", str(request.rules)),
+        *("--decisions", str(request.decisions)),
+        *("--when-slow", request.when_slow.value),
+    ]
+
+
+def _simulate_arguments(request: LiveDemoRequest) -> list[str]:
+    arguments = ["simulate", "--seed", str(request.seed)]
+    if request.physics:
+        arguments.append("--physics")
+    if request.mission is not None:
+        arguments += ["--mission", str(request.mission)]
+    return [*arguments, "--full-images"] if request.full_images else arguments

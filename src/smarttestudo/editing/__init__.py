@@ -1,0 +1,42 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""A rule file as statements with their places, and edits that touch one statement and nothing else."""
+
+from smarttestudo.editing.document import CollectionPart, Document, Entry, read_document
+from smarttestudo.editing.edits import (
+    EditError,
+    NewStatement,
+    deleted,
+    duplicated,
+    inserted,
+    inserted_all,
+    moved,
+    replaced,
+    replaced_all,
+    takes_in,
+)
+from smarttestudo.editing.line_index import LineIndex
+from smarttestudo.editing.meaning import meaning
+from smarttestudo.editing.text_edit import TextEdit, apply, comment_texts
+
+__all__ = [
+    "CollectionPart",
+    "Document",
+    "EditError",
+    "Entry",
+    "LineIndex",
+    "NewStatement",
+    "TextEdit",
+    "apply",
+    "comment_texts",
+    "deleted",
+    "duplicated",
+    "inserted",
+    "inserted_all",
+    "meaning",
+    "moved",
+    "read_document",
+    "replaced",
+    "replaced_all",
+    "takes_in",
+]

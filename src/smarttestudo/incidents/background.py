@@ -1,0 +1,84 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Writes incidents while the loop goes on."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from contextlib import AbstractContextManager
+from functools import partial
+
+from smarttestudo.domain.errors import testudo_error
+from smarttestudo.domain.incident import Missing
+from smarttestudo.incidents.folders import Failed
+from smarttestudo.incidents.lost_messages import LostMessages
+from smarttestudo.incidents.recorder import Incident, IncidentSink, Store
+from smarttestudo.incidents.ring_files import RingFiles
+from smarttestudo.incidents.task_thread import TaskThread
+from smarttestudo.incidents.topic_ring import IncidentMessage, SourceMessage
+
+
+class BackgroundSink:
+    """An ``IncidentSink`` that hands what it is told to ``sink``, in order, on a thread of its own.
+
+    Messages that come faster than they are written wait, at most ``max_waiting_bytes`` of them; further ones
+    are missing in their incidents, which say so. What memory gave up goes to ``ring``. ``failed`` is told
+    what ``sink`` raises; writing goes on.
+    """
+
+    def __init__(
+        self, sink: IncidentSink, max_waiting_bytes: int, *, failed: Failed, ring: RingFiles | None = None
+    ) -> None:
+        self._sink = sink
+        self._ring = ring
+        self._max_waiting_bytes = max_waiting_bytes
+        self._thread = TaskThread(
+            "incidents", lambda error: failed("that is being written", testudo_error(error))
+        )
+        # One thread writes each of these, so that neither needs a lock.
+        self._given_bytes = 0
+        self._done_bytes = 0
+        self._left_out: dict[Incident, LostMessages] = {}
+
+    def begin(
+        self, incident: Incident, latched: Sequence[SourceMessage], messages: Iterable[IncidentMessage]
+    ) -> None:
+        """Have it begun."""
+        self._left_out[incident] = LostMessages()
+        self._thread.give(partial(self._sink.begin, incident, latched, messages))
+
+    def take(self, message: SourceMessage, incidents: Sequence[Incident]) -> None:
+        """Have it written, unless too much waits already."""
+        if self._given_bytes - self._done_bytes > self._max_waiting_bytes:
+            for incident in incidents:
+                self._left_out[incident].add(message)
+            return
+        self._given_bytes += message.held_bytes
+        self._thread.give(partial(self._take, message, incidents))
+
+    @property
+    def store(self) -> Store | None:
+        """What takes messages that memory gives up, if there is a ring; those that wait too long are lost."""
+        return None if self._ring is None else partial(self._have_stored, self._ring)
+
+    def end(self, incident: Incident, missing: Sequence[Missing]) -> None:
+        """Have it ended."""
+        left_out = self._left_out.pop(incident)
+        self._thread.give(partial(self._sink.end, incident, (*missing, *left_out.missing())))
+
+    def running(self) -> AbstractContextManager[None]:
+        """Write during the block, and what is left after it."""
+        return self._thread.running()
+
+    def _take(self, message: SourceMessage, incidents: Sequence[Incident]) -> None:
+        self._done_bytes += message.held_bytes
+        self._sink.take(message, incidents)
+
+    def _have_stored(self, ring: RingFiles, message: SourceMessage, until_ns: int, now_ns: int) -> None:
+        if self._given_bytes - self._done_bytes <= self._max_waiting_bytes:
+            self._given_bytes += message.held_bytes
+            self._thread.give(partial(self._store, ring, message, until_ns, now_ns))
+
+    def _store(self, ring: RingFiles, message: SourceMessage, until_ns: int, now_ns: int) -> None:
+        self._done_bytes += message.held_bytes
+        ring.store(message, until_ns, now_ns)

@@ -1,0 +1,35 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What an incident lacks of its window."""
+
+from __future__ import annotations
+
+from array import array
+from collections.abc import Callable, Iterator, Mapping, Sequence
+
+from smarttestudo.domain.incident import Missing, MissingReason
+from smarttestudo.incidents.topic_ring import GivenUp
+
+
+def unheard(topic: str, from_ns: int, to_ns: int, reason: MissingReason = MissingReason.LATE) -> Missing:
+    """That nobody heard ``topic`` between two stamps."""
+    return Missing(topic=topic, reason=reason, messages=None, from_ns=from_ns, to_ns=to_ns)
+
+
+def missing_for_memory(
+    given_up: Mapping[str, Sequence[GivenUp]], is_held: Callable[[int], bool] | None = None
+) -> Iterator[Missing]:
+    """What memory did not hold of each topic; messages whose number ``is_held`` are there all the same."""
+    for topic, messages in given_up.items():
+        lacking: Sequence[int] = range(len(messages))
+        if is_held is not None:
+            # A list of the messages would take more memory than all that is kept of them.
+            lacking = array("q", (at for at, one in enumerate(messages) if not is_held(one.number)))
+        if lacking:
+            yield Missing(
+                topic=topic,
+                reason=MissingReason.MEMORY,
+                messages=len(lacking),
+                from_ns=messages[lacking[0]].stamp_ns,
+                to_ns=messages[lacking[-1]].stamp_ns,
+            )

@@ -1,0 +1,156 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The incidents of a robot as its end of a link offers them: what there is, and their bytes in order."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import stat
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from smarttestudo.domain.errors import LinkError, RecordingError
+from smarttestudo.domain.remote_incidents import RemoteIncident
+from smarttestudo.files.input_file import sha256_of_files
+from smarttestudo.incidents.mcap_index import file_ranges
+from smarttestudo.incidents.store import READ_NAME, IncidentStore
+from smarttestudo.incidents.transfer_messages import (
+    MAX_FILES,
+    TOKEN_BYTES,
+    PlannedFile,
+    TransferPlan,
+    is_incident_name,
+)
+from smarttestudo.incidents.transfer_order import ByteRange, RangePart, TransferOrder
+
+MAX_INDEXES = 4
+"""How many incidents may be fetched at once without their files being looked through again and again."""
+_ORDER_VERSION = b"1"
+_MOST_COPIED_BYTES = 1_000_000
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class IncidentIndex:
+    """An incident with the order in which its bytes travel."""
+
+    plan: TransferPlan
+    order: TransferOrder
+    paths: tuple[Path, ...]
+
+    def read(self, cursor: int, size_bytes: int) -> tuple[tuple[RangePart, ...], bytes]:
+        """Parts of the order from ``cursor`` on, and the bytes of those that are no copies.
+
+        Raises ``LinkError`` where a file is gone or shorter than it was.
+        """
+        parts = tuple(self.order.parts(cursor, size_bytes))
+        body = bytearray()
+        with _errors_at(self.paths[0].parent.name if self.paths else ""):
+            for file, start, size in _own_stretches(parts):
+                with self.paths[file].open("rb") as opened:
+                    data = os.pread(opened.fileno(), size, start)
+                if len(data) != size:
+                    raise LinkError("a file of the incident became shorter", place=self.paths[file].name)
+                body += data
+        return parts, bytes(body)
+
+
+class OfferedIncidents:
+    """The incidents in ``folder``, for one thread that indexes them; ``known`` may be called by any."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._indexes: dict[str, IncidentIndex] = {}
+
+    def list(self) -> Sequence[RemoteIncident]:
+        """The incidents whose records can be read, oldest first."""
+        if not self._folder.is_dir():
+            return []
+        found = IncidentStore(self._folder).incidents()
+        return [one.listed() for one in found if not isinstance(one, RecordingError)]
+
+    def index(self, name: str) -> IncidentIndex:
+        """An incident, looked through where that was not done lately. Raises ``LinkError``."""
+        known = self._indexes.pop(name, None)
+        if known is not None and all(path.exists() for path in known.paths):
+            self._indexes[name] = known
+            return known
+        index = _index_of(self._folder, name)
+        while len(self._indexes) >= MAX_INDEXES:
+            del self._indexes[next(iter(self._indexes))]
+        self._indexes[name] = index
+        return index
+
+    def known(self, name: str, token: bytes) -> IncidentIndex | None:
+        """An incident that was looked through lately, if its plan is that of ``token``."""
+        known = self._indexes.get(name)
+        return known if known is not None and known.plan.token == token else None
+
+
+def _index_of(folder: Path, name: str) -> IncidentIndex:
+    path = folder / name
+    if not is_incident_name(name) or path.is_symlink() or not path.is_dir():
+        raise LinkError(f"there is no incident {name!r:.80}", remedy="'testudo incidents list' names them")
+    with _errors_at(name):
+        files = [
+            one for one in sorted(path.iterdir()) if one.name != READ_NAME and not one.name.startswith(".")
+        ]
+        files = [one for one in files if stat.S_ISREG(one.lstat().st_mode)]
+        if len(files) > MAX_FILES:
+            raise LinkError(f"{len(files)} files are too many for an incident", place=name)
+        ranges = [file_ranges(one, number) for number, one in enumerate(files)]
+        planned = tuple(PlannedFile(one.name, one.stat().st_size, sha256_of_files(one)) for one in files)
+        head = _with_copies([one for each in ranges for one in each.head], files)
+    order = TransferOrder(
+        head,
+        [one for each in ranges for one in each.messages],
+        [one for each in ranges for one in each.tail],
+    )
+    digest = hashlib.sha256(_ORDER_VERSION + repr(planned).encode()).digest()
+    plan = TransferPlan(token=digest[:TOKEN_BYTES], files=planned, levels=order.levels)
+    if order.size_bytes != plan.size_bytes:
+        raise LinkError("the files of the incident change while they are looked through", place=name)
+    return IncidentIndex(plan=plan, order=order, paths=tuple(files))
+
+
+def _with_copies(head: Sequence[ByteRange], files: Sequence[Path]) -> Sequence[ByteRange]:
+    """``head`` where the same definitions in several files travel once."""
+    seen: dict[bytes, tuple[int, int]] = {}
+    found = []
+    for one in head:
+        copy_of = None
+        if one.size_bytes <= _MOST_COPIED_BYTES:
+            with files[one.file].open("rb") as opened:
+                data = os.pread(opened.fileno(), one.size_bytes, one.offset)
+            copy_of = seen.setdefault(data, (one.file, one.offset))
+        is_first = copy_of in (None, (one.file, one.offset))
+        found.append(one if is_first else one._replace(copy_of=copy_of))
+    return found
+
+
+def _own_stretches(parts: Sequence[RangePart]) -> Iterator[tuple[int, int, int]]:
+    """File, place and size of what is read at once."""
+    file = start = end = -1
+    for part in parts:
+        if part.whole.copy_of is not None:
+            continue
+        place = part.whole.offset + part.skipped_bytes
+        if part.whole.file == file and place == end:
+            end += part.size_bytes
+            continue
+        if end > start:
+            yield file, start, end - start
+        file, start, end = part.whole.file, place, place + part.size_bytes
+    if end > start:
+        yield file, start, end - start
+
+
+@contextmanager
+def _errors_at(name: str) -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        cause = f"the incident cannot be read: {error.strerror or error}"
+        raise LinkError(cause, place=name, remedy="it may have been deleted to make room") from error

@@ -1,0 +1,88 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What could not be sent during an outage, as a folder like that of an incident."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+from smarttestudo.bags.mcap.record_bytes import StoredChannel
+from smarttestudo.bags.mcap.writer import McapWriter
+from smarttestudo.domain.incident import IncidentRecord, IncidentTopic
+from smarttestudo.domain.link import MissedMessage
+from smarttestudo.domain.remote_incidents import OUTAGE_NAME, OUTAGE_RULE
+from smarttestudo.files.whole_file import PARTIAL_SUFFIX, not_written
+from smarttestudo.incidents.folders import (
+    finish_folder,
+    finished_record,
+    unused_name,
+    write_record,
+)
+
+
+class OutageFolder:
+    """A rosbag2 of the messages from ``from_ns`` on that an operator's end missed, below ``folder``.
+
+    They come in the order in which they were missed; in the one file, readers find that of their stamps. It
+    has its name when the outage is over; until then it is hidden, and a killed run's is completed by the
+    next. ``channels`` are the topics by name, which may grow. Raises ``OutputFileError``.
+    """
+
+    def __init__(
+        self, folder: Path, channels: Mapping[str, StoredChannel], from_ns: int, rules_sha256: str
+    ) -> None:
+        name = unused_name(folder, OUTAGE_NAME, from_ns)
+        self._channels = channels
+        self._target = folder / name
+        self._path = folder / f".{name}{PARTIAL_SUFFIX}"
+        self._file_name = f"{name}_0.mcap"
+        self._record = IncidentRecord(
+            name=OUTAGE_NAME,
+            rule=OUTAGE_RULE,
+            path="",
+            line=0,
+            triggered_ns=from_ns,
+            from_ns=from_ns,
+            to_ns=from_ns,
+            values={},
+            rules_sha256=rules_sha256,
+            topics={},
+        )
+        try:
+            self._path.mkdir(parents=True)
+            # What a killed run leaves says what it was.
+            write_record(self._path, self._record)
+            self._writer = McapWriter(self._path / self._file_name)
+        except OSError as error:
+            raise not_written(self._target, "an outage", error) from error
+
+    def take(self, message: MissedMessage) -> None:
+        """Keep a message."""
+        channel = self._channels.get(message.origin.topic)
+        if channel is None:
+            return
+        try:
+            self._writer.write(channel, message.origin.stamp_ns, message.payload)
+        except OSError as error:
+            raise not_written(self._target, "an outage", error) from error
+
+    def end(self) -> Path:
+        """The outage is over; where its folder is."""
+        try:
+            contents = {self._file_name: self._writer.close()}
+            (content,) = contents.values()
+            record = replace(
+                self._record,
+                from_ns=content.first_ns,
+                to_ns=content.last_ns,
+                topics={
+                    topic: IncidentTopic(type_name="", messages=0, size_bytes=0) for topic in content.messages
+                },
+            )
+            record = finished_record(record, contents, self._channels)
+            finish_folder(self._path, record, contents, self._channels)
+            return self._path.rename(self._target)
+        except OSError as error:
+            raise not_written(self._target, "an outage", error) from error

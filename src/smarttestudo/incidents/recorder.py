@@ -1,0 +1,386 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The ring: the last messages of every topic that rules record, and the incidents cut from them."""
+
+from __future__ import annotations
+
+import heapq
+import mmap
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from operator import attrgetter
+from typing import Protocol
+
+from smarttestudo.domain.incident import Missing, MissingReason
+from smarttestudo.incidents.latched import LatchedSamples, holds_static_frames
+from smarttestudo.incidents.missing import missing_for_memory, unheard
+from smarttestudo.incidents.topic_ring import (
+    BlockPool,
+    GivenUp,
+    IncidentMessage,
+    SourceMessage,
+    TopicRing,
+)
+from smarttestudo.language.rule_set import Recording, RuleSet
+from smarttestudo.loop.knowledge.knowledge import SteadyTime
+from smarttestudo.loop.triggers import Trigger
+
+MAX_OPEN_INCIDENTS = 100
+_UNCOUNTED = 1 / 20
+"""What part of the memory is for what is not counted: ends of blocks, copies while an incident is written."""
+_MOST_TO_WRITE_BYTES = 1_000_000
+"""Measured: what writing the first incident takes for good. Of a small memory, as much as is not counted."""
+_LEAST_BLOCK_BYTES = 16_384
+_FREE_BLOCKS = 16
+_BLOCKS = 8192
+"""How many blocks all memory is, where it is large: a system allows a process some ten thousand of them."""
+
+Store = Callable[[SourceMessage, int, int], None]
+"""Takes a message that memory gives up, until when a window may ask for it, and the time, both steady."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Incident:
+    """What one ``Record`` keeps because of one trigger, between two stamps of the clock, both included.
+
+    ``rules_sha256`` is that of the texts of the rules. ``from_number`` is that of the first message that came
+    in the window; ``given_up`` are those, by topic, that memory did not hold any more.
+    """
+
+    trigger: Trigger
+    recording: Recording
+    from_ns: int
+    to_ns: int
+    rules_sha256: str
+    from_number: int
+    given_up: Mapping[str, Sequence[GivenUp]]
+
+
+class IncidentSink(Protocol):
+    """Where incidents go; what is told of one comes in the order of its messages."""
+
+    def begin(
+        self, incident: Incident, latched: Sequence[SourceMessage], messages: Iterable[IncidentMessage]
+    ) -> None:
+        """A window opened, ``messages`` of which came already; ``latched`` came before it and counted then.
+
+        Both are in the order of their numbers.
+        """
+
+    def take(self, message: SourceMessage, incidents: Sequence[Incident]) -> None:
+        """A message came while the windows of ``incidents`` were open, which keep it."""
+
+    def end(self, incident: Incident, missing: Sequence[Missing]) -> None:
+        """The window is over."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _OpenIncident:
+    """``topics`` are recorded until ``end_ns``, a steady time; ``missing`` is known to be so far."""
+
+    incident: Incident
+    topics: frozenset[str]
+    end_ns: int
+    missing: list[Missing]
+
+
+class IncidentRecorder:
+    """Keeps messages in memory, at most ``memory_bytes`` of them, and cuts incidents out of them.
+
+    Each topic is kept for as long as some recording of it asks for. When memory is short, the topic that
+    takes the most gives up its oldest message, so that small topics stay whole; what a window lacks of it
+    is counted, for which 24 bytes of each message are kept. What is given up goes to ``store``, if there is
+    one. Latched messages that count are never given up. A message of the window is in the incident once.
+
+    A clock that jumps back counts as one that stood still, so that a window keeps its length. ``refused``
+    counts incidents that were not begun, because ``MAX_OPEN_INCIDENTS`` were open.
+    """
+
+    def __init__(
+        self,
+        rule_set: RuleSet,
+        sink: IncidentSink,
+        memory_bytes: int,
+        start_ns: int,
+        *,
+        rules_sha256: str = "",
+        store: Store | None = None,
+    ) -> None:
+        self._sink = sink
+        self._store = store
+        uncounted_bytes = int(memory_bytes * _UNCOUNTED)
+        self._memory_bytes = memory_bytes - uncounted_bytes - min(uncounted_bytes, _MOST_TO_WRITE_BYTES)
+        self._pool = BlockPool(_block_bytes(memory_bytes), _FREE_BLOCKS)
+        self._time = SteadyTime(start_ns)
+        self._start_ns = self._time.now_ns
+        self._number = 0
+        self._rings: dict[str, TopicRing] = {}
+        self._latched: dict[str, LatchedSamples] = {}
+        self._named: frozenset[str] = frozenset()
+        self._ring_bytes = 0
+        self._latched_bytes: dict[str, int] = {}
+        self._open: list[_OpenIncident] = []
+        self.refused = 0
+        self.change_rules(rule_set, rules_sha256)
+
+    @property
+    def held_bytes(self) -> int:
+        """What all messages take in memory."""
+        return self._ring_bytes + sum(self._latched_bytes.values())
+
+    @property
+    def held_messages(self) -> int:
+        """How many messages are kept, except for latched ones."""
+        return sum(len(ring) for ring in self._rings.values())
+
+    @property
+    def topics(self) -> int:
+        """How many topics are kept, latched ones included."""
+        return len(self._rings.keys() | self._latched.keys())
+
+    @property
+    def open_incidents(self) -> int:
+        """How many windows are open."""
+        return len(self._open)
+
+    @property
+    def next_wake_ns(self) -> int | None:
+        """When, on the clock, the next window is over."""
+        if not self._open:
+            return None
+        return self._time.on_clock(min(one.end_ns for one in self._open) + 1)
+
+    def change_rules(self, rule_set: RuleSet, rules_sha256: str = "") -> None:
+        """Keep what these rules ask for; windows that are open stay so."""
+        self._rules_sha256 = rules_sha256
+        horizons: dict[str, int] = {}
+        for block in rule_set.blocks:
+            for recording in block.recordings:
+                for topic in recording.topics:
+                    horizons[topic] = max(horizons.get(topic, 0), recording.before_ns)
+        self._longest_ns = max(horizons.values(), default=0)
+        known, self._rings = self._rings, {}
+        for topic, horizon_ns in horizons.items():
+            ring = known[topic] if topic in known else TopicRing(topic, horizon_ns, self._pool)
+            self._rings[topic] = ring
+            kept_ns = self._time.now_ns - ring.horizon_ns
+            if horizon_ns > ring.horizon_ns and ring.since is not None and ring.since[0] < kept_ns:
+                # Nobody asked for what came before that, so it is gone.
+                ring.since = (kept_ns, self._time.on_clock(kept_ns))
+            ring.horizon_ns = horizon_ns
+        self._ring_bytes = sum(ring.held_bytes for ring in self._rings.values())
+        self._named = frozenset(
+            (*rule_set.relayed, *(signal.topic for signal in rule_set.signals), *rule_set.recorded)
+        )
+
+    def keeps(self, topic: str) -> bool:
+        """Whether messages of ``topic`` are to be taken."""
+        return topic in self._rings or topic in self._latched
+
+    def hear(self, topic: str, now_ns: int, *, transient_local: bool) -> None:
+        """From now on messages of ``topic`` are taken as they come, as far as it is kept."""
+        self._time.advance(now_ns)
+        ring = self._rings.get(topic)
+        if ring is not None and ring.since is None:
+            ring.since = (self._time.now_ns, now_ns)
+        is_latched = transient_local and topic in self._named
+        if self._rings and topic not in self._latched and (is_latched or holds_static_frames(topic)):
+            self._latched[topic] = LatchedSamples(topic)
+
+    def take(self, topic: str, stamp_ns: int, payload: bytes, publisher: Hashable = None) -> None:
+        """A message of a topic that is kept came, at ``stamp_ns`` on the clock."""
+        self.advance(stamp_ns)
+        now_ns = self._time.now_ns
+        self._number += 1
+        message = SourceMessage(self._number, topic, stamp_ns, payload)
+        samples = self._latched.get(topic)
+        if samples is not None:
+            samples.add(message, publisher, now_ns)
+            samples.forget_before(now_ns - self._longest_ns)
+            self._latched_bytes[topic] = samples.held_bytes
+        ring = self._rings.get(topic)
+        if ring is not None:
+            before = ring.held_bytes
+            ring.add(message, now_ns)
+            ring.forget_before(now_ns - ring.horizon_ns)
+            self._ring_bytes += ring.held_bytes - before
+        if self.held_bytes > self._memory_bytes:
+            self._make_room(now_ns)
+        if self._open:
+            is_latched = samples is not None
+            keeping = [one.incident for one in self._open if is_latched or topic in one.topics]
+            if keeping:
+                self._sink.take(message, keeping)
+
+    def lose(self, topic: str, messages: int, since_ns: int, now_ns: int) -> None:
+        """So many messages of a topic were lost before they came, between two stamps of the clock."""
+        ring = self._rings.get(topic)
+        if ring is None:
+            return
+        self.advance(now_ns)
+        lost = Missing(
+            topic=topic, reason=MissingReason.LOST, messages=messages, from_ns=since_ns, to_ns=now_ns
+        )
+        ring.lose(lost, self._time.now_ns)
+        for one in self._open:
+            if topic in one.topics:
+                one.missing.append(lost)
+
+    def begin(self, trigger: Trigger) -> None:
+        """Open the windows of a block that begins to hold; what it read was taken before."""
+        self.advance(trigger.stamp_ns)
+        for recording in trigger.block.recordings:
+            if len(self._open) >= MAX_OPEN_INCIDENTS:
+                self.refused += 1
+            else:
+                self._begin(trigger, recording)
+
+    def advance(self, now_ns: int) -> None:
+        """Time passed: close the windows that are over."""
+        steady_ns = self._time.advance(now_ns)
+        if self._open and any(one.end_ns < steady_ns for one in self._open):
+            over = [one for one in self._open if one.end_ns < steady_ns]
+            self._open = [one for one in self._open if one.end_ns >= steady_ns]
+            for one in over:
+                self._sink.end(one.incident, one.missing)
+
+    def finish(self, now_ns: int) -> None:
+        """No more messages come: close all windows."""
+        self.advance(now_ns)
+        for one in self._open:
+            ended = (
+                Missing(
+                    topic=topic,
+                    reason=MissingReason.ENDED,
+                    messages=None,
+                    from_ns=now_ns,
+                    to_ns=one.incident.to_ns,
+                )
+                for topic in sorted(one.topics)
+            )
+            self._sink.end(one.incident, (*one.missing, *(ended if one.end_ns > self._time.now_ns else ())))
+        self._open = []
+
+    def _begin(self, trigger: Trigger, recording: Recording) -> None:
+        now_ns = self._time.now_ns
+        from_ns = now_ns - recording.before_ns
+        rings = [(topic, self._rings[topic]) for topic in recording.topics if topic in self._rings]
+        held = {topic: ring.held_since(from_ns) for topic, ring in rings}
+        gone = {topic: ring.given_up_since(from_ns) for topic, ring in rings}
+        latched = sorted(one for samples in self._latched.values() for one in samples.counting_at(from_ns))
+        # Latched ones of the window that no ring holds.
+        inside = sorted(
+            one
+            for topic, samples in self._latched.items()
+            for one in samples.since(from_ns)
+            if topic not in held or not held[topic].holds(one.number)
+        )
+        given_up = self._given_up(gone, inside, from_ns)
+        firsts = [
+            *(one.first_number for one in held.values()),
+            *(next((one.number for one in each if one.at_ns >= from_ns), None) for each in given_up.values()),
+            *(one.number for one in inside[:1]),
+        ]
+        incident = Incident(
+            trigger=trigger,
+            recording=recording,
+            from_ns=trigger.stamp_ns - recording.before_ns,
+            to_ns=trigger.stamp_ns + recording.after_ns,
+            rules_sha256=self._rules_sha256,
+            from_number=min((one for one in firsts if one is not None), default=self._number + 1),
+            given_up=given_up,
+        )
+        missing = [
+            *self._unheard(incident, rings, from_ns),
+            *(one for _, ring in rings for one in ring.lost_since(from_ns)),
+            *missing_for_memory(given_up),
+        ]
+        self._sink.begin(incident, latched, _InOrder((*held.values(), inside)))
+        self._open.append(
+            _OpenIncident(
+                incident=incident,
+                topics=frozenset(recording.topics),
+                end_ns=now_ns + recording.after_ns,
+                missing=missing,
+            )
+        )
+
+    def _unheard(
+        self, incident: Incident, rings: Sequence[tuple[str, TopicRing]], from_ns: int
+    ) -> Iterator[Missing]:
+        """What nobody heard in the window before its trigger, by topic."""
+        window_ns = incident.from_ns, incident.trigger.stamp_ns
+        for topic, ring in rings:
+            if ring.since is not None:
+                if ring.since[0] > from_ns:
+                    yield unheard(topic, window_ns[0], ring.since[1])
+            elif self._time.now_ns == self._start_ns:
+                yield unheard(topic, *window_ns)
+            else:
+                yield unheard(topic, *window_ns, MissingReason.UNPUBLISHED)
+        for topic, samples in self._latched.items():
+            complete_ns = samples.complete_since_ns
+            if topic not in self._rings and complete_ns is not None and complete_ns > from_ns:
+                yield unheard(topic, window_ns[0], self._time.on_clock(complete_ns))
+
+    def _given_up(
+        self, gone: Mapping[str, Sequence[GivenUp]], inside: Sequence[SourceMessage], from_ns: int
+    ) -> dict[str, Sequence[GivenUp]]:
+        """What memory gave up of a window, by topic: ``gone`` from the rings, but for what is ``inside``."""
+        found = {topic: _without(each, topic, inside) for topic, each in gone.items()}
+        for topic, samples in self._latched.items():
+            # A ring knows what came in the window.
+            lacking = [
+                one for one in samples.given_up_of(from_ns) if one.at_ns < from_ns or topic not in gone
+            ]
+            if lacking:
+                found[topic] = (*lacking, *found.get(topic, ()))
+        return found
+
+    def _make_room(self, now_ns: int) -> None:
+        for ring in self._rings.values():
+            ring.forget_before(now_ns - ring.horizon_ns)
+        self._ring_bytes = sum(ring.held_bytes for ring in self._rings.values())
+        while self.held_bytes > self._memory_bytes:
+            largest = max(self._rings.values(), key=lambda ring: len(ring) and ring.held_bytes, default=None)
+            topic = max(self._latched, key=lambda topic: self._latched[topic].replaced_bytes, default="")
+            if topic and self._latched[topic].replaced_bytes > (largest.held_bytes if largest else 0):
+                self._give_up_latched(topic, now_ns)
+            elif largest:
+                before = largest.held_bytes
+                at_ns, message = largest.give_up_oldest()
+                if self._store is not None:
+                    self._store(message, at_ns + largest.horizon_ns, now_ns)
+                self._ring_bytes += largest.held_bytes - before
+            else:
+                break
+
+    def _give_up_latched(self, topic: str, now_ns: int) -> None:
+        samples = self._latched[topic]
+        replaced_ns, message = samples.give_up_oldest()
+        self._latched_bytes[topic] = samples.held_bytes
+        # What is in a ring goes to the store from there.
+        if self._store is not None and topic not in self._rings:
+            self._store(message, replaced_ns + self._longest_ns, now_ns)
+
+
+@dataclass(frozen=True, slots=True)
+class _InOrder(Iterable[IncidentMessage]):
+    """The messages of several topics in the order of their numbers."""
+
+    topics: Sequence[Iterable[IncidentMessage]]
+
+    def __iter__(self) -> Iterator[IncidentMessage]:
+        return heapq.merge(*self.topics, key=attrgetter("number"))
+
+
+def _block_bytes(memory_bytes: int) -> int:
+    """Whole pages: of others, the system takes the rest, too."""
+    pages = -(-max(_LEAST_BLOCK_BYTES, memory_bytes // _BLOCKS) // mmap.PAGESIZE)
+    return pages * mmap.PAGESIZE
+
+
+def _without(given_up: Sequence[GivenUp], topic: str, messages: Sequence[SourceMessage]) -> Sequence[GivenUp]:
+    """``given_up`` of ``topic``, without what is in ``messages``."""
+    found = {message.number for message in messages if message.topic == topic}
+    return [one for one in given_up if one.number not in found] if found else given_up

@@ -1,0 +1,197 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""A folder of incidents on disk: what it holds, and taking something out of it."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import stat
+from collections.abc import Iterable, Iterator
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+from smarttestudo.bags.incident_record import RECORD_NAME, errors_at, read_record
+from smarttestudo.bags.metadata_text import METADATA_NAME
+from smarttestudo.domain.errors import RecordingError
+from smarttestudo.domain.incident import IncidentRecord, incident_folder_name, is_incident_folder_name
+from smarttestudo.domain.remote_incidents import RemoteIncident
+from smarttestudo.files.removal import ForeignFilesError, remove
+
+READ_NAME = "read"
+"""An empty file in the folder of an incident that somebody looked at."""
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,99}\Z")
+_MAX_LISTED = 100_000
+_INCIDENTS_ARE_LISTED = "'testudo incidents list' names them"
+_RECORDING = re.compile(r"((.+?)(?:-\d+)?)_\d+\.mcap\Z", re.ASCII)
+"""A recording begins with the name that its folder had first, with a number where others had that name."""
+_UNFINISHED = re.compile(r"\.(incident\.json|metadata\.yaml)-\w{8}\.partial\Z", re.ASCII)
+"""What ``whole_file`` leaves where a run was killed."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StoredIncident:
+    """An incident by the name of its folder; ``size_bytes`` is what its files take.
+
+    ``is_read`` says that somebody looked at it.
+    """
+
+    name: str
+    path: Path
+    size_bytes: int
+    is_read: bool
+    record: IncidentRecord
+
+    def listed(self) -> RemoteIncident:
+        """As a list names it; on no robot."""
+        return RemoteIncident(
+            robot="",
+            name=self.name,
+            label=self.record.name,
+            rule=self.record.rule,
+            triggered_ns=self.record.triggered_ns,
+            from_ns=self.record.from_ns,
+            to_ns=self.record.to_ns,
+            messages=sum(topic.messages for topic in self.record.topics.values()),
+            size_bytes=self.size_bytes,
+            is_read=self.is_read,
+            missing=tuple(dict.fromkeys(one.reason.value for one in self.record.missing)),
+        )
+
+
+class IncidentStore:
+    """The incidents in one folder; nothing outside it is read, copied or deleted, wherever links lead.
+
+    Raises ``RecordingError`` where ``folder`` is not a folder that can be read.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        if not folder.is_dir():
+            raise RecordingError(
+                "is not a folder" if folder.exists() else "no such folder",
+                place=str(folder),
+                remedy="name the one that 'testudo run --incidents DIR' wrote into",
+            )
+
+    def incidents(self) -> Iterator[StoredIncident | RecordingError]:
+        """All incidents, oldest first; for one whose record cannot be read, why."""
+        with errors_at(self._folder):
+            names = sorted(path.name for path in self._folder.iterdir() if _is_folder(path))
+        for name in names[:_MAX_LISTED]:
+            if name.startswith("."):
+                continue
+            try:
+                yield self.incident(name)
+            except RecordingError as error:
+                yield error
+
+    def incident(self, name: str) -> StoredIncident:
+        """The incident in the folder ``name``. Raises ``RecordingError`` where it cannot be read."""
+        path, size_bytes = self._path(name), self.size_bytes(name)
+        with errors_at(path):
+            is_read = (path / READ_NAME).exists()
+        return StoredIncident(
+            name=name, path=path, size_bytes=size_bytes, is_read=is_read, record=read_record(path)
+        )
+
+    def size_bytes(self, name: str) -> int:
+        """What the files of an incident take, whether its record can be read or not."""
+        path = self._path(name)
+        with errors_at(path):
+            return sum(one.lstat().st_size for one in _files(path))
+
+    def files(self, name: str) -> list[Path]:
+        """The files of an incident, by name."""
+        path = self._path(name)
+        with errors_at(path):
+            return list(_files(path))
+
+    def mark_read(self, name: str) -> None:
+        """Somebody looked at the incident: it is among those that give way first. No error if that fails."""
+        with suppress(OSError):
+            (self._path(name) / READ_NAME).touch(exist_ok=True)
+
+    def export(self, name: str, target: Path) -> int:
+        """Copy the files of an incident to the new folder ``target``; how many they were."""
+        files = self.files(name)
+        if target.exists() or target.is_symlink():
+            raise RecordingError("exists already", place=str(target), remedy="name another output")
+        with errors_at(target):
+            target.mkdir(parents=True)
+            for one in files:
+                shutil.copyfile(one, target / one.name, follow_symlinks=False)
+        return len(files)
+
+    def delete(self, name: str) -> None:
+        """Delete an incident as ``remove_incident``. Raises ``RecordingError`` where it stays."""
+        path = self._path(name)
+        with errors_at(path):
+            remove_incident(path)
+
+    def _path(self, name: str) -> Path:
+        path = self._folder / name
+        if _NAME.match(name) is None or not _is_folder(path):
+            raise RecordingError(
+                f"there is no incident {name!r:.80}",
+                place=str(self._folder),
+                remedy=_INCIDENTS_ARE_LISTED,
+            )
+        return path
+
+
+def remove_incident(folder: Path) -> None:
+    """Remove the folder of an incident with its files, if it holds nothing else.
+
+    These are its record, what names its recordings, the mark that somebody looked at it, and the recordings
+    that are called as the record says. Where that cannot be read, they are called as the folder is.
+
+    Raises ``RecordingError`` for a folder without the record of an incident or with other things, which stays
+    as it was, and ``OSError`` where something cannot be removed.
+    """
+    if not stat.S_ISREG(_mode(folder / RECORD_NAME)):
+        raise RecordingError(
+            f"is no incident: it has no {RECORD_NAME}", place=str(folder), remedy=_INCIDENTS_ARE_LISTED
+        )
+    stems = [folder.name] if is_incident_folder_name(folder.name) else []
+    try:
+        record = read_record(folder)
+        stems.append(incident_folder_name(record.name, record.triggered_ns))
+    except RecordingError as error:
+        if not stems:
+            remedy = "look at what the folder is, and remove it yourself"
+            raise RecordingError(error.cause, place=error.place, remedy=remedy) from error
+    names = sorted(one.name for one in folder.iterdir())
+    ours = [name for name in names if _is_of_incident(name, stems)]
+    try:
+        # As long as something is there, it is the folder of an incident, and can be removed once more.
+        remove(folder, sorted(ours, key=lambda name: name == RECORD_NAME), with_folder=True)
+    except ForeignFilesError as error:
+        raise RecordingError(error.cause, place=error.place, remedy=error.remedy) from error
+
+
+def _is_of_incident(name: str, stems: Iterable[str]) -> bool:
+    """Whether it is the name of a file of an incident whose recordings begin with one of ``stems``."""
+    if name in {RECORD_NAME, METADATA_NAME, READ_NAME} or _UNFINISHED.match(name):
+        return True
+    stem = _RECORDING.match(name)
+    return stem is not None and any(stem[1] == one or stem[2] == one for one in stems)
+
+
+def _mode(path: Path) -> int:
+    try:
+        return path.lstat().st_mode
+    except FileNotFoundError:
+        return 0
+
+
+def _is_folder(path: Path) -> bool:
+    """Whether it is a folder itself, not a link to one."""
+    return path.is_dir() and not path.is_symlink()
+
+
+def _files(path: Path) -> Iterator[Path]:
+    """The files in a folder; an incident has no folders in it, and a link or a mark is none of its files."""
+    files = (one for one in sorted(path.iterdir()) if stat.S_ISREG(one.lstat().st_mode))
+    return (one for one in files if one.name != READ_NAME)

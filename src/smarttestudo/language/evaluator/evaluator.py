@@ -1,0 +1,181 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The one evaluator of rule sets."""
+
+from __future__ import annotations
+
+from collections.abc import Set as AbstractSet
+
+from smarttestudo.domain.decision import PlannedRate
+from smarttestudo.domain.signal import Signal, Truth
+from smarttestudo.language.evaluator.graph import Graph, Propagation
+from smarttestudo.language.evaluator.literal import Latch, Leaf, Literal, Thresholds
+from smarttestudo.language.evaluator.rate_arbiter import RequestedRate, TopicArbiter
+from smarttestudo.language.normal_form import HeldTime, LastSeen, signals_of
+from smarttestudo.language.region import Bound
+from smarttestudo.language.rule_set import RuleBlock, RuleSet
+
+
+class Evaluator:
+    """What a rule set asks for, given the values of its signals; all signals start unknown.
+
+    A new value costs in proportion to the thresholds it crosses and the blocks it changes, whatever the
+    size of the rule set. Time passes with ``advance``; what is remembered of conditions takes two numbers
+    each.
+    """
+
+    def __init__(self, rule_set: RuleSet, start_ns: int = 0) -> None:
+        self._graph = graph = Graph()
+        self._blocks = rule_set.blocks
+        self._literals = [_literal(graph, block) for block in rule_set.blocks]
+        self._thresholds = _thresholds(graph)
+        self._arbiters = _arbiters(rule_set)
+        self._entries = [
+            [
+                (topic, *ranking)
+                for topic in block.topics
+                for ranking in self._arbiters[topic].rankings_of(block.order)
+            ]
+            for block in rule_set.blocks
+        ]
+        self._changed_topics = set(self._arbiters)
+        self._changed_blocks: set[int] = set()
+        self._turned_ns = [start_ns] * len(rule_set.blocks)
+        self._recording = {block.order for block in rule_set.blocks if block.recordings}
+        self.has_recordings = bool(self._recording)
+        self._turned_recordings: list[tuple[int, Truth]] = []
+        self._propagation = Propagation(graph, self._block_changed, start_ns)
+
+    @property
+    def touched(self) -> int:
+        """How many parts of the network were looked at so far, a measure of cost that needs no clock."""
+        return self._propagation.touched
+
+    @property
+    def next_alarm_ns(self) -> int | None:
+        """When time alone may next change a condition; it may come early, never late. ``None``: never."""
+        return self._propagation.next_alarm_ns
+
+    def advance(self, now_ns: int) -> None:
+        """Let time pass until ``now_ns``; what is ``set`` from now on happens then. Time never goes back."""
+        self._propagation.advance(now_ns)
+
+    def carry_on(self, before: Evaluator) -> None:
+        """Take over the history of every condition that ``before`` has, too, be it with other durations.
+
+        To be followed by an ``advance`` and the values of all signals.
+        """
+        known_of = {held: window for (held, _), window in before._graph.windows.items()}
+        for (held, _), window in self._graph.windows.items():
+            known = known_of.get(held)
+            if known is not None:
+                self._propagation.carry_on(window, known)
+        for signal, latch in self._graph.latches.items():
+            remembered = before._graph.latches.get(signal)
+            if remembered is not None:
+                latch.carry_on(remembered)
+
+    def set(self, signal: Signal, value: float | None) -> None:
+        """Take a signal's value; ``None`` and NaN mean unknown. Signals that no check reads are ignored."""
+        thresholds = self._thresholds.get(signal)
+        if thresholds is None:
+            return
+        for leaf in thresholds.move(value):
+            self._propagation.change(leaf, leaf.truth_at(thresholds.value))
+
+    def take_changed_topics(self) -> AbstractSet[str]:
+        """The topics whose request may have changed since the last call; at first all that are relayed."""
+        self._propagation.settle()
+        changed, self._changed_topics = self._changed_topics, set()
+        return changed
+
+    def take_changed_blocks(self) -> AbstractSet[int]:
+        """The blocks, by order, that turned since the last call; at first none: all start unknown."""
+        self._propagation.settle()
+        changed, self._changed_blocks = self._changed_blocks, set()
+        return changed
+
+    def take_turned_recordings(self) -> list[tuple[int, Truth]]:
+        """The blocks with recordings, by order, and what they turned to since the last call, in order."""
+        self._propagation.settle()
+        turned, self._turned_recordings = self._turned_recordings, []
+        return turned
+
+    def request(self, topic: str) -> PlannedRate:
+        """The rate that the rules ask for now; ``topic`` is one of the rule set's relayed topics."""
+        return self.decide(topic).planned
+
+    def decide(self, topic: str) -> RequestedRate:
+        """Like ``request``, with the order of the deciding block."""
+        self._propagation.settle()
+        return self._arbiters[topic].request()
+
+    def truth(self, block_order: int) -> Truth:
+        """Whether the condition of a block holds."""
+        self._propagation.settle()
+        return Truth(self._literals[block_order].truth)
+
+    def turned_ns(self, block_order: int) -> int:
+        """Since when the condition of a block is as it is."""
+        self._propagation.settle()
+        return self._turned_ns[block_order]
+
+    def window(self, held: HeldTime, duration_ns: int, now_ns: int) -> tuple[Truth, int | None]:
+        """Whether ``held`` is at least so long, and how long it is at ``now_ns``.
+
+        Unknown for what no condition reads.
+        """
+        self._propagation.settle()
+        window = self._graph.windows.get((held, duration_ns))
+        if window is None:
+            return Truth.UNKNOWN, None
+        return Truth(window.truth), window.held_ns(now_ns)
+
+    def latched(self, signal: LastSeen) -> Truth:
+        """What is remembered between the two regions; unknown for one that no condition reads."""
+        latch = self._graph.latches.get(signal)
+        return Truth.UNKNOWN if latch is None else Truth(latch.truth)
+
+    def reads(self, block_order: int) -> list[Signal]:
+        """The signals that the condition of a block reads, sorted."""
+        return sorted(signals_of(self._blocks[block_order].form))
+
+    def values_of(self, block_order: int) -> dict[str, float | None]:
+        """What the condition of a block reads, by signal name; ``None`` is unknown."""
+        return {str(signal): self._thresholds[signal].value for signal in self.reads(block_order)}
+
+    def cuts(self, signal: Signal) -> list[Bound]:
+        """The places of the number line, rising, where a value of ``signal`` changes some check."""
+        return self._thresholds[signal].cuts
+
+    def _block_changed(self, order: int, before: int, after: int) -> None:
+        self._changed_blocks.add(order)
+        self._turned_ns[order] = self._propagation.now_ns
+        if order in self._recording:
+            self._turned_recordings.append((order, Truth(after)))
+        for topic, ranking, rank in self._entries[order]:
+            ranking.move(rank, before, after)
+            self._changed_topics.add(topic)
+
+
+def _literal(graph: Graph, block: RuleBlock) -> Literal:
+    literal = graph.literal_of(block.form)
+    literal.blocks.append(block.order)
+    return literal
+
+
+def _thresholds(graph: Graph) -> dict[Signal, Thresholds]:
+    leaves: dict[Signal, list[Leaf | Latch]] = {
+        signal: [*by_region.values()] for signal, by_region in graph.leaves.items()
+    }
+    for latch in graph.latches.values():
+        leaves.setdefault(latch.source, []).append(latch)
+    return {signal: Thresholds(found) for signal, found in leaves.items()}
+
+
+def _arbiters(rule_set: RuleSet) -> dict[str, TopicArbiter]:
+    blocks: dict[str, list[RuleBlock]] = {topic: [] for topic in rule_set.relayed}
+    for block in rule_set.blocks:
+        for topic in block.topics:
+            blocks[topic].append(block)
+    return {topic: TopicArbiter(topic, setting, rule_set) for topic, setting in blocks.items()}

@@ -1,0 +1,260 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Blocks, ``[Disabled] [Rule …] If … Then … [Else …] [EndIf]``, and what stands in them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from smarttestudo.domain.finding import Fix
+from smarttestudo.language.comments import NO_TRIVIA, Comment, Trivia, label_in
+from smarttestudo.language.parser.conditions import parse_condition, parse_property
+from smarttestudo.language.parser.cursor import SAFE_PLACES, BrokenStatementError, Cursor
+from smarttestudo.language.parser.headings import RuleLine, parse_rule_line
+from smarttestudo.language.parser.records import parse_record
+from smarttestudo.language.parser.tokens import CONNECTIVES, Token, TokenKind
+from smarttestudo.language.parser.values import parse_bound, parse_rate, parse_topic
+from smarttestudo.language.syntax import (
+    Action,
+    And,
+    Block,
+    Condition,
+    KeepWithin,
+    Not,
+    Or,
+    SetFrequency,
+    Timed,
+)
+
+# Below Python 3.12, looking a member up in its enum costs as much as a call.
+_SET_FREQUENCY, _KEEP_WITHIN, _RECORD, _DISABLED, _RULE, _IF, _THEN, _ELSE, _END_IF = (
+    TokenKind.SET_FREQUENCY,
+    TokenKind.KEEP_WITHIN,
+    TokenKind.RECORD,
+    TokenKind.DISABLED,
+    TokenKind.RULE,
+    TokenKind.IF,
+    TokenKind.THEN,
+    TokenKind.ELSE,
+    TokenKind.END_IF,
+)
+_ACTIONS = frozenset({_SET_FREQUENCY, _KEEP_WITHIN, _RECORD})
+_ACTIONS_END = SAFE_PLACES - {*_ACTIONS, _THEN}
+_EXPECTED_BLOCK = "'Rule' or 'If'"
+_DISABLED_HINT = "'Disabled' stands before a block, which it switches off"
+_EXPECTED_ACTION = "'SetFrequency', 'KeepWithin' or 'Record'"
+_EXPECTED_AFTER_ACTION = "'SetFrequency', 'KeepWithin', 'Record', 'Else', 'EndIf' or the next rule"
+_AFTER_ACTION = frozenset(
+    {
+        *_ACTIONS,
+        TokenKind.KEEP_AT_LEAST,
+        TokenKind.ELSE,
+        TokenKind.END_IF,
+        TokenKind.DISABLED,
+        TokenKind.RULE,
+        TokenKind.IF,
+        TokenKind.END,
+    }
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Head:
+    """Everything up to ``Then``; without a ``Rule``, ``trivia`` is that of ``If``."""
+
+    rule: RuleLine
+    condition: Condition
+    trivia: Trivia
+    if_trivia: Trivia
+    then_trivia: Trivia
+
+    @property
+    def comments(self) -> tuple[Comment, ...]:
+        """The comments above the block, where the formatter puts those before its first check, too."""
+        return (*self.trivia.above, *comments_above(self.condition))
+
+
+def parse_set(cursor: Cursor) -> SetFrequency:
+    """``SetFrequency TOPIC rate``."""
+    first = cursor.advance()
+    topic = parse_topic(cursor)
+    rate = parse_rate(cursor)
+    return SetFrequency(
+        topic=topic, rate=rate, span=cursor.span_from(first), trivia=cursor.take_trivia(first)
+    )
+
+
+def parse_within(cursor: Cursor) -> KeepWithin:
+    """``KeepWithin TOPIC PROPERTY bound``."""
+    first = cursor.advance()
+    topic = parse_topic(cursor, split_property=True)
+    name = parse_property(cursor, topic.text)
+    bound, text = parse_bound(cursor)
+    return KeepWithin(
+        topic=topic,
+        property=name.text,
+        property_span=name.span,
+        bound=bound,
+        text=text,
+        span=cursor.span_from(first),
+        trivia=cursor.take_trivia(first),
+    )
+
+
+def parse_block(cursor: Cursor) -> Block | None:
+    """A block, or ``None`` when it is broken; the statements in it are checked all the same."""
+    first = cursor.token
+    is_disabled = _take_disabled(cursor)
+    head = _head_or_recover(cursor, first)
+    then = parse_actions(cursor, after_error=head is None)
+    otherwise: tuple[Action, ...] = ()
+    else_trivia = end_if_trivia = NO_TRIVIA
+    if started := cursor.take(_ELSE):
+        else_trivia = cursor.take_trivia(started)
+        cursor.begin_statement()
+        otherwise = parse_actions(cursor, after_error=head is None)
+        _refuse_more_else(cursor)
+    if ended := cursor.take(_END_IF):
+        cursor.is_block_open = False
+        end_if_trivia = cursor.take_trivia(ended)
+    if head is None or not then:
+        return None
+    return Block(
+        name=head.rule.name,
+        priority=head.rule.priority,
+        label=head.rule.name or label_in(head.comments) or f"block at line {first.line}",
+        condition=head.condition,
+        then=then,
+        otherwise=otherwise,
+        has_end_if=ended is not None,
+        span=cursor.span_from(first),
+        is_disabled=is_disabled,
+        trivia=head.trivia,
+        if_trivia=head.if_trivia,
+        then_trivia=head.then_trivia,
+        else_trivia=else_trivia,
+        end_if_trivia=end_if_trivia,
+    )
+
+
+def _take_disabled(cursor: Cursor) -> bool:
+    """Whether ``Disabled`` was there; what follows it is a block, or the statement is given up."""
+    if cursor.take(_DISABLED) is None:
+        return False
+    cursor.mend("expected-if", _EXPECTED_BLOCK, (_RULE, _IF))
+    if cursor.kind not in (_RULE, _IF):
+        raise cursor.failure("expected-if", _EXPECTED_BLOCK, hint=_DISABLED_HINT)
+    return True
+
+
+def _refuse_more_else(cursor: Cursor) -> None:
+    while cursor.kind is _ELSE:
+        cursor.begin_statement()
+        cursor.report("stray-keyword", "the block has an 'Else' already")
+        cursor.advance()
+        parse_actions(cursor, after_error=True)
+
+
+def parse_actions(cursor: Cursor, *, after_error: bool) -> tuple[Action, ...]:
+    """The statements after ``Then`` or ``Else``; none at all is an error, unless it follows from another."""
+    statements: list[Action] = []
+    is_broken = after_error
+    while cursor.kind not in _ACTIONS_END:
+        cursor.begin_statement()
+        if cursor.kind in _ACTIONS:
+            cursor.is_block_open = True
+            try:
+                statements.append(_parse_action(cursor))
+            except BrokenStatementError:
+                is_broken = True
+                cursor.skip_to(SAFE_PLACES)
+        elif not cursor.mend("expected-statement", _EXPECTED_AFTER_ACTION, _AFTER_ACTION):
+            is_broken = True
+            cursor.report_found("expected-statement", _EXPECTED_AFTER_ACTION)
+            cursor.advance()
+            cursor.skip_to(SAFE_PLACES)
+    if not statements and not is_broken:
+        cursor.report_missing("expected-statement", _EXPECTED_ACTION, hint=_nesting_hint(cursor))
+    return tuple(statements)
+
+
+def _parse_action(cursor: Cursor) -> Action:
+    if cursor.kind is _SET_FREQUENCY:
+        return parse_set(cursor)
+    return parse_within(cursor) if cursor.kind is _KEEP_WITHIN else parse_record(cursor)
+
+
+def comments_above(condition: Condition) -> tuple[Comment, ...]:
+    """The comments before the first check or parenthesis of ``condition``."""
+    match condition:
+        case And() | Or():
+            return comments_above(condition.operands[0])
+        case Timed():
+            return comments_above(condition.operand)
+        case Not():
+            return (*condition.trivia.above, *comments_above(condition.operand))
+        case _:
+            return condition.trivia.above
+
+
+def _nesting_hint(cursor: Cursor) -> str:
+    if cursor.kind is not TokenKind.IF:
+        return ""
+    if cursor.previous.kind is TokenKind.ELSE:
+        return "there is no 'Else If'; write a block of its own"
+    return "blocks do not nest; join the conditions with 'AND'"
+
+
+def _head_or_recover(cursor: Cursor, first: Token) -> _Head | None:
+    try:
+        return _head(cursor, first)
+    except BrokenStatementError:
+        cursor.skip_to(SAFE_PLACES)
+        cursor.mend("expected-then", "'Then'", (TokenKind.THEN,))
+        cursor.take(TokenKind.THEN)
+        return None
+
+
+def _head(cursor: Cursor, first: Token) -> _Head:
+    """What goes on behind ``first`` where that is ``Disabled``, else begins with it."""
+    rule, trivia = RuleLine(), NO_TRIVIA
+    if cursor.kind is _RULE:
+        rule = parse_rule_line(cursor)
+        trivia = cursor.take_trivia(first)
+    if_token = cursor.token
+    if if_token.kind is not _IF:
+        fix = Fix(span=if_token.start, replacement="If ", title="put 'If' here")
+        raise cursor.failure("expected-if", "'If'", fix=fix if if_token.kind in _CONDITION_STARTS else None)
+    cursor.advance()
+    if_trivia = Trivia(
+        above=cursor.take_above(), blank_above=(if_token if rule.is_written else first).blank_above
+    )
+    condition = parse_condition(cursor)
+    then = _then(cursor)
+    return _Head(
+        rule=rule,
+        condition=condition,
+        trivia=trivia if rule.is_written else if_trivia,
+        if_trivia=if_trivia if rule.is_written else NO_TRIVIA,
+        then_trivia=cursor.take_trivia(then),
+    )
+
+
+_CONDITION_STARTS = frozenset({TokenKind.CHECK_VALUE, TokenKind.OPEN, TokenKind.NOT})
+
+
+def _then(cursor: Cursor) -> Token:
+    token = cursor.token
+    if token.kind in CONNECTIVES or cursor.mend("expected-then", "'Then'", CONNECTIVES):
+        raise cursor.failure(
+            "missing-parentheses", "'Then'", hint="put the whole condition in parentheses: If (… AND …) Then"
+        )
+    if token.kind is TokenKind.CLOSE:
+        fix = Fix(span=token.span, replacement="", title="delete it")
+        cursor.report("stray-parenthesis", "no '(' is open for this ')'", fix=fix)
+        raise BrokenStatementError
+    cursor.mend("expected-then", "'Then'", (_THEN,))
+    if cursor.kind is not _THEN:
+        fix = Fix(span=token.start, replacement="Then ", title="put 'Then' here")
+        raise cursor.failure("expected-then", "'Then'", fix=fix if token.kind in _ACTIONS else None)
+    return cursor.advance()

@@ -1,0 +1,188 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Conditions: checks joined by ``AND``, ``OR``, ``Not`` and parentheses."""
+
+from __future__ import annotations
+
+from typing import NoReturn
+
+from smarttestudo.domain.finding import Fix
+from smarttestudo.language.comments import Trivia
+from smarttestudo.language.parser.cursor import BrokenStatementError, Cursor
+from smarttestudo.language.parser.durations import parse_time_parts, timed
+from smarttestudo.language.parser.suggestions import closest, did_you_mean
+from smarttestudo.language.parser.tokens import CONNECTIVES, Token, TokenKind
+from smarttestudo.language.parser.values import parse_number, parse_topic
+from smarttestudo.language.properties.field_path import is_property
+from smarttestudo.language.syntax import And, Check, Condition, Group, Not, Operator, Or, Until
+
+MAX_NESTING = 100
+# Below Python 3.12, looking a member up in its enum costs as much as a call.
+_CHECK_VALUE, _OPEN, _CLOSE, _NOT, _AND, _OR, _WORD, _OPERATOR = (
+    TokenKind.CHECK_VALUE,
+    TokenKind.OPEN,
+    TokenKind.CLOSE,
+    TokenKind.NOT,
+    TokenKind.AND,
+    TokenKind.OR,
+    TokenKind.WORD,
+    TokenKind.OPERATOR,
+)
+_CONDITION_WORDS = frozenset({_CHECK_VALUE, _NOT})
+_OPERATORS = {operator.value: operator for operator in Operator}
+_EXPECTED = "a condition ('CheckValue', 'Not' or '(')"
+_EXPECTED_IN_GROUP = "'AND', 'OR' or ')'"
+_EXPECTED_NUMBER = "a number to compare with"
+_EXPECTED_AFTER_CHECK = "'Until', 'For', 'Within' or the end of the condition"
+_UNTIL_WORD = frozenset({TokenKind.UNTIL})
+_EXPECTED_OPERATOR = "a comparison (>, <, >=, <=, = or !=)"
+
+
+def parse_condition(cursor: Cursor, depth: int = 0) -> Condition:
+    """A check or a group in parentheses with its times, or a ``Not``.
+
+    ``depth`` counts the groups and ``Not`` around it.
+    """
+    if depth > MAX_NESTING:
+        cursor.report("nested-too-deep", f"conditions nest at most {MAX_NESTING} deep", hint="split the rule")
+        raise BrokenStatementError
+    if cursor.kind is not _CHECK_VALUE:
+        cursor.mend("expected-condition", _EXPECTED, _CONDITION_WORDS)
+    kind = cursor.kind
+    if kind is _CHECK_VALUE:
+        return _check(cursor)
+    if kind is _OPEN:
+        return _group(cursor, depth)
+    if kind is _NOT:
+        return _not(cursor, depth)
+    hint = "put 'CheckValue' before it" if kind is _WORD else ""
+    raise cursor.failure("expected-condition", _EXPECTED, hint=hint)
+
+
+def _not(cursor: Cursor, depth: int) -> Not:
+    first = cursor.advance()
+    trivia = Trivia(above=cursor.take_above())
+    operand = parse_condition(cursor, depth + 1)
+    return Not(operand=operand, span=cursor.span_from(first), trivia=trivia)
+
+
+def _group(cursor: Cursor, depth: int) -> Condition:
+    first = cursor.advance()
+    above = cursor.take_above()
+    operand = _expression(cursor, depth + 1)
+    if cursor.kind is not _CLOSE:
+        _refuse_end_of_group(cursor, first)
+    cursor.advance()
+    span = cursor.span_from(first)
+    parts = parse_time_parts(cursor)
+    end = cursor.take_trivia(first)
+    group = Group(
+        operand=operand,
+        span=span,
+        trivia=Trivia(above=above, beside=end.beside),
+        closing=end.above,
+    )
+    return timed(group, parts)
+
+
+def _refuse_end_of_group(cursor: Cursor, opened: Token) -> None:
+    expected = _EXPECTED_IN_GROUP
+    if cursor.kind in (TokenKind.CHECK_VALUE, TokenKind.OPEN, TokenKind.NOT):
+        raise cursor.failure("expected-connective", expected, hint="join conditions with 'AND' or 'OR'")
+    hint = f"the '(' at {opened.line}:{opened.column} is still open"
+    raise cursor.failure("unclosed-parenthesis", expected, hint=hint)
+
+
+def _expression(cursor: Cursor, depth: int) -> Condition:
+    terms = [_term(cursor, depth)]
+    timed_depth = cursor.timed_depth
+    while cursor.take(_OR):
+        terms.append(_term(cursor, depth))
+        timed_depth = max(timed_depth, cursor.timed_depth)
+    cursor.timed_depth = timed_depth
+    return terms[0] if len(terms) == 1 else Or(operands=tuple(terms), span=terms[0].span.to(terms[-1].span))
+
+
+def _term(cursor: Cursor, depth: int) -> Condition:
+    factors = [parse_condition(cursor, depth)]
+    timed_depth = cursor.timed_depth
+    _mend_connective(cursor)
+    while cursor.take(_AND):
+        factors.append(parse_condition(cursor, depth))
+        timed_depth = max(timed_depth, cursor.timed_depth)
+        _mend_connective(cursor)
+    cursor.timed_depth = timed_depth
+    return (
+        factors[0]
+        if len(factors) == 1
+        else And(operands=tuple(factors), span=factors[0].span.to(factors[-1].span))
+    )
+
+
+def _mend_connective(cursor: Cursor) -> None:
+    cursor.mend("expected-connective", _EXPECTED_IN_GROUP, CONNECTIVES)
+
+
+def _check(cursor: Cursor) -> Condition:
+    first = cursor.advance()
+    cursor.timed_depth = 0
+    topic = parse_topic(cursor, split_property=True)
+    name = parse_property(cursor, topic.text)
+    operator = _operator(cursor)
+    value, text = parse_number(cursor, "expected-number", _EXPECTED_NUMBER)
+    cursor.mend("expected-connective", _EXPECTED_AFTER_CHECK, _UNTIL_WORD)
+    until = _until(cursor) if cursor.kind is TokenKind.UNTIL else None
+    span = cursor.span_from(first)
+    parts = parse_time_parts(cursor)
+    check = Check(
+        topic=topic,
+        property=name.text,
+        property_span=name.span,
+        operator=operator,
+        value=value,
+        text=text,
+        span=span,
+        until=until,
+        trivia=cursor.take_trivia(first),
+    )
+    return timed(check, parts)
+
+
+def _until(cursor: Cursor) -> Until:
+    first = cursor.advance()
+    operator = _operator(cursor)
+    value, text = parse_number(cursor, "expected-number", _EXPECTED_NUMBER)
+    return Until(operator=operator, value=value, text=text, span=cursor.span_from(first))
+
+
+def parse_property(cursor: Cursor, topic: str) -> Token:
+    """The word that names a property of ``topic``."""
+    token = cursor.token
+    if token.kind is not _WORD or not is_property(token.text):
+        _refuse_property(cursor, token, topic)
+    return cursor.advance()
+
+
+def _refuse_property(cursor: Cursor, token: Token, topic: str) -> NoReturn:
+    expected = f"a property of '{topic}'"
+    if token.kind in (TokenKind.OPERATOR, TokenKind.NUMBER):
+        hint = f"for instance {topic} age"
+        raise cursor.failure("expected-property", expected, hint=hint)
+    if token.kind is not _WORD:
+        raise cursor.failure("expected-property", expected)
+    hint = "a property is a name such as speed or a field such as pose.pose.position.x or ranges[0]"
+    raise cursor.failure("invalid-property", expected, hint=hint)
+
+
+def _operator(cursor: Cursor) -> Operator:
+    token = cursor.token
+    if token.kind is _OPERATOR:
+        cursor.advance()
+        return _OPERATORS[token.text]
+    right = closest(token.text, _OPERATORS) if token.kind is TokenKind.FOREIGN else None
+    if right is None:
+        raise cursor.failure("expected-operator", _EXPECTED_OPERATOR)
+    fix = Fix(span=token.span, replacement=right, title=f"write {right}")
+    cursor.report_found("expected-operator", _EXPECTED_OPERATOR, hint=did_you_mean(right), fix=fix)
+    cursor.advance()
+    return _OPERATORS[right]

@@ -1,0 +1,343 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The syntax tree of a rule file.
+
+Fields that hold comments and blank lines do not count when trees are compared.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from enum import Enum
+
+from smarttestudo.domain.rate import Tier
+from smarttestudo.domain.source import Span
+from smarttestudo.language.comments import NO_TRIVIA, Comment, Trivia
+
+
+class Operator(Enum):
+    """A comparison; the value is its spelling."""
+
+    GREATER = ">"
+    LESS = "<"
+    GREATER_EQUAL = ">="
+    LESS_EQUAL = "<="
+    EQUAL = "="
+    NOT_EQUAL = "!="
+
+
+class RateWord(Enum):
+    """A rate written as a word."""
+
+    FULL = "Full"
+    OFF = "Off"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TopicName:
+    """A topic as the file writes it, not yet resolved."""
+
+    text: str
+    span: Span
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RateExpression:
+    """A written rate: a number in Hz, a tier, or a word. ``text`` is the spelling of a number, else empty.
+
+    ``has_unit`` is whether ``Hz`` is written behind the number.
+    """
+
+    value: float | Tier | RateWord
+    text: str
+    span: Span
+    has_unit: bool = False
+
+
+class TimeWord(Enum):
+    """How a condition is taken over the time before; the value is its spelling."""
+
+    FOR = "For"
+    """At every instant of it."""
+    WITHIN = "Within"
+    """At some instant of it."""
+
+
+class DurationUnit(Enum):
+    """A unit of time; the value is its spelling."""
+
+    MILLISECONDS = "ms"
+    SECONDS = "s"
+    MINUTES = "min"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Duration:
+    """A number of a unit; ``text`` is the number as written, ``ns`` the nanoseconds nearest to it."""
+
+    text: str
+    unit: DurationUnit
+    ns: int = field(compare=False)
+    span: Span
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Until:
+    """``Until op NUMBER`` behind a check; ``text`` is the number as written."""
+
+    operator: Operator
+    value: float
+    text: str
+    span: Span
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Check:
+    """``CheckValue TOPIC PROPERTY op NUMBER [Until op NUMBER]``; ``text`` is the number as written.
+
+    ``span`` is that of all of it.
+    """
+
+    topic: TopicName
+    property: str
+    property_span: Span
+    operator: Operator
+    value: float
+    text: str
+    span: Span
+    until: Until | None = None
+    trivia: Trivia = field(default=NO_TRIVIA, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Not:
+    """``Not condition``."""
+
+    operand: Condition
+    span: Span
+    trivia: Trivia = field(default=NO_TRIVIA, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class And:
+    """Two or more conditions joined by ``AND``."""
+
+    operands: tuple[Condition, ...]
+    span: Span
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Or:
+    """Two or more conditions joined by ``OR``."""
+
+    operands: tuple[Condition, ...]
+    span: Span
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Group:
+    """A condition in written parentheses; ``closing`` are the comments before its ``)``."""
+
+    operand: Condition
+    span: Span
+    trivia: Trivia = field(default=NO_TRIVIA, compare=False, repr=False)
+    closing: tuple[Comment, ...] = field(default=(), compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Timed:
+    """``condition For DURATION`` or ``condition Within DURATION``.
+
+    Its comments are those of the check or the parentheses in it.
+    """
+
+    operand: Condition
+    word: TimeWord
+    duration: Duration
+    span: Span
+
+
+Condition = Check | Not | And | Or | Group | Timed
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SetFrequency:
+    """``SetFrequency TOPIC rate``, as a default or inside a block."""
+
+    topic: TopicName
+    rate: RateExpression
+    span: Span
+    trivia: Trivia = field(default=NO_TRIVIA, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class KeepAtLeast:
+    """``KeepAtLeast TOPIC NUMBER``: a floor in Hz."""
+
+    topic: TopicName
+    rate: RateExpression
+    span: Span
+    trivia: Trivia = field(default=NO_TRIVIA, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RecordIncident:
+    """``Record "name" {TOPIC} Before DURATION After DURATION``; no topics: all that the rules name."""
+
+    name: str
+    topics: tuple[TopicName, ...]
+    before: Duration
+    after: Duration
+    span: Span
+    trivia: Trivia = field(default=NO_TRIVIA, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class KeepWithin:
+    """``KeepWithin TOPIC PROPERTY bound``: how far off the receiver's picture of a property may be.
+
+    ``bound`` is a number in the unit of the property, or a tier; ``text`` is the number as written. Outside a
+    block it always holds.
+    """
+
+    topic: TopicName
+    property: str
+    property_span: Span
+    bound: float | Tier
+    text: str
+    span: Span
+    trivia: Trivia = field(default=NO_TRIVIA, compare=False, repr=False)
+
+
+Action = SetFrequency | KeepWithin | RecordIncident
+"""What stands in a Then or Else."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Block:
+    """``[Disabled] [Rule "name" [Priority n]] If … Then … [Else …] [EndIf]``.
+
+    One that ``is_disabled`` is kept and shown, its names are checked, and nothing else comes of it. ``name``
+    is ``None`` where none is written; ``label`` is what people call the block: its name, else its nearest own
+    comment, else ``block at line N``. ``trivia`` is that of its first line, be it ``Rule`` or ``If``;
+    ``if_trivia`` that of an ``If`` below a ``Rule``.
+    """
+
+    name: str | None
+    priority: int | None
+    label: str
+    condition: Condition
+    then: tuple[Action, ...]
+    otherwise: tuple[Action, ...]
+    has_end_if: bool
+    span: Span
+    is_disabled: bool = False
+    trivia: Trivia = field(default=NO_TRIVIA, compare=False, repr=False)
+    if_trivia: Trivia = field(default=NO_TRIVIA, compare=False, repr=False)
+    then_trivia: Trivia = field(default=NO_TRIVIA, compare=False, repr=False)
+    else_trivia: Trivia = field(default=NO_TRIVIA, compare=False, repr=False)
+    end_if_trivia: Trivia = field(default=NO_TRIVIA, compare=False, repr=False)
+
+
+Statement = SetFrequency | KeepAtLeast | KeepWithin | Block
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Collection:
+    """``begin … end``; ``trivia`` is that of ``begin``. The comments above ``end`` are in ``end_trivia``."""
+
+    statements: tuple[Statement, ...]
+    span: Span
+    trivia: Trivia = field(default=NO_TRIVIA, compare=False, repr=False)
+    end_trivia: Trivia = field(default=NO_TRIVIA, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RuleFile:
+    """One parsed file; ``path`` is how the user named it, ``footer`` the comments after the last ``end``.
+
+    ``glued`` are the words that follow a keyword without a blank between.
+    """
+
+    path: str
+    collections: tuple[Collection, ...]
+    footer: tuple[Comment, ...] = field(default=(), compare=False, repr=False)
+    glued: tuple[Span, ...] = field(default=(), compare=False, repr=False)
+
+    @property
+    def statements(self) -> tuple[Statement, ...]:
+        """The statements of all collections, in the order of the file."""
+        return tuple(statement for part in self.collections for statement in part.statements)
+
+    @property
+    def enabled_statements(self) -> tuple[Statement, ...]:
+        """The statements that count: all but disabled blocks."""
+        return tuple(one for one in self.statements if not (isinstance(one, Block) and one.is_disabled))
+
+
+def sets_in(actions: Iterable[Action]) -> tuple[SetFrequency, ...]:
+    """The rates among ``actions``, in their order."""
+    return tuple(action for action in actions if isinstance(action, SetFrequency))
+
+
+def bounds_in(actions: Iterable[Action]) -> tuple[KeepWithin, ...]:
+    """The bounds among ``actions``, in their order."""
+    return tuple(action for action in actions if isinstance(action, KeepWithin))
+
+
+def bound_span(statement: KeepWithin) -> Span:
+    """Where the bound of a parsed statement is written: its last word."""
+    bound, whole = statement.bound, statement.span
+    length = len(bound.value if isinstance(bound, Tier) else statement.text)
+    return Span(
+        line=whole.end_line,
+        column=whole.end_column - length,
+        end_line=whole.end_line,
+        end_column=whole.end_column,
+    )
+
+
+def records_in(actions: Iterable[Action]) -> tuple[RecordIncident, ...]:
+    """The recordings among ``actions``, in their order."""
+    return tuple(action for action in actions if isinstance(action, RecordIncident))
+
+
+def tiers_in(statement: Statement) -> Iterator[tuple[Span, Tier]]:
+    """The tiers that a statement names, each with its place, in their order."""
+    actions = (*statement.then, *statement.otherwise) if isinstance(statement, Block) else (statement,)
+    for one in actions:
+        match one:
+            case SetFrequency(rate=RateExpression(value=Tier() as tier, span=span)):
+                yield span, tier
+            case KeepWithin(bound=Tier() as tier):
+                yield bound_span(one), tier
+            case _:
+                pass
+
+
+def times_in(condition: Condition) -> Iterator[Timed]:
+    """The times of a condition, in the order in which they end."""
+    match condition:
+        case Check():
+            return
+        case Group() | Not():
+            yield from times_in(condition.operand)
+        case Timed():
+            yield from times_in(condition.operand)
+            yield condition
+        case And() | Or():
+            for operand in condition.operands:
+                yield from times_in(operand)
+
+
+def checks_in(condition: Condition) -> Iterator[Check]:
+    """The checks of a condition, in their order."""
+    match condition:
+        case Check():
+            yield condition
+        case Group() | Not() | Timed():
+            yield from checks_in(condition.operand)
+        case And() | Or():
+            for operand in condition.operands:
+                yield from checks_in(operand)

@@ -1,0 +1,254 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What the robot's end sends in the part of the link that live topics leave unused."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass, field
+from typing import Generic, TypeVar
+
+from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
+from smarttestudo.incidents.fetching import ANSWERED_WITHIN_NS
+from smarttestudo.link.protocol.window import Window
+
+MAX_ASKERS = 16
+MAX_ASKS = 64
+"""How many asks of one asker may wait."""
+KEPT_NS = ANSWERED_WITHIN_NS // 2
+"""How long an ask waits; who asked then asks again."""
+
+_LOST_AFTER_NS = 5 * NS_PER_S
+"""What nobody said to have for so long is under way no more."""
+_PIECE_NS = 5 * NS_PER_MS
+"""How much of the link a piece takes, which is how long a live message may wait for it."""
+_LEAST_PIECE_BYTES = 600
+_MOST_PIECE_BYTES = 16_000
+_LONGEST_PAUSE_NS = NS_PER_S // 2
+_FRAMING_BYTES = 150
+"""What goes with a piece: it is an answer of Zenoh in a packet of its own."""
+_USED = 0.95
+"""The share of the capacity up to which the link is filled."""
+_MARGIN = 0.8
+"""The share of the window that all bytes under way may take while something is sent beside live topics."""
+_FIRST_PROBE = 1.5
+_PROBE = 1.25
+"""How much faster than its capacity the link is filled to see whether it carries more."""
+_PROBE_NS = 300 * NS_PER_MS
+_SAMPLE_NS = 250 * NS_PER_MS
+_EARLY_PROBES = 3
+"""So many in a row that found nothing are followed by others soon, for the first of them are of few bytes."""
+_EARLY_WAIT_NS = NS_PER_S // 2
+_LEAST_WAIT_NS = 5 * NS_PER_S
+_MOST_DOUBLINGS = 4
+
+_Request = TypeVar("_Request")
+
+
+@dataclass(frozen=True, slots=True)
+class BackgroundAnswer(Generic[_Request]):
+    """A request to answer now with at most ``size_bytes``; so many others of its asker wait."""
+
+    asker: int
+    request: _Request
+    size_bytes: int
+    waiting: int
+
+
+@dataclass(slots=True, eq=False)
+class _Asker(Generic[_Request]):
+    """Who asks. Of what was sent to it, all up to ``done_bytes`` has arrived or was lost."""
+
+    heard_ns: int
+    first_bytes: int
+    """What it had got when it was heard first; an earlier run of this end sent that."""
+    sent_bytes: int = 0
+    done_bytes: int = 0
+    lost_bytes: int = 0
+    waiting: deque[tuple[int, _Request]] = field(default_factory=deque)
+    flights: deque[tuple[int, int]] = field(default_factory=deque)
+
+
+class BackgroundAnswers(Generic[_Request]):
+    """Requests that wait until the link has nothing better to do, in the time that is passed in.
+
+    Beside live topics, whose window is passed in, the link is modelled as a queue that drains at its
+    capacity, and a piece is sent only when that queue is empty, nothing live waits, and all bytes under way
+    leave a margin in the window. So a live message waits for one piece at most. Now and then the link is
+    filled a little faster, to learn whether it carries more than live topics needed so far. Without live
+    topics, a window of its own says how much may be under way.
+    """
+
+    def __init__(self) -> None:
+        self._askers: dict[int, _Asker[_Request]] = {}
+        self._alone = Window()
+        self._busy_ns = self._sent_ns = 0
+        self._delivered_bytes = 0
+        self._probe_until_ns = 0
+        self._next_probe_ns = 0
+        self._failed_probes = 0
+        self._sample: tuple[int, int] | None = None
+        """When the sample of a probe began, and what was delivered by then."""
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether nobody waits."""
+        return not any(asker.waiting for asker in self._askers.values())
+
+    @property
+    def in_flight_bytes(self) -> int:
+        """Bytes that were sent and are not known to have arrived or to be lost."""
+        return sum(asker.sent_bytes - asker.done_bytes for asker in self._askers.values())
+
+    def ask(self, asker: int, got_bytes: int, request: _Request, now_ns: int, live: Window | None) -> bool:
+        """Somebody asks, and says how much it has got; whether that waits now."""
+        if asker not in self._askers:
+            if len(self._askers) >= MAX_ASKERS:
+                return False
+            self._askers[asker] = _Asker(now_ns, got_bytes)
+        self.acknowledge(asker, got_bytes, now_ns, live)
+        waiting = self._askers[asker].waiting
+        if len(waiting) >= MAX_ASKS:
+            return False
+        waiting.append((now_ns, request))
+        return True
+
+    def acknowledge(self, asker: int, got_bytes: int, now_ns: int, live: Window | None) -> None:
+        """Who asked says how much it has got since it asked first."""
+        known = self._askers.get(asker)
+        if known is None:
+            return
+        known.heard_ns = now_ns
+        done_bytes = min(got_bytes - known.first_bytes + known.lost_bytes, known.sent_bytes)
+        if done_bytes > known.done_bytes:
+            self._arrived(known, done_bytes, now_ns, live)
+
+    def expired(self, now_ns: int) -> list[_Request]:
+        """Requests that waited for too long, to which nobody will take an answer."""
+        gone = []
+        for number, asker in list(self._askers.items()):
+            while asker.waiting and now_ns - asker.waiting[0][0] > KEPT_NS:
+                gone.append(asker.waiting.popleft()[1])
+            while asker.flights and now_ns - asker.flights[0][1] > _LOST_AFTER_NS:
+                total, _ = asker.flights.popleft()
+                asker.lost_bytes += total - asker.done_bytes
+                asker.done_bytes = total
+                self._alone = Window(self._alone.capacity_bytes_per_s)
+            if not asker.waiting and not asker.flights and now_ns - asker.heard_ns > _LOST_AFTER_NS:
+                del self._askers[number]
+        return gone
+
+    def wake_ns(self, now_ns: int) -> int | None:
+        """When something may be sent though nothing happens; ``None`` where that is not known."""
+        return self._free_ns if self._free_ns > now_ns and not self.is_empty else None
+
+    def next(self, now_ns: int, live: Window | None) -> BackgroundAnswer[_Request] | None:
+        """Who is answered now. Nothing live waits then."""
+        if self.is_empty:
+            self._alone.idle()
+            return None
+        size_bytes = self._room_alone() if live is None else self._room_beside(live, now_ns)
+        if not size_bytes:
+            return None
+        number = next(number for number, asker in self._askers.items() if asker.waiting)
+        asker = self._askers.pop(number)
+        # All take turns.
+        self._askers[number] = asker
+        _, request = asker.waiting.popleft()
+        return BackgroundAnswer(number, request, size_bytes, len(asker.waiting))
+
+    def sent(self, asker: int, size_bytes: int, now_ns: int, live: Window | None) -> None:
+        """So many bytes went to an asker."""
+        known = self._askers[asker]
+        known.sent_bytes += size_bytes
+        known.flights.append((known.sent_bytes, now_ns))
+        self._sent_ns = now_ns
+        if live is None:
+            self._alone.sent(size_bytes, now_ns)
+        else:
+            self._fill(size_bytes + _FRAMING_BYTES, now_ns, live)
+
+    def live_sent(self, size_bytes: int, now_ns: int, live: Window) -> None:
+        """So many bytes of live topics went out."""
+        self._fill(size_bytes, now_ns, live)
+
+    def _room_alone(self) -> int:
+        room_bytes = self._alone.chunk_bytes
+        if not room_bytes:
+            self._alone.limited()
+        return room_bytes
+
+    def _room_beside(self, live: Window, now_ns: int) -> int:
+        """How large a piece may be; 0 while none may be sent."""
+        if now_ns >= self._next_probe_ns:
+            self._begin_probe(live, now_ns)
+        of_link_bytes = int(live.capacity_bytes_per_s * _PIECE_NS / NS_PER_S)
+        piece_bytes = max(_LEAST_PIECE_BYTES, min(of_link_bytes, _MOST_PIECE_BYTES))
+        under_way_bytes = live.in_flight_bytes + self.in_flight_bytes
+        self._drain(under_way_bytes, live, now_ns)
+        margin = 1.0 if now_ns < self._probe_until_ns else _MARGIN
+        # One piece is never too much, or a window that is too small would stay so.
+        fits = not self.in_flight_bytes or under_way_bytes + piece_bytes <= margin * live.size_bytes
+        return piece_bytes if fits and now_ns >= self._free_ns else 0
+
+    @property
+    def _free_ns(self) -> int:
+        """When the next piece may be sent; some always are, or too low a capacity would never be noticed."""
+        return min(self._busy_ns, self._sent_ns + _LONGEST_PAUSE_NS)
+
+    def _fill(self, size_bytes: int, now_ns: int, live: Window) -> None:
+        share = self._probe_gain if now_ns < self._probe_until_ns else _USED
+        takes_ns = int(size_bytes * NS_PER_S / (live.capacity_bytes_per_s * share))
+        self._busy_ns = max(self._busy_ns, now_ns) + takes_ns
+
+    def _drain(self, under_way_bytes: int, live: Window, now_ns: int) -> None:
+        """No more is on the link than is under way."""
+        most_ns = int(under_way_bytes * NS_PER_S / (live.capacity_bytes_per_s * _USED))
+        self._busy_ns = min(self._busy_ns, now_ns + most_ns)
+
+    def _arrived(self, asker: _Asker[_Request], done_bytes: int, now_ns: int, live: Window | None) -> None:
+        delivered, asker.done_bytes = done_bytes - asker.done_bytes, done_bytes
+        while asker.flights and asker.flights[0][0] <= done_bytes:
+            asker.flights.popleft()
+        self._delivered_bytes += delivered
+        self._alone.acknowledge(
+            min(self._alone.acknowledged_bytes + delivered, self._alone.sent_bytes), now_ns
+        )
+        if live is not None:
+            live.delivered_beside(delivered)
+            self._look_at_probe(live, now_ns)
+
+    @property
+    def _probe_gain(self) -> float:
+        return _FIRST_PROBE if self._failed_probes <= _EARLY_PROBES else _PROBE
+
+    def _begin_probe(self, live: Window, now_ns: int) -> None:
+        """It counts as one that found nothing until it has."""
+        self._probe_until_ns = now_ns + _PROBE_NS
+        self._sample = None
+        self._failed_probes += 1
+        wait_ns = _EARLY_WAIT_NS
+        if self._failed_probes > _EARLY_PROBES:
+            doubled = min(self._failed_probes - _EARLY_PROBES - 1, _MOST_DOUBLINGS)
+            wait_ns = _LEAST_WAIT_NS << doubled
+        self._next_probe_ns = now_ns + _PROBE_NS + (live.round_trip_ns or 0) + wait_ns
+
+    def _look_at_probe(self, live: Window, now_ns: int) -> None:
+        """Learn from what arrives while the link is filled faster; probe again at once where that helped."""
+        trip_ns = live.round_trip_ns or 0
+        if now_ns > self._probe_until_ns + trip_ns + _SAMPLE_NS:
+            return
+        delivered = self._delivered_bytes + live.acknowledged_bytes
+        if self._sample is None:
+            if now_ns >= self._probe_until_ns - _PROBE_NS + trip_ns:
+                self._sample = now_ns, delivered
+            return
+        since_ns, before = self._sample
+        if now_ns - since_ns < _SAMPLE_NS:
+            return
+        self._probe_until_ns = 0
+        rate = (delivered - before) * NS_PER_S / (now_ns - since_ns)
+        if rate > live.capacity_bytes_per_s:
+            # More was not tried, however the news of it came together.
+            live.raise_capacity(min(rate, self._probe_gain * live.capacity_bytes_per_s))
+            self._failed_probes, self._next_probe_ns = 0, now_ns

@@ -1,0 +1,233 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The operator's end of what is sent to one robot: the newest of each topic, with a time of its clock."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Hashable, Sequence
+from dataclasses import dataclass
+
+from smarttestudo.domain.command import MAX_AGE_NS, MAX_COMMAND_BYTES, SentCounts
+from smarttestudo.domain.errors import LinkError
+from smarttestudo.domain.link_state import AcceptedTopic
+from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
+from smarttestudo.link.protocol.commands import (
+    AcceptedStream,
+    CommandMessage,
+    CommandReport,
+    SentNames,
+)
+from smarttestudo.link.protocol.least import CLOCK_WINDOW_NS, LeastOfWindow
+
+MAX_PUBLISHERS = 8
+"""Publishers of a topic that are kept apart."""
+LOST_AFTER_NS = 3 * NS_PER_S
+"""A robot's end that said nothing for so long is no longer there; it says something once a second."""
+
+_DRIFT = 1_000
+"""Two clocks differ by at most one part in so many: each is slewed by half of that at most."""
+_NAMES_PERIOD_NS = 5 * NS_PER_S
+_TRIP_WINDOW_NS = 10 * NS_PER_S
+_QUEUE_NS = 150 * NS_PER_MS
+"""A round trip that is longer than the least by so much shows that messages wait on the link."""
+_LOST_FLIGHT_NS = NS_PER_S
+_FIRST_WINDOW, _MOST_WINDOW = 16, 32
+_MOST_FLYING_BYTES = 8_000
+_KEPT_FLIGHTS = 64
+
+
+class ClockBound:
+    """What the robot's clock shows at least, from times of it that arrived here. No clock need be right.
+
+    A time that arrives was true when it was sent, so the robot's clock is at least that far ahead of ours;
+    from then on the two may drift apart.
+    """
+
+    def __init__(self) -> None:
+        self._least = LeastOfWindow(CLOCK_WINDOW_NS)
+
+    def add(self, robot_ns: int, now_ns: int) -> None:
+        """The robot's clock was at ``robot_ns`` at ``now_ns`` or before."""
+        self._least.add(now_ns - robot_ns - now_ns // _DRIFT, now_ns)
+
+    def stamp_ns(self, then_ns: int, now_ns: int) -> int | None:
+        """A time of the robot's clock not after ``then_ns``, which is at most ``now_ns``."""
+        least = self._least.at(now_ns)
+        if least is None:
+            return None
+        # Rounding down would be later by one.
+        drift_ns = now_ns // _DRIFT + (now_ns - then_ns) // _DRIFT + 2
+        return then_ns - (least + drift_ns)
+
+
+@dataclass(slots=True, eq=False)
+class _Waiting:
+    """The newest message of a publisher."""
+
+    payload: bytes
+    offered_ns: int
+
+
+@dataclass(frozen=True, slots=True)
+class _Flight:
+    """A message under way."""
+
+    number: int
+    size_bytes: int
+    sent_ns: int
+
+
+class CommandSender:
+    """What waits for one robot, in the time that is passed in; the robot's own clock may be another.
+
+    Give it reports (``take_report``) and messages (``offer``), and send what ``next_command`` gives while it
+    gives something, ten times a second at least. ``names`` are the topics that are sent, ``new_sender`` makes
+    random numbers of 64 bits.
+    """
+
+    def __init__(self, names: Sequence[str], new_sender: Callable[[], int]) -> None:
+        self.counts: dict[str, SentCounts] = {name: SentCounts() for name in names}
+        self.garbage = 0
+        """Reports that were not readable."""
+        self._names = tuple(names)
+        self._new_sender = new_sender
+        self._sender = new_sender()
+        self._streams: dict[str, tuple[int, AcceptedStream]] = {}
+        self._clock = ClockBound()
+        self._heard_ns: int | None = None
+        self._named_ns: int | None = None
+        self._waiting: dict[tuple[str, Hashable], _Waiting] = {}
+        self._number = 0
+        self._sent: deque[_Flight] = deque(maxlen=_KEPT_FLIGHTS)
+        self._acknowledged = self._given_up = 0
+        self._trips = LeastOfWindow(_TRIP_WINDOW_NS)
+        self._trip_ns: int | None = None
+        self._window = _FIRST_WINDOW
+        self._was_full = False
+
+    @property
+    def topics(self) -> dict[str, AcceptedTopic]:
+        """What the robot told of the topics that it accepts."""
+        return {name: stream.topic for name, (_, stream) in self._streams.items()}
+
+    @property
+    def round_trip_ms(self) -> float | None:
+        """How long the last message and its acknowledgement took; ``None`` before the first."""
+        return None if self._trip_ns is None else self._trip_ns / NS_PER_MS
+
+    def is_present(self, now_ns: int) -> bool:
+        """Whether the robot's end was heard lately."""
+        return self._heard_ns is not None and now_ns - self._heard_ns <= LOST_AFTER_NS
+
+    def take_report(self, data: bytes, now_ns: int) -> None:
+        """The robot's end says what it has."""
+        try:
+            report = CommandReport.from_bytes(data)
+        except LinkError:
+            self.garbage += 1
+            return
+        self._heard_ns = now_ns
+        self._clock.add(report.sent_ns, now_ns)
+        if report.streams:
+            self._streams = {one.topic.topic: (number, one) for number, one in enumerate(report.streams)}
+        self._acknowledge(report.acknowledged.get(self._sender), now_ns)
+
+    def offer(self, topic: str, publisher: Hashable, payload: bytes, now_ns: int) -> bool:
+        """Have a message sent instead of an earlier one of its publisher; whether it is small enough."""
+        counts = self.counts[topic]
+        if len(payload) > MAX_COMMAND_BYTES:
+            counts.too_large += 1
+            return False
+        key = (topic, publisher)
+        others = [one for one in self._waiting if one[0] == topic and one != key]
+        if len(others) >= MAX_PUBLISHERS:
+            del self._waiting[others[0]]
+            counts.replaced += 1
+        # In the place of the earlier one, so that each publisher has its turn.
+        counts.replaced += key in self._waiting
+        self._waiting[key] = _Waiting(payload, now_ns)
+        return True
+
+    def next_command(self, now_ns: int) -> bytes | None:
+        """What to send now."""
+        if not self.is_present(now_ns):
+            self._expire(now_ns)
+            return None
+        if self._named_ns is None or now_ns - self._named_ns >= _NAMES_PERIOD_NS:
+            self._named_ns = now_ns
+            return SentNames(sender=self._sender, topics=self._names).to_bytes()
+        self._expire(now_ns)
+        self._give_up_flights(now_ns)
+        for key, waiting in self._waiting.items():
+            if not self._has_room(len(waiting.payload)):
+                self._was_full = True
+                return None
+            stream = self._streams.get(key[0])
+            stamp_ns = self._clock.stamp_ns(waiting.offered_ns, now_ns)
+            if stream is not None and stream[1].topic.type_name is not None and stamp_ns is not None:
+                del self._waiting[key]
+                return self._command(key[0], stream, waiting.payload, stamp_ns, now_ns)
+        return None
+
+    def _command(
+        self, topic: str, stream: tuple[int, AcceptedStream], payload: bytes, stamp_ns: int, now_ns: int
+    ) -> bytes:
+        self._number += 1
+        self._sent.append(_Flight(self._number, len(payload), now_ns))
+        self.counts[topic].sent += 1
+        return CommandMessage(
+            sender=self._sender,
+            number=self._number,
+            topic=stream[0],
+            revision=stream[1].revision,
+            stamp_ns=stamp_ns,
+            payload=payload,
+        ).to_bytes()
+
+    def _expire(self, now_ns: int) -> None:
+        """Drop what would be too old in any case."""
+        for key, waiting in list(self._waiting.items()):
+            if now_ns - waiting.offered_ns > MAX_AGE_NS:
+                del self._waiting[key]
+                self.counts[key[0]].expired += 1
+
+    @property
+    def _flights(self) -> list[_Flight]:
+        """What is under way."""
+        known = max(self._acknowledged, self._given_up)
+        return [flight for flight in self._sent if flight.number > known]
+
+    def _has_room(self, size_bytes: int) -> bool:
+        flights = self._flights
+        flying_bytes = sum(flight.size_bytes for flight in flights)
+        return not flights or (
+            len(flights) < self._window and flying_bytes + size_bytes <= _MOST_FLYING_BYTES
+        )
+
+    def _acknowledge(self, number: int | None, now_ns: int) -> None:
+        if number is None or number == self._acknowledged:
+            return
+        if number > self._number:
+            # Somebody else sends with our number: what we send would be taken for a repetition.
+            self._sender, self._named_ns = self._new_sender(), None
+            self._number = self._acknowledged = self._given_up = 0
+            self._sent.clear()
+            return
+        self._acknowledged = max(self._acknowledged, number)
+        newest = next((flight for flight in self._sent if flight.number == number), None)
+        if newest is None:
+            return
+        self._trip_ns = now_ns - newest.sent_ns
+        if self._trip_ns > self._trips.add(self._trip_ns, now_ns) + _QUEUE_NS:
+            self._window = max(1, self._window // 2)
+        elif self._was_full:
+            self._window = min(self._window + 1, _MOST_WINDOW)
+        self._was_full = False
+
+    def _give_up_flights(self, now_ns: int) -> None:
+        """What was not acknowledged for long is lost, or too old when it arrives."""
+        after_ns = _LOST_FLIGHT_NS + 2 * (self._trips.at(now_ns) or 0)
+        if self._sent and now_ns - self._sent[-1].sent_ns > after_ns and self._flights:
+            self._given_up = self._number
+            self._window = 1

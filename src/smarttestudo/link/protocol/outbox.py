@@ -1,0 +1,368 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What waits to be sent, and which of it goes next: the most important first, the newest of each."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Callable, Hashable, Iterator
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from smarttestudo.domain.link import LinkNeeds, MessageOrigin, MissedMessage
+from smarttestudo.domain.link_state import StreamCounts
+from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.link.protocol.chunks import CONTROL_STREAM, Chunk
+
+MAX_QUEUED_BYTES = 1_000_000
+"""What may wait in the queue of a topic that is sent whole."""
+MAX_GIVEN_UP_BYTES = 16_000_000
+"""What is kept of messages that gave way until something arrives again; the oldest beyond it are missed."""
+LOSING_NS = 60 * NS_PER_S
+"""For how long a topic that lost a message is said to lose some."""
+MAX_LANES = 1024
+"""How many messages of one stream may wait at once where each replaces only those of its own kind."""
+
+
+class Encoded(NamedTuple):
+    """A message as it travels."""
+
+    data: bytes
+    is_compressed: bool = False
+
+
+Encode = Callable[[int, bytes], Encoded]
+"""Makes of a message of a stream what travels."""
+
+
+def plain(_stream: int, payload: bytes) -> Encoded:
+    """Every message travels as it is."""
+    return Encoded(payload)
+
+
+@dataclass(slots=True, eq=False)
+class _Message:
+    """A message that waits or is being sent; ``data`` is what travels, from the first chunk on.
+
+    One that has an ``origin`` is kept where it is missed.
+    """
+
+    number: int
+    payload: bytes
+    offered_ns: int
+    is_kept: bool
+    lane: Hashable = None
+    origin: MessageOrigin | None = None
+    encoded: Encoded | None = None
+    offset: int = 0
+    sent_total: int = 0
+    sent_ns: int = 0
+
+
+@dataclass(slots=True, eq=False)
+class _Stream:
+    """One stream: ``slots`` hold the newest message of each lane, ``queue`` those that are never replaced."""
+
+    number: int
+    needs: LinkNeeds
+    latched: deque[_Message] | None
+    slots: dict[Hashable, _Message] = field(default_factory=dict)
+    queue: deque[_Message] = field(default_factory=deque)
+    begun: _Message | None = None
+    unacknowledged: deque[_Message] = field(default_factory=deque)
+    queued_bytes: int = 0
+    floor_due_ns: int = 0
+    is_floor_begun: bool = False
+    next_number: int = 0
+    sent: int = 0
+    replaced: int = 0
+    overflowed: int = 0
+    overflowed_ns: int | None = None
+
+    @property
+    def has_work(self) -> bool:
+        return self.begun is not None or bool(self.queue) or bool(self.slots)
+
+    @property
+    def waiting(self) -> Iterator[_Message]:
+        """What was not sent whole."""
+        if self.begun is not None:
+            yield self.begun
+        yield from self.queue
+        yield from self.slots.values()
+
+    @property
+    def oldest_ns(self) -> int:
+        """When the message that goes next was offered."""
+        if self.begun is not None:
+            return self.begun.offered_ns
+        waiting = [next(iter(self.slots.values())).offered_ns] if self.slots else []
+        if self.queue:
+            waiting.append(self.queue[0].offered_ns)
+        return min(waiting)
+
+    def is_urgent(self, now_ns: int) -> bool:
+        """Whether it goes before others: latched, or below its floor."""
+        if self.latched is not None:
+            return True
+        return self.needs.floor_hz > 0 and (self.is_floor_begun or now_ns >= self.floor_due_ns)
+
+    def begin(self, now_ns: int) -> _Message:
+        """Take the message that goes next out of what waits."""
+        if self.queue and (not self.slots or self.queue[0].offered_ns <= self.oldest_ns):
+            message = self.queue.popleft()
+            self.queued_bytes -= len(message.payload)
+        else:
+            message = self.slots.pop(next(iter(self.slots)))
+        self.begun = message
+        floor_hz = self.needs.floor_hz
+        self.is_floor_begun = floor_hz > 0 and now_ns >= self.floor_due_ns
+        if self.is_floor_begun:
+            # A grid with a credit of one, so that a message that begins late makes no later one too many.
+            period_ns = int(NS_PER_S / floor_hz)
+            self.floor_due_ns = max(self.floor_due_ns, now_ns - period_ns) + period_ns
+        return message
+
+    def counts(self, now_ns: int) -> StreamCounts:
+        waiting = sum(len(message.payload) for message in self.slots.values())
+        return StreamCounts(
+            sent=self.sent,
+            replaced=self.replaced,
+            overflowed=self.overflowed,
+            queued_bytes=self.queued_bytes + waiting,
+            is_losing=self.overflowed_ns is not None and now_ns - self.overflowed_ns < LOSING_NS,
+        )
+
+
+class Outbox:
+    """Streams with what waits in them. All messages of the control stream arrive.
+
+    A message that has not begun is replaced by a newer one of its stream and lane; one that has begun is
+    finished. Latched messages and those of topics that are sent whole queue instead, up to
+    ``MAX_QUEUED_BYTES`` a stream; what overflows is counted, once there was a session.
+
+    What gives way while nothing arrives at the other end is ``missed`` there, and so is what was under way
+    and is not sent again.
+    """
+
+    def __init__(self, encode: Encode) -> None:
+        self._encode = encode
+        self._streams: dict[int, _Stream] = {}
+        self._active: dict[int, _Stream] = {}
+        self._had_session = False
+        self.missed: deque[MissedMessage] = deque()
+        """What was missed and has an origin, to be taken from here."""
+        self._given_up: deque[_Message] = deque()
+        self._given_up_bytes = 0
+        self._is_cut = False
+        self._waited_before_ns = 0
+        self._sent_bytes = self._acknowledged_bytes = 0
+
+    def open(self, stream: int, *, depth: int | None = None) -> None:
+        """Have a stream; one with ``depth`` is latched and keeps so many messages for another session."""
+        latched = None if depth is None else deque[_Message](maxlen=depth)
+        self._streams[stream] = _Stream(stream, LinkNeeds(), latched)
+
+    def close(self, stream: int) -> None:
+        """Forget a stream and what waits in it."""
+        closed = self._streams.pop(stream, None)
+        self._active.pop(stream, None)
+        if closed is not None:
+            self._give_up(*closed.waiting, *closed.unacknowledged)
+
+    def skip(self, stream: int) -> None:
+        """Leave out a number, so that the next message does not follow on the last one."""
+        open_stream = self._streams[stream]
+        open_stream.next_number = (open_stream.next_number + 1) % 2**32
+
+    def set_needs(self, stream: int, needs: LinkNeeds) -> None:
+        """Serve a stream so from now on."""
+        self._streams[stream].needs = needs
+
+    def offer(
+        self,
+        stream: int,
+        payload: bytes,
+        now_ns: int,
+        lane: Hashable = None,
+        origin: MessageOrigin | None = None,
+    ) -> None:
+        """Have a message sent. It replaces only messages of its ``lane``."""
+        open_stream = self._streams[stream]
+        number, open_stream.next_number = open_stream.next_number, (open_stream.next_number + 1) % 2**32
+        is_kept = open_stream.latched is not None or stream == CONTROL_STREAM or open_stream.needs.is_full
+        message = _Message(number, payload, now_ns, is_kept, lane, origin)
+        if open_stream.latched is not None:
+            open_stream.latched.append(message)
+        if is_kept:
+            self._queue(open_stream, message)
+        else:
+            self._replace(open_stream, message)
+        if open_stream.has_work:
+            self._active[stream] = open_stream
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether nothing waits."""
+        return not self._active
+
+    def next_chunk(self, session: int, body_bytes: int, now_ns: int) -> Chunk | None:
+        """The chunk that goes next, with at most ``body_bytes`` of its message."""
+        if not self._active:
+            return None
+        stream = min(self._active.values(), key=lambda each: _rank(each, now_ns))
+        message = stream.begun or stream.begin(now_ns)
+        if message.encoded is None:
+            message.encoded = self._encode(stream.number, message.payload)
+        data = message.encoded.data
+        body = data[message.offset : message.offset + body_bytes]
+        chunk = Chunk(
+            session=session,
+            stream=stream.number,
+            number=message.number,
+            offset=message.offset,
+            size_bytes=len(data),
+            offered_ns=message.offered_ns,
+            sent_ns=now_ns,
+            is_compressed=message.encoded.is_compressed,
+            is_kept=message.is_kept,
+            body=body,
+        )
+        message.offset += len(body)
+        message.sent_ns = now_ns
+        if message.offset >= len(data):
+            self._finish(stream, message)
+        return chunk
+
+    def sent_until(self, chunk: Chunk, total_bytes: int) -> None:
+        """``chunk`` was sent, and with it ``total_bytes`` of the session."""
+        self._sent_bytes = total_bytes
+        stream = self._streams.get(chunk.stream)
+        if stream is not None and stream.unacknowledged and stream.unacknowledged[-1].number == chunk.number:
+            stream.unacknowledged[-1].sent_total = total_bytes
+
+    def acknowledge(self, total_bytes: int, dropped_before_ns: int | None = None) -> None:
+        """The other end has ``total_bytes`` of the session.
+
+        It dropped those that were sent before ``dropped_before_ns``, unless they are kept.
+        """
+        for stream in self._streams.values():
+            while stream.unacknowledged and 0 < stream.unacknowledged[0].sent_total <= total_bytes:
+                message = stream.unacknowledged.popleft()
+                is_dropped = dropped_before_ns is not None and message.sent_ns < dropped_before_ns
+                if is_dropped and not message.is_kept:
+                    self._miss(message)
+        if self._acknowledged_bytes < total_bytes or total_bytes == self._sent_bytes:
+            self._acknowledged_bytes, self._is_cut = total_bytes, False
+            self._given_up.clear()
+            self._given_up_bytes = 0
+
+    def cut(self) -> None:
+        """What gave way since the last acknowledgement was missed, and what does until the next is, too."""
+        if self._had_session:
+            self._is_cut = True
+            self._miss_given_up()
+
+    def give_up_all(self) -> None:
+        """Nothing is sent any more."""
+        for stream in self._streams.values():
+            self._give_up(*stream.waiting, *stream.unacknowledged)
+
+    def restart(self, now_ns: int) -> None:
+        """Another session begins: latched messages go again, and kept ones that may not have arrived."""
+        self._miss_given_up()
+        # What waited in the outage, and gives way because so much did, was missed as well.
+        self._waited_before_ns = now_ns if self._had_session else 0
+        self._had_session, self._is_cut = True, False
+        self._sent_bytes = self._acknowledged_bytes = 0
+        for stream in self._streams.values():
+            self._restart(stream)
+            if stream.has_work:
+                self._active[stream.number] = stream
+
+    def counts(self, now_ns: int) -> Iterator[tuple[int, StreamCounts]]:
+        """The counts of each stream."""
+        for number, stream in self._streams.items():
+            yield number, stream.counts(now_ns)
+
+    def _queue(self, stream: _Stream, message: _Message) -> None:
+        most_bytes = math.inf if stream.number == CONTROL_STREAM else MAX_QUEUED_BYTES
+        while stream.queue and stream.queued_bytes + len(message.payload) > most_bytes:
+            # The oldest gives way, as in a DDS history with KEEP_LAST.
+            oldest = stream.queue.popleft()
+            stream.queued_bytes -= len(oldest.payload)
+            self._give_up(oldest)
+            if self._had_session:
+                stream.overflowed += 1
+                stream.overflowed_ns = message.offered_ns
+        stream.queue.append(message)
+        stream.queued_bytes += len(message.payload)
+
+    def _replace(self, stream: _Stream, message: _Message) -> None:
+        before = stream.slots.pop(message.lane, None)
+        if before is None and len(stream.slots) >= MAX_LANES:
+            before = stream.slots.pop(next(iter(stream.slots)))
+        if before is not None:
+            stream.replaced += 1
+            self._give_up(before)
+        stream.slots[message.lane] = message
+
+    def _finish(self, stream: _Stream, message: _Message) -> None:
+        stream.begun, stream.is_floor_begun = None, False
+        stream.sent += 1
+        if message.is_kept or message.origin is not None:
+            stream.unacknowledged.append(message)
+        if not stream.has_work:
+            del self._active[stream.number]
+
+    def _restart(self, stream: _Stream) -> None:
+        begun, stream.begun, stream.is_floor_begun = stream.begun, None, False
+        again = [message for message in stream.unacknowledged if message.is_kept]
+        self._miss(*(message for message in stream.unacknowledged if not message.is_kept))
+        stream.unacknowledged.clear()
+        if begun is not None and begun.is_kept:
+            again.append(begun)
+        elif begun is not None and begun.lane not in stream.slots:
+            stream.slots = {begun.lane: begun, **stream.slots}
+        elif begun is not None:
+            stream.replaced += 1
+            self._miss(begun)
+        if stream.latched is not None:
+            self._miss(*(one for one in (*again, *stream.queue) if one not in stream.latched))
+            again, stream.queue, stream.queued_bytes = list(stream.latched), deque(), 0
+        for message in reversed(again):
+            stream.queue.appendleft(message)
+            stream.queued_bytes += len(message.payload)
+        for message in (*stream.queue, *stream.slots.values()):
+            message.offset = message.sent_total = 0
+
+    def _give_up(self, *messages: _Message) -> None:
+        """These are not sent, or not known to arrive."""
+        for message in messages:
+            if message.origin is None or not self._had_session:
+                continue
+            if self._is_cut or message.offered_ns < self._waited_before_ns:
+                self._miss(message)
+                continue
+            self._given_up.append(message)
+            self._given_up_bytes += len(message.payload)
+        self._miss_given_up(MAX_GIVEN_UP_BYTES)
+
+    def _miss_given_up(self, most_bytes: int = -1) -> None:
+        """The oldest beyond so many bytes were missed, or all."""
+        while self._given_up and self._given_up_bytes > most_bytes:
+            message = self._given_up.popleft()
+            self._given_up_bytes -= len(message.payload)
+            self._miss(message)
+
+    def _miss(self, *messages: _Message) -> None:
+        for message in messages:
+            if message.origin is not None:
+                self.missed.append(MissedMessage(origin=message.origin, payload=message.payload))
+
+
+def _rank(stream: _Stream, now_ns: int) -> tuple[bool, bool, float, int]:
+    """What is least goes next. Streams are announced before their messages."""
+    is_control = stream.number == CONTROL_STREAM
+    return not is_control, not stream.is_urgent(now_ns), -stream.needs.priority, stream.oldest_ns

@@ -1,0 +1,182 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The operator's end of a link: messages put together, how old they are, and what to report."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from smarttestudo.domain.errors import LinkError
+from smarttestudo.domain.link import ReceivedMessage, StreamInfo
+from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
+from smarttestudo.link.protocol.chunks import (
+    CONTROL_STREAM,
+    MAX_MESSAGE_BYTES,
+    Chunk,
+    Reassembler,
+)
+from smarttestudo.link.protocol.least import CLOCK_WINDOW_NS, LeastOfWindow
+from smarttestudo.link.protocol.reports import Announcement, Report, read_control_message
+from smarttestudo.link.protocol.window import ACKNOWLEDGE_PERIOD_NS
+
+KEEP_ALIVE_NS = NS_PER_S // 2
+"""How often to report though nothing came, so that the robot's end knows that somebody is there."""
+LATE_AFTER_NS = NS_PER_S
+"""A chunk that was under way for so long, and four round trips, met an outage."""
+
+_AGES_PERIOD_NS = NS_PER_S
+
+Decompress = Callable[[bytes, int], bytes]
+"""Makes the payload of what travelled compressed, at most so many bytes. Raises ``LinkError``."""
+
+
+@dataclass(slots=True)
+class ReceiverCounts:
+    """What arrived since the start.
+
+    ``messages`` are whole and delivered, ``late`` ones not, because they were under way in an outage;
+    ``repeated`` ones were there already, of ``broken`` ones a part was missing, ``garbage`` are chunks.
+    """
+
+    messages: int = 0
+    late: int = 0
+    repeated: int = 0
+    broken: int = 0
+    garbage: int = 0
+    received_bytes: int = 0
+
+
+class LinkReceiver:
+    """What comes of one robot, in the time that is passed in; the robot's own clock may be another.
+
+    Give it chunks (``take``), and send what ``next_report`` gives at ``wake_ns``.
+    """
+
+    def __init__(
+        self,
+        robot: str,
+        receiver: int,
+        decompress: Decompress,
+        predicts: frozenset[str] = frozenset(),
+        *,
+        boot: str = "",
+    ) -> None:
+        """``predicts`` are the topics that this end reckons where the robot's does so too.
+
+        ``boot`` is the run of the robot's end.
+        """
+        self.robot = robot
+        self.boot = boot
+        self.counts = ReceiverCounts()
+        self.streams: dict[int, StreamInfo] = {}
+        self._receiver = receiver
+        self._decompress = decompress
+        self._predicts = predicts
+        self._session = 0
+        self._session_bytes = 0
+        self._parts = Reassembler()
+        self._offset = LeastOfWindow(CLOCK_WINDOW_NS)
+        self._round_trip_ns = 0
+        self._newest: dict[int, int] = {}
+        self._ages_ms: dict[int, float] = {}
+        self._reported_bytes = 0
+        self._reported_ns: int | None = None
+        self._ages_reported_ns = 0
+
+    def take(self, data: bytes, now_ns: int) -> Announcement | ReceivedMessage | None:
+        """What is whole with the chunk ``data``: a stream that was announced or closed, or a message."""
+        try:
+            chunk = Chunk.from_bytes(data)
+            return self._take(chunk, len(data), now_ns)
+        except LinkError:
+            self.counts.garbage += 1
+            return None
+
+    @property
+    def wake_ns(self) -> int:
+        """When the next report is due."""
+        if self._reported_ns is None:
+            return 0
+        has_news = self._session_bytes != self._reported_bytes
+        return self._reported_ns + (ACKNOWLEDGE_PERIOD_NS if has_news else KEEP_ALIVE_NS)
+
+    def next_report(self, now_ns: int) -> bytes:
+        """The report to send now."""
+        self._reported_ns, self._reported_bytes = now_ns, self._session_bytes
+        ages_ms, predicts = {}, frozenset[str]()
+        if now_ns - self._ages_reported_ns >= _AGES_PERIOD_NS or self._session == 0:
+            self._ages_reported_ns, predicts = now_ns, self._predicts
+            ages_ms, self._ages_ms = self._ages_ms, {}
+        return Report(
+            receiver=self._receiver,
+            session=self._session,
+            received_bytes=self._session_bytes,
+            ages_ms=ages_ms,
+            predicts=predicts,
+        ).to_bytes()
+
+    def _take(self, chunk: Chunk, size_bytes: int, now_ns: int) -> Announcement | ReceivedMessage | None:
+        if chunk.session < self._session:
+            # Of a connection that was given up; what must not be lost comes again.
+            self.counts.late += 1
+            return None
+        if chunk.session > self._session:
+            self.counts.broken += self._parts.broken
+            self._session, self._session_bytes, self._parts = chunk.session, 0, Reassembler()
+        self._session_bytes += size_bytes
+        self.counts.received_bytes += size_bytes
+        offset_ns = now_ns - chunk.sent_ns
+        transit_ns = offset_ns - self._offset.add(offset_ns, now_ns)
+        data = self._parts.add(chunk)
+        if data is None:
+            return None
+        if chunk.is_compressed:
+            data = self._decompress(data, MAX_MESSAGE_BYTES)
+        if chunk.stream == CONTROL_STREAM:
+            return self._control(data)
+        return self._message(chunk, data, transit_ns)
+
+    def _control(self, data: bytes) -> Announcement | None:
+        said = read_control_message(data)
+        if not isinstance(said, Announcement):
+            self._round_trip_ns = int(said.round_trip_ms * NS_PER_MS)
+            return None
+        known = self.streams.get(said.stream)
+        if said.info is not None and self._receiver not in said.predicted_for:
+            said = replace(said, info=replace(said.info, prediction=None))
+        if known == said.info:
+            return None
+        if said.info is None:
+            self.streams.pop(said.stream, None)
+        else:
+            self.streams[said.stream] = said.info
+        if known is None or said.info is None or replace(known, prediction=said.info.prediction) != said.info:
+            self._newest.pop(said.stream, None)
+        return said
+
+    def _message(self, chunk: Chunk, payload: bytes, transit_ns: int) -> ReceivedMessage | None:
+        info = self.streams.get(chunk.stream)
+        if info is None:
+            self.counts.garbage += 1
+            return None
+        before = self._newest.get(chunk.stream)
+        if before is not None and chunk.number <= before:
+            self.counts.repeated += 1
+            return None
+        if transit_ns > LATE_AFTER_NS + 4 * self._round_trip_ns and not chunk.is_kept:
+            self.counts.late += 1
+            return None
+        self._newest[chunk.stream] = chunk.number
+        self.counts.messages += 1
+        age_ns = chunk.sent_ns - chunk.offered_ns + transit_ns + self._round_trip_ns // 2
+        self._ages_ms[chunk.stream] = max(age_ns, 0) / NS_PER_MS
+        return ReceivedMessage(
+            robot=self.robot,
+            stream=info,
+            payload=payload,
+            offered_ns=chunk.offered_ns,
+            age_ns=max(age_ns, 0),
+            begins_anew=before is None or chunk.number != before + 1,
+            boot=self.boot,
+        )

@@ -1,0 +1,358 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The robot's end of a link: what to send now, and what the link carries."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Hashable, Mapping
+from dataclasses import replace
+from typing import Generic, TypeVar
+
+from smarttestudo.domain.budget import UNLIMITED_KB_PER_S
+from smarttestudo.domain.link import LinkNeeds, MessageOrigin, MissedMessage, Prediction, StreamInfo
+from smarttestudo.domain.link_state import LinkState, StreamCounts
+from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_MS, NS_PER_S
+from smarttestudo.link.protocol.background import BackgroundAnswer, BackgroundAnswers
+from smarttestudo.link.protocol.chunks import CONTROL_STREAM, HEADER_BYTES, MAX_STREAMS
+from smarttestudo.link.protocol.outbox import Encode, Encoded, Outbox, plain
+from smarttestudo.link.protocol.receivers import Receivers
+from smarttestudo.link.protocol.reports import Announcement, Report, RoundTrip, control_message
+from smarttestudo.link.protocol.window import Window
+
+LOST_AFTER_NS = 3 * NS_PER_S
+"""An operator's end that said nothing for so long is no longer there; it says something twice a second."""
+STALLED_AFTER_NS = NS_PER_S
+"""Bytes that were under way for so long, and four round trips, met an outage."""
+FIRST_STALLED_AFTER_NS = 15 * NS_PER_S
+"""The same for the first bytes, which may be many for a link of which nothing is known."""
+BUDGET_PERIOD_NS = NS_PER_S // 4
+
+_KEPT_SHARE = 0.99
+"""How much an earlier message counts beside the newest: about the last hundred say what compression saves."""
+_LAST_SESSION = 2**32 - 1
+_USABLE = 0.95
+"""The share of the capacity that is planned with; the rest carries what nobody planned."""
+_GROWTH = ((0.5, 1.4), (0.15, 1.07), (0.05, 1.0))
+"""Shares of a period in which nothing waited to be sent, and by how much the budget grows after it."""
+_MOST_BYTES_PER_S = UNLIMITED_KB_PER_S * BYTES_PER_KB
+_Request = TypeVar("_Request")
+
+
+class LinkSender(Generic[_Request]):
+    """Streams, what waits in them and the window of the link, in the time that is passed in.
+
+    The driver gives it messages (``offer``) and reports (``take_report``), and sends what ``next_chunk``
+    gives while that gives something; another look is due after a message or a report.
+    It serves one operator's end at a time: the first that reports, until that is silent. Others hear what
+    that one is sent. What others ``ask`` for is sent while no topic needs the link (``next_answer``).
+    """
+
+    def __init__(self, encode: Encode = plain) -> None:
+        self._encode = encode
+        self._outbox = Outbox(self._encoded)
+        self._outbox.open(CONTROL_STREAM)
+        self._infos: dict[int, StreamInfo] = {}
+        self._needs: Mapping[str, LinkNeeds] = {}
+        self._window = Window()
+        self._background: BackgroundAnswers[_Request] = BackgroundAnswers()
+        self._session = 0
+        self._sessions = 0
+        self._predictions: Mapping[str, Prediction] = {}
+        self._anew: set[str] = set()
+        self._receivers = Receivers(LOST_AFTER_NS)
+        self._receiver: int | None = None
+        self._left_receiver: int | None = None
+        self._heard_ns = 0
+        self._outages = 0
+        self._ages_ms: dict[str, float] = {}
+        self._budget_bytes_per_s: float | None = None
+        self._budget_ns = 0
+        self._idle_ns = 0
+        """For how long nothing waited to be sent, since ``_budget_ns``."""
+        self._idle_since_ns: int | None = None
+        self._trip_said_ns = 0
+        self._payload_bytes = self._wire_bytes = 1.0
+
+    def open(self, info: StreamInfo, now_ns: int) -> int | None:
+        """The number of a new stream; ``None`` where there are too many."""
+        number = next((one for one in range(1, MAX_STREAMS) if one not in self._infos), None)
+        if number is None:
+            return None
+        self._infos[number] = replace(info, prediction=self._predictions.get(info.topic))
+        self._outbox.open(number, depth=info.qos.depth if info.qos.transient_local else None)
+        self._outbox.set_needs(number, self._needs.get(info.topic, LinkNeeds()))
+        self._announce(number, now_ns)
+        return number
+
+    def close(self, stream: int, now_ns: int) -> None:
+        """Send nothing more of a stream."""
+        if self._infos.pop(stream, None) is not None:
+            self._outbox.close(stream)
+            self._announce(stream, now_ns)
+
+    def follow(self, needs: Mapping[str, LinkNeeds]) -> None:
+        """Serve topics so from now on."""
+        self._needs = needs
+        for number, info in self._infos.items():
+            self._outbox.set_needs(number, needs.get(info.topic, LinkNeeds()))
+
+    def predict(self, predictions: Mapping[str, Prediction], anew: Collection[str], now_ns: int) -> None:
+        """Have the operator's end reckon these topics; of some, ``anew`` from the next message on.
+
+        It ends with the session and when a receiver comes, which may lack what was sent before. From then on
+        a topic is reckoned when it has begun anew.
+        """
+        self._anew |= set(anew)
+        self._predictions = {topic: one for topic, one in predictions.items() if topic in self._anew}
+        for number, info in self._infos.items():
+            said = replace(info, prediction=self._predictions.get(info.topic))
+            if said != info:
+                self._infos[number] = said
+                self._announce(number, now_ns)
+            if info.topic in anew:
+                self._outbox.skip(number)
+
+    def offer(
+        self,
+        stream: int,
+        payload: bytes,
+        now_ns: int,
+        lane: Hashable = None,
+        origin: MessageOrigin | None = None,
+    ) -> None:
+        """Have a message sent; it replaces one of its ``lane`` that has not begun.
+
+        One that has an ``origin`` is kept where an operator's end misses it.
+        """
+        if not self.is_connected(now_ns):
+            self._outbox.cut()
+        if stream in self._infos:
+            self._outbox.offer(stream, payload, now_ns, lane, origin)
+
+    def take_missed(self, now_ns: int, *, is_last: bool = False) -> list[MissedMessage]:
+        """What was missed since the last call; if it ``is_last``, what waits for nobody, too."""
+        if is_last and not self.is_connected(now_ns):
+            self._outbox.give_up_all()
+            self._outbox.cut()
+        missed = self._outbox.missed
+        return [missed.popleft() for _ in range(len(missed))]
+
+    def take_report(self, report: Report, now_ns: int) -> None:
+        """An operator's end says what it has."""
+        if self._receivers.take(report, now_ns):
+            self._introduce(now_ns)
+        is_silent = self._receiver is None or now_ns - self._heard_ns > LOST_AFTER_NS
+        if report.receiver != self._receiver and not is_silent:
+            return
+        must_restart = report.receiver != self._receiver or report.session == 0
+        if must_restart and report.receiver == self._left_receiver:
+            self._learn_of_cut(report)
+        self._receiver, self._heard_ns = report.receiver, now_ns
+        if self._session < report.session < _LAST_SESSION:
+            # Somebody else's chunks were taken for ours; ours count again from the next session on.
+            self._session, must_restart = report.session, True
+        if not must_restart and report.session == self._session:
+            must_restart = self._acknowledge(report.received_bytes, now_ns)
+        if must_restart:
+            self._restart(now_ns)
+        for number, age_ms in report.ages_ms.items():
+            info = self._infos.get(number)
+            if info is not None:
+                self._ages_ms[info.topic] = age_ms
+        self._say_round_trip(now_ns)
+        self._look_at_budget(now_ns)
+
+    def next_chunk(self, now_ns: int) -> bytes | None:
+        """What to send now; ``None`` while nothing waits, nobody is there, or enough is under way."""
+        if not self.is_connected(now_ns) or self.is_stalled(now_ns):
+            return None
+        chunk_bytes = self._window.chunk_bytes
+        if not chunk_bytes:
+            if not self._outbox.is_empty:
+                self._window.limited()
+            return None
+        chunk = self._outbox.next_chunk(self._session, chunk_bytes - HEADER_BYTES, now_ns)
+        if chunk is None:
+            self._window.idle()
+            self._idle_since_ns = self._idle_since_ns or now_ns
+            return None
+        if self._idle_since_ns is not None:
+            self._idle_ns += now_ns - self._idle_since_ns
+            self._idle_since_ns = None
+        data = chunk.to_bytes()
+        self._window.sent(len(data), now_ns)
+        self._outbox.sent_until(chunk, self._window.sent_bytes)
+        self._background.live_sent(len(data), now_ns, self._window)
+        return data
+
+    def ask(self, asker: int, got_bytes: int, request: _Request, now_ns: int) -> bool:
+        """Have a request answered when no topic needs the link; whether it waits, as few may.
+
+        ``asker`` has ``got_bytes`` of all answers so far.
+        """
+        return self._background.ask(asker, got_bytes, request, now_ns, self._live(now_ns))
+
+    def acknowledge(self, asker: int, got_bytes: int, now_ns: int) -> None:
+        """Who asked has ``got_bytes`` of all answers so far."""
+        self._background.acknowledge(asker, got_bytes, now_ns, self._live(now_ns))
+
+    def next_answer(self, now_ns: int) -> BackgroundAnswer[_Request] | None:
+        """What to answer now; to be asked for when ``next_chunk`` has nothing."""
+        live = self._live(now_ns)
+        if live is not None and (not self._outbox.is_empty or self.is_stalled(now_ns)):
+            return None
+        return self._background.next(now_ns, live)
+
+    def answered(self, asker: int, size_bytes: int, now_ns: int) -> None:
+        """An answer of so many bytes went out."""
+        self._background.sent(asker, size_bytes, now_ns, self._live(now_ns))
+
+    def expired(self, now_ns: int) -> list[_Request]:
+        """Requests that have waited for too long, and are answered no more."""
+        return self._background.expired(now_ns)
+
+    def answer_wake_ns(self, now_ns: int) -> int | None:
+        """When ``next_answer`` may have something though nothing happens."""
+        return self._background.wake_ns(now_ns)
+
+    def is_connected(self, now_ns: int) -> bool:
+        """Whether an operator's end was heard lately."""
+        return self._receiver is not None and now_ns - self._heard_ns <= LOST_AFTER_NS
+
+    def is_stalled(self, now_ns: int) -> bool:
+        """Whether what is under way should long have arrived."""
+        since_ns, trip_ns = self._window.waiting_since_ns, self._window.round_trip_ns
+        limit_ns = FIRST_STALLED_AFTER_NS if trip_ns is None else STALLED_AFTER_NS + 4 * trip_ns
+        return since_ns is not None and now_ns - since_ns > limit_ns
+
+    def disconnect(self) -> None:
+        """The operator's end is gone; the next that reports gets a new session."""
+        if self._receiver is not None:
+            self._left_receiver = self._receiver
+        self._receiver = None
+        self._receivers = Receivers(LOST_AFTER_NS)
+        self._outbox.cut()
+
+    def state(self, now_ns: int) -> LinkState:
+        """What is known of the link."""
+        window = self._window
+        return LinkState(
+            is_connected=self.is_connected(now_ns),
+            capacity_kb_per_s=window.capacity_bytes_per_s / BYTES_PER_KB if window.is_measured else None,
+            round_trip_ms=None if window.round_trip_ns is None else window.round_trip_ns / NS_PER_MS,
+            outages=self._outages,
+            sessions=self._sessions,
+            predicted=self._receivers.predicted(now_ns),
+        )
+
+    @property
+    def budget_kb_per_s(self) -> float | None:
+        """What relayed topics may take together now, before compression; ``None`` while it is not known.
+
+        ``UNLIMITED_KB_PER_S`` where the link is no limit.
+        """
+        if self._budget_bytes_per_s is None:
+            return None
+        if self._budget_bytes_per_s >= _MOST_BYTES_PER_S:
+            return UNLIMITED_KB_PER_S
+        budget_kb_per_s = self._budget_bytes_per_s * self._payload_bytes / self._wire_bytes / BYTES_PER_KB
+        return min(budget_kb_per_s, UNLIMITED_KB_PER_S)
+
+    def counts(self, now_ns: int) -> dict[str, StreamCounts]:
+        """Messages by topic."""
+        counts: dict[str, StreamCounts] = {}
+        for number, one in self._outbox.counts(now_ns):
+            info = self._infos.get(number)
+            if info is None:
+                continue
+            had = counts.get(info.topic, StreamCounts())
+            counts[info.topic] = replace(
+                had,
+                sent=had.sent + one.sent,
+                replaced=had.replaced + one.replaced,
+                overflowed=had.overflowed + one.overflowed,
+                queued_bytes=had.queued_bytes + one.queued_bytes,
+                is_losing=had.is_losing or one.is_losing,
+            )
+        return counts
+
+    def age_ms(self, topic: str) -> float | None:
+        """How old the last message of ``topic`` was when it arrived."""
+        return self._ages_ms.get(topic)
+
+    def _live(self, now_ns: int) -> Window | None:
+        """The window of the topics, while anybody receives them."""
+        return self._window if self.is_connected(now_ns) else None
+
+    def _learn_of_cut(self, report: Report) -> None:
+        """A receiver whose connection was cut is back, and knows what had arrived by then."""
+        if report.session == self._session and report.received_bytes <= self._window.sent_bytes:
+            self._outbox.acknowledge(report.received_bytes)
+
+    def _acknowledge(self, received_bytes: int, now_ns: int) -> bool:
+        """The receiver has so much of this session; whether another is to begin: the rest is lost."""
+        is_stalled = self.is_stalled(now_ns)
+        if is_stalled:
+            self._outbox.cut()
+        if self._window.acknowledge(received_bytes, now_ns):
+            # The receiver drops what is so late.
+            late_ns = STALLED_AFTER_NS + 4 * (self._window.round_trip_ns or 0)
+            self._outbox.acknowledge(received_bytes, now_ns - late_ns if is_stalled else None)
+        self._outages += is_stalled
+        return is_stalled and self._window.in_flight_bytes > 0
+
+    def _restart(self, now_ns: int) -> None:
+        self._session += 1
+        before, self._window = self._window, Window(self._window.capacity_bytes_per_s)
+        self._window.is_measured = before.is_measured
+        self._outbox.close(CONTROL_STREAM)
+        self._outbox.open(CONTROL_STREAM)
+        self._outbox.restart(now_ns)
+        self._introduce(now_ns)
+
+    def _introduce(self, now_ns: int) -> None:
+        """Say all that a receiver must know that may lack what was sent before, which nobody predicts now."""
+        self._sessions += 1
+        self._predictions, self._anew = {}, set()
+        self._infos = {number: replace(info, prediction=None) for number, info in self._infos.items()}
+        for number in self._infos:
+            self._announce(number, now_ns)
+
+    def _announce(self, stream: int, now_ns: int) -> None:
+        said = Announcement(
+            stream=stream, info=self._infos.get(stream), predicted_for=self._receivers.numbers
+        )
+        self._outbox.offer(CONTROL_STREAM, control_message(said), now_ns)
+
+    def _encoded(self, stream: int, payload: bytes) -> Encoded:
+        """What travels of a message; of those that are planned, it is kept how many bytes that saves."""
+        encoded = self._encode(stream, payload)
+        info = self._infos.get(stream)
+        if info is not None and info.topic in self._needs:
+            self._payload_bytes = self._payload_bytes * _KEPT_SHARE + len(payload)
+            self._wire_bytes = self._wire_bytes * _KEPT_SHARE + len(encoded.data) + HEADER_BYTES
+        return encoded
+
+    def _look_at_budget(self, now_ns: int) -> None:
+        """Set the budget to the capacity where the link is the limit, and let it grow where it is not."""
+        span_ns = now_ns - self._budget_ns
+        if span_ns < BUDGET_PERIOD_NS:
+            return
+        if self._idle_since_ns is not None:
+            self._idle_ns += now_ns - self._idle_since_ns
+            self._idle_since_ns = now_ns
+        idle_share, self._idle_ns, self._budget_ns = self._idle_ns / span_ns, 0, now_ns
+        if not self._window.is_measured:
+            return
+        usable = self._window.capacity_bytes_per_s * _USABLE
+        before = usable if self._budget_bytes_per_s is None else self._budget_bytes_per_s
+        growth = next((growth for share, growth in _GROWTH if idle_share > share), None)
+        grown = usable if growth is None else max(usable, before * growth)
+        self._budget_bytes_per_s = min(grown, _MOST_BYTES_PER_S)
+
+    def _say_round_trip(self, now_ns: int) -> None:
+        trip_ns = self._window.round_trip_ns
+        if trip_ns is not None and now_ns - self._trip_said_ns >= NS_PER_S:
+            self._trip_said_ns = now_ns
+            said = RoundTrip(round_trip_ms=trip_ns / NS_PER_MS)
+            self._outbox.offer(CONTROL_STREAM, control_message(said), now_ns)

@@ -1,0 +1,94 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What arrives of robots, put where it is wanted, and how it arrived."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from smarttestudo.domain.link import ReceivedMessage, Sink, StreamInfo
+from smarttestudo.domain.rate_meter import Flow, FlowMeter
+from smarttestudo.domain.units import NS_PER_MS
+from smarttestudo.link.receive.prediction import Predictor
+from smarttestudo.link.zenoh.arrivals import LinkEvent, RobotPresence, StreamSaid
+
+
+@dataclass(slots=True)
+class ReceivedTopic:
+    """How one topic of a robot arrives: ``age_ms`` is that of its last message, as far as it is known.
+
+    ``predicted`` messages were made here; they count as nothing else.
+    """
+
+    type_name: str
+    flow: Flow
+    meter: FlowMeter
+    age_ms: float | None = None
+    predicted: int = 0
+
+
+@dataclass(slots=True)
+class ReceivedRobot:
+    """What is known of a robot; ``boots`` are the runs of its end that are connected now."""
+
+    boots: set[str] = field(default_factory=set)
+    topics: dict[str, ReceivedTopic] = field(default_factory=dict)
+
+
+class Reception:
+    """Takes the events of the operator's end, in order, and gives what they bring to ``sinks``.
+
+    Where there is a ``predictor``, so is what it makes of them. Times are ns of a clock that never jumps.
+    """
+
+    def __init__(self, sinks: Sequence[Sink], predictor: Predictor | None = None) -> None:
+        self.robots: dict[str, ReceivedRobot] = {}
+        self._sinks = sinks
+        self._predictor = predictor
+
+    def take(self, event: LinkEvent, now_ns: int) -> None:
+        """Something arrived."""
+        robot = event.robot
+        known = self.robots.setdefault(robot, ReceivedRobot())
+        match event:
+            case RobotPresence(boot=boot, is_present=True):
+                known.boots.add(boot)
+            case RobotPresence(boot=boot):
+                known.boots.discard(boot)
+            case StreamSaid(info=StreamInfo() as stream):
+                _topic(known, stream).type_name = stream.type_name
+                for sink in self._sinks:
+                    sink.open(robot, stream)
+            case ReceivedMessage(stream=stream, age_ns=age_ns):
+                topic = _topic(known, stream)
+                topic.age_ms = None if age_ns is None else age_ns / NS_PER_MS
+                topic.flow.record(now_ns, len(event.payload))
+                for sink in self._sinks:
+                    sink.take(event)
+        if self._predictor is not None:
+            self._predictor.take(event, now_ns)
+
+    def predict(self, now_ns: int) -> int | None:
+        """Give ``sinks`` what is predicted and due; when there is more."""
+        if self._predictor is None:
+            return None
+        for message in self._predictor.predicted(now_ns):
+            _topic(self.robots[message.robot], message.stream).predicted += 1
+            for sink in self._sinks:
+                sink.take(message)
+        return self._predictor.due_ns
+
+    def look(self, now_ns: int) -> None:
+        """Measure the rates anew; to be called about once a second."""
+        for robot in self.robots.values():
+            for topic in robot.topics.values():
+                topic.meter.look(now_ns)
+
+
+def _topic(robot: ReceivedRobot, stream: StreamInfo) -> ReceivedTopic:
+    topic = robot.topics.get(stream.topic)
+    if topic is None:
+        flow = Flow()
+        topic = robot.topics[stream.topic] = ReceivedTopic(stream.type_name, flow, FlowMeter(flow))
+    return topic

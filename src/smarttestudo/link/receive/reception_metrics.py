@@ -1,0 +1,132 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a monitoring system gets of the operator's end."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import fields
+from itertools import islice
+from typing import TYPE_CHECKING
+
+from smarttestudo.domain.metric import Metric, MetricKind, MetricName, Sample
+from smarttestudo.domain.units import BYTES_PER_KB, grouped
+from smarttestudo.link.openmetrics.status import status_metrics
+from smarttestudo.link.protocol.receiver import ReceiverCounts
+from smarttestudo.link.receive.reception import ReceivedTopic, Reception
+from smarttestudo.link.receive.status_sink import StatusSink
+from smarttestudo.link.zenoh.keys import MAX_ROBOTS, Boot
+
+if TYPE_CHECKING:
+    # It needs Zenoh, which a robot may lack.
+    from smarttestudo.link.zenoh.operator_end import OperatorEnd
+
+MAX_TOPICS = 10_000
+"""Topics of all robots together that have metrics."""
+MAX_BOOTS = 1_000
+"""Runs of robots whose counts are kept."""
+_MS_PER_S = 1000
+
+
+def _name(
+    name: str, unit: str, help_text: str, *, labels: tuple[str, ...] = (), counts: bool = False
+) -> MetricName:
+    kind = MetricKind.COUNTER if counts else MetricKind.GAUGE
+    return MetricName(name=f"testudo_receive_{name}", unit=unit, help=help_text, kind=kind, labels=labels)
+
+
+_ROBOT = ("robot",)
+_TOPIC = ("robot", "topic")
+_CONNECTED = _name("connected", "", "1 if the robot is connected, else 0.", labels=_ROBOT)
+_HERTZ = _name("topic", "hertz", "Messages of the topic that arrive a second.", labels=_TOPIC)
+_BANDWIDTH = _name("topic", "bytes_per_second", "What arrives of the topic, unpacked.", labels=_TOPIC)
+_AGE = _name("topic_age", "seconds", "Age of the topic's last message when it arrived.", labels=_TOPIC)
+_MESSAGES = _name("topic", "messages", "Messages of the topic that arrived.", labels=_TOPIC, counts=True)
+_BYTES = _name("topic", "bytes", "What arrived of the topic, unpacked.", labels=_TOPIC, counts=True)
+_PREDICTED = _name(
+    "topic_predicted", "messages", "Messages of the topic that were made here.", labels=_TOPIC, counts=True
+)
+_COUNTS = {
+    "messages": _name("delivered", "messages", "Messages that arrived whole.", labels=_ROBOT, counts=True),
+    "late": _name("late", "messages", "Messages dropped after an outage.", labels=_ROBOT, counts=True),
+    "repeated": _name(
+        "repeated", "messages", "Messages that were there already.", labels=_ROBOT, counts=True
+    ),
+    "broken": _name(
+        "broken", "messages", "Messages of which a part was missing.", labels=_ROBOT, counts=True
+    ),
+    "garbage": _name("garbage", "chunks", "Chunks that were not understood.", labels=_ROBOT, counts=True),
+    "received_bytes": _name("link", "bytes", "Bytes that came over the link.", labels=_ROBOT, counts=True),
+}
+_STRAYS = _name("stray", "chunks", "Chunks of robots that are not known here.", counts=True)
+_DROPPED = _name("dropped", "events", "Events that gave way because this end was busy.", counts=True)
+_UNREADABLE = _name("unreadable", "statuses", "Statuses of robots that could not be read here.", counts=True)
+_LEFT_OUT = _name("left_out", "topics", f"Topics without metrics here, beyond {grouped(MAX_TOPICS)}.")
+RECEPTION_METRICS = (
+    *(_CONNECTED, _HERTZ, _BANDWIDTH, _AGE, _MESSAGES, _BYTES, _PREDICTED, *_COUNTS.values()),
+    *(_STRAYS, _DROPPED, _UNREADABLE, _LEFT_OUT),
+)
+"""All that ``ReceptionMetrics`` may give beside the metrics of robots' statuses."""
+
+
+class ReceptionMetrics:
+    """The metrics of the last ``look``. Any thread may ask for them; the rest is for the one that receives.
+
+    A robot's own status, which ``statuses`` gets, is told under the names that it has at the robot.
+    """
+
+    def __init__(self, statuses: StatusSink) -> None:
+        self._statuses = statuses
+        self._last: list[Metric] = []
+        self._counts: dict[Boot, ReceiverCounts] = {}
+
+    def metrics(self) -> list[Metric]:
+        """As of the last look."""
+        return self._last
+
+    def look(self, reception: Reception, end: OperatorEnd) -> None:
+        """Take what is known now; to be called after ``Reception.look``."""
+        # A robot that is away keeps its counts, or they would fall.
+        self._counts |= end.counts()
+        while len(self._counts) > MAX_BOOTS:
+            del self._counts[next(iter(self._counts))]
+        statuses = dict(islice(self._statuses.statuses().items(), MAX_ROBOTS))
+        self._last = [*self._of_reception(reception, end), *status_metrics(statuses)]
+
+    def _of_reception(self, reception: Reception, end: OperatorEnd) -> Iterator[Metric]:
+        robots = dict(islice(reception.robots.items(), MAX_ROBOTS))
+        all_topics = [
+            ((robot, name), topic) for robot, known in robots.items() for name, topic in known.topics.items()
+        ]
+        topics = all_topics[:MAX_TOPICS]
+        connected = [((robot,), float(bool(known.boots))) for robot, known in robots.items()]
+        yield Metric(name=_CONNECTED, samples=connected)
+        yield from _of_topics(topics)
+        yield from _of_counts(self._counts)
+        yield Metric(name=_STRAYS, samples=[((), float(end.strays))])
+        yield Metric(name=_DROPPED, samples=[((), float(end.dropped))])
+        yield Metric(name=_UNREADABLE, samples=[((), float(self._statuses.unreadable))])
+        yield Metric(name=_LEFT_OUT, samples=[((), float(len(all_topics) - len(topics)))])
+
+
+def _of_topics(topics: list[tuple[tuple[str, str], ReceivedTopic]]) -> Iterator[Metric]:
+    rates = ((labels, topic.meter.rate_hz) for labels, topic in topics)
+    ages = ((labels, topic.age_ms) for labels, topic in topics)
+    yield Metric(name=_HERTZ, samples=[(labels, hz) for labels, hz in rates if hz is not None])
+    yield Metric(
+        name=_BANDWIDTH, samples=[(labels, topic.meter.kb_per_s * BYTES_PER_KB) for labels, topic in topics]
+    )
+    yield Metric(name=_AGE, samples=[(labels, ms / _MS_PER_S) for labels, ms in ages if ms is not None])
+    yield Metric(name=_MESSAGES, samples=[(labels, float(topic.flow.messages)) for labels, topic in topics])
+    predicted = [(labels, float(topic.predicted)) for labels, topic in topics if topic.predicted]
+    yield Metric(name=_PREDICTED, samples=predicted)
+    yield Metric(name=_BYTES, samples=[(labels, float(topic.flow.size_bytes)) for labels, topic in topics])
+
+
+def _of_counts(counts: Mapping[Boot, ReceiverCounts]) -> Iterator[Metric]:
+    for field in fields(ReceiverCounts):
+        sums: dict[tuple[str, ...], float] = {}
+        for boot, counted in counts.items():
+            sums[(boot.robot,)] = sums.get((boot.robot,), 0.0) + getattr(counted, field.name)
+        samples: list[Sample] = list(sums.items())
+        yield Metric(name=_COUNTS[field.name], samples=samples)

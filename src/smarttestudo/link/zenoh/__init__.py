@@ -1,0 +1,141 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Both ends of a link over Zenoh: the only importer of ``zenoh``, which is imported where this is called."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import closing, contextmanager
+from typing import TYPE_CHECKING
+
+from smarttestudo.domain.errors import LinkError
+from smarttestudo.domain.packages import Extra, how_to_install
+from smarttestudo.link.zenoh.arrivals import MAX_WAITING_BYTES
+from smarttestudo.link.zenoh.security import LinkOptions
+
+if TYPE_CHECKING:
+    from smarttestudo.link.zenoh.link_incidents import LinkIncidents
+    from smarttestudo.link.zenoh.link_robots import LinkRobots
+    from smarttestudo.link.zenoh.operator_end import OperatorEnd
+    from smarttestudo.link.zenoh.robot_end import RobotEnd
+
+Warn = Callable[[str], None]
+"""Says a sentence that somebody should read; called from any thread."""
+
+
+@contextmanager
+def open_robot_end(
+    robot: str, options: LinkOptions, warn: Warn, *, clock: Callable[[], int] = time.monotonic_ns
+) -> Iterator[RobotEnd]:
+    """The end of the link at the robot of that name; nobody need be at the other end yet.
+
+    ``clock`` gives ns from any start. Raises ``LinkError``: the extra is missing, the endpoints or the
+    configuration do not work, or they let anybody in; ``UsageError``: the robot has no usable name, or
+    ``options`` have commands over endpoints that let anybody in.
+    """
+    require_zenoh()
+    from smarttestudo.link.zenoh.command_inbox import CommandInbox  # noqa: PLC0415  needs zenoh
+    from smarttestudo.link.zenoh.robot_end import RobotEnd  # noqa: PLC0415  needs zenoh
+    from smarttestudo.link.zenoh.session import open_session  # noqa: PLC0415  needs zenoh
+
+    with open_session(options, "peer", warn) as session:
+        end = RobotEnd(session, robot, warn, clock)
+        try:
+            if not options.commands:
+                yield end
+                return
+            end.commands = CommandInbox(session, end.boot, options.commands, warn, suspended_too_ns)
+            with closing(end.commands):
+                yield end
+        finally:
+            end.close()
+
+
+@contextmanager
+def open_operator_end(
+    options: LinkOptions,
+    warn: Warn,
+    *,
+    clock: Callable[[], int] = time.monotonic_ns,
+    most_waiting_bytes: int = MAX_WAITING_BYTES,
+    predicts: frozenset[str] = frozenset(),
+) -> Iterator[OperatorEnd]:
+    """The operator's end of the links of all robots that are or will be there.
+
+    It is a router, so that further ends can connect to where it listens. ``clock`` gives ns from any start;
+    ``most_waiting_bytes`` may wait to be read; ``predicts`` are the topics, by the robots' names, that who
+    reads reckons where the robot's end does so too.
+    Raises ``LinkError`` as ``open_robot_end`` does.
+    """
+    require_zenoh()
+    from smarttestudo.link.zenoh.command_outbox import CommandOutbox  # noqa: PLC0415  needs zenoh
+    from smarttestudo.link.zenoh.operator_end import OperatorEnd  # noqa: PLC0415  needs zenoh
+    from smarttestudo.link.zenoh.session import open_session  # noqa: PLC0415  needs zenoh
+
+    with open_session(options, "router", warn) as session:
+        end = OperatorEnd(session, warn, clock, most_waiting_bytes, predicts)
+        try:
+            if options.commands:
+                end.commands = CommandOutbox(session, options.commands, warn, suspended_too_ns)
+            yield end
+        finally:
+            end.close()
+
+
+@contextmanager
+def open_link_robots(
+    options: LinkOptions, warn: Warn, *, steady_s: Callable[[], float] = time.monotonic
+) -> Iterator[LinkRobots]:
+    """The robots that are heard where ``options`` connect to, whether or not anybody answers there yet.
+
+    ``steady_s`` is a clock that never jumps. Raises ``LinkError`` as ``open_robot_end`` does.
+    """
+    require_zenoh()
+    from smarttestudo.link.zenoh.client import LinkClient  # noqa: PLC0415  needs zenoh
+    from smarttestudo.link.zenoh.link_robots import LinkRobots  # noqa: PLC0415  needs zenoh
+    from smarttestudo.link.zenoh.session import session_config  # noqa: PLC0415  needs zenoh
+
+    client = LinkClient(*session_config(options, "client", warn), options.connect)
+    robots = LinkRobots(client, ", ".join(options.connect), steady_s)
+    try:
+        yield robots
+    finally:
+        client.close()
+
+
+@contextmanager
+def open_link_incidents(options: LinkOptions, warn: Warn) -> Iterator[LinkIncidents]:
+    """The incidents of the robots that are heard where ``options`` connect to, as ``RemoteIncidents``.
+
+    Raises ``LinkError`` as ``open_robot_end`` does.
+    """
+    require_zenoh()
+    from smarttestudo.link.zenoh.client import LinkClient  # noqa: PLC0415  needs zenoh
+    from smarttestudo.link.zenoh.link_incidents import LinkIncidents  # noqa: PLC0415  needs zenoh
+    from smarttestudo.link.zenoh.session import session_config  # noqa: PLC0415  needs zenoh
+
+    client = LinkClient(*session_config(options, "client", warn), options.connect)
+    incidents = LinkIncidents(client, ", ".join(options.connect))
+    try:
+        yield incidents
+    finally:
+        incidents.close()
+
+
+def suspended_too_ns() -> int:
+    """Time that passes while the machine is suspended, too, where the system has such a clock."""
+    if sys.platform == "linux":
+        return time.clock_gettime_ns(time.CLOCK_BOOTTIME)
+    return time.monotonic_ns()
+
+
+def require_zenoh() -> None:
+    """Raise ``LinkError`` where a package of the extra ``link`` is missing."""
+    try:
+        import zenoh  # noqa: F401, PLC0415  most robots and laptops have no link
+        import zstandard  # noqa: F401, PLC0415
+    except ImportError as error:
+        cause = f"a link needs the package {error.name}"
+        raise LinkError(cause, remedy=how_to_install(Extra.LINK)) from error

@@ -1,0 +1,129 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The robot's end of what operators send, over Zenoh."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Sequence
+
+import zenoh
+
+from smarttestudo.domain.errors import TestudoError
+from smarttestudo.domain.link_state import AcceptedTopic
+from smarttestudo.domain.robot import Publisher
+from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.link.protocol.command_receiver import CommandReceiver
+from smarttestudo.link.zenoh.keys import Boot
+
+_END_WITHIN_S = 5.0
+
+
+class CommandInbox:
+    """Publishes what operators send, in the thread in which it comes, and reports to them.
+
+    ``clock`` gives ns that pass while the machine is suspended, too.
+    """
+
+    def __init__(
+        self,
+        session: zenoh.Session,
+        boot: Boot,
+        topics: Sequence[str],
+        warn: Callable[[str], None],
+        clock: Callable[[], int],
+    ) -> None:
+        self.has_operator = False
+        """Whether an operator's end that sends anything is connected."""
+        self._warn = warn
+        self._clock = clock
+        self._receiver = CommandReceiver(topics)
+        self._publishers: dict[str, Publisher | None] = dict.fromkeys(topics)
+        self._failures: set[str] = set()
+        self._lock = threading.Lock()
+        self._news = threading.Event()
+        self._is_closed = False
+        # A report that does not get through is followed by another that says all that it said.
+        self._reports = session.declare_publisher(
+            boot.accepts_key,
+            congestion_control=zenoh.CongestionControl.DROP,
+            priority=zenoh.Priority.REAL_TIME,
+            express=True,
+        )
+        # Undeclared where nobody holds them.
+        self._kept = (
+            self._reports.declare_matching_listener(self._match),
+            session.declare_subscriber(boot.command_key, self._receive),
+        )
+        self._thread = threading.Thread(target=self._run, name="link-accept", daemon=True)
+        self._thread.start()
+
+    @property
+    def topics(self) -> list[AcceptedTopic]:
+        """What is known of each accepted topic."""
+        with self._lock:
+            return self._receiver.topics
+
+    @property
+    def garbage(self) -> int:
+        """What came and was not readable, or of no accepted topic."""
+        return self._receiver.garbage
+
+    def sent_names(self) -> list[tuple[str, ...]]:
+        """What each operator's end that was heard lately sends."""
+        with self._lock:
+            return self._receiver.sent_names(self._clock())
+
+    def follow(
+        self, topic: str, type_name: str | None, publisher: Publisher | None, problem: str | None = None
+    ) -> None:
+        """From now on give ``publisher`` the messages of ``topic``, which are of that type."""
+        with self._lock:
+            self._receiver.follow(topic, type_name, problem)
+            self._publishers[topic] = publisher
+        self._news.set()
+
+    def close(self) -> None:
+        """Deliver nothing more; the session is to be closed then."""
+        with self._lock:
+            self._publishers = dict.fromkeys(self._publishers)
+        self._is_closed = True
+        self._news.set()
+        self._thread.join(_END_WITHIN_S)
+
+    def _match(self, status: zenoh.MatchingStatus) -> None:
+        self.has_operator = status.matching
+
+    def _receive(self, sample: zenoh.Sample) -> None:
+        with self._lock:
+            delivery = self._receiver.take(sample.payload.to_bytes(), self._clock())
+            publisher = None if delivery is None else self._publishers[delivery.topic]
+            if delivery is not None and publisher is not None:
+                try:
+                    publisher.publish(delivery.payload)
+                except TestudoError as error:
+                    self._receiver.fail(delivery.topic)
+                    self._say(str(error))
+        self._news.set()
+
+    def _say(self, line: str) -> None:
+        if line not in self._failures:
+            self._failures.add(line)
+            self._warn(line)
+
+    def _run(self) -> None:
+        while not self._is_closed:
+            self._news.clear()
+            with self._lock:
+                now_ns = self._clock()
+                wake_ns = self._receiver.wake_ns
+                report = self._receiver.next_report(now_ns) if wake_ns <= now_ns else None
+            if report is None:
+                self._news.wait((wake_ns - now_ns) / NS_PER_S)
+                continue
+            try:
+                self._reports.put(report)
+            except zenoh.ZError as error:
+                if not self._is_closed:
+                    self._warn(f"the link accepts nothing more: {error}")
+                return

@@ -1,0 +1,79 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Messages made smaller for a link, where that pays."""
+
+from __future__ import annotations
+
+import zstandard
+
+from smarttestudo.domain.errors import LinkError
+from smarttestudo.link.protocol.outbox import Encoded
+
+_LEVEL = 3
+_LEVEL_ALONE = 10
+"""For what travels seldom."""
+_LEAST_BYTES = 200
+_WORTHWHILE = 0.9
+"""The share of its size that a message may keep at most."""
+_PATIENCE = 3
+"""Messages of a stream that may gain too little, one after the other."""
+_REST = 300
+"""Messages of such a stream that then go as they are."""
+
+
+class Compressor:
+    """Compresses the messages of each stream for as long as that saves a tenth."""
+
+    def __init__(self) -> None:
+        self._zstd = zstandard.ZstdCompressor(level=_LEVEL)
+        self._misses: dict[int, int] = {}
+        self._resting: dict[int, int] = {}
+
+    def encode(self, stream: int, payload: bytes) -> Encoded:
+        """What travels of ``payload``."""
+        if len(payload) < _LEAST_BYTES:
+            return Encoded(payload)
+        resting = self._resting.get(stream, 0)
+        if resting:
+            self._resting[stream] = resting - 1
+            return Encoded(payload)
+        data = self._zstd.compress(payload)
+        if len(data) <= _WORTHWHILE * len(payload):
+            self._misses[stream] = 0
+            return Encoded(data, is_compressed=True)
+        self._misses[stream] = self._misses.get(stream, 0) + 1
+        if self._misses[stream] >= _PATIENCE:
+            self._resting[stream] = _REST
+        return Encoded(payload)
+
+
+def decompress(data: bytes, most_bytes: int) -> bytes:
+    """What was compressed. Raises ``LinkError``, also for what would have more than ``most_bytes``."""
+    try:
+        size_bytes = zstandard.frame_content_size(data)
+        if not 0 < size_bytes <= most_bytes:
+            raise LinkError(f"a compressed message says that it has {size_bytes} bytes")
+        payload = zstandard.ZstdDecompressor().decompress(data, allow_extra_data=False)
+    except (zstandard.ZstdError, MemoryError) as error:
+        raise LinkError("a compressed message is damaged") from error
+    if len(payload) != size_bytes:
+        raise LinkError(f"a compressed message has {len(payload)} bytes and says {size_bytes}")
+    return payload
+
+
+_PLAIN, _COMPRESSED = b"\0", b"\1"
+
+
+def packed(data: bytes) -> bytes:
+    """``data`` with a byte that says whether it is compressed, which it is where that saves anything."""
+    compressed = zstandard.ZstdCompressor(level=_LEVEL_ALONE).compress(data)
+    return _COMPRESSED + compressed if len(compressed) < len(data) else _PLAIN + data
+
+
+def unpacked(data: bytes, most_bytes: int) -> bytes:
+    """What ``packed`` made ``data`` of. Raises ``LinkError``, also for what has more than ``most_bytes``."""
+    if data[:1] == _COMPRESSED:
+        return decompress(data[1:], most_bytes)
+    if data[:1] != _PLAIN or len(data) > most_bytes:
+        raise LinkError("it is not packed in a known way, or too large")
+    return data[1:]

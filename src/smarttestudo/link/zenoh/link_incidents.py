@@ -1,0 +1,263 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The incidents of robots, listed and fetched over links."""
+
+from __future__ import annotations
+
+import queue
+import secrets
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from functools import partial
+from pathlib import Path
+
+from smarttestudo.domain.errors import LinkError
+from smarttestudo.domain.remote_incidents import FetchProgress, OnProgress, RemoteIncident
+from smarttestudo.domain.remote_robots import ANSWER_WITHIN_S
+from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.incidents.fetching import ANSWERED_WITHIN_NS, Fetching, RangeAsk
+from smarttestudo.incidents.partial_incident import PartialIncident, incident_there
+from smarttestudo.incidents.transfer_messages import (
+    AskBytes,
+    AskList,
+    AskPlan,
+    TransferPiece,
+    TransferPlan,
+    TransferQuestion,
+    list_from_bytes,
+    piece_from_bytes,
+    plan_from_bytes,
+    question_to_bytes,
+)
+from smarttestudo.link.protocol.question_messages import MAX_QUESTION_BYTES
+from smarttestudo.link.zenoh.client import LinkClient, Reply, SessionClient
+from smarttestudo.link.zenoh.compression import decompress, unpacked
+from smarttestudo.link.zenoh.keys import MAX_ROBOTS, Boot
+
+_LOOK_S = 0.1
+_SAVE_S = 0.5
+_SAY_S = 0.25
+_RATE_SAYS = 12
+"""The rate is that of so many times ``_SAY_S``."""
+_AGAIN_AFTER_S = 0.05
+_AGAIN_WITHIN_S = 3.0
+"""A robot that is asked much answers some questions with silence, as does one without incidents."""
+_KNOWN_WITHIN_S = 5.0
+_DIGITS = "#"
+_Answered = tuple[RangeAsk, Reply]
+
+
+class LinkIncidents:
+    """``RemoteIncidents`` of the robots that ``client`` reaches at ``place``; any thread may call."""
+
+    def __init__(self, client: LinkClient | SessionClient, place: str) -> None:
+        self._place = place
+        self._client = client
+        self._lock = threading.Lock()
+        self._present: dict[Boot, None] = {}
+        self._all_known = threading.Event()
+        self._client.begin(None, self._see, self._all_known.set)
+
+    def robots(self, within_s: float) -> Sequence[str]:
+        """As ``RemoteIncidents.robots``."""
+        self._all_known.wait(within_s)
+        with self._lock:
+            return sorted({boot.robot for boot in self._present})
+
+    @property
+    def problem(self) -> str | None:
+        """Why nobody is connected."""
+        return self._client.problem
+
+    def list(self, robot: str) -> Sequence[RemoteIncident]:
+        """The incidents of a robot, oldest first."""
+        data = self._answer(robot, AskList(), lambda: False)
+        assert data is not None
+        return list_from_bytes(data, robot)
+
+    def fetch(
+        self,
+        robot: str,
+        name: str,
+        folder: Path,
+        on_progress: OnProgress,
+        cancelled: Callable[[], bool],
+    ) -> Path | None:
+        """Have an incident below ``folder``; one that is there already is not fetched again."""
+        data = self._answer(robot, AskPlan(name=name), cancelled)
+        if data is None:
+            return None
+        plan = plan_from_bytes(data)
+        there = incident_there(folder, name, [one.name for one in plan.files])
+        if there is not None:
+            on_progress(FetchProgress(got_bytes=plan.size_bytes, total_bytes=plan.size_bytes))
+            return there
+        with PartialIncident(folder, name, plan) as partial_incident:
+            fetch = _Fetch(self, robot, name, plan, partial_incident)
+            return partial_incident.finish() if fetch.run(on_progress, cancelled) else None
+
+    def close(self) -> None:
+        """Leave."""
+        self._client.close()
+
+    def boot(self, robot: str) -> Boot | None:
+        """The run of a robot's end that is there, the newest where there are several."""
+        name, _, digits = robot.partition(_DIGITS)
+        with self._lock:
+            found = [boot for boot in self._present if boot.robot == name and boot.number.startswith(digits)]
+        return found[-1] if found else None
+
+    def get(
+        self, boot: Boot, question: TransferQuestion, answered: Callable[[Reply], None], timeout_s: float
+    ) -> None:
+        """Have ``answered`` called once with what came of a question, by any thread."""
+        self._client.get(boot.incidents_key, question_to_bytes(question), answered, timeout_s)
+
+    def _answer(self, robot: str, question: TransferQuestion, cancelled: Callable[[], bool]) -> bytes | None:
+        """What a robot answers, ``None`` if ``cancelled`` before. Raises ``LinkError``."""
+        self._all_known.wait(_KNOWN_WITHIN_S)
+        end_s = time.monotonic() + _AGAIN_WITHIN_S
+        while (boot := self.boot(robot)) is not None:
+            replies: queue.SimpleQueue[Reply] = queue.SimpleQueue()
+            self.get(boot, question, replies.put, ANSWER_WITHIN_S)
+            reply = _waited(replies, cancelled)
+            if cancelled():
+                return None
+            if isinstance(reply, LinkError):
+                raise reply
+            if reply is not None:
+                return unpacked(reply, MAX_QUESTION_BYTES)
+            if time.monotonic() >= end_s:
+                break
+            time.sleep(_AGAIN_AFTER_S)
+        cause = self._client.problem or (
+            f"there is no robot {robot!r:.80}"
+            if self.boot(robot) is None
+            else "the robot does not answer this"
+        )
+        raise LinkError(
+            cause,
+            place=self._place,
+            remedy="start 'testudo run --link --incidents' on the robot, and see 'testudo top --connect'",
+        )
+
+    def _see(self, boot: Boot, is_present: bool) -> None:  # noqa: FBT001 - what a client calls
+        with self._lock:
+            self._present.pop(boot, None)
+            if is_present and len(self._present) < MAX_ROBOTS:
+                self._present[boot] = None
+
+
+def _waited(replies: queue.SimpleQueue[Reply], cancelled: Callable[[], bool]) -> Reply:
+    end_s = time.monotonic() + 2 * ANSWER_WITHIN_S
+    while not cancelled() and time.monotonic() < end_s:
+        with suppress(queue.Empty):
+            return replies.get(timeout=_LOOK_S)
+    return None
+
+
+class _Fetch:
+    """One fetch, on the thread that calls ``run``."""
+
+    def __init__(
+        self, links: LinkIncidents, robot: str, name: str, plan: TransferPlan, there: PartialIncident
+    ) -> None:
+        self._links = links
+        self._robot = robot
+        self._name = name
+        self._plan = plan
+        self._there = there
+        self._asker = secrets.randbits(64)
+        self._fetching = Fetching(plan.size_bytes, there.cursor)
+        self._answers: queue.SimpleQueue[_Answered] = queue.SimpleQueue()
+        self._saved_s = self._said_s = 0.0
+        self._history: deque[tuple[float, int]] = deque(maxlen=_RATE_SAYS)
+
+    def run(self, on_progress: OnProgress, cancelled: Callable[[], bool]) -> bool:
+        """Whether all is there; if not, it was ``cancelled``. Raises ``TestudoError``."""
+        try:
+            while not self._fetching.is_complete:
+                if cancelled():
+                    return False
+                self._ask()
+                self._take()
+                self._say(on_progress)
+        finally:
+            self._there.save()
+        on_progress(self._progress())
+        return True
+
+    def _ask(self) -> None:
+        boot = self._links.boot(self._robot)
+        if boot is None:
+            return
+        for ask in self._fetching.asks(time.monotonic_ns()):
+            question = self._question(ask.start, ask.size_bytes)
+            self._links.get(boot, question, partial(self._answered, ask), ANSWERED_WITHIN_NS / NS_PER_S)
+        if self._fetching.unsaid():
+            self._links.get(boot, self._question(0, 0), _ignore, ANSWER_WITHIN_S)
+
+    def _question(self, cursor: int, size_bytes: int) -> AskBytes:
+        return AskBytes(
+            name=self._name,
+            token=self._plan.token,
+            asker=self._asker,
+            got_bytes=self._fetching.got_bytes,
+            cursor=cursor,
+            size_bytes=size_bytes,
+        )
+
+    def _answered(self, ask: RangeAsk, reply: Reply) -> None:
+        self._answers.put((ask, reply))
+
+    def _take(self) -> None:
+        with suppress(queue.Empty):
+            ask, reply = self._answers.get(timeout=_LOOK_S)
+            while True:
+                self._take_one(ask, reply)
+                ask, reply = self._answers.get_nowait()
+        for piece in self._fetching.pieces():
+            self._there.write(piece)
+        if time.monotonic() - self._saved_s > _SAVE_S:
+            self._saved_s = time.monotonic()
+            self._there.save()
+
+    def _take_one(self, ask: RangeAsk, reply: Reply) -> None:
+        if isinstance(reply, LinkError):
+            raise reply
+        piece: TransferPiece | None = None
+        if reply is not None:
+            piece = piece_from_bytes(reply, ask.size_bytes, decompress)
+        self._fetching.answered(ask, piece, len(reply or b""), time.monotonic_ns())
+
+    def _say(self, on_progress: OnProgress) -> None:
+        now_s = time.monotonic()
+        if now_s - self._said_s >= _SAY_S:
+            self._said_s = now_s
+            self._history.append((now_s, self._fetching.cursor))
+            on_progress(self._progress())
+
+    def _progress(self) -> FetchProgress:
+        cursor = self._fetching.cursor
+        reached = [level.rate_hz for level in self._plan.levels if level.end <= cursor]
+        history = self._history or [(0.0, cursor)]
+        (first_s, first), (last_s, last) = history[0], history[-1]
+        waits_for = None
+        if self._links.boot(self._robot) is None:
+            waits_for = "the robot, which is not there"
+        elif self._fetching.is_unanswered:
+            waits_for = "a part of the link that topics leave unused"
+        return FetchProgress(
+            got_bytes=cursor,
+            total_bytes=self._plan.size_bytes,
+            rate_bytes_per_s=(last - first) / (last_s - first_s) if last_s > first_s else 0.0,
+            level_hz=reached[-1] if reached else None,
+            waits_for=waits_for if cursor < self._plan.size_bytes else None,
+        )
+
+
+def _ignore(_reply: Reply) -> None:
+    """Nobody answers what only says how much there is."""

@@ -1,0 +1,225 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The operator's end of the links of all robots, over Zenoh."""
+
+from __future__ import annotations
+
+import secrets
+import threading
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+
+import zenoh
+
+from smarttestudo.domain.json_text import json_text
+from smarttestudo.domain.link import ReceivedMessage, StreamInfo
+from smarttestudo.domain.names import STATUS_TOPIC
+from smarttestudo.domain.robot import Qos
+from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.link.protocol.receiver import KEEP_ALIVE_NS, LinkReceiver, ReceiverCounts
+from smarttestudo.link.protocol.reports import Announcement
+from smarttestudo.link.protocol.status_stream import Record
+from smarttestudo.link.zenoh.arrivals import EventQueue, LinkEvent, RobotPresence, StreamSaid
+from smarttestudo.link.zenoh.client import SessionClient
+from smarttestudo.link.zenoh.command_outbox import CommandOutbox
+from smarttestudo.link.zenoh.compression import decompress
+from smarttestudo.link.zenoh.keys import ALL_BOOTS, ALL_DATA, MAX_ROBOTS, Boot, boot_of
+from smarttestudo.link.zenoh.link_incidents import LinkIncidents
+from smarttestudo.link.zenoh.status_listener import StatusListener
+from smarttestudo.pacing.cdr import string_message
+
+_END_WITHIN_S = 5.0
+STATUS_STREAM = StreamInfo(
+    topic=STATUS_TOPIC,
+    type_name="std_msgs/msg/String",
+    qos=Qos(reliable=True, transient_local=True, depth=1),
+)
+"""What statuses are to who reads what arrives."""
+_STATUS_NUMBER = 0
+"""No stream of the robot's end has it."""
+
+
+@dataclass(slots=True, eq=False)
+class _Robot:
+    """A run of a robot's end; those that are gone are kept, as an outage takes a robot away for a while."""
+
+    boot: Boot
+    receiver: LinkReceiver
+    is_present: bool = True
+    lock: threading.Lock = field(default_factory=threading.Lock)
+
+
+class OperatorEnd:
+    """Finds robots, receives what they send, and reports it to them; no thread waits for who reads it."""
+
+    def __init__(
+        self,
+        session: zenoh.Session,
+        warn: Callable[[str], None],
+        clock: Callable[[], int],
+        most_waiting_bytes: int,
+        predicts: frozenset[str] = frozenset(),
+    ) -> None:
+        """``predicts`` are the topics that who reads here reckons where the robot's end does so too."""
+        self.strays = 0
+        """Chunks of robots that are not known here."""
+        self.commands: CommandOutbox | None = None
+        """What goes to robots, where anything does."""
+        self._session = session
+        self._warn = warn
+        self._clock = clock
+        self._predicts = predicts
+        self._receiver = secrets.randbits(64)
+        self._arrivals = EventQueue(most_waiting_bytes)
+        self._robots: dict[str, _Robot] = {}
+        self._said_twice: set[str] = set()
+        self._was_full = False
+        self._lock = threading.Lock()
+        self._told_status: set[Boot] = set()
+        self._statuses = StatusListener(session, self._hear)
+        self._news = threading.Event()
+        self._look_ns = 0
+        self._is_closed = False
+        # Undeclared where nobody holds them.
+        self._kept = (
+            session.declare_subscriber(ALL_DATA, self._receive),
+            session.liveliness().declare_subscriber(ALL_BOOTS, self._look_at_token, history=True),
+        )
+        self._thread = threading.Thread(target=self._run, name="link-report", daemon=True)
+        self._thread.start()
+
+    def wait(self, timeout_s: float) -> list[LinkEvent]:
+        """What arrived since the last call, in its order, as soon as there is something; else nothing."""
+        return self._arrivals.wait(timeout_s)
+
+    def incidents(self) -> LinkIncidents:
+        """The incidents of the robots that are heard; to be closed before this end."""
+        return LinkIncidents(SessionClient(self._session), "here")
+
+    @property
+    def dropped(self) -> int:
+        """Events that gave way because ``wait`` was not called for long."""
+        return self._arrivals.dropped
+
+    def counts(self) -> Mapping[Boot, ReceiverCounts]:
+        """What arrived of each robot that is present."""
+        return {robot.boot: replace(robot.receiver.counts) for robot in self._present()}
+
+    def close(self) -> None:
+        """Receive nothing more; the session is to be closed then."""
+        self._is_closed = True
+        self._news.set()
+        self._statuses.close()
+        self._thread.join(_END_WITHIN_S)
+
+    def _receive(self, sample: zenoh.Sample) -> None:
+        robot = self._robots.get(str(sample.key_expr).removesuffix("/data"))
+        if robot is None or not robot.is_present:
+            self.strays += 1
+            return
+        with robot.lock:
+            found = robot.receiver.take(sample.payload.to_bytes(), self._clock())
+            wake_ns = robot.receiver.wake_ns
+            if isinstance(found, Announcement):
+                name, number = robot.boot
+                self._arrivals.put(StreamSaid(robot=name, boot=number, number=found.stream, info=found.info))
+            elif found is not None:
+                self._arrivals.put(found)
+        if wake_ns < self._look_ns:
+            self._news.set()
+
+    def _hear(self, boot: Boot, record: Record, _size_bytes: int) -> None:
+        """A status is another message of the robot for who reads here."""
+        name, number = boot
+        if boot not in self._told_status:
+            self._told_status.add(boot)
+            said = StreamSaid(robot=name, boot=number, number=_STATUS_NUMBER, info=STATUS_STREAM)
+            self._arrivals.put(said)
+        text = json_text(record, ascii_only=False)
+        message = ReceivedMessage(
+            robot=name,
+            stream=STATUS_STREAM,
+            payload=string_message(text),
+            offered_ns=0,
+            age_ns=None,
+            boot=number,
+        )
+        self._arrivals.put(message)
+
+    def _look_at_token(self, sample: zenoh.Sample) -> None:
+        boot = boot_of(str(sample.key_expr))
+        if boot is None:
+            return
+        is_present = sample.kind == zenoh.SampleKind.PUT
+        with self._lock:
+            robot = self._robots.get(boot.key)
+            if robot is None and is_present:
+                robot = self._add(boot)
+            elif robot is None or robot.is_present == is_present:
+                return
+            else:
+                robot.is_present = is_present
+        if robot is None:
+            return
+        self._arrivals.put(RobotPresence(robot=boot.robot, boot=boot.number, is_present=is_present))
+        (self._statuses.add if is_present else self._statuses.remove)(boot)
+        if not is_present:
+            self._told_status.discard(boot)
+        self._news.set()
+        if is_present:
+            self._warn_of_namesakes(boot.robot)
+
+    def _add(self, boot: Boot) -> _Robot | None:
+        if len(self._robots) >= MAX_ROBOTS:
+            gone = next((key for key, robot in self._robots.items() if not robot.is_present), None)
+            if gone is None:
+                if not self._was_full:
+                    self._was_full = True
+                    self._warn(f"{boot.robot} is not received: there are {MAX_ROBOTS} robots already")
+                return None
+            del self._robots[gone]
+        receiver = LinkReceiver(boot.robot, self._receiver, decompress, self._predicts, boot=boot.number)
+        robot = self._robots[boot.key] = _Robot(boot, receiver)
+        return robot
+
+    def _warn_of_namesakes(self, name: str) -> None:
+        count = sum(robot.boot.robot == name for robot in self._present())
+        if count > 1 and name not in self._said_twice:
+            self._said_twice.add(name)
+            self._warn(f"{count} robots are called {name}: give each a name of its own with --robot")
+
+    def _present(self) -> list[_Robot]:
+        with self._lock:
+            return [robot for robot in self._robots.values() if robot.is_present]
+
+    def _run(self) -> None:
+        while not self._is_closed:
+            self._news.clear()
+            now_ns = self._clock()
+            # Whatever is due before that from here on sets the news.
+            look_ns = self._look_ns = now_ns + KEEP_ALIVE_NS
+            for robot in self._present():
+                look_ns = min(look_ns, self._report(robot, now_ns))
+            self._look_ns = look_ns
+            self._news.wait(max(0, look_ns - self._clock()) / NS_PER_S)
+
+    def _report(self, robot: _Robot, now_ns: int) -> int:
+        """Send the report of a robot where one is due; when the next is."""
+        with robot.lock:
+            is_due = robot.receiver.wake_ns <= now_ns
+            report = robot.receiver.next_report(now_ns) if is_due else None
+            wake_ns = robot.receiver.wake_ns
+        if report is not None:
+            try:
+                # A report that does not get through is followed by another that says all that it said.
+                self._session.put(
+                    robot.boot.report_key,
+                    report,
+                    congestion_control=zenoh.CongestionControl.DROP,
+                    priority=zenoh.Priority.REAL_TIME,
+                    express=True,
+                )
+            except zenoh.ZError as error:
+                if not self._is_closed:
+                    self._warn(f"{robot.boot.robot} gets no report: {error}")
+        return wake_ns

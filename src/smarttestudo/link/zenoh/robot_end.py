@@ -1,0 +1,305 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The robot's end of a link over Zenoh."""
+
+from __future__ import annotations
+
+import secrets
+import threading
+from collections import deque
+from collections.abc import Callable, Collection, Hashable, Mapping
+from functools import partial
+from pathlib import Path
+
+import zenoh
+
+from smarttestudo.domain.errors import LinkError
+from smarttestudo.domain.link import LinkNeeds, MessageOrigin, MissedMessage, Prediction, StreamInfo
+from smarttestudo.domain.link_state import LinkState, StreamCounts
+from smarttestudo.domain.payload import Payload
+from smarttestudo.domain.status import RuntimeStatus
+from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.incidents.offered_incidents import OfferedIncidents
+from smarttestudo.incidents.transfer_messages import AskBytes
+from smarttestudo.link.protocol.chunks import MAX_MESSAGE_BYTES
+from smarttestudo.link.protocol.reports import Report
+from smarttestudo.link.protocol.sender import LinkSender
+from smarttestudo.link.zenoh.asked_incidents import AskedIncidents, WaitingAsk
+from smarttestudo.link.zenoh.asked_questions import AskedQuestions, WaitingQuestion
+from smarttestudo.link.zenoh.command_inbox import CommandInbox
+from smarttestudo.link.zenoh.compression import Compressor
+from smarttestudo.link.zenoh.keys import new_boot
+from smarttestudo.link.zenoh.session import is_heard
+from smarttestudo.link.zenoh.told_status import ToldStatus
+from smarttestudo.pacing.cdr import FrameReader
+from smarttestudo.pacing.sample import StreamKind
+
+_LOOK_AGAIN_S = 0.2
+"""When to look again what is to be sent, though nothing happened."""
+_END_WITHIN_S = 5.0
+
+
+class RobotEnd:
+    """Sends the messages of a robot's streams. No call waits for the link.
+
+    A thread of its own compresses and sends. What others want of the sender meanwhile waits in an inbox,
+    which whoever can lock the sender empties: so only ``advertise`` waits for a compression.
+    """
+
+    def __init__(
+        self, session: zenoh.Session, robot: str, warn: Callable[[str], None], clock: Callable[[], int]
+    ) -> None:
+        """Offer the robot to operators. Raises ``UsageError`` for its name."""
+        self.boot = new_boot(robot, secrets.randbits(64))
+        self.garbage = 0
+        """Reports that were not readable."""
+        self.commands: CommandInbox | None = None
+        """What comes of operators, where the robot accepts anything."""
+        self._warn = warn
+        self._clock = clock
+        self._sender: LinkSender[WaitingAsk] = LinkSender(Compressor().encode)
+        self._lock = threading.Lock()
+        self._inbox: deque[Callable[[], None]] = deque()
+        self._news = threading.Event()
+        self._is_closed = False
+        self._has_left = False
+        self._state = LinkState()
+        self._budget_kb_per_s: float | None = None
+        self._counts: dict[str, StreamCounts] = {}
+        self._origin: Callable[[], MessageOrigin | None] = lambda: None
+        # What is due is sent at once, and in order: chunks are as large as the link takes at a time.
+        self._data = session.declare_publisher(
+            self.boot.data_key, congestion_control=zenoh.CongestionControl.BLOCK, express=True
+        )
+        # Undeclared where nobody holds them.
+        self._kept = (
+            self._data.declare_matching_listener(self._match),
+            session.declare_subscriber(self.boot.report_key, self._receive),
+            session.liveliness().declare_token(self.boot.key),
+        )
+        self._told = ToldStatus(session, self.boot, clock)
+        self._questions = AskedQuestions(session, self.boot, clock)
+        self._session = session
+        self._incidents: AskedIncidents | None = None
+        self._thread = threading.Thread(target=self._run, name="link-send", daemon=True)
+        self._thread.start()
+
+    def advertise(self, stream: StreamInfo) -> RobotPublisher:
+        """What sends the messages of a stream. Raises ``LinkError`` where there are too many."""
+        with self._lock:
+            self._empty_inbox()
+            number = self._sender.open(stream, self._clock())
+        if number is None:
+            raise LinkError("the link has as many topics as it can", place=stream.topic)
+        self._news.set()
+        return RobotPublisher(self, number, stream)
+
+    def offer_incidents(self, folder: Path) -> None:
+        """Let operators list and fetch the incidents in ``folder`` from now on."""
+        self._incidents = AskedIncidents(
+            self._session, self.boot, OfferedIncidents(folder), wait=self._have_wait, got=self._have_got
+        )
+
+    def follow(self, needs: Mapping[str, LinkNeeds]) -> None:
+        """Serve each topic by these needs from now on."""
+        self._do(partial(self._sender.follow, needs))
+
+    def predict(self, predictions: Mapping[str, Prediction], anew: Collection[str]) -> None:
+        """Have receivers reckon these topics; of some, ``anew`` from the next message on."""
+        self._do(lambda: self._sender.predict(predictions, anew, self._clock()))
+
+    def keep_missed(self, origin: Callable[[], MessageOrigin | None]) -> None:
+        """Keep from now on what operators' ends miss of messages that have an ``origin``."""
+        self._origin = origin
+
+    def take_missed(self, *, is_last: bool = False) -> list[MissedMessage]:
+        """What operators' ends have missed since the last call; if ``is_last``, what waits for them, too."""
+        if not self._lock.acquire(blocking=is_last):
+            return []
+        try:
+            self._empty_inbox()
+            return self._sender.take_missed(self._clock(), is_last=is_last)
+        finally:
+            self._lock.release()
+
+    @property
+    def robot(self) -> str:
+        """The robot's name."""
+        return self.boot.robot
+
+    @property
+    def is_watched(self) -> bool:
+        """Whether somebody receives statuses."""
+        return self._told.is_watched
+
+    def tell(self, status: RuntimeStatus) -> None:
+        """Have everyone who watches receive this status. Raises ``LinkError`` where that cannot be."""
+        self._told.tell(status)
+
+    def take_question(self) -> WaitingQuestion | None:
+        """The next question that waits for an answer."""
+        return self._questions.take()
+
+    @property
+    def state(self) -> LinkState:
+        """What is known of the link now."""
+        self._look()
+        return self._state
+
+    @property
+    def budget_kb_per_s(self) -> float | None:
+        """What relayed topics may take together now; ``None`` while nothing is known of the link."""
+        self._look()
+        return self._budget_kb_per_s
+
+    def counts(self) -> dict[str, StreamCounts]:
+        """Messages by topic."""
+        if self._lock.acquire(blocking=False):
+            try:
+                self._counts = self._sender.counts(self._clock())
+            finally:
+                self._lock.release()
+        return self._counts
+
+    def age_ms(self, topic: str) -> float | None:
+        """How old the last message of ``topic`` was when it arrived at the operator's end."""
+        return self._sender.age_ms(topic)
+
+    def send(self, stream: int, payload: bytes, lane: Hashable) -> None:
+        """Have a message of a stream sent."""
+        self._do(partial(self._sender.offer, stream, payload, self._clock(), lane, self._origin()))
+
+    def end(self, stream: int) -> None:
+        """Send nothing more of a stream."""
+        self._do(partial(self._sender.close, stream, self._clock()))
+
+    def refuse(self, topic: str, size_bytes: int) -> None:
+        """Say that a message of ``topic`` is too large."""
+        self._warn(
+            f"{topic}: a message of {size_bytes} bytes is too large for the link; it takes up to 64 MiB"
+        )
+
+    def close(self) -> None:
+        """Send nothing more; the session is to be closed then."""
+        self._is_closed = True
+        self._news.set()
+        self._questions.close()
+        if self._incidents is not None:
+            self._incidents.close()
+        self._thread.join(_END_WITHIN_S)
+
+    def _do(self, act: Callable[[], None]) -> None:
+        self._inbox.append(act)
+        if self._lock.acquire(blocking=False):
+            try:
+                self._empty_inbox()
+            finally:
+                self._lock.release()
+        self._news.set()
+
+    def _empty_inbox(self) -> None:
+        for _ in range(len(self._inbox)):
+            self._inbox.popleft()()
+
+    def _look(self) -> None:
+        if self._lock.acquire(blocking=False):
+            try:
+                self._state = self._sender.state(self._clock())
+                self._budget_kb_per_s = self._sender.budget_kb_per_s
+            finally:
+                self._lock.release()
+
+    def _match(self, status: zenoh.MatchingStatus) -> None:
+        self._has_left = not status.matching
+        if self._has_left:
+            self._do(self._sender.disconnect)
+
+    def _receive(self, sample: zenoh.Sample) -> None:
+        # What an operator's end said last may come after the news that it left.
+        if self._has_left and not is_heard(self._data):
+            return
+        try:
+            report = Report.from_bytes(sample.payload.to_bytes())
+        except LinkError:
+            self.garbage += 1
+            return
+        self._do(lambda: self._sender.take_report(report, self._clock()))
+
+    def _have_wait(self, waiting: WaitingAsk) -> None:
+        ask = waiting.ask
+
+        def act() -> None:
+            if not self._sender.ask(ask.asker, ask.got_bytes, waiting, self._clock()):
+                waiting.query.drop()
+
+        self._do(act)
+
+    def _have_got(self, ask: AskBytes) -> None:
+        self._do(lambda: self._sender.acknowledge(ask.asker, ask.got_bytes, self._clock()))
+
+    def _answer(self) -> float:
+        """Answer a question for bytes, if the link has nothing better to do; how long to wait then."""
+        with self._lock:
+            now_ns = self._clock()
+            for waiting in self._sender.expired(now_ns):
+                waiting.query.drop()
+            answer = self._sender.next_answer(now_ns)
+            wake_ns = self._sender.answer_wake_ns(now_ns)
+        if answer is None:
+            return _LOOK_AGAIN_S if wake_ns is None else min((wake_ns - now_ns) / NS_PER_S, _LOOK_AGAIN_S)
+        assert self._incidents is not None
+        size_bytes = self._incidents.answer(answer.request, answer.size_bytes, answer.waiting)
+        if size_bytes:
+            with self._lock:
+                self._sender.answered(answer.asker, size_bytes, now_ns)
+        return 0.0
+
+    def _run(self) -> None:
+        while not self._is_closed:
+            self._news.clear()
+            with self._lock:
+                self._empty_inbox()
+                chunk = self._sender.next_chunk(self._clock())
+            if chunk is None:
+                wait_s = self._answer()
+                if wait_s:
+                    self._news.wait(wait_s)
+                continue
+            try:
+                self._data.put(chunk)
+            except zenoh.ZError as error:
+                if not self._is_closed:
+                    self._warn(f"the link sends nothing more: {error}")
+                return
+
+
+class RobotPublisher:
+    """Sends the messages of one stream; of transforms, each set of child frames replaces only itself."""
+
+    def __init__(self, end: RobotEnd, number: int, stream: StreamInfo) -> None:
+        self._end = end
+        self._number = number
+        self._topic = stream.topic
+        self._was_refused = False
+        self._is_closed = False
+        kind = StreamKind.of(type_name=stream.type_name, transient_local=False)
+        self._frames = FrameReader() if kind is StreamKind.TRANSFORMS else None
+
+    def publish(self, payload: Payload) -> None:
+        """Send a serialized message, unless it is too large, which is said once."""
+        if self._is_closed:
+            return
+        if len(payload) > MAX_MESSAGE_BYTES:
+            if not self._was_refused:
+                self._was_refused = True
+                self._end.refuse(self._topic, len(payload))
+            return
+        data = payload[:]
+        lane = (self._frames.child_frames(data) or None) if self._frames else None
+        self._end.send(self._number, data, lane)
+
+    def close(self) -> None:
+        """Send nothing more."""
+        if not self._is_closed:
+            self._is_closed = True
+            self._end.end(self._number)

@@ -1,0 +1,178 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""A Zenoh session for a link: no discovery, soon aware of a dead link, connected again without a hand."""
+
+from __future__ import annotations
+
+import atexit
+import json
+import re
+import threading
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import zenoh
+
+from smarttestudo.domain.errors import LinkError
+from smarttestudo.files.input_file import read_input
+from smarttestudo.link.zenoh.reach import check_certificates, why_unreachable
+from smarttestudo.link.zenoh.security import LinkOptions, admit
+
+_MOST_CONFIG_BYTES = 1_000_000
+_MOST_CAUSE = 300
+_LOOK_PERIOD_S = 2.0
+_END_WITHIN_S = 5.0
+_OF_ZENOH = "pyo3"
+"""In the names of the threads that Zenoh's Python package starts for callbacks."""
+_SOURCE_LINE = re.compile(r"\s+at \S+\.rs:\d+\.?")
+
+_SETTINGS: Mapping[str, object] = {
+    "scouting/multicast/enabled": False,
+    "scouting/gossip/enabled": False,
+    "transport/shared_memory/enabled": False,
+    # A link that is silent for so long is dead; each end sends something four times in it.
+    "transport/link/tx/lease": 2_500,
+    "transport/link/tx/keep_alive": 4,
+    # The largest that either end sends is a report; nothing larger is put together in memory.
+    "transport/link/rx/max_message_size": 1_000_000,
+    "connect/timeout_ms": -1,
+    "connect/exit_on_failure": False,
+    "connect/retry": {"period_init_ms": 500, "period_max_ms": 1_000, "period_increase_factor": 1.5},
+    "listen/timeout_ms": 0,
+    "listen/exit_on_failure": True,
+    "open/return_conditions": {"connect_scouted": False, "declares": False},
+}
+
+_CLIENT_SETTINGS: Mapping[str, object] = {
+    # Opening a client waits until it is connected.
+    "connect/timeout_ms": 1_000,
+    "connect/exit_on_failure": True,
+}
+
+
+@contextmanager
+def open_session(options: LinkOptions, mode: str, warn: Callable[[str], None]) -> Iterator[zenoh.Session]:
+    """A session at the endpoints of ``options``, whether or not anybody answers there yet.
+
+    ``mode`` is Zenoh's: ``peer`` or ``router``. ``warn`` is told why nobody answers. Raises ``LinkError``.
+    """
+    config, known = session_config(options, mode, warn)
+    place = ", ".join((*options.listen, *options.connect))
+    try:
+        session = zenoh.open(config)
+    except zenoh.ZError as error:
+        raise LinkError(_cause(error), place=place, remedy="is the endpoint right, and free?") from error
+    is_closed = threading.Event()
+    if options.connect:
+        arguments = (session, options.connect, known, warn, is_closed)
+        threading.Thread(target=_watch, args=arguments, name="link-watch", daemon=True).start()
+    try:
+        yield session
+    finally:
+        is_closed.set()
+        close_session(session)
+
+
+def close_session(session: zenoh.Session) -> None:
+    """Close it, and let its callbacks end before the interpreter does.
+
+    A thread of Zenoh's that comes back while the interpreter ends aborts the process, and nothing waits for
+    those that a daemon thread began.
+    """
+    session.close()
+    # Once, however often a client connects again.
+    atexit.unregister(_await_callbacks)
+    atexit.register(_await_callbacks)
+
+
+def _await_callbacks() -> None:
+    end_s = time.monotonic() + _END_WITHIN_S
+    for thread in threading.enumerate():
+        if _OF_ZENOH in thread.name:
+            thread.join(max(end_s - time.monotonic(), 0.0))
+
+
+def is_heard(publisher: zenoh.Publisher) -> bool:
+    """Whether somebody subscribes to what it publishes."""
+    # Zenoh's type stubs call it a bool.
+    status: Any = publisher.matching_status
+    return bool(status.matching)
+
+
+def session_config(
+    options: LinkOptions, mode: str, warn: Callable[[str], None]
+) -> tuple[zenoh.Config, Mapping[str, object]]:
+    """The configuration of a session at the endpoints of ``options``, and what its file says.
+
+    ``mode`` is Zenoh's: ``peer``, ``router`` or ``client``. A client that cannot connect gives up at once.
+    Raises ``LinkError``.
+    """
+    if not options.listen and not options.connect:
+        raise LinkError("a link needs an endpoint to listen at or to connect to")
+    config = _read_config(options.config_file)
+    known = json.loads(str(config))
+    warning = admit(options, known)
+    check_certificates(options, known)
+    if warning:
+        warn(warning)
+    place = ", ".join((*options.listen, *options.connect))
+    settings: dict[str, object] = {
+        "mode": mode,
+        "listen/endpoints": options.listen,
+        "connect/endpoints": options.connect,
+        **_SETTINGS,
+    }
+    if mode == "client":
+        settings |= _CLIENT_SETTINGS
+    try:
+        for key, value in settings.items():
+            config.insert_json5(key, json.dumps(value))
+    except zenoh.ZError as error:
+        raise LinkError(_cause(error), place=place, remedy="is the endpoint right, and free?") from error
+    return config, known
+
+
+def _read_config(path: Path | None) -> zenoh.Config:
+    try:
+        text = "{}" if path is None else read_input(path, _MOST_CONFIG_BYTES).decode()
+        config: zenoh.Config = zenoh.Config.from_json5(text)
+    except OSError as error:
+        raise LinkError(
+            error.strerror or str(error), place=str(path), remedy="check --zenoh-config"
+        ) from error
+    except (zenoh.ZError, UnicodeDecodeError) as error:
+        cause = f"it is no Zenoh configuration: {_cause(error)}"
+        raise LinkError(cause, place=str(path), remedy="correct it, or see zenoh.io/docs") from error
+    return config
+
+
+def _cause(error: Exception) -> str:
+    return " ".join(_SOURCE_LINE.sub("", str(error)).split())[:_MOST_CAUSE].rstrip(" .!")
+
+
+def _watch(
+    session: zenoh.Session,
+    endpoints: tuple[str, ...],
+    config: Mapping[str, object],
+    warn: Callable[[str], None],
+    is_closed: threading.Event,
+) -> None:
+    """Say why nobody is connected, each cause once, when it was there twice: the other end may just start."""
+    said: set[str] = set()
+    seen: set[str] = set()
+    while not is_closed.wait(_LOOK_PERIOD_S):
+        try:
+            is_connected = bool(session.info.routers_zid() or session.info.peers_zid())
+        except zenoh.ZError:
+            return
+        if is_connected:
+            said, seen = set(), set()
+            continue
+        before, seen = seen, {why_unreachable(endpoint, config) for endpoint in endpoints}
+        if not is_closed.is_set():
+            for why in sorted(before & seen - said):
+                warn(why)
+            said |= before & seen

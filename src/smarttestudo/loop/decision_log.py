@@ -1,0 +1,84 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Decisions on disk: JSON Lines."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from smarttestudo.domain.decision import Decision
+from smarttestudo.domain.errors import TestudoError
+from smarttestudo.domain.json_text import json_text
+from smarttestudo.files.input_file import read_input
+from smarttestudo.files.whole_file import not_written, whole_file
+
+_CONTENT = "the decision log"
+
+
+class DecisionLogError(TestudoError):
+    """A decision log that cannot be read."""
+
+
+@contextmanager
+def decision_log(path: Path) -> Iterator[Callable[[Iterable[Decision]], None]]:
+    """What the block is given appends decisions; the log appears at ``path`` once the block ends well.
+
+    Raises ``OutputFileError`` where that is not possible, before the block if it is known by then.
+    """
+    with whole_file(path, _CONTENT) as write:
+        yield lambda decisions: write("".join(f"{_line(decision)}\n" for decision in decisions))
+
+
+@contextmanager
+def growing_decision_log(path: Path) -> Iterator[Callable[[Iterable[Decision]], None]]:
+    """What the block is given appends decisions to the file at ``path`` at once, so that a crash loses none.
+
+    Raises ``OutputFileError`` where that is not possible.
+    """
+    try:
+        file = path.open("a", encoding="utf-8")
+    except OSError as error:
+        raise not_written(path, _CONTENT, error) from error
+
+    def append(decisions: Iterable[Decision]) -> None:
+        try:
+            file.write("".join(f"{_line(decision)}\n" for decision in decisions))
+            file.flush()
+        except OSError as error:
+            raise not_written(path, _CONTENT, error) from error
+
+    try:
+        yield append
+    finally:
+        # What could not be written was said when it failed.
+        with suppress(OSError):
+            file.close()
+
+
+def read_decisions(path: Path) -> list[Decision]:
+    """The decisions in the file at ``path``; a last line that was cut off is left out.
+
+    Raises ``DecisionLogError`` for a file that cannot be read, or with the line that is no decision.
+    """
+    try:
+        text = read_input(path).decode("utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        cause = f"the decision log cannot be read: {getattr(error, 'strerror', None) or error}"
+        raise DecisionLogError(cause, place=str(path), remedy="give a file that --decisions wrote") from error
+    lines = text.split("\n")[:-1]
+    return [_parsed(line, f"{path}:{number}") for number, line in enumerate(lines, 1)]
+
+
+def _parsed(line: str, place: str) -> Decision:
+    try:
+        return Decision.from_json(json.loads(line))
+    except (ValueError, TypeError, LookupError, AttributeError, RecursionError) as error:
+        remedy = "give a file that --decisions wrote"
+        raise DecisionLogError("not a decision", place=place, remedy=remedy) from error
+
+
+def _line(decision: Decision) -> str:
+    return json_text(decision.to_json(), ascii_only=False)

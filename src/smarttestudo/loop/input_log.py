@@ -1,0 +1,100 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a live loop was given, on disk: one JSON object a line, in order."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import TextIO
+
+from smarttestudo.domain.errors import RecordingError, TestudoError
+from smarttestudo.domain.json_text import json_text
+from smarttestudo.files.removal import remove
+from smarttestudo.files.whole_file import OutputFileError, not_written
+from smarttestudo.loop.input_json import input_from_json, input_to_json
+from smarttestudo.loop.inputs import RecordedInput
+
+INPUTS_FILE = "inputs.jsonl"
+_CONTENT = "the recorded inputs"
+# A line holds at most the largest message that a check reads, in base64, or all rules.
+MAX_LINE_BYTES = 64_000_000
+
+
+@contextmanager
+def input_log(folder: Path) -> Iterator[Callable[[RecordedInput], None]]:
+    """What the block is given appends an input to a new log in ``folder``; a crash costs the last ones.
+
+    A failure before the first leaves none, so that the next try may have the folder.
+
+    Raises ``OutputFileError`` where it cannot be written, or where ``folder`` holds a log already.
+    """
+    path = folder / INPUTS_FILE
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        file = path.open("x", encoding="ascii")
+    except FileExistsError as error:
+        raise OutputFileError("exists already", place=str(path), remedy="name a new folder") from error
+    except OSError as error:
+        raise not_written(path, _CONTENT, error) from error
+
+    def append(given: RecordedInput) -> None:
+        try:
+            file.write(json_text(input_to_json(given), compact=True) + "\n")
+        except OSError as error:
+            raise not_written(path, _CONTENT, error) from error
+
+    try:
+        try:
+            yield append
+            _flush(file, path)
+        finally:
+            # What could not be written was said when it failed.
+            with suppress(OSError):
+                file.close()
+    except BaseException:
+        with suppress(OSError, TestudoError):
+            if not path.stat().st_size:
+                remove(folder, [INPUTS_FILE])
+        raise
+
+
+def _flush(file: TextIO, path: Path) -> None:
+    try:
+        file.flush()
+    except OSError as error:
+        raise not_written(path, _CONTENT, error) from error
+
+
+def holds_inputs(folder: Path) -> bool:
+    """Whether ``folder`` is one that ``input_log`` wrote."""
+    return (folder / INPUTS_FILE).is_file()
+
+
+def read_inputs(folder: Path) -> Iterator[RecordedInput]:
+    """The inputs in ``folder``, in order. A last line that was cut off is left out.
+
+    Raises ``RecordingError`` for a log that cannot be read, or with the line that is none.
+    """
+    path = folder / INPUTS_FILE
+    try:
+        with path.open("rb") as file:
+            number = 0
+            while line := file.readline(MAX_LINE_BYTES):
+                number += 1
+                if not line.endswith(b"\n"):
+                    return
+                yield _parsed(line, f"{path}:{number}")
+    except OSError as error:
+        cause = f"the recorded inputs cannot be read: {error.strerror or error}"
+        raise RecordingError(cause, place=str(path), remedy="check the path and its permissions") from error
+
+
+def _parsed(line: bytes, place: str) -> RecordedInput:
+    try:
+        return input_from_json(json.loads(line))
+    except (ValueError, TypeError, LookupError, RecursionError) as error:
+        remedy = "replay the folder as 'testudo run --record-inputs' left it"
+        raise RecordingError("not a recorded input", place=place, remedy=remedy) from error

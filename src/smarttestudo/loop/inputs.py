@@ -1,0 +1,78 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a loop is given, live or from a recording. Stamps are the loop's own time."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Mapping
+from dataclasses import dataclass, field
+
+from smarttestudo.domain.observation import LinkBudget, ListenersChanged, ReceiversReckon, SourceChanged
+from smarttestudo.domain.payload import Payload
+from smarttestudo.domain.profile import Profile
+from smarttestudo.language.rule_set import RuleSet
+from smarttestudo.pacing.sample import WhenSlow
+
+
+@dataclass(slots=True)
+class MessageInput:
+    """A message arrived.
+
+    ``message`` is its decoded form, or ``Undecodable``, where a check reads fields of the topic.
+    ``publisher`` tells publishers of one topic apart, where that can be told. Treat it as immutable; frozen
+    or keyword-only it would take two to four times as long to make, and one is made for every message.
+    """
+
+    stamp_ns: int
+    topic: str
+    payload: Payload
+    size_bytes: int
+    message: object | None = None
+    publisher: Hashable = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ChangeInput:
+    """The publishers of a topic, its listeners, what receivers reckon, or the budget changed."""
+
+    stamp_ns: int
+    change: SourceChanged | ListenersChanged | LinkBudget | ReceiversReckon
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WakeInput:
+    """Time passed."""
+
+    stamp_ns: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RulesInput:
+    """Other rules and another profile came into force."""
+
+    stamp_ns: int
+    rule_set: RuleSet
+    profile: Profile
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RuleTextsInput:
+    """How a ``RulesInput`` is recorded, and the rules that a loop started with: by their texts.
+
+    ``rule_texts`` are the rule files by path, ``profile_text`` the profile's TOML, ``names`` the full name
+    of each topic in them by the name that they use. For want of rules, every message of ``relay_all`` passes.
+    """
+
+    stamp_ns: int
+    rule_texts: Mapping[str, str]
+    profile_text: str | None = None
+    names: Mapping[str, str] = field(default_factory=dict)
+    when_slow: WhenSlow = WhenSlow.PASS
+    budget_kb_per_s: float | None = None
+    relay_all: tuple[str, ...] | None = None
+
+
+LoopInput = MessageInput | ChangeInput | WakeInput | RulesInput
+
+RecordedInput = MessageInput | ChangeInput | WakeInput | RuleTextsInput
+"""A recorded message has a payload only where a check reads it, nothing decoded, a number as publisher."""

@@ -1,0 +1,205 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The loop's state: one instance, owned by the loop."""
+
+from __future__ import annotations
+
+from collections import Counter, deque
+from collections.abc import Callable, Mapping
+
+from smarttestudo.domain.alarm_clock import AlarmClock
+from smarttestudo.domain.budget import UNLIMITED_KB_PER_S
+from smarttestudo.domain.decision import PlannedRate, Reason
+from smarttestudo.domain.observation import LinkBudget
+from smarttestudo.domain.profile import Profile
+from smarttestudo.domain.signal import Signal
+from smarttestudo.domain.units import ns_from_s
+from smarttestudo.language.evaluator import Evaluator, RequestedRate
+from smarttestudo.language.rule_set import RuleSet
+from smarttestudo.loop.knowledge.link_use import LinkUse
+from smarttestudo.loop.knowledge.settling_bounds import SettlingBounds
+from smarttestudo.loop.knowledge.watched_topic import WatchedTopic
+
+
+class SteadyTime:
+    """The clock's time, where a clock that jumps back counts as one that stood still meanwhile.
+
+    What is remembered (arrivals, waiting requests, held messages) so keeps its age across a jump: nothing
+    waits for the clock to catch up, and nothing expires early. A jump forward is time that passed.
+    """
+
+    __slots__ = ("_behind_ns", "now_ns")
+
+    def __init__(self, start_ns: int) -> None:
+        self.now_ns = start_ns
+        self._behind_ns = 0
+
+    def advance(self, clock_ns: int) -> int:
+        """The steady time when the clock shows ``clock_ns``."""
+        steady_ns = clock_ns + self._behind_ns
+        if steady_ns < self.now_ns:
+            self._behind_ns += self.now_ns - steady_ns
+            return self.now_ns
+        self.now_ns = steady_ns
+        return steady_ns
+
+    def at(self, clock_ns: int) -> int:
+        """What ``advance`` would return; nothing changes."""
+        return max(self.now_ns, clock_ns + self._behind_ns)
+
+    def on_clock(self, steady_ns: int) -> int:
+        """What the clock will show at ``steady_ns``, unless it jumps again."""
+        return steady_ns - self._behind_ns
+
+
+class Settling:
+    """The effective request of a topic: the one with the greatest rate of the last ``settle_ns``.
+
+    A request that another one replaces keeps counting for ``settle_ns``, and so a lower rate takes effect
+    when nothing higher was requested for so long. Among equal rates the latest request counts, with its
+    reason. It is a sliding-window maximum by a monotonic queue: rates fall from the front, the effective
+    request, to the back, the current one.
+    """
+
+    __slots__ = ("_replaced", "_request", "_settle_ns")
+
+    def __init__(self, request: RequestedRate, settle_ns: int) -> None:
+        self._settle_ns = settle_ns
+        self._request = request
+        self._replaced: deque[tuple[int, RequestedRate]] = deque()
+
+    def take(self, request: RequestedRate, now_ns: int) -> None:
+        """The rules now request ``request``."""
+        self._replaced.append((now_ns + self._settle_ns, self._request))
+        self._request = request
+        while self._replaced and self._replaced[-1][1].planned.rate <= request.planned.rate:
+            self._replaced.pop()
+
+    def effective(self, now_ns: int) -> RequestedRate:
+        """The request that counts at ``now_ns``, which never goes back."""
+        while self._replaced and self._replaced[0][0] <= now_ns:
+            self._replaced.popleft()
+        return self._replaced[0][1] if self._replaced else self._request
+
+    def carried_on(self, rename: Callable[[RequestedRate], RequestedRate], settle_ns: int) -> Settling:
+        """The same requests by other names, where lower rates wait for ``settle_ns`` from now on."""
+        settling = Settling(rename(self._request), settle_ns)
+        settling._replaced.extend((end_ns, rename(request)) for end_ns, request in self._replaced)
+        return settling
+
+    @property
+    def next_change_ns(self) -> int | None:
+        """When the effective request ends by itself; ``None`` if it is the current one."""
+        return self._replaced[0][0] if self._replaced else None
+
+
+class Knowledge:
+    """Rules, profile and everything remembered about the robot; the loop owns one and changes it in ``step``.
+
+    Times inside are steady times. ``effective`` and ``plan`` hold the relayed topics, ``watched`` those that
+    checks read; ``settled`` are the requests that settled, before ``link`` cuts them to a budget, if there is
+    one; ``unheard`` are the relayed topics without a subscriber. ``unknown_values`` counts messages that
+    left a signal unknown, ``undecodable`` those that could not be decoded, by topic. ``recording`` are the
+    blocks with recordings, by order, that began to hold and are not known to have ended.
+    """
+
+    def __init__(
+        self,
+        rule_set: RuleSet,
+        profile: Profile,
+        start_ns: int,
+        budget_kb_per_s: float | None = None,
+    ) -> None:
+        self.rule_set = rule_set
+        self.profile = profile
+        self.start_ns = start_ns
+        self.settle_ns = ns_from_s(profile.settle_s)
+        self.time = SteadyTime(start_ns)
+        self.evaluator = Evaluator(rule_set, start_ns)
+        self.watched = watched_topics(rule_set, profile, start_ns, self.evaluator)
+        self.watch_alarms = AlarmClock()
+        for topic in self.watched:
+            self.watch_alarms.set(topic, start_ns)
+        self.settling: dict[str, Settling] = {}
+        self.settling_bounds: dict[str, SettlingBounds] = {}
+        self.settle_alarms = AlarmClock()
+        self.settled: dict[str, RequestedRate] = {}
+        self.link: LinkUse | None = None
+        self._budgets: dict[bool, float] = {}
+        """What the relayed topics may take, by whether it was measured."""
+        self.unheard: set[str] = set()
+        if budget_kb_per_s is not None:
+            self.set_budget(LinkBudget(link_kb_per_s=budget_kb_per_s))
+        self.effective: dict[str, RequestedRate] = {}
+        self.plan: dict[str, PlannedRate] = {}
+        self.order_of = {topic: place for place, topic in enumerate(rule_set.relayed)}
+        self.unknown_values: Counter[Signal] = Counter()
+        self.undecodable: Counter[str] = Counter()
+        self.recording: set[int] = set()
+
+    def set_budget(self, budget: LinkBudget) -> None:
+        """The relayed topics may take so much from now on: the lesser of what was set and measured."""
+        self._budgets[budget.is_measured] = budget.link_kb_per_s
+        is_measured = min(self._budgets, key=lambda each: (self._budgets[each], each))
+        budget_kb_per_s, reason = self._budgets[is_measured], Reason.LINK if is_measured else Reason.BUDGET
+        if self.link is None:
+            self.link = LinkUse(self.rule_set, self.profile, budget_kb_per_s)
+        self.link.set_budget(budget_kb_per_s, reason)
+
+    @property
+    def budget_kb_per_s(self) -> float | None:
+        """What all relayed topics together may take; ``None`` where nothing limits them."""
+        if self.link is None:
+            return None
+        budget_kb_per_s = self.link.budget_kb_per_s
+        is_of_link = budget_kb_per_s == self._budgets.get(True)
+        return None if is_of_link and budget_kb_per_s >= UNLIMITED_KB_PER_S else budget_kb_per_s
+
+    @property
+    def floors_broke_budget(self) -> bool:
+        """Whether the floors alone were ever more than the budget; they won."""
+        return self.link is not None and self.link.floors_broke_budget
+
+    @property
+    def floors_break_budget(self) -> bool:
+        """Whether the floors alone are more than the budget now."""
+        return self.link is not None and self.link.floors_break_budget
+
+    def reads(self, topic: str) -> bool:
+        """Whether a check reads fields of ``topic``, so that its messages must be decoded."""
+        watched = self.watched.get(topic)
+        return watched is not None and bool(watched.fields)
+
+    def values_of(self, block: int | None, now_ns: int) -> dict[str, float | None]:
+        """What the condition of the block of that order reads at ``now_ns``, by signal name."""
+        if block is None:
+            return {}
+        signals = self.evaluator.reads(block)
+        values = {
+            signal: value
+            for topic in {signal.topic for signal in signals}
+            for signal, value in self.watched[topic].readings(now_ns)
+        }
+        return {str(signal): values[signal] for signal in signals}
+
+    @property
+    def next_wake_ns(self) -> int | None:
+        """When, on the clock, time alone may next change the plan; it may come early, never late."""
+        check_ns = None if self.link is None else self.link.next_check_ns
+        rules_ns = self.evaluator.next_alarm_ns
+        times_ns = (self.watch_alarms.next_ns, self.settle_alarms.next_ns, rules_ns, check_ns)
+        earliest_ns = min([at_ns for at_ns in times_ns if at_ns is not None], default=None)
+        return None if earliest_ns is None else self.time.on_clock(earliest_ns)
+
+
+def watched_topics(
+    rule_set: RuleSet, profile: Profile, start_ns: int, evaluator: Evaluator
+) -> Mapping[str, WatchedTopic]:
+    """The topics that the checks of a rule set read; nothing is known of them yet."""
+    signals: dict[str, list[Signal]] = {}
+    for signal in sorted(rule_set.signals):
+        signals.setdefault(signal.topic, []).append(signal)
+    return {
+        topic: WatchedTopic(read, profile.topic(topic), start_ns, evaluator.cuts)
+        for topic, read in signals.items()
+    }

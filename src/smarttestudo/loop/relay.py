@@ -1,0 +1,281 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""From one source to its output topic."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Hashable, Iterable, Mapping, Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+from smarttestudo.domain.observation import SourceChanged
+from smarttestudo.domain.payload import Payload
+from smarttestudo.domain.profile import TopicProfile
+from smarttestudo.domain.units import ns_from_s
+from smarttestudo.language.properties import gauges_for, needs_decoded
+from smarttestudo.loop.inputs import MessageInput
+from smarttestudo.loop.statistics import RelayStatistics
+from smarttestudo.pacing.bound import HEARTBEAT_HZ
+from smarttestudo.pacing.cdr import STAMPED_BYTES, FrameReader, header_stamp
+from smarttestudo.pacing.follower import Follower
+from smarttestudo.pacing.reckoning.picture import Picture
+from smarttestudo.pacing.sample import Pass, Sample, StreamKind, WhenSlow
+from smarttestudo.pacing.topic_pacer import Accuracy, TopicPacer
+
+
+class Relayed(NamedTuple):
+    """A message to publish now on the output topic of ``topic``; ``repeated``: it was relayed before.
+
+    ``payload``, ``size_bytes`` and ``publisher`` are those of its arrival. A tuple, because one is made for
+    all that passes.
+    """
+
+    topic: str
+    stamp_ns: int
+    payload: Payload
+    size_bytes: int
+    repeated: bool
+    publisher: Hashable = None
+
+
+class ReckonedPicture(NamedTuple):
+    """What receivers reckon of a topic, and within which bounds, by property; infinite where there is none.
+
+    ``number`` is another one when they have to begin anew with the next message. Where the motion comes from
+    the last two messages, ``needs_every_message``.
+    """
+
+    number: int
+    within: Mapping[str, float]
+    heartbeat_hz: float
+    needs_every_message: bool
+
+
+class Relay:
+    """The pacer of one topic, fed with what it must know of each message, and counts of what it lets pass.
+
+    A relay with a ``leader`` passes the stamps that the leader passes, and so aims at the leader's rate,
+    unless it is Off.
+    """
+
+    __slots__ = (
+        "_accuracy",
+        "_floor_hz",
+        "_frames",
+        "_has_frames",
+        "_is_reckoned",
+        "_level_unit",
+        "_picture_number",
+        "_rate_hz",
+        "_stale_after_ns",
+        "_type_name",
+        "_when_slow",
+        "followers",
+        "leader",
+        "needs_decoded",
+        "pacer",
+        "statistics",
+        "topic",
+    )
+
+    needs_decoded: bool
+    """Whether messages must be decoded, because the picture has bounds on fields that are read so."""
+
+    def __init__(
+        self,
+        topic: str,
+        profile: TopicProfile,
+        when_slow: WhenSlow,
+        now_ns: int,
+        *,
+        is_reckoned: bool = False,
+    ) -> None:
+        self.topic = topic
+        self.needs_decoded = False
+        self._accuracy: Accuracy | None = None
+        self._floor_hz = 0.0
+        self._is_reckoned = is_reckoned
+        self._picture_number = 0
+        self._level_unit = profile.level_unit
+        self._type_name = profile.type_name or ""
+        self._when_slow = when_slow
+        self._stale_after_ns = _stale_after_ns(profile)
+        self.pacer: TopicPacer | Follower = self._own_pacer()
+        self.leader: Relay | None = None
+        self.followers: list[Relay] = []
+        self.statistics = RelayStatistics(now_ns)
+        self._frames = FrameReader()
+        self._rate_hz = math.inf
+        kind = StreamKind.of(type_name=self._type_name, transient_local=False)
+        self._has_frames = kind is StreamKind.TRANSFORMS
+
+    @property
+    def target_hz(self) -> float:
+        """The rate that the relay aims at: infinite is Full, 0 is Off."""
+        if self.leader is None or self._rate_hz == 0:
+            return self._rate_hz
+        return self.leader.target_hz
+
+    def set_rate(self, rate_hz: float, now_ns: int) -> None:
+        """Take the plan's rate."""
+        self._rate_hz = rate_hz
+        self.pacer.set_rate(rate_hz, now_ns)
+        for relay in (self, *self.followers):
+            relay.statistics.target.change(relay.target_hz, now_ns)
+
+    def set_floor(self, floor_hz: float, now_ns: int) -> None:
+        """The topic's KeepAtLeast, the heartbeat where its picture has bounds; 0 where there is none."""
+        self._floor_hz = floor_hz
+        heartbeat_hz = floor_hz or HEARTBEAT_HZ
+        if self._accuracy is not None and self._accuracy.heartbeat_hz != heartbeat_hz:
+            self._accuracy = replace(self._accuracy, heartbeat_hz=heartbeat_hz)
+            self._apply_accuracy(now_ns)
+            if self._is_reckoned:
+                # The heartbeat says which stamps have jumped, so no picture goes on from one to another.
+                self.begin_picture(now_ns)
+
+    def set_within(self, within: Mapping[str, float], now_ns: int) -> Sequence[Relayed]:
+        """Keep the receiver's picture within these bounds, by property; what was held may pass then."""
+        accuracy = self._accuracy
+        known = {} if accuracy is None else dict.fromkeys(accuracy.bounds, math.inf)
+        if accuracy is None and not within:
+            return ()
+        self._accuracy = None
+        if within:
+            is_same = accuracy is not None and known.keys() >= within.keys()
+            picture = (
+                accuracy.picture if accuracy is not None and is_same else self._picture((*known, *within))
+            )
+            self._accuracy = Accuracy(
+                picture=picture,
+                bounds={**known, **within},
+                heartbeat_hz=self._floor_hz or HEARTBEAT_HZ,
+                records=self.statistics.bounds,
+            )
+        self.needs_decoded = self.needs_decoded and self._accuracy is not None
+        return self._apply_accuracy(now_ns)
+
+    def begin_picture(self, now_ns: int) -> None:
+        """What receivers show begins anew: the newest message is due where there are bounds."""
+        self._picture_number += 1
+        if isinstance(self.pacer, TopicPacer):
+            self.pacer.forget_receivers(now_ns)
+
+    def set_reckoned(self, *, is_reckoned: bool, now_ns: int) -> Sequence[Relayed]:
+        """Whether receivers reckon the topic from now on; a change of that begins with a new picture."""
+        if is_reckoned == self._is_reckoned:
+            return ()
+        self._is_reckoned = is_reckoned
+        if self._accuracy is None:
+            return ()
+        self._accuracy = replace(self._accuracy, picture=self._picture(self._accuracy.bounds))
+        return self._apply_accuracy(now_ns)
+
+    @property
+    def reckoned_picture(self) -> ReckonedPicture | None:
+        """What receivers reckon; ``None`` where they show the last value."""
+        accuracy = self._accuracy
+        if accuracy is None or not self._is_reckoned or isinstance(self.pacer, Follower):
+            return None
+        return ReckonedPicture(
+            self._picture_number,
+            accuracy.bounds,
+            accuracy.heartbeat_hz,
+            accuracy.picture.needs_every_message,
+        )
+
+    def _picture(self, names: Iterable[str]) -> Picture:
+        gauges = gauges_for(self._type_name, dict.fromkeys(names), self._level_unit)
+        self.needs_decoded = needs_decoded(gauges)
+        self._picture_number += 1
+        return Picture(gauges, reckons=self._is_reckoned)
+
+    def _apply_accuracy(self, now_ns: int) -> Sequence[Relayed]:
+        if isinstance(self.pacer, Follower):
+            return ()
+        return self._relayed(self.pacer.set_accuracy(self._accuracy, now_ns), now_ns)
+
+    def let_go(self) -> None:
+        """Have no followers; they are to call ``follow`` again."""
+        self.followers = []
+        if isinstance(self.pacer, TopicPacer):
+            self.pacer.drop_followers()
+
+    def follow(self, leader: Relay | None, now_ns: int) -> None:
+        """Be paced with ``leader``, or alone if ``None``; a change of that starts the pacing again."""
+        changed, self.leader = leader is not self.leader, leader
+        if changed:
+            before, self.pacer = self.pacer, Follower() if leader else self._own_pacer()
+            if isinstance(before, Follower) and isinstance(self.pacer, Follower):
+                self.pacer.discarded = before.discarded + before.undecided
+        if leader is not None and isinstance(leader.pacer, TopicPacer) and isinstance(self.pacer, Follower):
+            leader.followers.append(self)
+            leader.pacer.add_follower(self.pacer)
+        if changed:
+            self._apply_accuracy(now_ns)
+            self.set_rate(self._rate_hz, now_ns)
+
+    def change_profile(self, profile: TopicProfile, now_ns: int) -> Sequence[Relayed]:
+        """Another profile says when the source is stale; what was held may pass then."""
+        self._stale_after_ns = _stale_after_ns(profile)
+        if isinstance(self.pacer, Follower):
+            return ()
+        return self._relayed(self.pacer.set_stale_after(self._stale_after_ns, now_ns), now_ns)
+
+    def offer(self, given: MessageInput) -> Sequence[Relayed]:
+        """What passes now that a message arrived."""
+        now_ns, payload, size_bytes = given.stamp_ns, given.payload, given.size_bytes
+        self.statistics.arrived.record(now_ns, size_bytes)
+        sample = Sample(payload, size_bytes, given.publisher)
+        if self._has_frames:
+            sample.frames = self._frames.child_frames(payload[:])
+            frames = self.statistics.frames
+            frames.record(frames.arrived, sample.frames, now_ns)
+        if self._accuracy is not None:
+            sample.readings = self._accuracy.picture.read(payload[:], given.message, now_ns)
+            self.statistics.unreadable += None in sample.readings
+        if self.followers or self.leader:
+            sample.stamp = header_stamp(payload[:STAMPED_BYTES])
+        passes = self.pacer.offer(sample, now_ns)
+        return self._relayed(passes, now_ns) if passes else ()
+
+    def wake(self, now_ns: int) -> Sequence[Relayed]:
+        """What passes now without a message."""
+        return self._relayed(self.pacer.wake(now_ns), now_ns)
+
+    def change_source(self, change: SourceChanged, now_ns: int) -> Sequence[Relayed]:
+        """Take a change of the source; what was held may pass then."""
+        has_other_type = change.type_name not in ("", self._type_name)
+        if self._type_name and has_other_type:
+            self.pacer.forget()
+        self._type_name = change.type_name or self._type_name
+        if has_other_type and self._accuracy is not None:
+            self._accuracy = replace(self._accuracy, picture=self._picture(self._accuracy.bounds))
+            self._apply_accuracy(now_ns)
+        kind = StreamKind.of(type_name=self._type_name, transient_local=change.transient_local)
+        self._has_frames = kind is StreamKind.TRANSFORMS
+        if isinstance(self.pacer, Follower):
+            return ()
+        return self._relayed(self.pacer.set_kind(kind, now_ns), now_ns)
+
+    def _own_pacer(self) -> TopicPacer:
+        kind = StreamKind.of(type_name=self._type_name, transient_local=False)
+        return TopicPacer(kind=kind, when_slow=self._when_slow, stale_after_ns=self._stale_after_ns)
+
+    def _relayed(self, passes: Sequence[Pass], now_ns: int) -> list[Relayed]:
+        statistics = self.statistics
+        relayed = []
+        for sample, repeated in passes:
+            statistics.relayed.record(now_ns, sample.size_bytes)
+            statistics.repeated += repeated
+            if sample.frames:
+                statistics.frames.record(statistics.frames.relayed, sample.frames, now_ns)
+            relayed.append(
+                Relayed(self.topic, now_ns, sample.payload, sample.size_bytes, repeated, sample.publisher)
+            )
+        return relayed
+
+
+def _stale_after_ns(profile: TopicProfile) -> int | None:
+    return None if profile.stale_after_s is None else ns_from_s(profile.stale_after_s)

@@ -1,0 +1,236 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The loop with its relays, as a recording and a live robot drive it alike."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterator, Sequence
+
+from smarttestudo.domain.decision import Decision
+from smarttestudo.domain.observation import (
+    Arrival,
+    LinkBudget,
+    ListenersChanged,
+    Observation,
+    ReceiversReckon,
+    SourceChanged,
+)
+from smarttestudo.domain.profile import Profile
+from smarttestudo.domain.signal import Truth
+from smarttestudo.domain.status import BlockStatus
+from smarttestudo.language.rule_set import RuleSet
+from smarttestudo.loop.analyze import block_states
+from smarttestudo.loop.inputs import ChangeInput, LoopInput, MessageInput, RulesInput, WakeInput
+from smarttestudo.loop.knowledge.knowledge import Knowledge
+from smarttestudo.loop.monitor import meter
+from smarttestudo.loop.relay import Relayed
+from smarttestudo.loop.relays import Relays
+from smarttestudo.loop.reload import exchange_rules, made_by_reload
+from smarttestudo.loop.step import step
+from smarttestudo.loop.triggers import Trigger
+from smarttestudo.pacing.sample import WhenSlow
+
+
+class RelayLoop:
+    """Steps the loop when something it watches happens, and paces every message by the plan.
+
+    The driver lets it ``take`` all that happens, in order, and a ``WakeInput`` when the clock reaches
+    ``next_wake_ns``; a later wake, or the next message in its place, only delays what it would have done.
+    The clock may jump back: for the plan it then stood still (``SteadyTime``), and the pacers begin anew.
+    Of topics in ``reckoned``, receivers show dead reckoning in the place of the last value, until a
+    ``ReceiversReckon`` says otherwise. ``knowledge`` and
+    ``relays`` are there to be looked at; only the loop changes them.
+    """
+
+    def __init__(
+        self,
+        rule_set: RuleSet,
+        profile: Profile,
+        start_ns: int,
+        when_slow: WhenSlow = WhenSlow.PASS,
+        budget_kb_per_s: float | None = None,
+        *,
+        reckoned: Collection[str] = (),
+    ) -> None:
+        self.knowledge = Knowledge(rule_set, profile, start_ns, budget_kb_per_s)
+        self.relays = Relays(
+            rule_set.relayed,
+            profile,
+            when_slow,
+            start_ns,
+            floors_hz=rule_set.floors_hz,
+            reckoned=reckoned,
+        )
+        self._freed: list[Relayed] = []
+        """What passed because of a step; it goes out with what the step was for."""
+        self._watched = self.knowledge.watched.keys()
+        self._sources: dict[str, SourceChanged] = {}
+        self._decisions: list[Decision] = []
+        self._first_triggers: list[Trigger] = []
+        self._triggered: Callable[[Trigger], None] | None = self._first_triggers.append
+        self._now_ns = start_ns
+        self._step_ns: int | None = None
+        self._step((), start_ns)
+        self._triggered = None
+
+    @property
+    def triggered(self) -> Callable[[Trigger], None] | None:
+        """What is told of each block that begins to record, at once, and of those that do from the start."""
+        return self._triggered
+
+    @triggered.setter
+    def triggered(self, told: Callable[[Trigger], None]) -> None:
+        self._triggered = told
+        first, self._first_triggers = self._first_triggers, []
+        for trigger in first:
+            told(trigger)
+
+    @property
+    def next_wake_ns(self) -> int | None:
+        """When time alone may next relay something or change the plan; it may come early."""
+        step_ns, relays_ns = self._step_ns, self.relays.next_wake_ns
+        if relays_ns is None:
+            return step_ns
+        return relays_ns if step_ns is None or relays_ns < step_ns else step_ns
+
+    def take(self, given: LoopInput) -> Sequence[Relayed]:
+        """What to publish at once, now that this happened.
+
+        A message is itself paced by the plan that it may change.
+        """
+        if not isinstance(given, MessageInput):
+            others = self._take_other(given)
+            return self._with_freed(others) if self._freed else others
+        # This runs for every message of a robot, so what is seldom needed is asked for without a call.
+        now_ns, topic = given.stamp_ns, given.topic
+        freed = self._restarted(now_ns) if now_ns < self._now_ns else ()
+        self._now_ns = now_ns
+        if topic in self._watched:
+            self._step((Arrival(topic, given.size_bytes, given.message),), now_ns)
+        else:
+            needs_step = self.knowledge.link is not None and meter(
+                self.knowledge, topic, given.size_bytes, now_ns
+            )
+            if needs_step or (self._step_ns is not None and self._step_ns <= now_ns):
+                self._step((), now_ns)
+        wake_ns = self.relays.next_wake_ns
+        if wake_ns is not None and wake_ns <= now_ns:
+            freed = [*freed, *self.relays.wake(now_ns)]
+        relayed = self.relays.offer(given)
+        if self._freed:
+            freed = self._with_freed(freed)
+        return [*freed, *relayed] if freed else relayed
+
+    def needs_decoded(self, topic: str) -> bool:
+        """Whether messages of ``topic`` must come decoded: for a check, or for a bound of its picture."""
+        return self.knowledge.reads(topic) or self.relays.needs_decoded(topic)
+
+    def may_skip(self, topic: str) -> bool:
+        """Whether messages of ``topic`` that are not due may be skipped, except for the last one.
+
+        That is so if no check reads anything of it, no budget counts it and its pacer does not hold it back
+        for others; report to ``relays.skipped`` how many there were.
+        """
+        needs_all = topic in self._watched or self.knowledge.link is not None
+        return not needs_all and self.relays.may_skip(topic)
+
+    def block_states(self, now_ns: int) -> tuple[BlockStatus, ...]:
+        """Which conditions hold, and what their checks read; to be asked right after a ``WakeInput``."""
+        return block_states(self.knowledge, self.knowledge.time.at(now_ns))
+
+    def take_decisions(self) -> list[Decision]:
+        """The decisions since the last call; at first, one for every relayed topic."""
+        decisions, self._decisions = self._decisions, []
+        return decisions
+
+    def take_turned_blocks(self) -> dict[int, Truth]:
+        """Whether each block holds now, by order, of those that turned since the last call."""
+        evaluator = self.knowledge.evaluator
+        return {order: evaluator.truth(order) for order in evaluator.take_changed_blocks()}
+
+    def finish(self, now_ns: int) -> Iterator[Relayed]:
+        """The recording ended at ``now_ns``: what is still held back, each at its time, by the last plan."""
+        return self.relays.finish(now_ns)
+
+    def _take_other(self, given: ChangeInput | WakeInput | RulesInput) -> Sequence[Relayed]:
+        match given:
+            case WakeInput(stamp_ns=now_ns):
+                return self._pass_time(now_ns)
+            case ChangeInput(stamp_ns=now_ns, change=change):
+                return self._take_change(change, now_ns)
+            case RulesInput():
+                return self._take_rules(given)
+
+    def _take_change(
+        self, change: SourceChanged | ListenersChanged | LinkBudget | ReceiversReckon, now_ns: int
+    ) -> Sequence[Relayed]:
+        if isinstance(change, ReceiversReckon):
+            return [*self._pass_time(now_ns), *self.relays.set_reckoned(change.topics, now_ns)]
+        relayed = [*self._restarted(now_ns)]
+        self._step((change,), now_ns)
+        relayed += self._woken(now_ns)
+        if isinstance(change, ListenersChanged) and change.are_there:
+            self.relays.greet_receiver(change.topic, now_ns)
+            relayed += self._woken(now_ns)
+        if isinstance(change, SourceChanged):
+            self._sources[change.topic] = change
+            relayed += self.relays.change_source(change, now_ns)
+        return relayed
+
+    def _take_rules(self, given: RulesInput) -> Sequence[Relayed]:
+        """What is known of the robot stays, and so do the pacers of topics that are relayed before and after.
+
+        None of their messages is lost. The driver must report sources again that are new to the rules.
+        """
+        rule_set, profile, now_ns = given.rule_set, given.profile, given.stamp_ns
+        relayed = [*self._pass_time(now_ns)]
+        self.knowledge.time.advance(now_ns)
+        self._decisions += exchange_rules(self.knowledge, rule_set, profile, self._sources)
+        self._watched = self.knowledge.watched.keys()
+        relayed += self.relays.change_topics(rule_set.relayed, profile, now_ns, floors_hz=rule_set.floors_hz)
+        known = {*self._watched, *rule_set.relayed}
+        self._sources = {topic: change for topic, change in self._sources.items() if topic in known}
+        for change in self._sources.values():
+            relayed += self.relays.change_source(change, now_ns)
+        self._step((), now_ns, made_by_reload)
+        return [*relayed, *self._woken(now_ns)]
+
+    def _pass_time(self, now_ns: int) -> Sequence[Relayed]:
+        restarted = self._restarted(now_ns)
+        if self._step_ns is not None and self._step_ns <= now_ns:
+            self._step((), now_ns)
+        woken = self._woken(now_ns)
+        return [*restarted, *woken] if restarted else woken
+
+    def _step(
+        self,
+        observations: Sequence[Observation],
+        now_ns: int,
+        told: Callable[[Decision], Decision] | None = None,
+    ) -> None:
+        result = step(self.knowledge, observations, now_ns)
+        self._step_ns = result.next_wake_ns
+        if self._triggered is not None:
+            for trigger in result.triggers:
+                self._triggered(trigger)
+        if result.decisions:
+            self._decisions += map(told, result.decisions) if told else result.decisions
+            self._freed += self.relays.apply(result.decisions, now_ns)
+
+    def _with_freed(self, relayed: Sequence[Relayed]) -> list[Relayed]:
+        freed, self._freed = self._freed, []
+        return [*freed, *relayed]
+
+    def _woken(self, now_ns: int) -> Sequence[Relayed]:
+        wake_ns = self.relays.next_wake_ns
+        return () if wake_ns is None or wake_ns > now_ns else self.relays.wake(now_ns)
+
+    def _restarted(self, now_ns: int) -> Sequence[Relayed]:
+        """What passes because the clock jumped back."""
+        before_ns, self._now_ns = self._now_ns, now_ns
+        if now_ns >= before_ns:
+            return ()
+        # A message without a step does not advance the knowledge's time, from which the jump counts.
+        self.knowledge.time.advance(before_ns)
+        self._step((), now_ns)
+        return self.relays.restart(now_ns)

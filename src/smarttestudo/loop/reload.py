@@ -1,0 +1,164 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Other rules for a loop that runs: what is known of the robot stays."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from functools import partial
+
+from smarttestudo.domain.alarm_clock import AlarmClock
+from smarttestudo.domain.decision import Decision, PlannedRate, Reason
+from smarttestudo.domain.observation import SourceChanged
+from smarttestudo.domain.profile import Profile
+from smarttestudo.domain.rate import Rate
+from smarttestudo.domain.units import NS_PER_S, ns_from_s
+from smarttestudo.language.evaluator import Evaluator, RequestedRate
+from smarttestudo.language.rule_set import RuleBlock, RuleSet
+from smarttestudo.loop.knowledge.knowledge import Knowledge, watched_topics
+from smarttestudo.loop.knowledge.watched_topic import WatchedTopic
+from smarttestudo.loop.triggers import still_recording
+
+_GONE = -1
+"""Stands for a block that the new rules do not have."""
+
+
+def exchange_rules(
+    knowledge: Knowledge, rule_set: RuleSet, profile: Profile, sources: Mapping[str, SourceChanged]
+) -> tuple[Decision, ...]:
+    """Put other rules and another profile in force; the next step, to be made now, plans by them.
+
+    ``sources`` is the last report on each source. A topic whose rules stay the same keeps a lower rate
+    waiting; any other takes its new rate in the next step. Returns the end of each topic that is no longer
+    relayed.
+    """
+    before = knowledge.rule_set
+    now_ns = knowledge.time.now_ns
+    order_of = {topic: place for place, topic in enumerate(rule_set.relayed)}
+    ended = tuple(_end(knowledge, topic, now_ns) for topic in knowledge.order_of if topic not in order_of)
+    knowledge.recording = still_recording(knowledge, rule_set)
+    knowledge.rule_set, knowledge.profile = rule_set, profile
+    knowledge.order_of = order_of
+    knowledge.settle_ns = ns_from_s(profile.settle_s)
+    evaluator = Evaluator(rule_set, now_ns)
+    evaluator.carry_on(knowledge.evaluator)
+    knowledge.evaluator = evaluator
+    knowledge.watched = _watched(knowledge, sources, now_ns)
+    knowledge.watch_alarms = AlarmClock()
+    for topic in knowledge.watched:
+        knowledge.watch_alarms.set(topic, now_ns)
+    _carry_on_settling(knowledge, before)
+    knowledge.settle_alarms = AlarmClock()
+    _keep_plan(knowledge, before)
+    knowledge.unheard &= order_of.keys()
+    if knowledge.link is not None:
+        knowledge.link.change_rules(rule_set, profile)
+    return ended
+
+
+def made_by_reload(decision: Decision) -> Decision:
+    """``decision`` with the reason ``reload``, unless its reason is that there are no rules."""
+    if decision.planned.reason is Reason.FALLBACK:
+        return decision
+    return replace(decision, planned=replace(decision.planned, reason=Reason.RELOAD))
+
+
+def _end(knowledge: Knowledge, topic: str, now_ns: int) -> Decision:
+    return Decision(
+        t_s=(now_ns - knowledge.start_ns) / NS_PER_S,
+        stamp_ns=knowledge.time.on_clock(now_ns),
+        topic=topic,
+        from_rate=knowledge.effective[topic].planned.rate,
+        from_within=knowledge.effective[topic].planned.within,
+        planned=PlannedRate(rate=Rate(0.0), reason=Reason.RELOAD),
+        values={},
+        is_end=True,
+    )
+
+
+def _watched(
+    knowledge: Knowledge, sources: Mapping[str, SourceChanged], now_ns: int
+) -> Mapping[str, WatchedTopic]:
+    watched = watched_topics(knowledge.rule_set, knowledge.profile, now_ns, knowledge.evaluator)
+    for topic, entry in watched.items():
+        known, change = knowledge.watched.get(topic), sources.get(topic)
+        if known is not None:
+            entry.carry_on(known)
+        elif change is not None:
+            entry.change_source(change)
+    return watched
+
+
+def _carry_on_settling(knowledge: Knowledge, before: RuleSet) -> None:
+    """Keep the requests that wait, of the topics whose rules stay the same."""
+    settling, settling_bounds = {}, {}
+    old_blocks, new_blocks = _blocks_by_topic(before), _blocks_by_topic(knowledge.rule_set)
+    for topic, waiting in knowledge.settling.items():
+        old, new = old_blocks[topic], new_blocks.get(topic)
+        if new is not None and _stance(before, topic, old) == _stance(knowledge.rule_set, topic, new):
+            renamed = {one.order: other for one, other in zip(old, new, strict=True)}
+            settling[topic] = waiting.carried_on(partial(_renamed, renamed), knowledge.settle_ns)
+            lines = {(one.label, one.line): other.line for one, other in zip(old, new, strict=True)}
+            settling_bounds[topic] = knowledge.settling_bounds[topic].carried_on(
+                partial(_with_lines, lines), knowledge.settle_ns
+            )
+    knowledge.settling, knowledge.settling_bounds = settling, settling_bounds
+
+
+def _blocks_by_topic(rule_set: RuleSet) -> dict[str, list[RuleBlock]]:
+    blocks: dict[str, list[RuleBlock]] = {topic: [] for topic in rule_set.relayed}
+    for block in rule_set.blocks:
+        for topic in block.topics:
+            blocks[topic].append(block)
+    return blocks
+
+
+def _stance(rule_set: RuleSet, topic: str, blocks: list[RuleBlock]) -> object:
+    """All that decides the rate and the bounds of ``topic``."""
+    setting = [
+        (block.label, block.priority, block.rates.get(topic), block.bounds.get(topic), block.form)
+        for block in blocks
+    ]
+    always = (rule_set.defaults.get(topic), rule_set.floors_hz.get(topic), rule_set.bounds.get(topic))
+    return always, setting
+
+
+def _renamed(new_blocks: Mapping[int, RuleBlock], request: RequestedRate) -> RequestedRate:
+    if request.block is None:
+        return request
+    block = new_blocks[request.block]
+    return replace(request, block=block.order, planned=replace(request.planned, line=block.line))
+
+
+def _with_lines(lines: Mapping[tuple[str, int], int], planned: PlannedRate) -> PlannedRate:
+    """``planned``, its bounds decided by the blocks at their new lines."""
+    reasons = {
+        name: one if one.rule is None or one.line is None else replace(one, line=lines[one.rule, one.line])
+        for name, one in planned.bound_reasons.items()
+    }
+    return replace(planned, bound_reasons=reasons)
+
+
+def _keep_plan(knowledge: Knowledge, before: RuleSet) -> None:
+    """The plan of topics still relayed, with the deciding blocks as the new rules count them."""
+    counterpart = _counterparts(before, knowledge.rule_set)
+    for kept in (knowledge.settled, knowledge.effective, knowledge.plan):
+        for topic in [topic for topic in kept if topic not in knowledge.order_of]:
+            del kept[topic]
+    for requests in (knowledge.settled, knowledge.effective):
+        for topic, request in requests.items():
+            if request.block is not None:
+                requests[topic] = replace(request, block=counterpart(request.block))
+
+
+def _counterparts(before: RuleSet, after: RuleSet) -> Callable[[int], int]:
+    """Which block of ``after`` each block of ``before`` became: the one of the same name."""
+    found: dict[int, int] = {}
+    by_label: dict[str, list[int]] = {}
+    for block in reversed(after.blocks):
+        by_label.setdefault(block.label, []).append(block.order)
+    for block in before.blocks:
+        if orders := by_label.get(block.label):
+            found[block.order] = orders.pop()
+    return lambda order: found.get(order, _GONE)

@@ -1,0 +1,258 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What can be reckoned of messages: their parts, how each moves, and how far two states of it are apart."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Hashable, Mapping, Sequence
+from typing import Any, NamedTuple, Protocol
+
+from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.pacing.cdr import FrameReader, JointReader, PoseReader, header_stamp_ns
+from smarttestudo.pacing.reckoning.motion import (
+    Rotation,
+    SpatialPose,
+    Twist,
+    Vector3,
+    moved,
+    twist_between,
+)
+
+Distance = Callable[[Any, Any], float]
+"""How far two states of a part are apart, in the unit of the property; NaN where one is not known."""
+
+
+class MovingPart(NamedTuple):
+    """What a message says of one thing: ``state`` at ``at_ns``.
+
+    ``name`` is that of a child frame or joint, or empty where a message says one thing. States of different
+    ``frames`` cannot be compared. Where the message ``has_stamp``, that is ``at_ns``, else its arrival.
+    """
+
+    name: str
+    at_ns: int
+    frames: Hashable
+    state: Any
+    has_stamp: bool
+
+
+Reading = Sequence[MovingPart]
+
+
+def can_be_reckoned(reading: Reading | None) -> bool:
+    """Whether what a message says can be moved on, which both ends ask here: all its parts have stamps.
+
+    Without one, a message does not say when the robot is there, and its arrival is another one at each end.
+    """
+    return bool(reading) and all(part.has_stamp for part in reading or ())
+
+
+UNKNOWN_M = 1000.0
+"""What stands for the bound of a position that has none."""
+HALF_TURN = 180.0
+"""No orientation is farther off."""
+
+
+class Gauge(Protocol):
+    """Reads messages of one type. ``distances`` are those of the properties that are bound."""
+
+    distances: Mapping[str, Distance]
+
+    @property
+    def is_shared(self) -> bool:
+        """Whether the publishers of a topic speak of the same parts, which are told apart by name.
+
+        Else each publisher speaks of one thing.
+        """
+
+    @property
+    def needs_every_message(self) -> bool:
+        """Whether the motion of a part may come from its last two messages."""
+
+    def read(self, payload: bytes, message: object | None, now_ns: int) -> Reading | None:
+        """The parts of a message that came at ``now_ns``; ``None`` where they cannot be read."""
+
+    def motion(self, before: MovingPart | None, part: MovingPart) -> Any:
+        """How ``part`` moves on, given the part of that name that a receiver got ``before``."""
+
+    def after(self, state: Any, motion: Any, elapsed_s: float) -> Any:
+        """What a receiver that reckons shows ``elapsed_s`` after ``state``."""
+
+    def written(self, payload: bytes, parts: Reading, within: Mapping[str, float]) -> bytes | None:
+        """``payload`` with these of its parts, moved on, and no others; ``None`` if its type stays.
+
+        Bounds of properties, by which the parts may be off, become covariance where the type has one.
+        """
+
+
+class PoseState(NamedTuple):
+    """A pose and, where the message has one, its twist."""
+
+    pose: SpatialPose
+    twist: Twist | None
+
+
+class PoseGauge:
+    """Odometry, which moves by its twist; PoseStamped and PoseWithCovarianceStamped, which stay."""
+
+    is_shared = False
+    needs_every_message = False
+
+    def __init__(self, distances: Mapping[str, Distance], *, frame_count: int, has_twist: bool) -> None:
+        self.distances = distances
+        self._has_twist = has_twist
+        self._reader = PoseReader(frame_count, has_twist=has_twist)
+
+    def read(self, payload: bytes, _message: object | None, now_ns: int) -> Reading | None:
+        """The one part of the message, at its header's stamp, or at ``now_ns`` where that is not set."""
+        found = self._reader.read(payload)
+        if found is None:
+            return None
+        frames, numbers = found
+        twist = Twist(Vector3(*numbers[7:10]), Vector3(*numbers[10:13])) if len(numbers) > 7 else None
+        state, stamp_ns = PoseState(_pose(numbers), twist), header_stamp_ns(payload)
+        return (MovingPart("", stamp_ns or now_ns, frames, state, stamp_ns is not None),)
+
+    def motion(self, _before: MovingPart | None, part: MovingPart) -> Twist | None:
+        """The twist that the message holds."""
+        state: PoseState = part.state
+        return state.twist
+
+    def after(self, state: PoseState, motion: Twist | None, elapsed_s: float) -> PoseState:
+        """The pose moved by its twist."""
+        return state if motion is None else PoseState(moved(state.pose, motion, elapsed_s), state.twist)
+
+    def written(self, payload: bytes, parts: Reading, within: Mapping[str, float]) -> bytes | None:
+        """An Odometry at another pose; the squares of the bounds come on top of its covariance."""
+        if not self._has_twist:
+            return None
+        (part,) = parts
+        bound_m = within.get("position", UNKNOWN_M)
+        bound_rad = math.radians(within.get("orientation", HALF_TURN))
+        variances = (*(bound_m**2,) * 3, *(bound_rad**2,) * 3)
+        return self._reader.moved(payload, part.at_ns, _numbers(part.state), variances)
+
+
+class FrameGauge:
+    """TFMessage: each child frame moves by the twist between the last two messages that held it."""
+
+    is_shared = True
+    needs_every_message = True
+
+    def __init__(self, distances: Mapping[str, Distance]) -> None:
+        self.distances = distances
+        self._reader = FrameReader()
+
+    def read(self, payload: bytes, _message: object | None, now_ns: int) -> Reading | None:
+        """A part for each transform."""
+        parts = [
+            MovingPart(
+                one.child_frame,
+                one.stamp_ns or now_ns,
+                one.frame,
+                PoseState(_pose(one.numbers), None),
+                one.stamp_ns != 0,
+            )
+            for one in self._reader.transforms(payload)
+        ]
+        return parts or None
+
+    def motion(self, before: MovingPart | None, part: MovingPart) -> Twist | None:
+        """The constant twist since ``before``."""
+        if before is None or before.at_ns >= part.at_ns or before.frames != part.frames:
+            return None
+        return twist_between(before.state.pose, part.state.pose, (part.at_ns - before.at_ns) / NS_PER_S)
+
+    def after(self, state: PoseState, motion: Twist | None, elapsed_s: float) -> PoseState:
+        """The frame moved by its twist."""
+        return state if motion is None else PoseState(moved(state.pose, motion, elapsed_s), None)
+
+    def written(self, payload: bytes, parts: Reading, _within: Mapping[str, float]) -> bytes | None:
+        """These frames elsewhere."""
+        return self._reader.moved(payload, {part.name: (part.at_ns, _numbers(part.state)) for part in parts})
+
+
+class JointGauge:
+    """JointState: each joint moves with the velocity of its message, else with that of the last two messages.
+
+    A state is a position and a velocity, which is NaN where the message holds none.
+    """
+
+    is_shared = True
+    needs_every_message = True
+
+    def __init__(self, distances: Mapping[str, Distance]) -> None:
+        self.distances = distances
+        self._reader = JointReader()
+
+    def read(self, payload: bytes, _message: object | None, now_ns: int) -> Reading | None:
+        """A part for each joint with a position."""
+        found = self._reader.read(payload)
+        if found is None:
+            return None
+        names, positions, velocities = found
+        if len(velocities) != len(names):
+            velocities = (math.nan,) * len(names)
+        stamp_ns = header_stamp_ns(payload)
+        at_ns, has_stamp = stamp_ns or now_ns, stamp_ns is not None
+        return [
+            MovingPart(name, at_ns, None, (position, velocity), has_stamp)
+            for name, position, velocity in zip(names, positions, velocities)  # noqa: B905 - as long as each is
+        ]
+
+    def motion(self, before: MovingPart | None, part: MovingPart) -> float:
+        """The joint's velocity in rad/s or m/s, 0 where it is not known."""
+        position, velocity = part.state
+        if math.isfinite(velocity):
+            return float(velocity)
+        if before is None or before.at_ns >= part.at_ns:
+            return 0.0
+        return float((position - before.state[0]) * NS_PER_S / (part.at_ns - before.at_ns))
+
+    def after(self, state: tuple[float, float], motion: float, elapsed_s: float) -> tuple[float, float]:
+        """The joint moved by its velocity."""
+        return state[0] + motion * elapsed_s, state[1]
+
+    def written(self, payload: bytes, parts: Reading, _within: Mapping[str, float]) -> bytes | None:
+        """These joints at other positions."""
+        return self._reader.moved(payload, parts[0].at_ns, {part.name: part.state[0] for part in parts})
+
+
+class FieldGauge:
+    """Fields of a decoded message of any type, each a state of its own; they stay as they are."""
+
+    is_shared = False
+    needs_every_message = False
+
+    def __init__(
+        self, distances: Mapping[str, Distance], readers: Mapping[str, Callable[[object], object]]
+    ) -> None:
+        self.distances = distances
+        self._readers = readers
+
+    def read(self, _payload: bytes, message: object | None, now_ns: int) -> Reading | None:
+        """One part, whose state has the value of each field by property."""
+        if message is None:
+            return None
+        values = {name: read(message) for name, read in self._readers.items()}
+        return (MovingPart("", now_ns, None, values, has_stamp=False),)
+
+    def motion(self, _before: MovingPart | None, _part: MovingPart) -> None:
+        """None is known."""
+
+    def after(self, state: object, _motion: None, _elapsed_s: float) -> object:
+        """The same."""
+        return state
+
+    def written(self, _payload: bytes, _parts: Reading, _within: Mapping[str, float]) -> bytes | None:
+        """None, as nothing moves."""
+        return None
+
+
+def _numbers(state: PoseState) -> tuple[float, ...]:
+    return (*state.pose.position, *state.pose.orientation)
+
+
+def _pose(numbers: Sequence[float]) -> SpatialPose:
+    return SpatialPose(Vector3(*numbers[:3]), Rotation(*numbers[3:7]))

@@ -1,0 +1,138 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The inputs of a live loop, given to another one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+
+from smarttestudo.bags.definitions import RosbagDecoder
+from smarttestudo.domain.decision import Decision
+from smarttestudo.domain.errors import RecordingError, RuleFileError
+from smarttestudo.domain.names import resolve_topic
+from smarttestudo.domain.observation import SourceChanged, Undecodable
+from smarttestudo.domain.profile import Profile
+from smarttestudo.domain.recording import Channel
+from smarttestudo.domain.units import NS_PER_S, counted
+from smarttestudo.language.rule_set import RuleSet, fallback_rules
+from smarttestudo.loop.input_log import read_inputs
+from smarttestudo.loop.inputs import (
+    ChangeInput,
+    LoopInput,
+    MessageInput,
+    RecordedInput,
+    RulesInput,
+    RuleTextsInput,
+)
+from smarttestudo.loop.relay_loop import RelayLoop
+from smarttestudo.rules.profile_file import parse_profile
+from smarttestudo.rules.rule_sets import check_texts
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class InputsOutcome:
+    """How much a loop was given over which time, how often it decided, and what was odd, a line each."""
+
+    inputs: int
+    decisions: int
+    duration_s: float
+    notices: tuple[str, ...]
+
+    def to_json(self) -> dict[str, object]:
+        """The object that ``testudo replay --json`` prints."""
+        return asdict(self)
+
+
+def replay_inputs(folder: Path, decided: Callable[[Sequence[Decision]], None]) -> InputsOutcome:
+    """Give a new loop the inputs recorded in ``folder``, and ``decided`` its decisions, in order.
+
+    Raises:
+        RecordingError: there is no such recording, or a line of it is no input.
+        RuleFileError: its rules have errors, which those of a live run never had.
+    """
+    inputs = read_inputs(folder)
+    first = next(inputs, None)
+    if not isinstance(first, RuleTextsInput):
+        raise RecordingError("the recorded inputs do not start with rules", place=str(folder))
+    again = _Again(first)
+    decided(again.take_decisions())
+    for recorded in inputs:
+        again.take(recorded)
+        decided(again.take_decisions())
+    return InputsOutcome(
+        inputs=again.inputs,
+        decisions=again.decisions,
+        duration_s=(again.now_ns - first.stamp_ns) / NS_PER_S,
+        notices=tuple(again.notices()),
+    )
+
+
+class _Again:
+    """A loop that takes recorded inputs."""
+
+    def __init__(self, first: RuleTextsInput) -> None:
+        rules, profile = _rules(first)
+        self.loop = RelayLoop(rules, profile, first.stamp_ns, first.when_slow, first.budget_kb_per_s)
+        self.now_ns = first.stamp_ns
+        self.inputs = 1
+        self.decisions = 0
+        self._decoder = RosbagDecoder()
+        self._channels: dict[str, Channel] = {}
+
+    def take_decisions(self) -> list[Decision]:
+        """Those since the last call."""
+        decisions = self.loop.take_decisions()
+        self.decisions += len(decisions)
+        return decisions
+
+    def take(self, recorded: RecordedInput) -> None:
+        """Give it to the loop; what would be relayed went out in the live run."""
+        self.now_ns = recorded.stamp_ns
+        self.inputs += 1
+        self.loop.take(self._given(recorded))
+
+    def notices(self) -> Iterator[str]:
+        """What was odd, one line each."""
+        for topic, count in self.loop.knowledge.undecodable.items():
+            yield f"{topic}: {counted(count, 'message')} could not be decoded; what checks read was unknown"
+
+    def _given(self, recorded: RecordedInput) -> LoopInput:
+        """What the loop of the live run was given."""
+        match recorded:
+            case MessageInput(topic=topic) if self.loop.knowledge.reads(topic):
+                return replace(recorded, message=self._message(recorded))
+            case ChangeInput(change=SourceChanged(topic=topic, type_name=type_name)):
+                self._channels[topic] = Channel(topic=topic, type_name=type_name)
+            case RuleTextsInput(stamp_ns=now_ns):
+                rule_set, profile = _rules(recorded)
+                return RulesInput(stamp_ns=now_ns, rule_set=rule_set, profile=profile)
+        return recorded
+
+    def _message(self, recorded: MessageInput) -> object:
+        channel, payload = self._channels.get(recorded.topic), recorded.payload[:]
+        if channel is None or not payload:
+            return Undecodable()
+        try:
+            return self._decoder.decode(channel, payload)
+        except RecordingError:
+            return Undecodable()
+
+
+def _rules(given: RuleTextsInput) -> tuple[RuleSet, Profile]:
+    """What came into force."""
+    if given.relay_all is not None:
+        return fallback_rules(given.relay_all), Profile()
+
+    def resolve(topic: str) -> str:
+        return given.names.get(topic) or resolve_topic(topic)
+
+    profile = Profile()
+    if given.profile_text is not None:
+        profile = parse_profile(given.profile_text, Path("profile")).resolved(resolve)
+    loaded = check_texts(given.rule_texts, profile=profile, resolve=resolve)
+    if loaded.errors:
+        first = loaded.errors[0]
+        raise RuleFileError(first.message, place=str(first.span))
+    return loaded.rule_set, profile

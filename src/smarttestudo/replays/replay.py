@@ -1,0 +1,315 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The loop over a recording, in virtual time: what the operator would have received."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, ExitStack, nullcontext
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from smarttestudo.bags.definitions import RosbagDecoder
+from smarttestudo.bags.writer import create_recording
+from smarttestudo.domain.decision import Decision
+from smarttestudo.domain.errors import RecordingError
+from smarttestudo.domain.names import TOPIC_PLACEHOLDER
+from smarttestudo.domain.observation import SourceChanged, Undecodable
+from smarttestudo.domain.profile import Profile
+from smarttestudo.domain.recording import (
+    Channel,
+    MessageDecoder,
+    RecordingReader,
+    RecordingWriter,
+    Storage,
+)
+from smarttestudo.domain.units import LAST_STAMP_NS, NS_PER_S, counted
+from smarttestudo.language.rule_set import RuleSet
+from smarttestudo.loop.inputs import ChangeInput, MessageInput, WakeInput
+from smarttestudo.loop.relay import Relayed
+from smarttestudo.loop.relay_loop import RelayLoop
+from smarttestudo.pacing.sample import WhenSlow
+from smarttestudo.replays.incidents import IncidentCutter, IncidentRequest, incident_cutter
+from smarttestudo.replays.outcome import ReplayOutcome, topic_outcome
+from smarttestudo.replays.topics import (
+    ReplayTopics,
+    absent_topics,
+    replay_topics,
+    require_decodable,
+)
+
+_REPORTS = 200
+
+
+def _ignore(_: object) -> None:
+    """Nobody wants to know."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReplayRequest:
+    """An opened recording, the rules, and the folder of the new recording.
+
+    Of topics in ``predict``, receivers show dead reckoning. ``output_topic`` names output topics, with
+    ``{topic}`` for the source's full name. ``decided`` is given decisions in order, some at a time,
+    ``report`` the share of the recording that is done, 0 … 1. Where there is a ``writer``, it takes what
+    is relayed, and no recording is made; ``arrived`` is shown every message, ``stepped`` the
+    time and the loop whenever that may have changed. ``incidents`` asks for what the rules record. Messages
+    of topics in ``left_out`` are not relayed: nothing must depend on them.
+    """
+
+    recording: RecordingReader
+    rule_set: RuleSet
+    output: Path
+    profile: Profile = field(default_factory=Profile)
+    when_slow: WhenSlow = WhenSlow.PASS
+    storage: Storage = Storage.SQLITE3
+    output_topic: str = TOPIC_PLACEHOLDER
+    budget_kb_per_s: float | None = None
+    predict: Collection[str] = ()
+    decided: Callable[[Sequence[Decision]], None] = _ignore
+    report: Callable[[float], None] = _ignore
+    writer: RecordingWriter | None = None
+    arrived: Callable[[Channel, int, bytes], None] | None = None
+    stepped: Callable[[int, RelayLoop], None] | None = None
+    incidents: IncidentRequest | None = None
+    left_out: Collection[str] = ()
+
+
+def replay(request: ReplayRequest) -> ReplayOutcome:
+    """Run the loop over the recording and write what it relays.
+
+    Raises:
+        RecordingError: a check reads a topic of unknown type; the output exists or cannot be written.
+        UsageError: ``output_topic`` gives no valid names.
+    """
+    (outcome,) = replay_together([request])
+    return outcome
+
+
+def replay_together(requests: Sequence[ReplayRequest]) -> list[ReplayOutcome]:
+    """What ``replay`` does of each of the requests, which have one recording, in one pass over it.
+
+    Raises:
+        RecordingError, UsageError: as ``replay``.
+    """
+    started_s = time.perf_counter()
+    recording = requests[0].recording
+    decoder = RosbagDecoder()
+    with ExitStack() as opened:
+        runs = [_Run.of(request, decoder, opened) for request in requests]
+        for run in runs:
+            run.begin()
+        _pass_messages(recording, runs, decoder)
+        for run in runs:
+            run.end()
+    wall_seconds = time.perf_counter() - started_s
+    return [run.outcome(wall_seconds) for run in runs]
+
+
+def _pass_messages(recording: RecordingReader, runs: Sequence[_Run], decoder: MessageDecoder) -> None:
+    """Show every message to all runs; what several of them need decoded is decoded once."""
+    decoded = frozenset[str]().union(*(run.decoded for run in runs))
+    takes = [run.take for run in runs]
+    for channel, stamp_ns, payload in recording.messages():
+        message = _decoded(decoder, channel, payload) if channel.topic in decoded else None
+        for take in takes:
+            take(channel, stamp_ns, payload, message)
+
+
+def _decoded(decoder: MessageDecoder, channel: Channel, payload: bytes) -> object:
+    try:
+        return decoder.decode(channel, payload)
+    except RecordingError:
+        return Undecodable()
+
+
+def _output(
+    request: ReplayRequest, declared_bytes: Mapping[str, int]
+) -> AbstractContextManager[RecordingWriter]:
+    if request.writer is not None:
+        return nullcontext(request.writer)
+    return create_recording(
+        request.output,
+        storage=request.storage,
+        declared_bytes=declared_bytes,
+        custom_data=request.recording.custom_data,
+    )
+
+
+class _Run:
+    """Drives the loop of one request with the messages of the recording and the time between them."""
+
+    @classmethod
+    def of(cls, request: ReplayRequest, decoder: MessageDecoder, opened: ExitStack) -> _Run:
+        """The run for ``request``, whose output lasts as long as ``opened``."""
+        recording, rule_set = request.recording, request.rule_set
+        require_decodable(recording.channels, rule_set, decoder)
+        topics = replay_topics(recording.channels, rule_set, request.output_topic)
+        declared_bytes = {
+            topics.outputs[topic].topic: size
+            for topic, size in recording.declared_bytes.items()
+            if topic in topics.outputs
+        }
+        loop = RelayLoop(
+            rule_set,
+            request.profile,
+            recording.start_ns,
+            request.when_slow,
+            request.budget_kb_per_s,
+            reckoned=request.predict,
+        )
+        writer = opened.enter_context(_output(request, declared_bytes))
+        cutter = opened.enter_context(
+            incident_cutter(request.incidents, rule_set, topics.sources, recording.start_ns)
+        )
+        for channel in topics.outputs.values():
+            writer.add(channel)
+        return cls(request, loop, writer, topics, cutter=cutter)
+
+    def __init__(
+        self,
+        request: ReplayRequest,
+        loop: RelayLoop,
+        writer: RecordingWriter,
+        topics: ReplayTopics,
+        *,
+        cutter: IncidentCutter | None,
+    ) -> None:
+        self.decoded: frozenset[str] = frozenset()
+        """The topics whose messages must come decoded, once the run began."""
+        self._decisions = 0
+        self._request = request
+        self._loop = loop
+        self._writer = writer
+        self._topics = topics
+        self._needed: Mapping[str, Channel] = {}
+        self._declared_bytes = request.recording.declared_bytes
+        self._report_ns = 0
+        self._second_types: Counter[str] = Counter()
+        self._cutter = cutter
+        if cutter is not None:
+            cutter.watch(loop)
+
+    def begin(self) -> None:
+        """Say which sources there are."""
+        for topic, channel in self._topics.sources.items():
+            change = SourceChanged(
+                topic=topic,
+                publishers=1,
+                transient_local=channel.transient_local,
+                type_name=channel.type_name,
+            )
+            self._write(
+                self._loop.take(ChangeInput(stamp_ns=self._request.recording.start_ns, change=change))
+            )
+        self._needed = self._sources_needed()
+        self.decoded = frozenset(topic for topic in self._needed if self._loop.needs_decoded(topic))
+
+    def take(self, channel: Channel, stamp_ns: int, payload: bytes, message: object) -> None:
+        """Take a message of the recording, decoded where that is needed."""
+        topic, request, loop = channel.topic, self._request, self._loop
+        if request.arrived is not None:
+            request.arrived(channel, stamp_ns, payload)
+        if self._cutter is not None and self._topics.sources.get(topic) is channel:
+            self._wake_before(stamp_ns)
+            self._cutter.take(channel, stamp_ns, payload)
+        if self._needed.get(topic) is not channel:
+            if topic in self._needed:
+                self._second_types[topic] += 1
+            return
+        if stamp_ns >= self._report_ns:
+            self._report_ns = stamp_ns + self._report(stamp_ns)
+        wake_ns = loop.next_wake_ns
+        if wake_ns is not None and wake_ns < stamp_ns:
+            self._wake_before(stamp_ns)
+        declared_bytes = self._declared_bytes
+        size_bytes = declared_bytes[topic] if topic in declared_bytes else len(payload)
+        relayed = loop.take(MessageInput(stamp_ns, topic, payload, size_bytes, message))
+        if relayed:
+            self._write(relayed)
+        if request.stepped is not None:
+            request.stepped(stamp_ns, loop)
+
+    def end(self) -> None:
+        """The recording ended: let go what was held back, each at its time."""
+        end_ns = self._request.recording.end_ns
+        self._wake_before(end_ns + 1)
+        self._write(self._loop.finish(end_ns))
+        if self._cutter is not None:
+            self._cutter.finish(end_ns)
+        self._report(end_ns)
+
+    def outcome(self, wall_seconds: float) -> ReplayOutcome:
+        """What came of it."""
+        recording, topics = self._request.recording, self._topics
+        return ReplayOutcome(
+            topics={
+                topic: topic_outcome(
+                    statistics,
+                    output_topic=topics.output_topics[topic],
+                    declared=topic in recording.declared_bytes,
+                )
+                for topic, statistics in self._loop.relays.statistics.items()
+            },
+            decisions=self._decisions,
+            notices=(
+                *absent_topics(self._request.rule_set, topics.sources),
+                *recording.notices(),
+                *self._notices(),
+            ),
+            duration_s=(recording.end_ns - recording.start_ns) / NS_PER_S,
+            wall_seconds=wall_seconds,
+            incidents=() if self._cutter is None else tuple(path.name for path in self._cutter.written),
+        )
+
+    def _notices(self) -> Iterator[str]:
+        """What was lost or odd, one line each."""
+        if self._cutter is not None:
+            yield from self._cutter.notices()
+        if self._loop.knowledge.floors_broke_budget:
+            yield "the floors alone took more than the budget at times; floors win"
+        for topic, count in self._second_types.items():
+            yield f"{topic}: recorded with two types; left out of the second: {counted(count, 'message')}"
+        for topic, count in self._loop.knowledge.undecodable.items():
+            yield f"{topic}: {counted(count, 'message')} could not be decoded; what checks read was unknown"
+        for signal, count in self._loop.knowledge.unknown_values.items():
+            yield f"{signal}: unknown in {counted(count, 'message')} (NaN, or no such field)"
+        for topic, statistics in self._loop.relays.statistics.items():
+            if statistics.unreadable:
+                unread = counted(statistics.unreadable, "message")
+                yield f"{topic}: {unread} could not be compared with the receiver's picture, and so passed"
+        for topic, count in self._loop.relays.discarded.items():
+            if count:
+                yield f"{topic}: {counted(count, 'message')} met none of the topic it is paced with"
+
+    def _sources_needed(self) -> dict[str, Channel]:
+        """The sources that are relayed or that checks read; the loop need not know of the others."""
+        rule_set = self._request.rule_set
+        needed = {*rule_set.relayed, *(signal.topic for signal in rule_set.signals)}
+        needed.difference_update(self._request.left_out)
+        return {topic: channel for topic, channel in self._topics.sources.items() if topic in needed}
+
+    def _wake_before(self, stamp_ns: int) -> None:
+        """Let the loop do, each at its time, what it has to do before ``stamp_ns``."""
+        while (wake_ns := self._loop.next_wake_ns) is not None and wake_ns < stamp_ns:
+            self._write(self._loop.take(WakeInput(stamp_ns=wake_ns)))
+            if self._request.stepped is not None:
+                self._request.stepped(wake_ns, self._loop)
+
+    def _write(self, relayed: Iterable[Relayed]) -> None:
+        for topic, stamp_ns, payload, *_ in relayed:
+            # What was held back goes out after the last message, where there may be no time left.
+            self._writer.write(self._topics.outputs[topic], min(stamp_ns, LAST_STAMP_NS), payload[:])
+
+    def _report(self, stamp_ns: int) -> int:
+        """Hand on decisions and progress; how many ns of the recording to go until the next time."""
+        decisions = self._loop.take_decisions()
+        if decisions:
+            self._decisions += len(decisions)
+            self._request.decided(decisions)
+        recording = self._request.recording
+        duration_ns = max(recording.end_ns - recording.start_ns, 1)
+        self._request.report((stamp_ns - recording.start_ns) / duration_ns)
+        return duration_ns // _REPORTS

@@ -1,0 +1,68 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a replay must know about the topics of its bag before it starts."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from smarttestudo.domain.errors import RecordingError
+from smarttestudo.domain.names import output_name
+from smarttestudo.domain.recording import Channel, MessageDecoder
+from smarttestudo.domain.signal import ArrivalProperty
+from smarttestudo.language.rule_set import RuleSet
+
+
+def require_decodable(channels: Sequence[Channel], rule_set: RuleSet, decoder: MessageDecoder) -> None:
+    """Raise ``RecordingError`` for a topic that a check reads and whose type has no definition."""
+    read = topics_decoded(rule_set)
+    for channel in channels:
+        if channel.topic in read and not decoder.can_decode(channel):
+            raise RecordingError(
+                f"a check reads it, and the recording does not define its type {channel.type_name}",
+                place=channel.topic,
+                remedy="record it again with a ROS 2 that stores definitions, or leave out the check",
+            )
+
+
+def topics_decoded(rule_set: RuleSet) -> frozenset[str]:
+    """Topics of which checks read more than arrivals."""
+    return frozenset(
+        signal.topic for signal in rule_set.signals if ArrivalProperty.named(signal.property) is None
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReplayTopics:
+    """By source: the channel of each recorded topic, what relayed ones are called, where they are written."""
+
+    sources: Mapping[str, Channel]
+    output_topics: Mapping[str, str]
+    outputs: Mapping[str, Channel]
+
+
+def replay_topics(channels: Sequence[Channel], rule_set: RuleSet, output_topic: str) -> ReplayTopics:
+    """The topics of a replay; of a topic with two types, the first counts.
+
+    Raises ``UsageError`` where ``output_topic`` gives several topics one name, or a name that is none.
+    """
+    sources: dict[str, Channel] = {}
+    for channel in channels:
+        sources.setdefault(channel.topic, channel)
+    names = {topic: output_name(topic, output_topic) for topic in rule_set.relayed}
+    outputs = {
+        topic: replace(sources[topic], topic=name) for topic, name in names.items() if topic in sources
+    }
+    return ReplayTopics(sources=sources, output_topics=names, outputs=outputs)
+
+
+def absent_topics(rule_set: RuleSet, recorded: Collection[str]) -> Iterator[str]:
+    """A notice for each topic of the rules that the recording does not hold."""
+    relayed = rule_set.relayed
+    for topic in relayed:
+        if topic not in recorded:
+            yield f"{topic}: not in the recording, so nothing of it is relayed"
+    watched = {signal.topic for signal in rule_set.signals}
+    for topic in sorted(watched.difference(recorded, relayed)):
+        yield f"{topic}: not in the recording, so checks of it stay unknown"

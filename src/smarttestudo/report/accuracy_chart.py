@@ -1,0 +1,141 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What the chart of messages against accuracy shows, the same in whichever form it is drawn."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from enum import Enum
+
+from smarttestudo.accuracy.accuracy_curve import (
+    AccuracyCurve,
+    AccuracyPoint,
+    BoundPrice,
+    PacedPicture,
+)
+
+_MARGIN = 1.15
+_STEPS = ((1, 2, 3, 5), (1, 2, 5), (1,))
+_MOST_TICKS = 7
+
+
+class Sent(Enum):
+    """How messages were chosen; the value is its line's class in the style sheet."""
+
+    FIXED = "before"
+    WITHIN = "after"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AccuracyLine:
+    """Messages and worst error of one way to send, the fewest messages first.
+
+    ``reckons``: for a receiver that shows dead reckoning.
+    """
+
+    sent: Sent
+    reckons: bool
+    points: tuple[tuple[int, float], ...]
+
+    @property
+    def name(self) -> str:
+        """What a legend calls it."""
+        way = "Bound" if self.sent is Sent.WITHIN else "Fixed rate"
+        return f"{way}, {'dead reckoning' if self.reckons else 'last message held'}"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LogAxis:
+    """A logarithmic axis from ``low`` to ``high``, labelled at ``ticks``."""
+
+    low: float
+    high: float
+    ticks: tuple[float, ...]
+
+    def share(self, value: float) -> float:
+        """Where ``value`` lies, 0 at ``low`` and 1 at ``high``."""
+        return math.log(value / self.low) / math.log(self.high / self.low)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AccuracyChart:
+    """Messages to the right, the worst error upwards, in ``unit``."""
+
+    name: str
+    unit: str
+    messages: LogAxis
+    errors: LogAxis
+    lines: tuple[AccuracyLine, ...]
+
+    @property
+    def meaning(self) -> str:
+        """What a reader who cannot see it is told."""
+        return f"Worst error of {self.name} against messages, in {self.unit or 'its unit'}"
+
+
+def accuracy_chart(curve: AccuracyCurve) -> AccuracyChart | None:
+    """The chart of one property; ``None`` where no error is left to show.
+
+    Where every message passes there is none, which has no place on a logarithmic axis.
+    """
+    lines = [
+        AccuracyLine(sent=sent, reckons=reckons, points=_points(curve.points, price, error))
+        for reckons, price in ((False, _hold), (True, _reckoned))
+        for sent, error in ((Sent.FIXED, _fixed), (Sent.WITHIN, _within))
+    ]
+    shown = tuple(line for line in lines if line.points)
+    if not shown:
+        return None
+    points = [point for line in shown for point in line.points]
+    return AccuracyChart(
+        name=f"{curve.topic} {curve.property_name}",
+        unit=curve.unit,
+        messages=_axis([messages for messages, _ in points]),
+        errors=_axis([error for _, error in points]),
+        lines=shown,
+    )
+
+
+def _points(
+    points: Iterable[AccuracyPoint],
+    price: Callable[[AccuracyPoint], BoundPrice | None],
+    error: Callable[[BoundPrice], PacedPicture],
+) -> tuple[tuple[int, float], ...]:
+    prices = (price(point) for point in points)
+    errors = (error(one) for one in prices if one is not None)
+    known = {(one.messages, one.worst) for one in errors if one.worst > 0}
+    return tuple(sorted(known, key=lambda point: (point[0], -point[1])))
+
+
+def _axis(values: Iterable[float]) -> LogAxis:
+    """A little wider than ``values``, which are above 0, with at most ``_MOST_TICKS`` round ones."""
+    known = sorted(values)
+    low, high = known[0] / _MARGIN, known[-1] * _MARGIN
+    powers = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
+    for steps in _STEPS:
+        ticks = [step * 10.0**power for power, step in itertools.product(powers, steps)]
+        shown = tuple(tick for tick in ticks if low <= tick <= high)
+        if len(shown) <= _MOST_TICKS:
+            break
+    else:
+        shown = shown[:: -(-len(shown) // _MOST_TICKS)]
+    return LogAxis(low=low, high=high, ticks=shown)
+
+
+def _hold(point: AccuracyPoint) -> BoundPrice:
+    return point.hold
+
+
+def _reckoned(point: AccuracyPoint) -> BoundPrice | None:
+    return point.reckoned
+
+
+def _fixed(price: BoundPrice) -> PacedPicture:
+    return price.fixed
+
+
+def _within(price: BoundPrice) -> PacedPicture:
+    return price.within

@@ -1,0 +1,199 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What the report of one recording, or of two beside each other, shows; and the same as figures."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+from contextlib import AbstractContextManager
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from smarttestudo.accuracy.accuracy_curve import AccuracyCurve
+from smarttestudo.accuracy.loss_report import LossReport
+from smarttestudo.accuracy.recorded_accuracy_curves import measure_accuracy, position_wanted
+from smarttestudo.accuracy.recorded_loss import LossQuestion, loss_of_measured
+from smarttestudo.bags.floor import rule_zones
+from smarttestudo.bags.incident_mark import incident_mark
+from smarttestudo.bags.measure import measure_run
+from smarttestudo.domain.decision import Decision
+from smarttestudo.domain.errors import RecordingError
+from smarttestudo.domain.floor_plan import FloorPlan
+from smarttestudo.domain.profile import Profile
+from smarttestudo.language.rule_set import RuleSet
+from smarttestudo.report.bag_tables import bandwidth_table, rates_table
+from smarttestudo.report.comparison_tables import RunNames
+from smarttestudo.report.figures.kinds import FigureKind
+from smarttestudo.report.link_history import LinkHistory
+from smarttestudo.report.link_statuses import has_statuses, link_history
+from smarttestudo.report.paired_runs import PairedRuns
+from smarttestudo.report.run_report import Fact, RuleText, RunReport
+from smarttestudo.report.table import Table
+
+Progress = Callable[[str], AbstractContextManager[Callable[[float], None]]]
+"""Shows how far the work of the given name is while its block lasts, told as a share of 0 … 1."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReportRequest:
+    """A recording ``a``, if there is one also ``b``, and what is known about how ``b`` came from it.
+
+    ``mapping`` pairs topics as ``compare_bags`` does, ``topics`` are the names or patterns to show, empty
+    for all. ``decisions`` may be timed from any start; their stamps count. Of topics in ``predict`` B's
+    receiver shows dead reckoning. Zones of ``rule_set`` are added to the ``floor_plan``. ``called`` is what
+    the user calls a recording that lies elsewhere for now.
+    """
+
+    a: Path
+    b: Path | None = None
+    title: str
+    explanation: str = ""
+    names: RunNames = field(default_factory=RunNames)
+    mapping: Mapping[str, str] = field(default_factory=dict)
+    topics: Sequence[str] = ()
+    rule_set: RuleSet | None = None
+    rule_texts: Mapping[str, str] = field(default_factory=dict)
+    decisions: Sequence[Decision] = ()
+    predict: Collection[str] = ()
+    profile: Profile = field(default_factory=Profile)
+    budget_kb_per_s: float | None = None
+    floor_plan: FloorPlan = field(default_factory=FloorPlan)
+    provenance: tuple[Fact, ...] = ()
+    progress: Progress
+    called: Callable[[Path], str] = str
+
+
+def bag_report(request: ReportRequest) -> RunReport:
+    """Read the recordings and put together what their report shows.
+
+    Raises:
+        RecordingError: one cannot be read or is empty; they share no topic; a topic asked for is in neither.
+    """
+    runs = _measure(request, with_places=True)
+    loss, notices = _loss(request, runs)
+    report = _report(request, runs)
+    accuracy_curve, accuracy_notices = _accuracy(request, runs)
+    link, link_notices = _link(request, runs)
+    said = (*report.notices, *notices, *accuracy_notices, *link_notices)
+    return replace(
+        report, loss=loss, accuracy_curve=accuracy_curve, link=link, notices=tuple(dict.fromkeys(said))
+    )
+
+
+def series_over_time(request: ReportRequest) -> RunReport:
+    """The part of ``bag_report`` for which no payload is read: rates and bandwidth over time.
+
+    Raises:
+        RecordingError: as ``bag_report``.
+    """
+    return _report(request, _measure(request, with_places=False))
+
+
+def _measure(request: ReportRequest, *, with_places: bool) -> PairedRuns:
+    by_transforms = request.floor_plan.occupancy is not None
+    with request.progress(f"Reading {request.called(request.a)}") as report:
+        a = measure_run(request.a, report, with_places=with_places, by_transforms=by_transforms)
+    b = None
+    if request.b is not None:
+        with request.progress(f"Reading {request.called(request.b)}") as report:
+            b = measure_run(request.b, report, with_places=False)
+    return PairedRuns.of(a, b, mapping=request.mapping, topics=request.topics)
+
+
+def _report(request: ReportRequest, runs: PairedRuns) -> RunReport:
+    decisions, decision_notices = runs.timed(request.decisions)
+    summary = runs.a.summary
+    return RunReport(
+        title=request.title,
+        explanation=request.explanation,
+        duration_s=summary.span.duration_s,
+        comparison=runs.comparison(decisions),
+        series=runs.series(),
+        total=runs.total(),
+        decisions=decisions,
+        names=request.names,
+        tables=() if runs.b else _tables_of_one(runs),
+        budget_kb_per_s=request.budget_kb_per_s,
+        rules=tuple(RuleText(path=path, text=text) for path, text in request.rule_texts.items()),
+        provenance=request.provenance,
+        notices=(*runs.notices(), *decision_notices),
+        incident=None if summary.incident is None else incident_mark(summary.incident, summary.span),
+        floor_plan=_floor_plan(request),
+        path=runs.a.path,
+    )
+
+
+def _loss(request: ReportRequest, runs: PairedRuns) -> tuple[LossReport | None, tuple[str, ...]]:
+    """What B, if there is one, lost of A, or why that cannot be said."""
+    if request.b is None or runs.b is None:
+        return None, ()
+    with request.progress("Measuring what was lost") as report:
+        question = LossQuestion(
+            mapping=request.mapping,
+            topics=request.topics,
+            rule_set=request.rule_set,
+            decisions=request.decisions,
+            predict=request.predict,
+            profile=request.profile,
+            report=report,
+        )
+        try:
+            loss = loss_of_measured((request.a, runs.a.summary), (request.b, runs.b.summary), question)
+        except RecordingError as error:
+            return None, (f"what was lost is not known: {error.cause}",)
+    return loss, loss.notices
+
+
+def _accuracy(request: ReportRequest, runs: PairedRuns) -> tuple[AccuracyCurve | None, tuple[str, ...]]:
+    """What accuracies of the robot's position in A cost, if A tells it."""
+    wanted = position_wanted(runs.a.channels, {pair.topic for pair in runs.pairs})
+    if not wanted:
+        return None, ()
+    with request.progress("Measuring what an accuracy costs") as report:
+        found = measure_accuracy(request.a, wanted, request.profile, report)
+    return next(iter(found.curves), None), found.notices
+
+
+def _link(request: ReportRequest, runs: PairedRuns) -> tuple[LinkHistory | None, tuple[str, ...]]:
+    """What the operator's recording tells of a link; where there is one recording only, that."""
+    if not has_statuses((runs.b or runs.a).channels):
+        return None, ()
+    with request.progress("Reading what the link did") as report:
+        return link_history(request.b or request.a, runs.a.summary.span.start_ns, report)
+
+
+def _floor_plan(request: ReportRequest) -> FloorPlan:
+    zones = () if request.rule_set is None else rule_zones(request.rule_set)
+    return replace(request.floor_plan, zones=(*request.floor_plan.zones, *zones))
+
+
+def _tables_of_one(runs: PairedRuns) -> tuple[Table, ...]:
+    """What the actions ``rates`` and ``bandwidth`` show of a recording."""
+    summary = runs.a.summary.only({pair.topic for pair in runs.pairs})
+    return replace(rates_table(summary), title="Rates"), replace(bandwidth_table(summary), title="Bandwidth")
+
+
+RATES = frozenset({FigureKind.RATES, FigureKind.INTERVALS})
+BANDWIDTH = frozenset({FigureKind.BANDWIDTH, FigureKind.TOTAL})
+EVERYTHING = frozenset(FigureKind)
+
+
+def draw_over_time(request: ReportRequest, kinds: Collection[FigureKind], folder: Path) -> list[Path]:
+    """Measure the recordings, without their payloads, and draw what came when.
+
+    Raises:
+        RecordingError: one cannot be read or is empty, or they share no topic.
+        OutputFileError: a figure cannot be written.
+    """
+    return _draw(series_over_time(request), kinds, folder)
+
+
+def draw_report(report: RunReport, folder: Path) -> list[Path]:
+    """Draw everything that ``report`` shows over time or on the floor. Raises ``OutputFileError``."""
+    return _draw(report, EVERYTHING, folder)
+
+
+def _draw(report: RunReport, kinds: Collection[FigureKind], folder: Path) -> list[Path]:
+    from smarttestudo.report.figures.draw import draw_figures  # noqa: PLC0415  matplotlib takes a second
+
+    return draw_figures(report, kinds, folder)

@@ -1,0 +1,95 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The headline of a report: the numbers that matter most."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from smarttestudo.domain.units import counted
+from smarttestudo.report.floor_map import FloorMap, draw_floor_map
+from smarttestudo.report.legends import rule_legend
+from smarttestudo.report.markup import Markup, tag
+from smarttestudo.report.rule_styles import RuleStyles
+from smarttestudo.report.rule_timeline import RuleSpan
+from smarttestudo.report.run_report import RunReport
+from smarttestudo.report.summary import bandwidth_text, summary_sentence
+from smarttestudo.report.table import format_number
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Bar:
+    """A number of at least 0, what it is called, how it reads with its unit, and its look."""
+
+    name: str
+    value: float
+    text: str
+    css_class: str
+
+
+def bars(entries: Sequence[Bar]) -> Markup:
+    """A list that names each number and shows it."""
+    most = max((entry.value for entry in entries), default=0.0)
+    return tag("dl", *(_entry(entry, most) for entry in entries), class_="bars")
+
+
+def _entry(entry: Bar, most: float) -> Markup:
+    share = 100 * entry.value / most if most > 0 else 0.0
+    bar = tag("rect", class_=entry.css_class, x=0.0, y=0.0, width=share, height=10.0)
+    drawing = tag("svg", bar, viewBox="0 0 100 10", preserveAspectRatio="none", aria_hidden="true")
+    return tag("div", tag("dt", entry.name), tag("dd", drawing, tag("span", entry.text)))
+
+
+def opening(
+    report: RunReport, plan: FloorMap | None, spans: Sequence[RuleSpan], styles: RuleStyles
+) -> Markup:
+    """The report's head, beside the map where there is one."""
+    topics = len(report.comparison.topics)
+    extent = f"{counted(topics, 'topic')}, {format_number(report.duration_s, 0)} s"
+    sentence = summary_sentence(report.comparison, len(report.decisions), report.loss)
+    words = tag(
+        "div",
+        tag("h1", report.title, class_="words"),
+        tag("p", _kept_together(sentence), class_="lead"),
+        *(tag("p", text, class_="explanation words") for text in _explanations(report)),
+        _bars(report),
+        tag("p", extent, class_="note"),
+        *(_path_legend(spans, styles) if plan and spans else []),
+    )
+    if plan is None:
+        return tag("header", words)
+    return tag("header", words, tag("figure", draw_floor_map(plan)), class_="with-map")
+
+
+def _explanations(report: RunReport) -> Iterator[str]:
+    if report.explanation:
+        yield report.explanation
+    if report.incident is not None:
+        yield f"Incident {report.incident.text}"
+
+
+def _kept_together(sentence: str) -> str:
+    """``sentence`` with lines that break after commas only."""
+    return ", ".join(part.replace(" ", "\N{NO-BREAK SPACE}") for part in sentence.split(", "))
+
+
+def _path_legend(spans: Sequence[RuleSpan], styles: RuleStyles) -> list[Markup]:
+    explanation = "The path has the colour of the rule that decided the most topics at that time."
+    return [tag("p", explanation, class_="path-note"), rule_legend(spans, styles)]
+
+
+def _bars(report: RunReport) -> Markup:
+    """The bandwidth of all topics in each recording, and the budget."""
+    values = (
+        (report.names.before, report.comparison.before_kb_per_s, "run-before"),
+        (report.names.after, report.comparison.after_kb_per_s, "run-after"),
+        ("Budget", report.budget_kb_per_s, "run-budget"),
+    )
+    return bars(
+        [
+            Bar(name=name, value=value, text=bandwidth_text(value), css_class=look)
+            for name, value, look in values
+            if value is not None
+        ]
+    )

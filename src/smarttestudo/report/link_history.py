@@ -1,0 +1,196 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a robot told of its link over time, from the statuses of a recording."""
+
+from __future__ import annotations
+
+from array import array
+from dataclasses import dataclass, field
+
+from smarttestudo.domain.link_state import StreamCounts
+from smarttestudo.domain.status import RuntimeStatus
+from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.report.link_comparison import quantile
+from smarttestudo.report.series import Series, SeriesPoint, coarser
+from smarttestudo.report.table import Align, Column, Number, Row, Table, Text
+
+MAX_TOPICS = 100
+_MAX_VALUES = 20_000
+_MAX_POINTS = 2000
+_MAX_SILENCES = 1000
+_MOST_VALUE = 1e12
+_MOST_COUNT = 10**15
+_LATE_PERIODS = 3.5
+_LEAST_STATUS_HZ = 0.01
+_SHARES = (0.5, 0.95, 1.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TopicOverLink:
+    """How one topic did: its ages in ms over time and in order, and its counts at the end."""
+
+    topic: str
+    ages: Series
+    sorted_ages_ms: tuple[float, ...]
+    counts: StreamCounts
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LinkHistory:
+    """What the link carried and the budget that rates were planned within, in KB/s; times in s.
+
+    ``outages`` is how many the robot counted, ``silences`` when it was not connected or told nothing.
+    """
+
+    capacity: Series
+    budget: Series
+    silences: tuple[tuple[float, float], ...]
+    outages: int
+    topics: tuple[TopicOverLink, ...]
+
+
+@dataclass(slots=True)
+class _Values:
+    """Values with their times; of a long recording one in two, four or eight."""
+
+    times_s: array[float] = field(default_factory=lambda: array("d"))
+    values: array[float] = field(default_factory=lambda: array("d"))
+    every: int = 1
+    seen: int = 0
+
+    def add(self, t_s: float, value: float | None) -> None:
+        # It comes from a stranger; a chart with an infinite value shows nothing.
+        if value is None or not 0 <= value <= _MOST_VALUE:
+            return
+        if self.seen % self.every == 0:
+            self.times_s.append(t_s)
+            self.values.append(value)
+        self.seen += 1
+        if len(self.values) > _MAX_VALUES:
+            self.times_s, self.values = self.times_s[::2], self.values[::2]
+            self.every *= 2
+
+    def series(self) -> Series:
+        pairs = zip(self.times_s, self.values, strict=True)
+        points = [SeriesPoint(t_s=t_s, lowest=value, mean=value, highest=value) for t_s, value in pairs]
+        return coarser(points, _MAX_POINTS)
+
+
+@dataclass(slots=True)
+class _Topic:
+    ages_ms: _Values = field(default_factory=_Values)
+    counts: StreamCounts = field(default_factory=StreamCounts)
+    before: StreamCounts = field(default_factory=StreamCounts)
+
+    def count(self, counts: StreamCounts) -> None:
+        if counts.sent < self.counts.sent:
+            # The runtime was started again, and counts from 0.
+            self.before = self.total()
+        self.counts = counts
+
+    def total(self) -> StreamCounts:
+        before, now = self.before, self.counts
+        return StreamCounts(
+            sent=min(before.sent + now.sent, _MOST_COUNT),
+            replaced=min(before.replaced + now.replaced, _MOST_COUNT),
+            overflowed=min(before.overflowed + now.overflowed, _MOST_COUNT),
+        )
+
+
+class LinkHistoryBuilder:
+    """Takes statuses in order of time; memory does not grow with their number."""
+
+    def __init__(self, start_ns: int) -> None:
+        self.left_out = 0
+        """Topics beyond ``MAX_TOPICS``, counted each time that a status named one."""
+        self._start_ns = start_ns
+        self._capacity, self._budget = _Values(), _Values()
+        self._silences: list[tuple[float, float]] = []
+        self._silent_since_s: float | None = None
+        self._outages, self._outages_before = 0, 0
+        self._topics: dict[str, _Topic] = {}
+        self._end_s: float | None = None
+
+    def take(self, stamp_ns: int, status: RuntimeStatus) -> None:
+        """What was told at ``stamp_ns``."""
+        link = status.link
+        if link is None:
+            return
+        t_s = (stamp_ns - self._start_ns) / NS_PER_S
+        late_s = _LATE_PERIODS / max(status.status_hz, _LEAST_STATUS_HZ)
+        if self._end_s is not None and t_s - self._end_s > late_s and self._silent_since_s is None:
+            # In an outage no status arrives.
+            self._silent_since_s = self._end_s
+        self._end_s = t_s
+        self._capacity.add(t_s, link.capacity_kb_per_s)
+        self._budget.add(t_s, status.budget_kb_per_s)
+        if link.outages < self._outages:
+            self._outages_before += self._outages
+        self._outages = link.outages
+        if not link.is_connected and self._silent_since_s is None:
+            self._silent_since_s = t_s
+        elif link.is_connected:
+            self._end_silence(t_s)
+        for name, topic in status.topics.items():
+            if topic.on_link is None:
+                continue
+            if name not in self._topics and len(self._topics) >= MAX_TOPICS:
+                self.left_out += 1
+                continue
+            known = self._topics.setdefault(name, _Topic())
+            known.count(topic.on_link.counts)
+            known.ages_ms.add(t_s, topic.on_link.age_ms)
+
+    def history(self) -> LinkHistory | None:
+        """All of it, or ``None`` where no status told of a link."""
+        if self._end_s is None:
+            return None
+        self._end_silence(self._end_s)
+        return LinkHistory(
+            capacity=self._capacity.series(),
+            budget=self._budget.series(),
+            silences=tuple(self._silences),
+            outages=min(self._outages_before + self._outages, _MOST_COUNT),
+            topics=tuple(
+                TopicOverLink(
+                    topic=name,
+                    ages=topic.ages_ms.series(),
+                    sorted_ages_ms=tuple(sorted(topic.ages_ms.values)),
+                    counts=topic.total(),
+                )
+                for name, topic in sorted(self._topics.items())
+            ),
+        )
+
+    def _end_silence(self, end_s: float) -> None:
+        if self._silent_since_s is not None and len(self._silences) < _MAX_SILENCES:
+            self._silences.append((self._silent_since_s, end_s))
+        self._silent_since_s = None
+
+
+def link_table(history: LinkHistory) -> Table:
+    """Each topic's ages as they were told, and what became of its messages at the robot's end."""
+    return Table(
+        title="Topics over the link",
+        columns=(
+            Column(heading="Topic", align=Align.LEFT),
+            Column(heading="Age p50", unit="ms"),
+            Column(heading="p95", unit="ms"),
+            Column(heading="Maximum", unit="ms"),
+            Column(heading="Sent"),
+            Column(heading="Replaced"),
+            Column(heading="Overflowed"),
+        ),
+        rows=tuple(_row(topic) for topic in history.topics),
+        footnotes=(
+            "Age: of the last message before each status. Replaced: gave way to a newer message. "
+            "Overflowed: dropped because the topic's queue was full.",
+        ),
+    )
+
+
+def _row(topic: TopicOverLink) -> Row:
+    ages_ms = topic.sorted_ages_ms
+    ages = (Number(quantile(ages_ms, share) if ages_ms else None, decimals=0) for share in _SHARES)
+    counts = (topic.counts.sent, topic.counts.replaced, topic.counts.overflowed)
+    return Row(cells=(Text(topic.topic), *ages, *(Number(count, decimals=0) for count in counts)))

@@ -1,0 +1,191 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""A runtime's status as diagnostics, with the keys of NVIDIA's greenwave_monitor."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from smarttestudo.domain.incident import IncidentState
+from smarttestudo.domain.link_state import LinkState, TopicOnLink
+from smarttestudo.domain.rate import Rate
+from smarttestudo.domain.status import Diagnostic, DiagnosticLevel, RuntimeStatus, Silence, TopicStatus
+from smarttestudo.domain.units import BYTES_PER_MB, counted
+from smarttestudo.robot.status import TOLERANCE_PERCENT
+
+_UNKNOWN = "N/A"
+_LEVELS = {
+    Silence.OFF: DiagnosticLevel.OK,
+    Silence.NO_PUBLISHER: DiagnosticLevel.STALE,
+    Silence.CANNOT_RELAY: DiagnosticLevel.ERROR,
+    Silence.NO_SUBSCRIBER: DiagnosticLevel.OK,
+    Silence.INCOMPATIBLE_QOS: DiagnosticLevel.WARN,
+    Silence.NO_MESSAGE: DiagnosticLevel.OK,
+    Silence.SOURCE_SILENT: DiagnosticLevel.STALE,
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Health:
+    """How bad it is, what in a few words, and the details where there are any."""
+
+    level: DiagnosticLevel
+    summary: str
+    details: str = ""
+
+    @property
+    def message(self) -> str:
+        """Summary and details."""
+        return f"{self.summary}: {self.details}" if self.details else self.summary
+
+
+def diagnostics(status: RuntimeStatus) -> list[Diagnostic]:
+    """One for the node, then one for each topic, under the name of its output."""
+    return [_of_node(status), *(_of_topic(status, source) for source in status.topics)]
+
+
+def _of_node(status: RuntimeStatus) -> Diagnostic:
+    health = node_health(status)
+    return Diagnostic(
+        name=status.node.lstrip("/"),
+        level=health.level,
+        message=health.message,
+        hardware_id=status.node,
+        values={
+            "rules": ", ".join(status.rules.paths),
+            "rules_sha256": status.rules.sha256,
+            "topics": str(len(status.topics)),
+            "in_kb_per_s": _number(status.in_kb_per_s),
+            "out_kb_per_s": _number(status.out_kb_per_s),
+            "budget_kb_per_s": "none" if status.budget_kb_per_s is None else _number(status.budget_kb_per_s),
+            "cpu_percent": _number(status.cpu_percent),
+            "memory_mb": _number(status.memory_mb),
+            **({} if status.link is None else _link_values(status.link)),
+            **({} if status.incidents is None else _incident_values(status.incidents)),
+        },
+    )
+
+
+def _incident_values(state: IncidentState) -> Mapping[str, str]:
+    return {
+        "incident_memory_mb": _number(state.held_bytes / BYTES_PER_MB),
+        **_ring_values(state),
+        "incident_topics": str(state.topics),
+        "incidents_open": str(state.open),
+        "incidents_recorded": str(state.recorded),
+        "incidents_failed": str(state.failed),
+    }
+
+
+def _ring_values(state: IncidentState) -> Mapping[str, str]:
+    if state.ring_max_bytes is None:
+        return {}
+    return {"incident_ring_mb": _number(state.ring_bytes / BYTES_PER_MB)}
+
+
+def _link_values(link: LinkState) -> Mapping[str, str]:
+    return {
+        "link_connected": str(link.is_connected).lower(),
+        "link_capacity_kb_per_s": _number(link.capacity_kb_per_s),
+        "link_round_trip_ms": _number(link.round_trip_ms),
+        "link_outages": str(link.outages),
+    }
+
+
+def node_health(status: RuntimeStatus) -> Health:
+    """Whether the runtime as a whole does what it should.
+
+    A robot that has a link is meant to be watched: that no operator is connected is a warning.
+    """
+    if status.floors_break_budget:
+        return Health(DiagnosticLevel.ERROR, "the floors alone are more than the budget")
+    if status.is_fallback:
+        return Health(DiagnosticLevel.ERROR, "no valid rules: everything is relayed at full rate")
+    if status.incidents is not None and status.incidents.problem is not None:
+        return Health(DiagnosticLevel.WARN, "incidents cannot be written", status.incidents.problem)
+    if status.link is not None and not status.link.is_connected:
+        return Health(DiagnosticLevel.WARN, "no operator is connected over the link")
+    return Health(DiagnosticLevel.OK, f"relaying {len(status.topics)} topics")
+
+
+def _of_topic(status: RuntimeStatus, source: str) -> Diagnostic:
+    topic = status.topics[source]
+    health = topic_health(topic)
+    return Diagnostic(
+        name=topic.output,
+        level=health.level,
+        message=health.message,
+        hardware_id=status.node,
+        values={
+            **_greenwave_values(topic),
+            **_own_values(source, topic),
+            **({} if topic.on_link is None else _topic_link_values(topic.on_link)),
+        },
+    )
+
+
+def topic_health(topic: TopicStatus) -> Health:
+    """Whether a topic is relayed as it should be; if nothing is received, why."""
+    incompatible = ", ".join(topic.incompatible)
+    if topic.silence is not None:
+        return Health(_LEVELS[topic.silence], topic.silence.value, _details(topic, incompatible))
+    if incompatible:
+        return Health(DiagnosticLevel.WARN, Silence.INCOMPATIBLE_QOS.value, incompatible)
+    if not topic.keeps_rate:
+        return Health(DiagnosticLevel.WARN, "rate off", f"{topic.error_percent:+.1f} %")
+    counts = None if topic.on_link is None else topic.on_link.counts
+    if counts is not None and counts.is_losing:
+        lost = f"{counted(counts.overflowed, 'message')} since the start"
+        return Health(DiagnosticLevel.WARN, "lost on the link", lost)
+    return Health(DiagnosticLevel.OK, "OK")
+
+
+def _details(topic: TopicStatus, incompatible: str) -> str:
+    if topic.silence is Silence.CANNOT_RELAY:
+        return topic.problem or ""
+    return incompatible if topic.silence is Silence.INCOMPATIBLE_QOS else ""
+
+
+def _greenwave_values(topic: TopicStatus) -> Mapping[str, str]:
+    """The keys that its user interfaces read; they use N/A too."""
+    return {
+        "frame_rate_node": _number(topic.actual_hz),
+        "frame_rate_msg": _number(topic.stamped_hz),
+        "current_delay_from_realtime_ms": _number(topic.delay_ms),
+        "expected_frequency": _number(topic.expected_hz),
+        "tolerance": _number(TOLERANCE_PERCENT),
+    }
+
+
+def _own_values(source: str, topic: TopicStatus) -> Mapping[str, str]:
+    return {
+        "source": source,
+        "source_hz": _number(topic.source_hz),
+        "target": str(Rate(topic.target_hz)),
+        "error_percent": _number(topic.error_percent),
+        "in_kb_per_s": _number(topic.in_kb_per_s),
+        "out_kb_per_s": _number(topic.out_kb_per_s),
+        "reason": topic.reason.value,
+        "rule": topic.rule or "",
+        "publishers": str(topic.publishers),
+        "subscribers": str(topic.subscribers),
+        "dropped": str(topic.counts.dropped),
+        "repeated": str(topic.counts.repeated),
+        "undecodable": str(topic.counts.undecodable),
+    }
+
+
+def _topic_link_values(on_link: TopicOnLink) -> Mapping[str, str]:
+    counts = on_link.counts
+    return {
+        "link_age_ms": _number(on_link.age_ms),
+        "link_sent": str(counts.sent),
+        "link_replaced": str(counts.replaced),
+        "link_overflowed": str(counts.overflowed),
+        "link_queued_bytes": str(counts.queued_bytes),
+    }
+
+
+def _number(number: float | None) -> str:
+    return _UNKNOWN if number is None else f"{number:.3f}"

@@ -1,0 +1,245 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What rules record of a live run."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from smarttestudo.domain.errors import TestudoError
+from smarttestudo.domain.incident import (
+    DEFAULT_INCIDENT_MEMORY_MB,
+    DEFAULT_INCIDENT_RING_MAX_GB,
+    IncidentState,
+)
+from smarttestudo.domain.payload import Payload
+from smarttestudo.domain.robot import Robot, Subscription
+from smarttestudo.domain.units import BYTES_PER_GB, BYTES_PER_MB
+from smarttestudo.incidents.background import BackgroundSink
+from smarttestudo.incidents.folder_lock import FolderLock
+from smarttestudo.incidents.folders import IncidentFolders
+from smarttestudo.incidents.recorder import MAX_OPEN_INCIDENTS, IncidentRecorder
+from smarttestudo.incidents.recovery import complete_incidents
+from smarttestudo.incidents.ring_files import RingFiles
+from smarttestudo.incidents.space import make_room
+from smarttestudo.loop.relay_loop import RelayLoop
+from smarttestudo.robot.heard_channels import HeardChannels
+from smarttestudo.robot.rules import LiveRules
+from smarttestudo.robot.topic import LiveSource
+
+WAITING_SHARE = 0.25
+"""How much of the memory may wait for the disk beside what the ring holds."""
+_WITHOUT_FOLDER = "the rules have a Record, and no folder is named to record into: --incidents DIR does"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class IncidentOptions:
+    """The folder of the incidents, none if nothing is recorded, and the memory for what came before.
+
+    What memory has no room for goes to the folder ``ring``, if there is one, at most ``ring_max_gb`` of it.
+    Where all incidents would take more than ``max_gb`` of disk, old ones are deleted.
+    """
+
+    folder: Path | None = None
+    memory_mb: float = DEFAULT_INCIDENT_MEMORY_MB
+    ring: Path | None = None
+    ring_max_gb: float = DEFAULT_INCIDENT_RING_MAX_GB
+    max_gb: float | None = None
+
+    @property
+    def max_bytes(self) -> int | None:
+        """``max_gb`` in bytes."""
+        return None if self.max_gb is None else round(self.max_gb * BYTES_PER_GB)
+
+
+class LiveIncidents:
+    """Keeps the topics that rules record, and writes the incidents; nothing of it stops the relays.
+
+    ``static_topic`` is the robot's ``/tf_static``.
+
+    Raises ``OutputFileError`` where the folder cannot be made, or another run records into it.
+    """
+
+    def __init__(self, robot: Robot, options: IncidentOptions, static_topic: str) -> None:
+        self._robot = robot
+        self._options = options
+        self._memory_bytes = round(options.memory_mb * BYTES_PER_MB)
+        self._static_topic = static_topic
+        self._channels = HeardChannels(robot)
+        self._recorder: IncidentRecorder | None = None
+        self._background: BackgroundSink | None = None
+        self._ring: RingFiles | None = None
+        self._ring_max_bytes = round(options.ring_max_gb * BYTES_PER_GB)
+        self._locks: list[FolderLock] = []
+        # Of each topic: what it came over, how much that had lost, and the stamp of its last message.
+        self._taken: dict[str, tuple[Subscription, int, int]] = {}
+        self._refused = 0
+        self._has_said = False
+        # The thread that writes changes these.
+        self._recorded = self._lost = 0
+        self._problem: str | None = None
+        if options.folder is not None:
+            self._locks.append(FolderLock(options.folder, "--incidents"))
+            if options.ring is not None:
+                self._ring = self._opened_ring(options.ring)
+            for found in complete_incidents(options.folder):
+                robot.log.warning(f"incident {found}")
+            delete_for_room(robot, options)
+            folders = IncidentFolders(
+                options.folder,
+                self._channels.by_topic,
+                ring=self._ring,
+                failed=self._failed,
+                ended=self._ended,
+            )
+            self._background = BackgroundSink(
+                folders,
+                round(WAITING_SHARE * self._memory_bytes),
+                failed=self._failed,
+                ring=self._ring,
+            )
+        self.topics: frozenset[str] = frozenset()
+        """The topics that are to be heard because of recordings."""
+
+    @contextmanager
+    def running(self) -> Iterator[None]:
+        """Write during the block; at its end, windows that are open end, too."""
+        if self._background is None:
+            yield
+            return
+        try:
+            with self._background.running():
+                try:
+                    yield
+                finally:
+                    if self._recorder is not None:
+                        self._recorder.finish(self._robot.now_ns())
+        finally:
+            if self._ring is not None:
+                self._ring.close()
+            for lock in self._locks:
+                lock.release()
+
+    def follow(self, rules: LiveRules, now_ns: int) -> None:
+        """Keep what these rules record from now on."""
+        rule_set = rules.rule_set
+        if self._background is None:
+            if rule_set.has_recordings and not self._has_said:
+                self._has_said = True
+                self._robot.log.warning(_WITHOUT_FOLDER)
+            return
+        if self._recorder is None:
+            self._recorder = IncidentRecorder(
+                rule_set,
+                self._background,
+                self._memory_bytes,
+                now_ns,
+                rules_sha256=rules.rules_hash,
+                store=self._background.store,
+            )
+        else:
+            self._recorder.change_rules(rule_set, rules.rules_hash)
+        recorded = rule_set.recorded
+        self.topics = recorded | {self._static_topic} if recorded else frozenset()
+
+    def watch(self, loop: RelayLoop) -> None:
+        """Begin an incident when a block of the loop does."""
+        if self._recorder is not None:
+            loop.triggered = self._recorder.begin
+
+    def hear(self, topic: str, source: LiveSource, now_ns: int) -> None:
+        """Messages of ``source`` are received from now on, if they were not before."""
+        if self._recorder is None:
+            return
+        self._recorder.hear(topic, now_ns, transient_local=source.qos.transient_local)
+        self._channels.hear(topic, source)
+
+    def take(
+        self,
+        topic: str,
+        payload: Payload,
+        publisher: Hashable,
+        now_ns: int,
+        subscription: Subscription | None,
+    ) -> None:
+        """A message came over ``subscription``, before the loop is given it."""
+        recorder = self._recorder
+        if recorder is None or not recorder.keeps(topic):
+            return
+        if subscription is not None:
+            dropped, known = subscription.dropped, self._taken.get(topic)
+            if known is not None and known[0] is subscription and known[1] < dropped:
+                recorder.lose(topic, dropped - known[1], min(known[2], now_ns), now_ns)
+            self._taken[topic] = subscription, dropped, now_ns
+        recorder.take(topic, now_ns, payload[:], publisher)
+
+    @property
+    def wake_ns(self) -> int | None:
+        """When, on the clock, the next window is over."""
+        return None if self._recorder is None else self._recorder.next_wake_ns
+
+    def advance(self, now_ns: int) -> None:
+        """Time passed."""
+        if self._recorder is None:
+            return
+        self._recorder.advance(now_ns)
+        if self._recorder.refused > self._refused:
+            self._refused = self._recorder.refused
+            self._robot.log.warning(
+                f"incidents not recorded because {MAX_OPEN_INCIDENTS} were open: {self._refused} so far"
+            )
+
+    def state(self) -> IncidentState | None:
+        """What recording costs now; ``None`` where nothing is recorded."""
+        recorder, ring = self._recorder, self._ring
+        if recorder is None:
+            return None
+        return IncidentState(
+            held_bytes=recorder.held_bytes,
+            memory_bytes=self._memory_bytes,
+            topics=recorder.topics,
+            open=recorder.open_incidents,
+            recorded=self._recorded,
+            failed=self._lost + recorder.refused,
+            problem=self._problem or (None if ring is None or ring.problem is None else str(ring.problem)),
+            ring_bytes=0 if ring is None else ring.size_bytes,
+            ring_max_bytes=None if ring is None else self._ring_max_bytes,
+        )
+
+    def _opened_ring(self, folder: Path) -> RingFiles:
+        self._locks.append(FolderLock(folder, "--incident-ring"))
+        return RingFiles(
+            folder,
+            self._ring_max_bytes,
+            failed=lambda error: self._robot.log.warning(f"incidents lack what came before: {error}"),
+        )
+
+    def _ended(self, path: Path) -> None:
+        self._recorded += 1
+        self._problem = None
+        self._robot.log.info(f"incident {path.name}")
+        delete_for_room(self._robot, self._options)
+
+    def _failed(self, name: str, error: TestudoError) -> None:
+        self._lost += 1
+        self._problem = str(error)
+        self._robot.log.warning(f"incident {name}: ends early: {error}")
+
+
+def delete_for_room(robot: Robot, options: IncidentOptions) -> None:
+    """Delete old incidents where all would take more disk than they may; ``robot`` logs what was deleted."""
+    folder, max_bytes = options.folder, options.max_bytes
+    if folder is None or max_bytes is None or not folder.is_dir():
+        return
+    try:
+        for one in make_room(folder, max_bytes):
+            if one.problem is not None:
+                robot.log.warning(f"incident {one.name}: stays, though room is needed: {one.problem}")
+                continue
+            read = "read" if one.was_read else "not read by anyone"
+            robot.log.warning(f"incident {one.name}: deleted to make room, {read}")
+    except TestudoError as error:
+        robot.log.warning(str(error))

@@ -1,0 +1,92 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The inputs of a live loop, recorded while it runs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable
+
+from smarttestudo.domain.decision import Reason
+from smarttestudo.domain.errors import said
+from smarttestudo.domain.observation import Undecodable
+from smarttestudo.domain.robot import Robot
+from smarttestudo.loop.inputs import (
+    LoopInput,
+    MessageInput,
+    RecordedInput,
+    RulesInput,
+    RuleTextsInput,
+)
+from smarttestudo.loop.relay_loop import RelayLoop
+from smarttestudo.robot.rules import LiveRules
+from smarttestudo.robot.run_parameters import RunRequest
+
+Note = Callable[[RecordedInput], None]
+"""Keeps an input; may raise ``TestudoError``."""
+
+
+class InputRecorder:
+    """Makes the loop of a run, and passes its inputs to ``note``, if there is one, until that fails."""
+
+    def __init__(self, robot: Robot, request: RunRequest, note: Note | None) -> None:
+        self._robot = robot
+        self._request = request
+        self._note = note
+        self._publishers: dict[Hashable, int] = {}
+
+    @property
+    def is_recording(self) -> bool:
+        """Whether the inputs are recorded."""
+        return self._note is not None
+
+    def loop(self, rules: LiveRules, start_ns: int) -> RelayLoop:
+        """A loop that starts with ``rules``."""
+        request, rule_set, profile = self._request, rules.rule_set, rules.profile
+        self.record(RulesInput(stamp_ns=start_ns, rule_set=rule_set, profile=profile), rules)
+        return RelayLoop(rule_set, profile, start_ns, request.when_slow, request.budget_kb_per_s)
+
+    def record(self, given: LoopInput, rules: LiveRules) -> None:
+        """Keep an input that the loop is about to take; ``rules`` are those in force with it."""
+        if self._note is None:
+            return
+        try:
+            self._note(self._recorded(given, rules))
+        except Exception as error:  # noqa: BLE001 - whatever recording fails of, relaying goes on
+            self._note = None
+            self._robot.log.warning(f"{said(error)}; no further inputs are recorded")
+
+    def _recorded(self, given: LoopInput, rules: LiveRules) -> RecordedInput:
+        match given:
+            case MessageInput():
+                return self._recorded_message(given)
+            case RulesInput(stamp_ns=now_ns):
+                return self._recorded_rules(rules, now_ns)
+        return given
+
+    def _recorded_message(self, given: MessageInput) -> MessageInput:
+        """With a copy of what a check reads: the payload may be lent."""
+        is_undecodable = isinstance(given.message, Undecodable)
+        is_read = given.message is not None and not is_undecodable
+        return MessageInput(
+            stamp_ns=given.stamp_ns,
+            topic=given.topic,
+            payload=given.payload[:] if is_read else b"",
+            size_bytes=given.size_bytes,
+            message=given.message if is_undecodable else None,
+            publisher=self._number(given.publisher),
+        )
+
+    def _recorded_rules(self, rules: LiveRules, now_ns: int) -> RuleTextsInput:
+        is_fallback = rules.rule_set.default_reason is Reason.FALLBACK
+        return RuleTextsInput(
+            stamp_ns=now_ns,
+            rule_texts=rules.texts,
+            profile_text=rules.profile_text,
+            names=rules.names,
+            when_slow=self._request.when_slow,
+            budget_kb_per_s=self._request.budget_kb_per_s,
+            relay_all=rules.rule_set.relayed if is_fallback else None,
+        )
+
+    def _number(self, publisher: Hashable) -> int | None:
+        return None if publisher is None else self._publishers.setdefault(publisher, len(self._publishers))

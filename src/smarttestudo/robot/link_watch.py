@@ -1,0 +1,152 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Between the loop and the link that carries what it relays."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping
+from dataclasses import replace
+
+from smarttestudo.domain.decision import PlannedRate
+from smarttestudo.domain.link import LinkNeeds, OutgoingLink, Prediction
+from smarttestudo.domain.link_state import LinkState, StreamCounts, TopicOnLink
+from smarttestudo.domain.observation import LinkBudget, ListenersChanged, ReceiversReckon
+from smarttestudo.domain.status import RuntimeStatus
+from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.loop.relay import ReckonedPicture
+from smarttestudo.robot.rules import LiveRules
+
+LINK_PERIOD_S = 0.25
+"""How often to look what the link carries."""
+_FALL, _RISE = 0.95, 1.1
+"""Shares of the budget that was told last: what lies between them is not worth another plan."""
+_HOLDS_AFTER_NS = 10 * NS_PER_S
+_LEAST_WAIT_NS = NS_PER_S
+_LONGEST_WAIT_NS = 60 * NS_PER_S
+
+
+class LinkWatch:
+    """Tells a link what its topics need, and the loop what the link carries."""
+
+    def __init__(self, link: OutgoingLink) -> None:
+        self._link = link
+        self._needs: Mapping[str, LinkNeeds] = {}
+        self._told_kb_per_s: float | None = None
+        self._told_ns = 0
+        self._wait_ns = _LEAST_WAIT_NS
+        self._has_risen = False
+        self._sessions = 0
+        self._reckoned: frozenset[str] = frozenset()
+        self._pictures: Mapping[str, ReckonedPicture] = {}
+
+    @property
+    def state(self) -> LinkState:
+        """What is known of the link now."""
+        return self._link.state
+
+    def follow(self, rules: LiveRules, plan: Mapping[str, PlannedRate]) -> None:
+        """Have topics served by the floors of ``rules``, their priorities and the planned rates."""
+        needs = {
+            output: LinkNeeds(
+                priority=rules.profile.topic(topic).priority,
+                floor_hz=max(
+                    rules.rule_set.floors_hz.get(topic, 0.0), rules.profile.topic(topic).min_hz or 0.0
+                ),
+                is_full=(topic in plan and math.isinf(plan[topic].rate.hz))
+                or (topic in self._pictures and self._pictures[topic].needs_every_message),
+            )
+            for topic, output in rules.output_topics.items()
+        }
+        if needs != self._needs:
+            self._needs = needs
+            self._link.follow(needs)
+
+    def changed_receivers(
+        self, rules: LiveRules, plan: Mapping[str, PlannedRate], heard_here: Collection[str]
+    ) -> list[ListenersChanged | ReceiversReckon]:
+        """What the loop is to know of the operator's ends that came, left or reckon something else.
+
+        Topics that are ``heard_here`` are shown as they are by somebody, and are not reckoned for others.
+        """
+        changes: list[ListenersChanged | ReceiversReckon] = []
+        state, outputs = self._link.state, rules.output_topics
+        reckoned = frozenset(
+            topic
+            for topic, output in outputs.items()
+            if output in state.predicted and topic not in heard_here
+        )
+        if reckoned != self._reckoned:
+            self._reckoned = reckoned
+            changes.append(ReceiversReckon(topics=reckoned))
+        if state.sessions != self._sessions:
+            self._sessions = state.sessions
+            changes += [
+                ListenersChanged(topic=topic, are_there=True)
+                for topic in outputs
+                if topic in plan and plan[topic].within
+            ]
+        return changes
+
+    def tell_pictures(
+        self,
+        rules: LiveRules,
+        plan: Mapping[str, PlannedRate],
+        pictures: Mapping[str, ReckonedPicture],
+    ) -> None:
+        """Have receivers reckon these topics; to be called before what is made from them goes out."""
+        before, self._pictures = self._pictures, pictures
+        if before == pictures:
+            return
+        # From its first message on, none of a picture that needs every message may give way to a newer one.
+        self.follow(rules, plan)
+        outputs = rules.output_topics
+        predictions = {
+            outputs[topic]: Prediction(within=bounds, heartbeat_hz=picture.heartbeat_hz)
+            for topic, picture in pictures.items()
+            if topic in outputs
+            and (bounds := {name: bound for name, bound in picture.within.items() if bound < math.inf})
+        }
+        anew = {
+            outputs[topic]
+            for topic, picture in pictures.items()
+            if topic in outputs and (topic not in before or before[topic].number != picture.number)
+        }
+        self._link.predict(predictions, anew)
+
+    def added_to(self, status: RuntimeStatus) -> RuntimeStatus:
+        """``status`` with the robot's name, the state of the link and of each topic on it."""
+        counts = self._link.counts()
+        topics = {
+            source: replace(topic, on_link=self._on_link(topic.output, counts))
+            for source, topic in status.topics.items()
+        }
+        return replace(status, topics=topics, link=self._link.state, robot=self._link.robot)
+
+    def _on_link(self, output: str, counts: Mapping[str, StreamCounts]) -> TopicOnLink | None:
+        known = counts.get(output)
+        return None if known is None else TopicOnLink(counts=known, age_ms=self._link.age_ms(output))
+
+    def changed_budget(self, now_ns: int) -> LinkBudget | None:
+        """What the link carries at ``now_ns``, where that is worth another plan than the last that was told.
+
+        ``now_ns`` is of a clock that never jumps. A fall counts at once. A rise waits, twice as long each
+        time that a fall soon undid one: rates that the link nearly carries do not swing.
+        """
+        budget_kb_per_s, told = self._link.budget_kb_per_s, self._told_kb_per_s
+        if budget_kb_per_s is None or (told is not None and not self._is_due(budget_kb_per_s, told, now_ns)):
+            return None
+        self._told_kb_per_s, self._told_ns = budget_kb_per_s, now_ns
+        return LinkBudget(link_kb_per_s=budget_kb_per_s, is_measured=True)
+
+    def _is_due(self, budget_kb_per_s: float, told: float, now_ns: int) -> bool:
+        has_held = now_ns - self._told_ns > _HOLDS_AFTER_NS
+        if budget_kb_per_s < _FALL * told:
+            if self._has_risen:
+                self._wait_ns = _LEAST_WAIT_NS if has_held else min(2 * self._wait_ns, _LONGEST_WAIT_NS)
+            self._has_risen = False
+            return True
+        if budget_kb_per_s <= _RISE * told or now_ns - self._told_ns < self._wait_ns:
+            return False
+        self._has_risen = True
+        return True

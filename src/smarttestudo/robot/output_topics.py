@@ -1,0 +1,48 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The names of output topics: what is published for each relayed source."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from smarttestudo.domain.errors import UsageError
+from smarttestudo.domain.names import DECISIONS_TOPIC, STATUS_TOPIC, TOPIC_PLACEHOLDER, output_name
+from smarttestudo.language.rule_set import RuleSet
+from smarttestudo.robot.status_topics import DIAGNOSTICS_TOPIC
+
+DEFAULT_OUTPUT_TOPIC = "/testudo{topic}"
+OWN_TOPICS = frozenset({DECISIONS_TOPIC, STATUS_TOPIC, DIAGNOSTICS_TOPIC})
+"""The other topics that a SmartTestudo node publishes."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OutputTopic:
+    """How output topics are named: ``pattern`` has ``{topic}`` for the source's full name.
+
+    ``is_elsewhere``: they are in another domain than their sources, whose names they may have.
+    """
+
+    pattern: str = DEFAULT_OUTPUT_TOPIC
+    is_elsewhere: bool = False
+
+
+def output_topics(rule_set: RuleSet, output_topic: OutputTopic) -> dict[str, str]:
+    """The output topic of each relayed one; ``UsageError`` if a name is invalid or taken."""
+    names = {topic: output_name(topic, output_topic.pattern) for topic in rule_set.relayed}
+    sources = {*rule_set.relayed, *(signal.topic for signal in rule_set.signals)}
+    taken = OWN_TOPICS if output_topic.is_elsewhere else OWN_TOPICS | sources
+    for topic, name in names.items():
+        if name in taken:
+            is_source = name == topic and name not in OWN_TOPICS
+            whose = "its own name" if is_source else f"{name}, which is another topic's name"
+            cause = f"{topic} would be relayed to {whose}"
+            remedy = f"choose another pattern, such as {DEFAULT_OUTPUT_TOPIC}"
+            raise UsageError(cause, place="--output-topic", remedy=remedy)
+    return names
+
+
+def is_output_topic(topic: str, output_topic: OutputTopic) -> bool:
+    """Whether ``topic`` is named like an output topic; never if those have the names of their sources."""
+    before, _, after = output_topic.pattern.partition(TOPIC_PLACEHOLDER)
+    return bool(before or after) and topic.startswith(f"{before}/") and topic.endswith(after)

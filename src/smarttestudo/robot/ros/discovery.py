@@ -1,0 +1,35 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The range of discovery, which only the environment of a process sets."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+from collections.abc import Mapping
+
+from smarttestudo.domain.robot import DiscoveryRange
+from smarttestudo.robot.ros.loading import load_rclpy
+
+_RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
+# All that Humble has. Jazzy heeds it more than the range, and warns of it; Kilted has dropped it.
+_LOCALHOST_ONLY = "ROS_LOCALHOST_ONLY"
+
+
+def discovery_variables(discovery: DiscoveryRange) -> Mapping[str, str]:
+    """What the environment must have, so that nodes of this ROS look as far as ``discovery``."""
+    variables = {_RANGE: discovery.name}
+    if _LOCALHOST_ONLY in os.environ or not _knows_ranges():
+        variables[_LOCALHOST_ONLY] = "1" if discovery is DiscoveryRange.LOCALHOST else "0"
+    return variables
+
+
+def _knows_ranges() -> bool:
+    try:
+        # It loads librcl.
+        load_rclpy()
+        library = ctypes.CDLL("librcl.so", mode=os.RTLD_NOLOAD | os.RTLD_LAZY)
+    except (ImportError, OSError, AttributeError):
+        # An installation for Windows or macOS is likely to be a newer one.
+        return True
+    return hasattr(library, "rcl_get_automatic_discovery_range")

@@ -1,0 +1,166 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The node among the robot's own whose operators are at the other end of a link."""
+
+from __future__ import annotations
+
+import itertools
+from collections import defaultdict
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
+
+from smarttestudo.domain.link import OutgoingLink, StreamInfo
+from smarttestudo.domain.payload import Payload
+from smarttestudo.domain.robot import (
+    DataPath,
+    DataPathKind,
+    Endpoint,
+    Publisher,
+    Qos,
+    Receive,
+    Subscription,
+)
+from smarttestudo.domain.status import Diagnostic
+from smarttestudo.pacing.cdr import string_message
+from smarttestudo.robot.ros.definitions import message_definition
+from smarttestudo.robot.ros.node import RosNode
+
+OPERATOR_NODE = "/testudo_receive"
+_TEXT_TYPE = "std_msgs/msg/String"
+
+
+class LinkedNode(RosNode):
+    """An rclpy node that publishes over ``link``, and on the ROS graph too where that ``is_local``.
+
+    While an operator's end is connected, it counts as a subscriber of every topic.
+    """
+
+    def __init__(
+        self,
+        node: Any,
+        executor: Any,
+        operators: Any,
+        data_path_kind: DataPathKind,
+        *,
+        link: OutgoingLink,
+        is_local: bool,
+    ) -> None:
+        super().__init__(node, executor, operators, data_path_kind)
+        self._link = link
+        self._is_local = is_local
+        self._linked_path: LinkedPath | None = None
+        self._told_here: set[str] = set()
+
+    @property
+    def data_path(self) -> DataPath:
+        """Messages in by the path that works here, and out over the link. Raises ``RosError``."""
+        if self._linked_path is None:
+            self._linked_path = LinkedPath(super().data_path, self._link, is_local=self._is_local)
+        return self._linked_path
+
+    @property
+    def has_output_domain(self) -> bool:
+        """Whether relayed topics may have the names of their sources."""
+        return super().has_output_domain or not self._is_local
+
+    def subscribers(self, topic: str) -> Sequence[Endpoint]:
+        """Which operators subscribe to ``topic`` now."""
+        local = super().subscribers(topic) if self._is_here(topic) else ()
+        return [*local, *self._operator()]
+
+    def subscriber_count(self, topic: str) -> int:
+        """How many subscribers ``subscribers`` would find."""
+        local = super().subscriber_count(topic) if self._is_here(topic) else 0
+        return local + self._link.state.is_connected
+
+    def text_publisher(self, topic: str, qos: Qos, *, goes_over_link: bool = True) -> Callable[[str], None]:
+        """What sends a std_msgs/msg/String on ``topic``, on the graph and, where wanted, over the link."""
+        publish_here = super().text_publisher(topic, qos)
+        self._told_here.add(topic)
+        if not goes_over_link:
+            return publish_here
+        linked = self._link.advertise(_stream(topic, _TEXT_TYPE, qos, 0))
+
+        def publish(text: str) -> None:
+            publish_here(text)
+            linked.publish(string_message(text))
+
+        return publish
+
+    def diagnostics_publisher(self, topic: str) -> Callable[[Sequence[Diagnostic]], None]:
+        """What sends a DiagnosticArray on ``topic`` of the graph: they are for the robot itself."""
+        self._told_here.add(topic)
+        return super().diagnostics_publisher(topic)
+
+    def _is_here(self, topic: str) -> bool:
+        return self._is_local or topic in self._told_here
+
+    def _operator(self) -> Iterator[Endpoint]:
+        if self._link.state.is_connected:
+            yield Endpoint(node=OPERATOR_NODE, type_name="", reliable=False, transient_local=False)
+
+
+class LinkedPath:
+    """A data path whose messages go out over a link, and by ``path`` too where that ``is_local``."""
+
+    keeps_newest = True
+
+    def __init__(self, path: DataPath, link: OutgoingLink, *, is_local: bool) -> None:
+        self._path = path
+        self._link = link
+        self._is_local = is_local
+        self._numbers: defaultdict[str, Iterator[int]] = defaultdict(itertools.count)
+
+    @property
+    def description(self) -> str:
+        """Which path messages come in by, and that they go out over a link."""
+        return f"{self._path.description}; out over the link{' and on the graph' * self._is_local}"
+
+    @property
+    def tells_publishers(self) -> bool:
+        """Whether ``receive`` is told the publisher of each message."""
+        return self._path.tells_publishers
+
+    @property
+    def can_pause(self) -> bool:
+        """Whether subscriptions can rest."""
+        return self._path.can_pause
+
+    def knows(self, type_name: str) -> bool:
+        """Whether the message type is installed."""
+        return self._path.knows(type_name)
+
+    def subscribe(
+        self, topic: str, type_name: str, qos: Qos, receive: Receive, *, priority: float = 1.0
+    ) -> Subscription:
+        """Have ``receive`` called with each message. Raises ``RosError``."""
+        return self._path.subscribe(topic, type_name, qos, receive, priority=priority)
+
+    def advertise(self, topic: str, type_name: str, qos: Qos) -> Publisher:
+        """Send over the link what is published. Raises ``RosError`` and ``LinkError``."""
+        linked = self._link.advertise(_stream(topic, type_name, qos, next(self._numbers[topic])))
+        return _Both(linked, self._path.advertise(topic, type_name, qos)) if self._is_local else linked
+
+    def decode(self, topic: str, type_name: str, payload: Payload) -> object:
+        """The message of a payload that came on ``topic``. Raises ``RosError``."""
+        return self._path.decode(topic, type_name, payload)
+
+
+class _Both:
+    """Publishes in two places."""
+
+    def __init__(self, first: Publisher, second: Publisher) -> None:
+        self._publishers = (first, second)
+
+    def publish(self, payload: Payload) -> None:
+        for publisher in self._publishers:
+            publisher.publish(payload)
+
+    def close(self) -> None:
+        for publisher in self._publishers:
+            publisher.close()
+
+
+def _stream(topic: str, type_name: str, qos: Qos, publisher: int) -> StreamInfo:
+    definition = message_definition(type_name)
+    return StreamInfo(topic=topic, type_name=type_name, qos=qos, publisher=publisher, definition=definition)

@@ -1,0 +1,333 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The node on the robot's graph."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+import rclpy
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+
+from smarttestudo.domain.errors import RosError, TestudoError, UsageError
+from smarttestudo.domain.parameter import (
+    Accept,
+    Parameter,
+    ParameterValue,
+    Refusals,
+    RemoteParameters,
+    Values,
+)
+from smarttestudo.domain.robot import (
+    DataPath,
+    DataPathKind,
+    Endpoint,
+    LookAtGraph,
+    OutputDomain,
+    Publisher,
+    Qos,
+    RobotLog,
+)
+from smarttestudo.domain.status import Diagnostic
+from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.robot.ros.data_path import open_data_path
+from smarttestudo.robot.ros.definitions import message_definition
+from smarttestudo.robot.ros.diagnostics import diagnostics_publisher
+from smarttestudo.robot.ros.graph_looks import GraphLooks
+from smarttestudo.robot.ros.message_types import begins_with_header, message_type
+from smarttestudo.robot.ros.output_domain import operators_node
+from smarttestudo.robot.ros.parameters import (
+    REMOTE_LOOK_PERIOD_S,
+    NodeParameterClients,
+    NodeParameters,
+)
+from smarttestudo.robot.ros.qos import (
+    further_policies,
+    is_reliable,
+    is_transient_local,
+    qos_profile,
+)
+from smarttestudo.robot.ros.rclpy_path import RclpyPath, RclpyPublisher
+from smarttestudo.robot.ros.real_timers import RealTimers
+from smarttestudo.robot.ros.ros_errors import ros_errors
+
+if TYPE_CHECKING:
+    from smarttestudo.robot.ros.rcl.path import RclPath
+
+
+CLOCK_PERIOD_S = 1.0
+"""How often to look whether time is simulated; a parameter of the node may change that."""
+
+
+@contextmanager
+def open_node(
+    ros_arguments: Sequence[str],
+    name: str,
+    output_domain: OutputDomain | None,
+    make: Callable[[Any, Any, Any], RosNode],
+) -> Iterator[RosNode]:
+    """A node ``name`` with a context of its own, both gone at the end; signals are left to the caller.
+
+    ``make`` makes it of the rclpy node, its executor and the node that publishes.
+    """
+    context = Context()
+    arguments = ["--ros-args", *ros_arguments] if ros_arguments else []
+    try:
+        with ros_errors():
+            rclpy.init(args=arguments, context=context, signal_handler_options=SignalHandlerOptions.NO)
+    except RosError as error:
+        raise UsageError(error.cause, place="--ros-args", remedy="see the ROS 2 manual") from error
+    try:
+        with ros_errors(name):
+            node = Node(name, context=context)
+        executor = SingleThreadedExecutor(context=context)
+        executor.add_node(node)
+        try:
+            with operators_node(node, output_domain) as operators:
+                robot = make(node, executor, operators)
+                try:
+                    yield robot
+                finally:
+                    robot.close()
+        finally:
+            executor.shutdown()
+            node.destroy_node()
+    finally:
+        rclpy.try_shutdown(context=context)
+
+
+class RosNode:
+    """An rclpy node with an executor of one thread, as a ``Robot``; the node ``operators`` publishes."""
+
+    def __init__(self, node: Any, executor: Any, operators: Any, data_path_kind: DataPathKind) -> None:
+        self._node = node
+        self._operators = operators
+        self._executor = executor
+        self._clock = node.get_clock()
+        self._data_path_kind = data_path_kind
+        self._data_path: RclPath | RclpyPath | None = None
+        self._timers = RealTimers()
+        self._look_at_clock()
+        self.every(CLOCK_PERIOD_S, self._look_at_clock)
+        self._parameters = NodeParameters(node)
+        self._remote_parameters: NodeParameterClients | None = None
+
+    @property
+    def name(self) -> str:
+        """The full name of the node."""
+        name: str = self._node.get_fully_qualified_name()
+        return name
+
+    @property
+    def log(self) -> RobotLog:
+        """The node's log, which also goes to /rosout."""
+        log: RobotLog = self._node.get_logger()
+        return log
+
+    @property
+    def data_path(self) -> DataPath:
+        """Messages in and out, by the path that works here. Raises ``RosError``."""
+        return self._open_data_path()
+
+    @property
+    def has_output_domain(self) -> bool:
+        """Whether the operators are in another domain than the robot."""
+        return self._operators is not self._node
+
+    def now_ns(self) -> int:
+        """The node's clock, which is 0 while simulated time has not begun."""
+        # Unless simulated, the clock of ROS is the system's, and that is asked for every message.
+        if not self._is_simulated:
+            return time.time_ns()
+        nanoseconds: int = self._clock.now().nanoseconds
+        return nanoseconds
+
+    def resolve(self, topic: str) -> str:
+        """The full name of ``topic`` in the node's namespace, remapped."""
+        with ros_errors(topic):
+            name: str = self._node.resolve_topic_name(topic)
+        return name
+
+    def publishers(self, topic: str) -> Sequence[Endpoint]:
+        """Who publishes ``topic`` now, as far as discovered."""
+        with ros_errors(topic):
+            return [_endpoint(one) for one in self._node.get_publishers_info_by_topic(topic)]
+
+    def publisher_count(self, topic: str) -> int:
+        """How many publishers ``publishers`` would find, for a fraction of its cost."""
+        with ros_errors(topic):
+            count: int = self._node.count_publishers(topic)
+        return count
+
+    def subscribers(self, topic: str) -> Sequence[Endpoint]:
+        """Who subscribes to ``topic`` now, as far as discovered."""
+        with ros_errors(topic):
+            return [_endpoint(one) for one in self._operators.get_subscriptions_info_by_topic(topic)]
+
+    def subscriber_count(self, topic: str) -> int:
+        """How many subscribers ``subscribers`` would find, for a fraction of its cost."""
+        with ros_errors(topic):
+            count: int = self._operators.count_subscribers(topic)
+        return count
+
+    def own_subscribers(self, topic: str) -> Sequence[Endpoint]:
+        """Which of the robot's own nodes subscribe to ``topic`` now, as far as discovered."""
+        with ros_errors(topic):
+            return [_endpoint(one) for one in self._node.get_subscriptions_info_by_topic(topic)]
+
+    def own_publisher(self, topic: str, type_name: str, qos: Qos) -> Publisher:
+        """What publishes on ``topic`` among the robot's own nodes, from any thread. Raises ``RosError``."""
+        return RclpyPublisher(self._node, topic, type_name, qos)
+
+    def topics(self) -> Mapping[str, Sequence[str]]:
+        """The types of each topic that somebody publishes or subscribes to, by its full name."""
+        with ros_errors():
+            return dict(self._node.get_topic_names_and_types())
+
+    def begins_with_header(self, type_name: str) -> bool:
+        """Whether messages of that type begin with a std_msgs/Header; not where it is not installed."""
+        return begins_with_header(type_name)
+
+    def definition(self, type_name: str) -> str:
+        """The definition of a message type with those of its parts, as bags store it; empty where unknown."""
+        return message_definition(type_name)
+
+    def diagnostics_publisher(self, topic: str) -> Callable[[Sequence[Diagnostic]], None]:
+        """What sends a diagnostic_msgs/msg/DiagnosticArray on ``topic``; both may raise ``RosError``."""
+        return diagnostics_publisher(self._operators, topic, self._clock)
+
+    def text_publisher(
+        self,
+        topic: str,
+        qos: Qos,
+        *,
+        goes_over_link: bool = True,  # noqa: ARG002 - this one has no link
+    ) -> Callable[[str], None]:
+        """What sends a std_msgs/msg/String on ``topic``; both may raise ``RosError``."""
+        text_type = message_type("std_msgs/msg/String", topic)
+        with ros_errors(topic):
+            publisher = self._operators.create_publisher(text_type, topic, qos_profile(qos))
+
+        def publish(text: str) -> None:
+            with ros_errors(topic):
+                publisher.publish(text_type(data=text))
+
+        return publish
+
+    def steady_ns(self) -> int:
+        """Time that only goes forward, from an unknown start."""
+        return time.monotonic_ns()
+
+    def declare(self, parameters: Sequence[Parameter], accept: Accept) -> Mapping[str, ParameterValue]:
+        """Have these parameters, to be called once; their values. Raises ``UsageError`` for a wrong one."""
+        return self._parameters.declare(parameters, accept)
+
+    def show(self, name: str, value: ParameterValue) -> None:
+        """Give a parameter another value without acceptance."""
+        self._parameters.show(name, value)
+
+    def parameters(self, names: Sequence[str]) -> Values:
+        """The values of declared parameters; ``None`` for others."""
+        return self._parameters.values(names)
+
+    def set_parameters(self, values: Values) -> Refusals:
+        """Set declared parameters as somebody on the graph may, each by itself; why some were refused."""
+        return self._parameters.set(values)
+
+    def offer_trigger(self, name: str, act: Callable[[], str]) -> None:
+        """Offer a std_srvs/srv/Trigger service that calls ``act``. Raises ``RosError``."""
+        offer_trigger(self._node, name, act)
+
+    @property
+    def remote_parameters(self) -> RemoteParameters:
+        """Parameters of other nodes."""
+        if self._remote_parameters is None:
+            self._remote_parameters = clients = NodeParameterClients(self._node, time.monotonic)
+
+            def look() -> None:
+                clients.look()
+                if clients.is_asking and self._data_path is not None:
+                    self._data_path.look_for_answers()
+
+            self.every(REMOTE_LOOK_PERIOD_S, look)
+        return self._remote_parameters
+
+    def every(self, period_s: float, act: Callable[[], float | None]) -> None:
+        """Have ``act`` called again and again, in real time; after what it returns, or ``period_s``."""
+        self._timers.add(period_s, act, time.monotonic())
+
+    def look_at_graph(self, look: LookAtGraph) -> None:
+        """Have ``look`` called soon after publishers or subscribers came or went, and now and then."""
+        path = self._open_data_path()
+        looks = GraphLooks(self._timers, look, lambda: path.tells_graph, time.monotonic)
+        path.on_graph_change(looks.changed)
+
+    def wait(self, wake_ns: int | None, longest_s: float) -> None:
+        """Handle what comes next; return after it, at ``wake_ns`` or after ``longest_s`` in real time."""
+        timeout_s = min(longest_s, max(self._timers.due_s - time.monotonic(), 0.0))
+        # Simulated time moves only with a message on /clock, and that ends the wait.
+        if wake_ns is not None and not self._is_simulated:
+            timeout_s = min(timeout_s, max(wake_ns - time.time_ns(), 0) / NS_PER_S)
+        if self._data_path is None:
+            self._executor.spin_once(timeout_sec=timeout_s)
+        else:
+            self._data_path.wait(timeout_s)
+        now_s = time.monotonic()
+        if now_s >= self._timers.due_s:
+            self._timers.act(now_s)
+
+    def close(self) -> None:
+        """Receive and send nothing more."""
+        if self._data_path is not None:
+            self._data_path.close()
+
+    def _open_data_path(self) -> RclPath | RclpyPath:
+        if self._data_path is None:
+            self._data_path = open_data_path(
+                self._node, self._executor, self._data_path_kind, self._operators
+            )
+        return self._data_path
+
+    def _look_at_clock(self) -> None:
+        self._is_simulated = self._clock.ros_time_is_active
+
+
+def _endpoint(info: Any) -> Endpoint:
+    return Endpoint(
+        node=f"{info.node_namespace.rstrip('/')}/{info.node_name}",
+        type_name=info.topic_type,
+        reliable=is_reliable(info.qos_profile),
+        transient_local=is_transient_local(info.qos_profile),
+        gid=bytes(info.endpoint_gid),
+        asks=further_policies(info.qos_profile),
+    )
+
+
+def offer_trigger(node: Any, name: str, act: Callable[[], str]) -> None:
+    """Offer a std_srvs/srv/Trigger service that calls ``act``. Raises ``RosError``.
+
+    It succeeds with the message that ``act`` returns, and fails with its ``TestudoError``.
+    """
+    try:
+        from std_srvs.srv import Trigger  # noqa: PLC0415  a robot may lack it
+    except ImportError as error:
+        remedy = "install the ROS package std_srvs"
+        raise RosError("the type of this service is not installed", place=name, remedy=remedy) from error
+
+    def called(_request: Any, response: Any) -> Any:
+        try:
+            response.message = act()
+            response.success = True
+        except TestudoError as error:
+            response.message = str(error)
+            response.success = False
+        return response
+
+    with ros_errors(name):
+        node.create_service(Trigger, name, called)

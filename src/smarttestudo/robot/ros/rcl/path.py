@@ -1,0 +1,250 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The data path through librcl: serialized messages in the middleware's own buffers."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import time
+from collections.abc import Callable, Iterator
+from functools import partial
+from typing import Any
+from weakref import WeakSet
+
+from rclpy.executors import TimeoutException
+
+from smarttestudo.domain.errors import RosError
+from smarttestudo.domain.payload import Payload
+from smarttestudo.domain.robot import Publisher, Qos, Receive, Subscription
+from smarttestudo.robot.ros.byte_topics import ByteTopics
+from smarttestudo.robot.ros.graph_looks import LEAST_PERIOD_S
+from smarttestudo.robot.ros.message_types import decoded, is_installed, message_type
+from smarttestudo.robot.ros.qos import qos_profile
+from smarttestudo.robot.ros.rcl.bindings import RCL_RET_OK, InfoLayout, RclLibrary
+from smarttestudo.robot.ros.rcl.buffers import RclPayload
+from smarttestudo.robot.ros.rcl.graph import GraphEvents
+from smarttestudo.robot.ros.rcl.source import RclSource
+from smarttestudo.robot.ros.rcl.subscription import RclSubscription, RclTaker, Unattended
+from smarttestudo.robot.ros.rcl.wake_ups import RclWakeUps
+from smarttestudo.robot.ros.ros_errors import ros_errors
+
+UNTOLD_PERIOD_S = 5.0
+"""How often rclpy's executor checks for work without a wake-up, beside each change of the graph."""
+
+
+class RclpyPart:
+    """Runs rclpy's executor when one of the node's services or subscriptions has something for it."""
+
+    priority = 1.0
+
+    def __init__(self, node: Any, executor: Any, library: RclLibrary, wake_ups: RclWakeUps) -> None:
+        self._node = node
+        self._executor = executor
+        self._library = library
+        self._wake_ups = wake_ups
+        self._known: WeakSet[Any] = WeakSet()
+        self._event_fd = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
+        self._look_s = time.monotonic()
+        wake_ups.add(self._event_fd, self)
+
+    def serve(self, most: int) -> bool:
+        """Run up to ``most`` callbacks; whether there may be more."""
+        # In Humble a wake-up may come before what it is for can be taken.
+        self._look_s = min(self._look_s, time.monotonic() + LEAST_PERIOD_S)
+        return self._run(most)
+
+    def _run(self, most: int) -> bool:
+        for _ in range(most):
+            try:
+                task, _, _ = self._executor.wait_for_ready_callbacks(timeout_sec=0)
+            except TimeoutException:
+                return False
+            task()
+            if task.exception() is not None:
+                raise task.exception()
+        return True
+
+    def look_next(self) -> None:
+        """Have the next ``look`` do it."""
+        self._look_s = time.monotonic()
+
+    def look(self, period_s: float) -> None:
+        """Do what nothing wakes for, if it is time; then again after ``period_s``."""
+        if time.monotonic() >= self._look_s:
+            self._look_s = time.monotonic() + period_s
+            self._attend()
+            while self._run(1):
+                pass
+
+    def close(self) -> None:
+        """Run nothing more."""
+        for wake_on, entity in self._entities():
+            if entity in self._known:
+                wake_on(entity.handle.pointer, None)
+        self._wake_ups.remove(self._event_fd)
+        os.close(self._event_fd)
+
+    def _attend(self) -> None:
+        for wake_on, entity in self._entities():
+            if entity not in self._known:
+                wake_on(entity.handle.pointer, self._event_fd)
+                self._known.add(entity)
+
+    def _entities(self) -> Iterator[tuple[Callable[[int, int | None], None], Any]]:
+        """What rclpy has a callback for, and what has one woken for it."""
+        for service in self._node.services:
+            yield self._library.wake_on_request, service
+        for subscription in self._node.subscriptions:
+            if not isinstance(subscription.callback_group, Unattended):
+                yield self._library.wake_on_message, subscription
+
+
+class RclPath:
+    """Subscriptions whose messages rclpy's executor never sees, and publishers that take them as they are."""
+
+    def __init__(
+        self,
+        node: Any,
+        executor: Any,
+        operators: Any,
+        byte_topics: ByteTopics,
+        *,
+        library: RclLibrary,
+        layout: InfoLayout,
+    ) -> None:
+        self._node = node
+        self._operators = operators
+        self._byte_topics = byte_topics
+        self._library = library
+        self._layout = layout
+        self._failures: set[str] = set()
+        self._wake_ups = RclWakeUps()
+        self._rclpy_part = RclpyPart(node, executor, library, self._wake_ups)
+        self._graph_changed: Callable[[], None] = _nothing
+        nodes = [node] if operators is node else [node, operators]
+        self._graph = GraphEvents(nodes, library, self._wake_ups, self._changed)
+
+    @property
+    def description(self) -> str:
+        """Which path this is, and what it can do."""
+        publishers = "publishers told apart" if self.tells_publishers else "publishers not told apart"
+        numbered = f"messages {'' if self.can_pause else 'not '}numbered"
+        problem = self._graph.problem
+        looks = "" if problem is None else f", the graph checked five times a second because {problem}"
+        return f"librcl, {publishers}, {numbered}{looks}"
+
+    @property
+    def tells_publishers(self) -> bool:
+        """Whether ``receive`` gets the publisher of each message: its GID."""
+        return self._layout.gid_bytes > 0
+
+    @property
+    def keeps_newest(self) -> bool:
+        """Whether a message that waits to be sent is replaced by a newer one; the middleware keeps all."""
+        return False
+
+    @property
+    def can_pause(self) -> bool:
+        """Whether subscriptions can rest, and still count what their source sends."""
+        return self._layout.is_numbered
+
+    @property
+    def tells_graph(self) -> bool:
+        """Whether ``on_graph_change`` does anything."""
+        return self._graph.problem is None
+
+    def on_graph_change(self, changed: Callable[[], None]) -> None:
+        """Have ``changed`` called when publishers or subscribers came or went, within ``wait``."""
+        self._graph_changed = changed
+
+    def look_for_answers(self) -> None:
+        """Have the next ``wait`` look for answers to our requests, for which nothing wakes."""
+        self._rclpy_part.look_next()
+
+    def knows(self, type_name: str) -> bool:
+        """Whether the message type is installed."""
+        return is_installed(type_name)
+
+    def subscribe(
+        self, topic: str, type_name: str, qos: Qos, receive: Receive, *, priority: float = 1.0
+    ) -> Subscription:
+        """Have ``receive`` called with each message. Raises ``RosError``."""
+        if self._byte_topics.must_be_decoded(type_name):
+            return self._byte_topics.subscribe(topic, type_name, qos, receive)
+        return RclSource(
+            partial(RclSubscription, self._node, self._library, topic, type_name),
+            qos,
+            receive,
+            taker=RclTaker(self._library, self._layout, self._failed),
+            wake_ups=self._wake_ups,
+            priority=priority,
+        )
+
+    def advertise(self, topic: str, type_name: str, qos: Qos) -> Publisher:
+        """Publish on ``topic``. Raises ``RosError``."""
+        return RclPublisher(self._operators, self._library, topic, type_name, qos)
+
+    def decode(self, topic: str, type_name: str, payload: Payload) -> object:
+        """The message of a payload that came on ``topic``. Raises ``RosError``."""
+        return decoded(topic, type_name, payload)
+
+    def wait(self, timeout_s: float) -> None:
+        """Deliver what comes next; return after it or after ``timeout_s``."""
+        self._wake_ups.wait(timeout_s)
+        self._rclpy_part.look(UNTOLD_PERIOD_S if self.tells_graph else LEAST_PERIOD_S)
+
+    def close(self) -> None:
+        """Deliver nothing more."""
+        self._graph.close()
+        self._rclpy_part.close()
+        self._wake_ups.close()
+
+    def _changed(self) -> None:
+        if self._graph.problem is not None:
+            self._failed(RosError(f"changes of the graph are no longer reported: {self._graph.problem}"))
+        # New services of ours change it, and so does what rclpy warns of: a subscriber with another QoS.
+        self._rclpy_part.look_next()
+        self._graph_changed()
+
+    def _failed(self, error: RosError) -> None:
+        if str(error) not in self._failures:
+            self._failures.add(str(error))
+            self._node.get_logger().warning(str(error))
+
+
+def _nothing() -> None:
+    """Do nothing."""
+
+
+class RclPublisher:
+    """A publisher of rclpy that is given serialized messages by librcl, on any node."""
+
+    def __init__(self, node: Any, library: RclLibrary, topic: str, type_name: str, qos: Qos) -> None:
+        self._node = node
+        self._library = library
+        self._topic = topic
+        with ros_errors(topic):
+            self._handle = node.create_publisher(message_type(type_name, topic), topic, qos_profile(qos))
+        self._pointer: int = self._handle.handle.pointer
+        self._foreign = library.new_message()
+
+    def publish(self, payload: Payload) -> None:
+        """Send a serialized message. Raises ``RosError``."""
+        if isinstance(payload, RclPayload):
+            self._publish(payload.address)
+            return
+        data = payload[:]
+        foreign = self._foreign
+        foreign.buffer = ctypes.cast(ctypes.c_char_p(data), ctypes.c_void_p)
+        foreign.length = foreign.capacity = len(data)
+        self._publish(ctypes.addressof(foreign))
+
+    def close(self) -> None:
+        """Send nothing more."""
+        self._node.destroy_publisher(self._handle)
+
+    def _publish(self, address: int) -> None:
+        code = self._library.publish(self._pointer, address, None)
+        if code != RCL_RET_OK:
+            raise self._library.error(code, self._topic)

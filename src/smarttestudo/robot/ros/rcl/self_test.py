@@ -1,0 +1,85 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tests whether librcl does here what its path relies on."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+from rclpy.serialization import serialize_message
+
+from smarttestudo.domain.errors import RosError
+from smarttestudo.domain.robot import Qos
+from smarttestudo.robot.ros.message_types import message_type
+from smarttestudo.robot.ros.rcl.bindings import InfoLayout, MessageInfo, RclLibrary
+from smarttestudo.robot.ros.rcl.buffers import RclBuffers
+from smarttestudo.robot.ros.rcl.path import RclPublisher
+from smarttestudo.robot.ros.rcl.subscription import RclSubscription
+from smarttestudo.robot.ros.rcl.wake_ups import RclWakeUps
+
+TOPIC = "~/_self_test"
+"""Hidden and private; it exists for some milliseconds."""
+TYPE_NAME = "builtin_interfaces/msg/Time"
+TIMEOUT_S = 5.0
+# Latched, so that the message arrives whenever the two have found each other.
+QOS = Qos(reliable=True, transient_local=True, depth=1)
+
+
+def tested_layout(node: Any, library: RclLibrary) -> InfoLayout:
+    """Publish a message to oneself, be woken for it and take it; what was found of its info.
+
+    Raises ``RosError`` where the message does not arrive as it was sent.
+    """
+    publisher = RclPublisher(node, library, TOPIC, TYPE_NAME, QOS)
+    subscription = RclSubscription(node, library, TOPIC, TYPE_NAME, QOS)
+    buffers = RclBuffers(library)
+    try:
+        sent = serialize_message(message_type(TYPE_NAME, TOPIC)(sec=1, nanosec=2))
+        publisher.publish(sent)
+        info = MessageInfo(InfoLayout(gid_bytes=0, is_numbered=False))
+        came = _Receiver(subscription, buffers, info).first(TIMEOUT_S)
+        if came != sent:
+            raise RosError("a message sent through librcl came back changed")
+        return InfoLayout.found_in(info.raw, _own_gid(node))
+    finally:
+        buffers.close()
+        subscription.close()
+        publisher.close()
+
+
+class _Receiver:
+    """Is woken for a message and takes it."""
+
+    priority = 1.0
+
+    def __init__(self, subscription: RclSubscription, buffers: RclBuffers, info: MessageInfo) -> None:
+        self._subscription = subscription
+        self._buffers = buffers
+        self._info = info
+        self._came: bytes | None = None
+
+    def first(self, timeout_s: float) -> bytes:
+        """The first message that wakes; ``RosError`` after ``timeout_s``, or if it cannot be taken."""
+        wake_ups = RclWakeUps()
+        wake_ups.add(self._subscription.event_fd, self)
+        self._subscription.wake(wanted=True)
+        end_s = time.monotonic() + timeout_s
+        try:
+            while self._came is None and time.monotonic() < end_s:
+                wake_ups.wait(end_s - time.monotonic())
+        finally:
+            wake_ups.close()
+        if self._came is None:
+            raise RosError(f"librcl announced no message to its publisher's own process in {timeout_s:g} s")
+        return self._came
+
+    def serve(self, most: int) -> bool:  # noqa: ARG002 - there is but one
+        payload = self._subscription.take(self._buffers, self._info)
+        self._came = None if payload is None else payload[:]
+        return False
+
+
+def _own_gid(node: Any) -> bytes:
+    endpoints = node.get_publishers_info_by_topic(node.resolve_topic_name(TOPIC))
+    return next((bytes(one.endpoint_gid) for one in endpoints if one.node_name == node.get_name()), b"")

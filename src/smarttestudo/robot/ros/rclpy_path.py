@@ -1,0 +1,90 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The data path that needs nothing but rclpy's public interface."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from smarttestudo.domain.payload import Payload
+from smarttestudo.domain.robot import Publisher, Qos, Receive, Subscription
+from smarttestudo.robot.ros.byte_topics import ByteTopics
+from smarttestudo.robot.ros.message_types import decoded, is_installed, message_type
+from smarttestudo.robot.ros.qos import qos_profile
+from smarttestudo.robot.ros.rclpy_subscription import RclpyInlet
+from smarttestudo.robot.ros.ros_errors import ros_errors
+
+
+class RclpyPath:
+    """Raw subscriptions of a node, and publishers of the node ``operators``."""
+
+    tells_publishers = False
+    can_pause = False
+    keeps_newest = False
+    tells_graph = False
+
+    def __init__(self, node: Any, executor: Any, operators: Any, byte_topics: ByteTopics, why: str) -> None:
+        self.description = f"rclpy, {why}"
+        self._node = node
+        self._operators = operators
+        self._executor = executor
+        self._byte_topics = byte_topics
+
+    def knows(self, type_name: str) -> bool:
+        """Whether the message type is installed."""
+        return is_installed(type_name)
+
+    def subscribe(
+        self,
+        topic: str,
+        type_name: str,
+        qos: Qos,
+        receive: Receive,
+        *,
+        priority: float = 1.0,  # noqa: ARG002 - rclpy's executor serves all alike
+    ) -> Subscription:
+        """Have ``receive`` called with each message; ``priority`` is not heeded. Raises ``RosError``."""
+        if self._byte_topics.must_be_decoded(type_name):
+            return self._byte_topics.subscribe(topic, type_name, qos, receive)
+        return RclpyInlet(self._node, topic, type_name, qos, receive, is_decoded=False)
+
+    def advertise(self, topic: str, type_name: str, qos: Qos) -> Publisher:
+        """Publish on ``topic``. Raises ``RosError``."""
+        return RclpyPublisher(self._operators, topic, type_name, qos)
+
+    def decode(self, topic: str, type_name: str, payload: Payload) -> object:
+        """The message of a payload that came on ``topic``. Raises ``RosError``."""
+        return decoded(topic, type_name, payload)
+
+    def on_graph_change(self, changed: Callable[[], None]) -> None:
+        """Do nothing: rclpy does not report it."""
+
+    def look_for_answers(self) -> None:
+        """Do nothing: rclpy's executor waits for them."""
+
+    def wait(self, timeout_s: float) -> None:
+        """Deliver what comes next; return after it or after ``timeout_s``."""
+        self._executor.spin_once(timeout_sec=timeout_s)
+
+    def close(self) -> None:
+        """Deliver nothing more."""
+
+
+class RclpyPublisher:
+    """A publisher of ``node`` for serialized messages. Raises ``RosError``."""
+
+    def __init__(self, node: Any, topic: str, type_name: str, qos: Qos) -> None:
+        self._node = node
+        self._topic = topic
+        with ros_errors(topic):
+            self._handle = node.create_publisher(message_type(type_name, topic), topic, qos_profile(qos))
+
+    def publish(self, payload: Payload) -> None:
+        """Send a serialized message. Raises ``RosError``."""
+        with ros_errors(self._topic):
+            self._handle.publish(payload[:])
+
+    def close(self) -> None:
+        """Send nothing more."""
+        self._node.destroy_publisher(self._handle)

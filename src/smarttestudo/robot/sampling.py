@@ -1,0 +1,177 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Topics of a live run of which only the due messages are received."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from smarttestudo.domain.robot import Subscription
+from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.loop.relay_loop import RelayLoop
+from smarttestudo.pacing.grid import NEVER_NS, Pace
+
+BEGIN_RATIO = 3.5
+"""Source over target from which sampling is worth a change of subscriptions."""
+END_RATIO = 2.5
+"""Source over target below which it no longer is."""
+LEAST_SOURCE_HZ = 20.0
+"""Slower sources cost next to nothing."""
+MEASURE_NS = NS_PER_S * 9 // 10
+"""Less than the second from one look to the next, which may come a little early."""
+PAUSE_NS = 10 * NS_PER_S
+"""How long every message is received again before sampling may begin again: rules may flicker."""
+
+
+class SamplingChoice:
+    """Decides for one topic, by the number of messages that its source has sent.
+
+    ``source_hz`` is the source's rate in the last second or so; ``None`` before it was measured.
+    """
+
+    __slots__ = ("_not_before_ns", "_sent", "_since_ns", "is_sampled", "source_hz")
+
+    def __init__(self, now_ns: int) -> None:
+        self.is_sampled = False
+        self.source_hz: float | None = None
+        self._sent: int | None = None
+        self._since_ns = now_ns
+        self._not_before_ns = now_ns
+
+    def look(self, sent: int, target_hz: float, now_ns: int) -> bool:
+        """Whether to sample from ``now_ns`` on; ``sent`` counts messages from any point on."""
+        self._measure(sent, now_ns)
+        ratio = _ratio(self.source_hz, target_hz)
+        if self.is_sampled:
+            if ratio < END_RATIO:
+                self.is_sampled = False
+                self._not_before_ns = now_ns + PAUSE_NS
+        elif ratio >= BEGIN_RATIO and now_ns >= self._not_before_ns:
+            self.is_sampled = True
+        return self.is_sampled
+
+    def _measure(self, sent: int, now_ns: int) -> None:
+        elapsed_ns = now_ns - self._since_ns
+        if self._sent is None or elapsed_ns < 0:
+            self._not_before_ns = min(self._not_before_ns, now_ns)
+        elif elapsed_ns < MEASURE_NS:
+            return
+        else:
+            self.source_hz = (sent - self._sent) * NS_PER_S / elapsed_ns
+        self._sent, self._since_ns = sent, now_ns
+
+
+def _ratio(source_hz: float | None, target_hz: float) -> float:
+    if source_hz is None or source_hz < LEAST_SOURCE_HZ:
+        return 0.0
+    return source_hz / target_hz if target_hz else math.inf
+
+
+class _Topic:
+    """A topic that may rest.
+
+    ``sent`` is what its source had sent by the last message that came, ``looked_sent`` by the last look.
+    ``wake_ns`` is when to arm its subscription, or, while that is armed, when to take what it kept.
+    """
+
+    __slots__ = ("choice", "is_armed", "looked_sent", "sent", "subscription", "wake_ns")
+
+    def __init__(self, subscription: Subscription, now_ns: int) -> None:
+        self.subscription = subscription
+        self.choice = SamplingChoice(now_ns)
+        self.sent = 0
+        self.looked_sent = 0
+        self.is_armed = False
+        self.wake_ns = NEVER_NS
+
+
+class LiveSampling:
+    """Pauses subscriptions while no message is due, and arms each when one is.
+
+    So what passes is the first message at its due time or after it, as without resting. If none comes for
+    another period, the newest one from before passes, as the final message. Only those that ``may_rest`` do.
+    """
+
+    def __init__(self, loop: RelayLoop, *, may_rest: bool = True) -> None:
+        self._loop = loop
+        self._may_rest = may_rest
+        self._topics: dict[str, _Topic] = {}
+        self._resting: dict[str, _Topic] = {}
+        self._wake_ns = NEVER_NS
+        self._has_changed = False
+
+    def look(self, subscriptions: Mapping[str, Subscription], now_ns: int) -> None:
+        """Decide by the plan as it is now which of ``subscriptions`` rest; all others work, or are closed."""
+        for name in [
+            name for name, topic in self._topics.items() if subscriptions.get(name) is not topic.subscription
+        ]:
+            self._topics.pop(name).subscription.resume()
+            self._resting.pop(name, None)
+        for name, subscription in subscriptions.items():
+            sent = subscription.sent
+            if sent is None:
+                continue
+            topic = self._topics.setdefault(name, _Topic(subscription, now_ns))
+            self._decide(name, topic, sent, now_ns)
+        self._has_changed = True
+
+    def received(self, name: str, size_bytes: int) -> None:
+        """A message of a topic came and goes to the loop next; what was skipped before it counts as sent."""
+        topic = self._resting.get(name)
+        if topic is None:
+            return
+        sent = topic.subscription.sent or 0
+        skipped = sent - topic.sent - 1
+        if skipped > 0:
+            self._loop.relays.skipped(name, skipped, skipped * size_bytes)
+        topic.sent = sent
+        topic.is_armed = False
+        self._has_changed = True
+
+    @property
+    def wake_ns(self) -> int | None:
+        """When to call ``on_wake``."""
+        if self._has_changed:
+            self._arm()
+        return self._wake_ns if self._wake_ns < NEVER_NS else None
+
+    def on_wake(self, now_ns: int) -> None:
+        """Arm the subscriptions whose topics are due, and take what is pending where nothing came."""
+        for name, topic in self._resting.items():
+            if topic.wake_ns > now_ns:
+                continue
+            if topic.is_armed:
+                topic.wake_ns = NEVER_NS
+                topic.subscription.take_pending()
+            else:
+                topic.is_armed = True
+                topic.wake_ns = now_ns + Pace.at(self._target_hz(name)).period_ns
+                topic.subscription.arm()
+        self._has_changed = True
+
+    def _decide(self, name: str, topic: _Topic, sent: int, now_ns: int) -> None:
+        may_rest = self._may_rest and self._loop.may_skip(name)
+        rests = may_rest and topic.choice.look(sent, self._target_hz(name), now_ns)
+        if rests and name not in self._resting:
+            topic.sent = sent
+            topic.subscription.pause()
+            self._resting[name] = topic
+        elif not rests and name in self._resting:
+            del self._resting[name]
+            topic.subscription.resume()
+        elif rests and sent == topic.looked_sent:
+            # Nothing was due since the last look, yet how much the source sends must be known.
+            topic.subscription.arm()
+        topic.looked_sent = sent
+
+    def _target_hz(self, name: str) -> float:
+        return self._loop.knowledge.plan[name].rate.hz
+
+    def _arm(self) -> None:
+        self._has_changed = False
+        self._wake_ns = NEVER_NS
+        for name, topic in self._resting.items():
+            if not topic.is_armed:
+                topic.wake_ns = self._loop.relays.due_ns(name) or 0
+            self._wake_ns = min(self._wake_ns, topic.wake_ns)

@@ -1,0 +1,305 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a live run does now, from its loop, what its topics are linked to, and the time between looks."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Mapping
+from statistics import fmean
+from typing import NamedTuple
+
+from smarttestudo.domain.decision import PlannedRate
+from smarttestudo.domain.profile import TopicProfile
+from smarttestudo.domain.rate_meter import FlowMeter, RateWindow
+from smarttestudo.domain.status import (
+    ProcessReading,
+    RulesInForce,
+    RuntimeStatus,
+    Silence,
+    TopicCounts,
+    TopicStatus,
+)
+from smarttestudo.domain.units import BYTES_PER_MB, NS_PER_MS, NS_PER_S, ns_from_s
+from smarttestudo.loop.relay import Relayed
+from smarttestudo.loop.relay_loop import RelayLoop
+from smarttestudo.loop.statistics import FrameFlows, RelayStatistics
+from smarttestudo.pacing.cdr import HEADER_BYTES, STAMP_BYTES, header_stamp
+from smarttestudo.pacing.sample import StreamKind
+from smarttestudo.robot.topic import TopicLink
+
+TOLERANCE_PERCENT = 5.0
+STATUS_HZ = 1.0
+"""How often the status is published unless a subscriber requests more."""
+_CPU_OVER_NS = NS_PER_S * 9 // 10
+_ERROR_AFTER_NS = 5 * NS_PER_S
+# What a pacer's credit and the edges of a window may add or take.
+_MESSAGES_EXPLAINED = 3
+_BEGINNING = slice(HEADER_BYTES + STAMP_BYTES)
+
+
+class MessageAge:
+    """The rate of a topic by its messages' own stamps, and the age of the last one when it was relayed.
+
+    Means something only for messages that begin with a std_msgs/Header. Both are ``None`` while unknown.
+    """
+
+    __slots__ = ("_beginning", "_relayed_ns", "_window", "delay_ms", "stamped_hz")
+
+    def __init__(self) -> None:
+        self.delay_ms: float | None = None
+        self.stamped_hz: float | None = None
+        self._beginning = b""
+        self._relayed_ns = 0
+        self._window = RateWindow()
+
+    def note(self, beginning: bytes, relayed_ns: int) -> None:
+        """A message was relayed; ``beginning`` are its bytes up to the end of a header's stamp."""
+        self._beginning = beginning
+        self._relayed_ns = relayed_ns
+
+    def look(self, now_ns: int, messages: int) -> None:
+        """Read the last stamp; ``messages`` were relayed so far."""
+        stamp = header_stamp(self._beginning)
+        if stamp is None:
+            return
+        sec, nanosec = struct.unpack("<iI", stamp)
+        stamp_ns = sec * NS_PER_S + nanosec
+        self._window.look(now_ns, messages, stamp_ns)
+        self.stamped_hz = self._window.rate_hz
+        # A driver that does not stamp leaves zeros.
+        self.delay_ms = (self._relayed_ns - stamp_ns) / NS_PER_MS if stamp_ns else None
+
+
+class _Rates(NamedTuple):
+    """Rates in Hz: of the source, as the output should have, and as it has; ``None`` if unknown."""
+
+    source_hz: float | None
+    expected_hz: float | None
+    actual_hz: float | None
+
+
+_NO_RATES = _Rates(None, None, None)
+
+
+class _FrameMeters:
+    """Both sides of each child frame of a topic of transforms, which is what its target is about."""
+
+    __slots__ = ("_arrived", "_flows", "_relayed")
+
+    def __init__(self, flows: FrameFlows) -> None:
+        self._flows = flows
+        self._arrived: dict[str, FlowMeter] = {}
+        self._relayed: dict[str, FlowMeter] = {}
+
+    def __len__(self) -> int:
+        return len(self._flows)
+
+    def restart(self) -> None:
+        """Measure what is relayed from the next message on."""
+        for meter in self._relayed.values():
+            meter.restart()
+
+    def look(self, now_ns: int, *, stale_after_ns: int | None, transient_local: bool) -> None:
+        """Measure anew."""
+        for flows, meters in ((self._flows.arrived, self._arrived), (self._flows.relayed, self._relayed)):
+            for frame, flow in flows.items():
+                if frame not in meters:
+                    meters[frame] = FlowMeter(flow)
+                meters[frame].look(now_ns, stale_after_ns=stale_after_ns, transient_local=transient_local)
+
+    def rates(self, target_hz: float) -> _Rates:
+        """The means over the frames that come and go."""
+        known = [
+            _Rates(arrived.rate_hz, min(arrived.rate_hz, target_hz), relayed.rate_hz)
+            for frame, arrived in self._arrived.items()
+            if arrived.rate_hz and (relayed := self._relayed.get(frame)) is not None and relayed.rate_hz
+        ]
+        return _Rates(*(fmean(column) for column in zip(*known, strict=True))) if known else _NO_RATES
+
+
+class _Meters:
+    """Both sides of one relay."""
+
+    __slots__ = ("age", "arrived", "frames", "relayed", "statistics", "target_hz")
+
+    def __init__(self, statistics: RelayStatistics) -> None:
+        self.statistics = statistics
+        self.frames = _FrameMeters(statistics.frames)
+        self.arrived = FlowMeter(statistics.arrived)
+        self.relayed = FlowMeter(statistics.relayed)
+        self.age = MessageAge()
+        self.target_hz = statistics.target.rate_hz
+
+    def look(self, link: TopicLink, profile: TopicProfile, now_ns: int) -> None:
+        """Measure anew; the output from its last change of target on."""
+        if self.target_hz != self.statistics.target.rate_hz:
+            self.target_hz = self.statistics.target.rate_hz
+            self.relayed.restart()
+            self.frames.restart()
+        stale_after_s = profile.stale_after_s
+        stale_after_ns = None if stale_after_s is None else ns_from_s(stale_after_s)
+        self.arrived.look(now_ns, stale_after_ns=stale_after_ns, transient_local=link.transient_local)
+        self.frames.look(now_ns, stale_after_ns=stale_after_ns, transient_local=link.transient_local)
+        self.relayed.look(now_ns, transient_local=link.transient_local)
+        self.age.look(now_ns, self.statistics.relayed.messages)
+
+    @property
+    def rates(self) -> _Rates:
+        """Of messages, or of transforms by frame."""
+        if self.frames:
+            return self.frames.rates(self.target_hz)
+        source_hz = self.arrived.rate_hz
+        expected_hz = None if source_hz is None else min(self.target_hz, source_hz)
+        return _Rates(source_hz, expected_hz, self.relayed.rate_hz)
+
+
+class _Error(NamedTuple):
+    """How far the output's rate is off, and whether that is as it should be."""
+
+    percent: float | None
+    is_explained: bool
+
+
+class LiveStatus:
+    """Measures a live run; ``look`` is to be called once a second or more often."""
+
+    def __init__(self, node: str, start: ProcessReading) -> None:
+        self._cpu_percent: float | None = None
+        self._node = node
+        self._start = self._process = start
+        self._meters: dict[str, _Meters] = {}
+
+    def note(self, relayed: Relayed) -> None:
+        """A message was relayed."""
+        meters = self._meters.get(relayed.topic)
+        if meters is not None:
+            meters.age.note(relayed.payload[_BEGINNING], relayed.stamp_ns)
+
+    def look(
+        self,
+        loop: RelayLoop,
+        links: Mapping[str, TopicLink],
+        rules: RulesInForce,
+        process: ProcessReading,
+        now_ns: int,
+        *,
+        status_hz: float = STATUS_HZ,
+    ) -> RuntimeStatus:
+        """The status at ``now_ns`` on the node's clock, by when what time alone does was done.
+
+        ``links`` are those of all relayed topics.
+        """
+        resident = process.resident_bytes
+        return RuntimeStatus(
+            node=self._node,
+            stamp_ns=now_ns,
+            uptime_s=(process.steady_ns - self._start.steady_ns) / NS_PER_S,
+            rules=rules,
+            budget_kb_per_s=loop.knowledge.budget_kb_per_s,
+            floors_break_budget=loop.knowledge.floors_break_budget,
+            cpu_percent=self._share_of_cpu(process),
+            memory_mb=None if resident is None else resident / BYTES_PER_MB,
+            topics=self._topics(loop, links, now_ns),
+            status_hz=status_hz,
+            blocks=loop.block_states(now_ns),
+        )
+
+    def _share_of_cpu(self, process: ProcessReading) -> float | None:
+        """Over about a second: less is too short to say."""
+        elapsed_ns = process.steady_ns - self._process.steady_ns
+        if elapsed_ns >= _CPU_OVER_NS:
+            self._cpu_percent = 100 * (process.cpu_ns - self._process.cpu_ns) / elapsed_ns
+            self._process = process
+        return self._cpu_percent
+
+    def _topics(self, loop: RelayLoop, links: Mapping[str, TopicLink], now_ns: int) -> dict[str, TopicStatus]:
+        knowledge, statistics, discarded = loop.knowledge, loop.relays.statistics, loop.relays.discarded
+        self._meters = {topic: self._metered(topic, statistics[topic]) for topic in links}
+        for topic, link in links.items():
+            self._meters[topic].look(link, knowledge.profile.topic(topic), now_ns)
+        return {
+            topic: _topic_status(
+                link,
+                knowledge.plan[topic],
+                self._meters[topic],
+                _counts(statistics[topic], discarded.get(topic, 0), knowledge.undecodable.get(topic, 0)),
+            )
+            for topic, link in links.items()
+        }
+
+    def _metered(self, topic: str, statistics: RelayStatistics) -> _Meters:
+        meters = self._meters.get(topic)
+        # New rules may come with new statistics.
+        return meters if meters is not None and meters.statistics is statistics else _Meters(statistics)
+
+
+def _topic_status(link: TopicLink, planned: PlannedRate, meters: _Meters, counts: TopicCounts) -> TopicStatus:
+    rates = meters.rates
+    error = _Error(None, is_explained=True) if planned.within else _error(meters, rates, link)
+    is_still = meters.arrived.is_silent or meters.target_hz == 0
+    return TopicStatus(
+        output=link.output,
+        type_name=link.type_name,
+        reason=planned.reason,
+        rule=planned.rule,
+        line=planned.line,
+        target_hz=meters.target_hz,
+        source_hz=0.0 if meters.arrived.is_silent else rates.source_hz,
+        expected_hz=rates.expected_hz,
+        actual_hz=0.0 if is_still else rates.actual_hz,
+        error_percent=error.percent,
+        keeps_rate=error.is_explained,
+        stamped_hz=meters.age.stamped_hz if link.has_header else None,
+        delay_ms=meters.age.delay_ms if link.has_header else None,
+        in_kb_per_s=meters.arrived.kb_per_s,
+        out_kb_per_s=meters.relayed.kb_per_s,
+        publishers=link.publishers,
+        subscribers=link.subscribers,
+        incompatible=link.incompatible,
+        problem=link.problem,
+        silence=_silence(link, meters),
+        counts=counts,
+        frames=len(meters.frames) or None,
+        within=planned.within,
+        bound_reasons=planned.bound_reasons,
+    )
+
+
+def _counts(statistics: RelayStatistics, discarded: int, undecodable: int) -> TopicCounts:
+    return TopicCounts(
+        received=statistics.arrived.messages,
+        relayed=statistics.relayed.messages,
+        repeated=statistics.repeated,
+        discarded=discarded,
+        undecodable=undecodable,
+    )
+
+
+def _error(meters: _Meters, rates: _Rates, link: TopicLink) -> _Error:
+    expected_hz, actual_hz, span_ns = rates.expected_hz, rates.actual_hz, meters.relayed.span_ns
+    kind = StreamKind.of(type_name=link.type_name or "", transient_local=link.transient_local)
+    is_paced = kind is not StreamKind.TRANSIENT_LOCAL and not meters.statistics.repeated
+    if expected_hz and is_paced and meters.relayed.is_silent and not meters.arrived.is_silent:
+        return _Error(-100.0, is_explained=False)
+    if not (expected_hz and actual_hz and is_paced) or span_ns < _ERROR_AFTER_NS:
+        return _Error(None, is_explained=True)
+    if kind is StreamKind.VOLATILE and link.publishers > 1 and actual_hz > expected_hz:
+        # Where publishers are told apart, each has the rate for itself.
+        return _Error(None, is_explained=True)
+    percent = 100 * (actual_hz / expected_hz - 1)
+    messages_off = abs(actual_hz - expected_hz) * span_ns / NS_PER_S
+    return _Error(percent, abs(percent) <= TOLERANCE_PERCENT or messages_off <= _MESSAGES_EXPLAINED)
+
+
+def _silence(link: TopicLink, meters: _Meters) -> Silence | None:
+    reasons = {
+        Silence.OFF: meters.target_hz == 0,
+        Silence.NO_PUBLISHER: link.publishers == 0,
+        Silence.CANNOT_RELAY: link.problem is not None,
+        Silence.NO_SUBSCRIBER: link.subscribers == 0,
+        Silence.INCOMPATIBLE_QOS: link.subscribers == len(link.incompatible),
+        Silence.NO_MESSAGE: meters.statistics.arrived.messages == 0,
+        Silence.SOURCE_SILENT: meters.arrived.is_silent,
+    }
+    return next((reason for reason, holds in reasons.items() if holds), None)

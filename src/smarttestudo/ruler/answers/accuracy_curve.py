@@ -1,0 +1,98 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What the accuracies of a topic need, from a bag."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from msgspec import Struct
+
+from smarttestudo.accuracy import accuracy_curve as loss
+from smarttestudo.accuracy.recorded_accuracy_curves import WantedProperty, measure_accuracy
+from smarttestudo.bags.reader import open_recording
+from smarttestudo.domain.accuracy import LevelledProperty
+from smarttestudo.domain.errors import RecordingError
+from smarttestudo.domain.profile import Profile
+from smarttestudo.optimizer.accuracy_measure import PROPOSED_BOUNDS, bounds_need_hz, levelled_properties
+
+
+class AccuracyCurveRequest(Struct, frozen=True, kw_only=True):
+    """``POST /api/profile/accuracy`` → ``AccuracyNeeds``: what the accuracies of ``topic`` need, from a bag.
+
+    ``run`` names the work in ``Progress`` messages of ``/ws``.
+    """
+
+    bag: str
+    topic: str
+    run: str = ""
+
+
+class BoundNeed(Struct, frozen=True, kw_only=True):
+    """How many messages per s keep within ``bound``, with hold and with dead reckoning.
+
+    ``reckoned_hz`` is null where nothing can be reckoned. A wider bound may need a message more by chance: it
+    counts as the tighter one does.
+    """
+
+    bound: float
+    hold_hz: float
+    reckoned_hz: float | None
+
+
+class PropertyNeeds(Struct, frozen=True, kw_only=True):
+    """A property at the six bounds that are usual for it, the widest first, in ``unit``: m, deg or rad."""
+
+    property: LevelledProperty
+    unit: str
+    points: tuple[BoundNeed, ...]
+
+
+class AccuracyNeeds(Struct, frozen=True, kw_only=True):
+    """The properties of a topic that changed, beside the rate of its source."""
+
+    source_hz: float | None
+    properties: tuple[PropertyNeeds, ...]
+    notices: tuple[str, ...] = ()
+
+
+def measured_needs(bag: Path, topic: str, report: Callable[[float], None]) -> AccuracyNeeds:
+    """What ``topic`` needs; ``report`` gets the share done. Raises ``RecordingError``."""
+    with open_recording(bag) as recording:
+        types = {one.topic: one.type_name for one in recording.channels}
+    if topic not in types:
+        raise RecordingError(
+            f"the recording has no topic {topic}", place=str(bag), remedy="choose another one"
+        )
+    wanted = [
+        WantedProperty(name=one.value, unit=one.unit, bounds=PROPOSED_BOUNDS[one])
+        for one in levelled_properties(types[topic])
+    ]
+    found = measure_accuracy(bag, {topic: wanted}, Profile(), report)
+    source_hz = next((one.source_hz for one in found.curves), None)
+    return AccuracyNeeds(
+        source_hz=source_hz,
+        properties=tuple(_needs(one, one.source_hz) for one in found.curves if one.source_hz),
+        notices=found.notices,
+    )
+
+
+def _needs(curve: loss.AccuracyCurve, source_hz: float) -> PropertyNeeds:
+    def rates_hz(prices: Sequence[loss.BoundPrice]) -> tuple[float, ...]:
+        return bounds_need_hz([one.within.messages for one in prices], curve.messages, source_hz)
+
+    reckoned = [one.reckoned for one in curve.points if one.reckoned]
+    points = itertools.zip_longest(
+        curve.points, rates_hz([one.hold for one in curve.points]), rates_hz(reckoned)
+    )
+    levelled = LevelledProperty(curve.property_name)
+    return PropertyNeeds(
+        property=levelled,
+        unit=levelled.unit,
+        points=tuple(
+            BoundNeed(bound=point.bound, hold_hz=hold_hz, reckoned_hz=reckoned_hz)
+            for point, hold_hz, reckoned_hz in points
+        ),
+    )

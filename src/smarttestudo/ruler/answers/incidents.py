@@ -1,0 +1,267 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The incidents in the project: what rules recorded, on a robot or from a recording."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path, PurePosixPath
+
+from msgspec import Struct
+
+from smarttestudo.bags.incident_record import RECORD_NAME
+from smarttestudo.domain.errors import RecordingError, TestudoError
+from smarttestudo.domain.incident import IncidentRecord, MissingReason
+from smarttestudo.domain.remote_incidents import RemoteIncident
+from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_MS, NS_PER_S
+from smarttestudo.files.zip_stream import zip_pieces
+from smarttestudo.incidents.store import IncidentStore, StoredIncident
+from smarttestudo.language.properties import property_spec
+from smarttestudo.ruler.answers.missing_messages import MissingMessages, missing_messages
+from smarttestudo.ruler.project.project_folder import FileKind, MissingFileError, ProjectFolder
+
+MAX_INCIDENTS = 500
+_REASONS = frozenset(reason.value for reason in MissingReason)
+
+
+class IncidentSummary(Struct, frozen=True, kw_only=True):
+    """An incident in a list: ``title`` is what its ``Record`` calls it, ``rule`` the rule that recorded it.
+
+    ``triggered_ms`` counts since 1970; the window is from ``before_s`` before that to ``after_s`` after it.
+    ``missing`` are the reasons why it is not whole, each once; ``is_read`` is whether somebody opened it.
+    """
+
+    title: str
+    rule: str
+    triggered_ms: int
+    before_s: float
+    after_s: float
+    messages: int
+    missing: tuple[MissingReason, ...]
+    is_read: bool
+
+
+class ListedIncident(Struct, frozen=True, kw_only=True):
+    """A folder with an incident, by its ``name`` in the project.
+
+    ``problem`` is why it cannot be read, and ``summary`` null then.
+    """
+
+    name: str
+    size_kb: float
+    problem: str
+    summary: IncidentSummary | None
+
+
+class IncidentsAnswer(Struct, frozen=True, kw_only=True):
+    """``GET /api/incidents``: the newest first; ``has_more`` is whether older ones are left out."""
+
+    incidents: tuple[ListedIncident, ...]
+    has_more: bool
+
+
+class OneIncidentRequest(Struct, frozen=True, kw_only=True):
+    """An incident by its name in the project."""
+
+    name: str
+
+
+class IncidentValue(Struct, frozen=True, kw_only=True):
+    """What the condition read of a topic; null where that was unknown. ``unit`` may be empty."""
+
+    signal: str
+    value: float | None
+    unit: str
+
+
+class RecordedTopic(Struct, frozen=True, kw_only=True):
+    """What an incident holds of a topic; ``type`` is empty where nobody published it.
+
+    ``latched_s`` are the times of what came before the window and counted in it, seconds from the trigger.
+    """
+
+    topic: str
+    type: str
+    messages: int
+    size_kb: float
+    latched_s: tuple[float, ...]
+
+
+class IncidentAnswer(Struct, frozen=True, kw_only=True):
+    """``POST /api/incident``: all that its record says.
+
+    ``rule_path`` and ``line`` are where the robot had the rule. ``rule_file`` is the project's file of that
+    name, null where it has none, and ``is_same_text`` whether that holds the same text as then.
+    """
+
+    name: str
+    size_kb: float
+    summary: IncidentSummary
+    rule_path: str
+    line: int
+    rule_file: str | None
+    is_same_text: bool
+    values: tuple[IncidentValue, ...]
+    topics: tuple[RecordedTopic, ...]
+    missing: tuple[MissingMessages, ...]
+
+
+class KnownIncidents:
+    """The incidents of ``folder``; nothing outside it is read or deleted."""
+
+    def __init__(self, folder: ProjectFolder) -> None:
+        self._folder = folder
+
+    def incidents(self) -> IncidentsAnswer:
+        """All incidents; one that cannot be read costs only itself."""
+        names, has_more = self._folder.folders_with(RECORD_NAME)
+        # Their names begin with the time.
+        names.sort(key=lambda name: PurePosixPath(name).name, reverse=True)
+        return IncidentsAnswer(
+            incidents=tuple(self._listed(names[:MAX_INCIDENTS])),
+            has_more=has_more or len(names) > MAX_INCIDENTS,
+        )
+
+    def incident(self, request: OneIncidentRequest) -> IncidentAnswer:
+        """What one holds; from now on somebody has read it."""
+        with self._placed():
+            store, last = self._store(request.name)
+            stored = store.incident(last)
+            store.mark_read(last)
+            return self._answer(request.name, stored)
+
+    def delete(self, request: OneIncidentRequest) -> IncidentsAnswer:
+        """Delete one; what is left. Raises ``RecordingError`` where its folder holds something else, too."""
+        with self._placed():
+            store, last = self._store(request.name)
+            store.delete(last)
+        return self.incidents()
+
+    def bag(self, name: str) -> Path:
+        """The folder of an incident, which is a bag."""
+        with self._placed():
+            store, last = self._store(name)
+            return store.incident(last).path
+
+    def zipped(self, name: str) -> tuple[str, Iterator[bytes]]:
+        """A name without blanks and slashes, and the pieces of a .zip with all files of an incident."""
+        with self._placed():
+            store, last = self._store(name)
+            return last, zip_pieces(store.files(last), last)
+
+    def _listed(self, names: list[str]) -> Iterator[ListedIncident]:
+        for name in names:
+            size_bytes = 0
+            try:
+                with self._placed():
+                    store, last = self._store(name)
+                    size_bytes = store.size_bytes(last)
+                    stored = store.incident(last)
+            except TestudoError as error:
+                problem = told_of_listed(error)
+                yield ListedIncident(
+                    name=name, size_kb=size_bytes / BYTES_PER_KB, problem=problem, summary=None
+                )
+            else:
+                yield ListedIncident(
+                    name=name,
+                    size_kb=size_bytes / BYTES_PER_KB,
+                    problem="",
+                    summary=incident_summary(stored.listed()),
+                )
+
+    def _store(self, name: str) -> tuple[IncidentStore, str]:
+        path = self._folder.path(name)
+        # A link is a record that cannot be read, not a folder without one.
+        if not (path / RECORD_NAME).is_symlink() and not (path / RECORD_NAME).exists():
+            raise MissingFileError("there is no such incident in the project", place=name)
+        return IncidentStore(path.parent), path.name
+
+    def _answer(self, name: str, stored: StoredIncident) -> IncidentAnswer:
+        record = stored.record
+        rule_file = self._rule_file(record.path)
+        return IncidentAnswer(
+            name=name,
+            size_kb=stored.size_bytes / BYTES_PER_KB,
+            summary=incident_summary(stored.listed()),
+            rule_path=record.path,
+            line=record.line,
+            rule_file=rule_file,
+            is_same_text=rule_file is not None and self._sha256(rule_file) == record.rules_sha256,
+            values=tuple(_value(record, signal) for signal in record.values),
+            topics=tuple(_topics(record)),
+            missing=missing_messages(record.missing, record.triggered_ns),
+        )
+
+    def _rule_file(self, path: str) -> str | None:
+        """The rule file of the project that ends most like ``path``; ``None`` without one of that name."""
+        parts = PurePosixPath(path).parts[::-1]
+        files, _ = self._folder.files()
+        alike = {
+            one.name: _common(parts, PurePosixPath(one.name).parts[::-1])
+            for one in files
+            if one.kind is FileKind.RULES
+        }
+        best = max(alike, key=lambda name: alike[name], default=None)
+        return best if best is not None and alike[best] else None
+
+    def _sha256(self, name: str) -> str | None:
+        try:
+            return self._folder.read(name).sha256
+        except TestudoError:
+            # Who opens it is told what is wrong with it.
+            return None
+
+    @contextmanager
+    def _placed(self) -> Iterator[None]:
+        """Errors name folders as the project does."""
+        try:
+            yield
+        except RecordingError as error:
+            place = self._folder.shown(error.place or "")
+            raise RecordingError(error.cause, place=place, remedy=error.remedy) from error
+
+
+def _common(one: tuple[str, ...], other: tuple[str, ...]) -> int:
+    """How many parts are the same, from the first on."""
+    differing = (at for at, (a, b) in enumerate(zip(one, other, strict=False)) if a != b)
+    return next(differing, min(len(one), len(other)))
+
+
+def incident_summary(one: RemoteIncident) -> IncidentSummary:
+    """What a list says of an incident, with those reasons that this version knows."""
+    return IncidentSummary(
+        title=one.label,
+        rule=one.rule,
+        triggered_ms=one.triggered_ns // NS_PER_MS,
+        before_s=(one.triggered_ns - one.from_ns) / NS_PER_S,
+        after_s=(one.to_ns - one.triggered_ns) / NS_PER_S,
+        messages=one.messages,
+        missing=tuple(dict.fromkeys(MissingReason(word) for word in one.missing if word in _REASONS)),
+        is_read=one.is_read,
+    )
+
+
+def told_of_listed(error: TestudoError) -> str:
+    """Cause and remedy; the list says already of what."""
+    return "; ".join(filter(None, (error.cause, error.remedy)))
+
+
+def _value(record: IncidentRecord, signal: str) -> IncidentValue:
+    topic, _, name = signal.partition(" ")
+    type_name = record.topics[topic].type_name if topic in record.topics else None
+    spec = property_spec(type_name, name)
+    return IncidentValue(signal=signal, value=record.values[signal], unit=spec.unit if spec else "")
+
+
+def _topics(record: IncidentRecord) -> Iterator[RecordedTopic]:
+    for name, topic in record.topics.items():
+        latched = (one.stamp_ns for one in record.latched if one.topic == name)
+        yield RecordedTopic(
+            topic=name,
+            type=topic.type_name,
+            messages=topic.messages,
+            size_kb=topic.size_bytes / BYTES_PER_KB,
+            latched_s=tuple((stamp_ns - record.triggered_ns) / NS_PER_S for stamp_ns in latched),
+        )

@@ -1,0 +1,214 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The files of the project that the page has open."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from importlib.util import find_spec
+
+from msgspec import Struct
+
+from smarttestudo import __version__
+from smarttestudo.domain.errors import TestudoError
+from smarttestudo.ruler.project.project_folder import (
+    ChangedFileError,
+    FileKind,
+    FileText,
+    ForbiddenPathError,
+    FoundFile,
+    MissingFileError,
+    ProjectFolder,
+    layout_name,
+)
+from smarttestudo.ruler.project.project_settings import SettingsFile
+from smarttestudo.ruler.project.version_store import VersionStore
+
+
+class Project(Struct, frozen=True, kw_only=True):
+    """``GET /api/project``. ``opened`` is the file that the command line named, if any.
+
+    A bag is named by its folder, or by its file where it has no metadata. ``ros`` is whether the server can
+    reach ROS 2; ``version`` is that of SmartTestudo. ``root_hash`` tells folders of one name apart.
+    ``saves_by_itself`` is whether the page saves what was changed without being asked.
+    """
+
+    root_name: str
+    root_hash: str
+    opened: str | None
+    files: tuple[FoundFile, ...]
+    version: str
+    ros: bool
+    has_more: bool
+    saves_by_itself: bool
+
+
+class SettingsRequest(Struct, frozen=True, kw_only=True):
+    """``PUT /api/project/settings`` → ``Project``: what everybody who opens the project wants."""
+
+    saves_by_itself: bool
+
+
+class FileAnswer(Struct, frozen=True, kw_only=True):
+    """``GET /api/file?name=``: the text with its SHA-256, which a later PUT names."""
+
+    name: str
+    text: str
+    hash: str
+
+
+class FileOnDisk(Struct, frozen=True, kw_only=True):
+    """``GET /api/file/state?name=``: the SHA-256 of what is on disk, null where nothing is."""
+
+    hash: str | None
+
+
+class SaveRequest(Struct, frozen=True, kw_only=True):
+    """``PUT /api/file``: ``base_hash`` is what the editor read; null where the file must not exist yet.
+
+    ``by_itself`` is whether nobody asked the page to save.
+    """
+
+    name: str
+    text: str
+    base_hash: str | None = None
+    by_itself: bool = False
+
+
+class SaveAnswer(Struct, frozen=True, kw_only=True):
+    """The SHA-256 of what is on disk now; ``note`` is why no version of it is kept, empty if one is."""
+
+    hash: str
+    note: str
+
+
+class RenameRequest(Struct, frozen=True, kw_only=True):
+    """``POST /api/file/rename`` → ``Project``: ``base_hash`` is what the page knows to be in ``name``."""
+
+    name: str
+    new_name: str
+    base_hash: str
+
+
+class DeleteRequest(Struct, frozen=True, kw_only=True):
+    """``POST /api/file/delete`` → ``Project``: ``base_hash`` is what the page keeps for its *Undo*."""
+
+    name: str
+    base_hash: str
+
+
+class ProjectFiles:
+    """The files of ``folder``; ``opened`` is the one that the user named, if any.
+
+    ``now_s`` is the time in seconds since 1970.
+    """
+
+    def __init__(
+        self,
+        folder: ProjectFolder,
+        settings: SettingsFile,
+        opened: str | None,
+        now_s: Callable[[], float] = time.time,
+    ) -> None:
+        self._folder = folder
+        self._settings = settings
+        self._versions = VersionStore(folder)
+        self._opened = opened
+        self._now_s = now_s
+
+    def project(self) -> Project:
+        """What there is to open."""
+        files, has_more = self._folder.files()
+        return Project(
+            root_name=self._folder.name,
+            root_hash=self._folder.path_hash,
+            opened=self._opened,
+            files=tuple(files),
+            version=__version__,
+            ros=find_spec("rclpy") is not None,
+            has_more=has_more,
+            saves_by_itself=self._settings.read().saves_by_itself,
+        )
+
+    def set(self, request: SettingsRequest) -> Project:
+        """Change the settings of the project."""
+        self._settings.set_saves_by_itself(is_wanted=request.saves_by_itself)
+        return self.project()
+
+    def read(self, name: str) -> FileAnswer:
+        """One text file."""
+        found = self._folder.read(name)
+        return FileAnswer(name=name, text=found.text, hash=found.sha256)
+
+    def state(self, name: str) -> FileOnDisk:
+        """What tells whether a file that is open was changed by somebody else."""
+        try:
+            return FileOnDisk(hash=self._folder.read(name).sha256)
+        except MissingFileError:
+            return FileOnDisk(hash=None)
+
+    def save(self, request: SaveRequest) -> SaveAnswer:
+        """Write one text file; of a rule file, what was and what is there are kept as versions."""
+        name = request.name
+        if self._folder.kind(name) is not FileKind.RULES:
+            return SaveAnswer(hash=self._written(request), note="")
+        before = self._before(request)
+        sha256 = self._written(request)
+        try:
+            if before is not None:
+                self._versions.keep(name, before.text, before.changed_at_ms)
+            self._versions.keep(name, request.text, int(self._now_s() * 1000), by_itself=request.by_itself)
+        except TestudoError as error:
+            # The file itself is saved, and that must be said.
+            return SaveAnswer(hash=sha256, note=error.cause)
+        return SaveAnswer(hash=sha256, note="")
+
+    def rename(self, request: RenameRequest) -> Project:
+        """Call a rule file or a profile otherwise; its versions, its map and its profile go with it."""
+        name, new_name = request.name, request.new_name
+        kind = self._folder.kind(name)
+        if self._folder.kind(new_name) is not kind:
+            remedy = "rule files end in .adirf, profiles in .toml"
+            raise ForbiddenPathError("a file keeps its kind", place=new_name, remedy=remedy)
+        self._move(self._folder.read(name).text, name, new_name, request.base_hash)
+        layout = layout_name(name)
+        with suppress(MissingFileError, ChangedFileError):
+            found = self._folder.read(layout)
+            self._move(found.text, layout, layout_name(new_name), found.sha256)
+        if kind is FileKind.RULES:
+            self._versions.move(name, new_name)
+        self._settings.follow(name, new_name)
+        return self.project()
+
+    def delete(self, request: DeleteRequest) -> Project:
+        """Remove a rule file, of which a version is kept, or a profile."""
+        name = request.name
+        if self._folder.kind(name) is FileKind.RULES:
+            found = self._folder.read(name)
+            self._versions.keep(name, found.text, found.changed_at_ms)
+        self._folder.remove(name, request.base_hash)
+        return self.project()
+
+    def _move(self, text: str, name: str, new_name: str, base_sha256: str) -> None:
+        written_sha256 = self._folder.write(new_name, text, None)
+        try:
+            self._folder.remove(name, base_sha256)
+        except TestudoError:
+            # Whoever is refused finds what was there before.
+            self._folder.remove(new_name, written_sha256)
+            raise
+
+    def _written(self, request: SaveRequest) -> str:
+        return self._folder.write(request.name, request.text, request.base_hash)
+
+    def _before(self, request: SaveRequest) -> FileText | None:
+        """What a save replaces, which another program may have written; ``None`` where nothing is."""
+        if request.base_hash is None:
+            return None
+        try:
+            return self._folder.read(request.name)
+        except TestudoError:
+            # The save itself says what is wrong with it.
+            return None

@@ -1,0 +1,206 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What the operator would lose in a trial, by the measure of ``testudo bag loss``."""
+
+from __future__ import annotations
+
+from array import array
+from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
+
+from msgspec import Struct
+
+from smarttestudo.accuracy.binned_series import BinnedSeries, TimeBins, binned_age, binned_error
+from smarttestudo.accuracy.crossings import thresholds_of
+from smarttestudo.accuracy.loss_report import ErrorSize, FieldLoss, Frames, Sightings, TopicArm
+from smarttestudo.accuracy.measure import (
+    SharedTopic,
+    crossing_losses,
+    field_losses,
+    image_losses,
+    topic_loss,
+)
+from smarttestudo.accuracy.recorded_samples import SampleTaker, TopicReading
+from smarttestudo.accuracy.samples import BULK_TYPES, Field, TopicSamples, fields_of
+from smarttestudo.accuracy.thinning import Thinned
+from smarttestudo.domain.profile import Profile
+from smarttestudo.domain.recording import Channel, RecordingReader
+from smarttestudo.domain.units import NS_PER_S, grouped
+from smarttestudo.language.rule_set import RuleSet
+
+_NO_THIRD_ARM = Thinned(stamps_ns=array("q"), indices=array("q"))
+
+
+class TryTopicLoss(Struct, frozen=True, kw_only=True):
+    """How old a topic was; the bins have the greatest age in s."""
+
+    topic: str
+    sent: TopicArm
+    received: TopicArm
+    age_s_bins: BinnedSeries
+
+
+class TryFieldLoss(Struct, frozen=True, kw_only=True):
+    """How far a field's last value received was from the robot's; the bins have the largest error.
+
+    ``sent`` are the least and the greatest value sent, null where none was; ``range`` is what lies between
+    them, of an angle that goes round that of its course; ``hold`` is null where nothing of it was received.
+    """
+
+    topic: str
+    field: str
+    unit: str
+    sent: tuple[float, float] | None
+    range: float
+    hold: ErrorSize | None
+    error_bins: BinnedSeries
+
+
+class TryCrossing(Struct, frozen=True, kw_only=True):
+    """How the operator saw a value cross the threshold of a check."""
+
+    check: str
+    crossings: int
+    received: Sightings
+
+
+class TryImages(Struct, frozen=True, kw_only=True):
+    """A topic of images as sent and as received."""
+
+    topic: str
+    sent: Frames
+    received: Frames
+
+
+class TryLoss(Struct, frozen=True, kw_only=True):
+    """What the operator would lose: the numbers of ``testudo bag loss``, without its third arm."""
+
+    topics: tuple[TryTopicLoss, ...]
+    fields: tuple[TryFieldLoss, ...]
+    crossings: tuple[TryCrossing, ...]
+    images: tuple[TryImages, ...]
+
+
+class LossWatch:
+    """Keeps the numbers of the relayed topics, as sent and as received, while a recording is replayed.
+
+    They are those of the first ``max_samples`` messages. Images and point clouds are not looked into.
+    """
+
+    def __init__(
+        self, recording: RecordingReader, rule_set: RuleSet, profile: Profile, *, max_samples: int
+    ) -> None:
+        self._thresholds = thresholds_of(rule_set)
+        self._start_ns, self._end_ns = recording.start_ns, recording.end_ns
+        self._max_samples = self._left = max_samples
+        readings = {topic: self._reading(topic, profile) for topic in rule_set.relayed}
+        take = partial(
+            SampleTaker, declared_bytes=recording.declared_bytes, start_ns=self._start_ns, end_ns=self._end_ns
+        )
+        self._sent = take(readings)
+        for channel in recording.channels:
+            self._sent.add(channel)
+        self._received = take({topic: self._same(reading, topic) for topic, reading in readings.items()})
+
+    def arrived(self, channel: Channel, stamp_ns: int, payload: bytes) -> None:
+        """The robot sent a message."""
+        if self._left and self._sent.take(channel, stamp_ns, payload):
+            self._left -= 1
+            if not self._left:
+                self._end_ns = stamp_ns
+
+    def add(self, channel: Channel) -> None:
+        """Messages of ``channel`` may be relayed."""
+        self._received.add(channel)
+
+    def relayed(self, channel: Channel, stamp_ns: int, payload: bytes) -> None:
+        """The operator received a message."""
+        if self._left or stamp_ns <= self._end_ns:
+            self._received.take(channel, stamp_ns, payload)
+
+    def loss(self, bins: TimeBins) -> TryLoss:
+        """What was lost; the courses are over ``bins``."""
+        shared = list(self._shared())
+        return TryLoss(
+            topics=tuple(_topic_loss(one, bins) for one in shared),
+            fields=tuple(_field_loss(one, loss, bins) for one in shared for loss in field_losses(one)),
+            crossings=tuple(
+                TryCrossing(check=loss.check, crossings=loss.crossings, received=loss.received)
+                for one in shared
+                for loss in crossing_losses(one, self._thresholds)
+            ),
+            images=tuple(
+                TryImages(topic=loss.topic, sent=loss.sent, received=loss.received)
+                for one in shared
+                for loss in image_losses(one)
+            ),
+        )
+
+    def _shared(self) -> Iterator[SharedTopic]:
+        received = self._received.samples
+        for topic, sent in sorted(self._sent.samples.items()):
+            if sent.stamps_ns and topic in received:
+                yield SharedTopic(
+                    sent=sent,
+                    received=received[topic],
+                    fixed=_NO_THIRD_ARM,
+                    fixed_hz=0.0,
+                    end_ns=self._end_ns,
+                )
+
+    def _reading(self, topic: str, profile: Profile) -> TopicReading:
+        needed = tuple(one.signal.property for one in self._thresholds if one.signal.topic == topic)
+        return TopicReading(
+            choose_fields=partial(_choose_fields, needed=needed),
+            undecoded_types=frozenset() if needed else BULK_TYPES,
+            level_unit=profile.topic(topic).level_unit,
+        )
+
+    def _same(self, reading: TopicReading, topic: str) -> TopicReading:
+        """How a topic is read as received: the fields that were found in it as it was sent."""
+
+        def choose(_type_name: str, _message: object) -> Sequence[Field]:
+            samples: Mapping[str, TopicSamples] = self._sent.samples
+            return samples[topic].fields
+
+        return TopicReading(
+            choose_fields=choose, undecoded_types=reading.undecoded_types, level_unit=reading.level_unit
+        )
+
+    def notices(self) -> Iterator[str]:
+        """What was left out, a line each."""
+        yield from self._sent.notices()
+        if not self._left:
+            until_s = (self._end_ns - self._start_ns) / NS_PER_S
+            came = f"{grouped(self._max_samples)} messages came"
+            yield f"the loss is that of the first {grouped(until_s)} s, in which {came}"
+
+
+def _choose_fields(type_name: str, message: object, *, needed: Sequence[str]) -> Sequence[Field]:
+    return fields_of(type_name, message, needed=needed)
+
+
+def _topic_loss(shared: SharedTopic, bins: TimeBins) -> TryTopicLoss:
+    loss = topic_loss(shared)
+    ages = binned_age(shared.received.stamps_ns, shared.end_ns, bins)
+    return TryTopicLoss(topic=loss.topic, sent=loss.sent, received=loss.received, age_s_bins=_short(ages))
+
+
+def _field_loss(shared: SharedTopic, loss: FieldLoss, bins: TimeBins) -> TryFieldLoss:
+    field = next(field for field in shared.sent.fields if field.name == loss.field)
+    sent, received, _ = shared.series(field)
+    known = sent.known().values
+    return TryFieldLoss(
+        topic=loss.topic,
+        field=loss.field,
+        unit=loss.unit,
+        sent=(min(known), max(known)) if known else None,
+        range=loss.value_range,
+        hold=loss.received.hold if loss.received else None,
+        error_bins=_short(binned_error(sent, received, shared.end_ns, bins)),
+    )
+
+
+def _short(binned: BinnedSeries) -> BinnedSeries:
+    """Four digits, which is what a chart can show."""
+    return tuple(None if value is None else float(f"{value:.4g}") for value in binned)

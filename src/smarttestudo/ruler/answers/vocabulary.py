@@ -1,0 +1,188 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The topics and properties to suggest while rules are written."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from enum import Enum
+from pathlib import Path
+
+from msgspec import Struct
+
+from smarttestudo.domain.accuracy import AccuracyTiers
+from smarttestudo.domain.profile import Profile, TopicProfile
+from smarttestudo.domain.rate import Tier
+from smarttestudo.language.parser import ParseResult, parse
+from smarttestudo.language.properties import (
+    ARRIVAL_PROPERTIES,
+    PropertySpec,
+    properties_for_bounds,
+    properties_of,
+    usual_types,
+)
+from smarttestudo.language.syntax import (
+    Block,
+    Statement,
+    bounds_in,
+    checks_in,
+    records_in,
+    sets_in,
+)
+from smarttestudo.optimizer.quality import interval_hz
+from smarttestudo.rules.profile_file import parse_profile
+
+
+class TopicSource(Enum):
+    """Who names a topic; the value is its name in JSON, the order that of trust."""
+
+    PROFILE = "profile"
+    ROBOT = "robot"
+    RULES = "rules"
+    EXAMPLE = "example"
+
+
+class Property(Struct, frozen=True, kw_only=True):
+    """A property that a check can read or a bound can be about.
+
+    ``levels`` are the loosest and the tightest bound of each of the six levels, where the profile has them.
+    """
+
+    name: str
+    unit: str
+    meaning: str
+    levels: tuple[tuple[float, float], ...] | None
+
+
+class KnownTopic(Struct, frozen=True, kw_only=True):
+    """A topic, its type where anybody knows it, else the one that its name stands for, and who names it.
+
+    ``properties`` are those that checks read, ``bounds`` those that only a ``KeepWithin`` can name.
+    ``source_hz`` is the profile's, ``levels_hz`` the lowest and highest rate of each of its six levels.
+    ``used_by`` are the labels of the rules that name the topic, and ``default`` for statements outside rules.
+    ``is_published``: a robot that is heard now has it.
+    """
+
+    topic: str
+    type: str | None
+    properties: tuple[Property, ...]
+    bounds: tuple[Property, ...]
+    source: TopicSource
+    source_hz: float | None
+    levels_hz: tuple[tuple[float, float], ...] | None
+    used_by: tuple[str, ...]
+    is_published: bool
+
+
+class VocabularyRequest(Struct, frozen=True, kw_only=True):
+    """``POST /api/vocabulary`` → ``Vocabulary``."""
+
+    text: str | None = None
+    profile_text: str | None = None
+
+
+class Vocabulary(Struct, frozen=True, kw_only=True):
+    """What an editor suggests; ``every_topic`` are the properties of any topic."""
+
+    topics: tuple[KnownTopic, ...]
+    every_topic: tuple[Property, ...]
+
+
+DEFAULT_USER = "default"
+"""Who names a topic outside of rules."""
+
+_EXAMPLE_TOPICS = (
+    *("/odom", "/cmd_vel", "/scan", "/battery_state", "/imu", "/joint_states", "/tf"),
+    *("/camera/camera_info", "/camera/image_raw", "/camera/image_raw/compressed"),
+)
+"""The topics of a TurtleBot3."""
+
+
+def vocabulary(request: VocabularyRequest, robot_topics: Mapping[str, str]) -> Vocabulary:
+    """Words to suggest; ``robot_topics`` are the types of what is live now."""
+    profile_text = request.profile_text
+    profile = None if profile_text is None else parse_profile(profile_text, Path("profile.toml"))
+    rules = None if request.text is None else parse(request.text, "the rules")
+    return Vocabulary(
+        topics=tuple(_known_topics(profile, rules, robot_topics)),
+        every_topic=_properties(ARRIVAL_PROPERTIES.values(), TopicProfile()),
+    )
+
+
+def _known_topics(
+    profile: Profile | None, rules: ParseResult | None, robot_topics: Mapping[str, str]
+) -> Iterator[KnownTopic]:
+    """Every topic once, by the most trusted who names it; types from whoever knows them."""
+    users = _users(rules)
+    by_source: dict[TopicSource, dict[str, str | None]] = {
+        TopicSource.PROFILE: {}
+        if profile is None
+        else {name: entry.type_name for name, entry in profile.topics.items()},
+        TopicSource.ROBOT: dict(robot_topics),
+        TopicSource.RULES: dict.fromkeys(sorted(users)),
+        TopicSource.EXAMPLE: dict.fromkeys(_EXAMPLE_TOPICS),
+    }
+    sources: dict[str, TopicSource] = {}
+    types: dict[str, str] = {}
+    for source, topics in by_source.items():
+        for topic, type_name in topics.items():
+            sources.setdefault(topic, source)
+            if type_name is not None:
+                types.setdefault(topic, type_name)
+    for topic, source in sources.items():
+        known = types.get(topic) or next(iter(usual_types(topic)), None)
+        entry = TopicProfile() if profile is None else profile.topic(topic)
+        tiers_hz = entry.tiers_hz
+        yield KnownTopic(
+            topic=topic,
+            type=known,
+            properties=_properties(properties_of(known or "").values(), entry),
+            bounds=_properties(properties_for_bounds().get(known or "", ()), entry),
+            source=source,
+            source_hz=entry.source_hz,
+            levels_hz=None if tiers_hz is None else tuple(interval_hz(tier, tiers_hz) for tier in Tier),
+            used_by=tuple(users.get(topic, ())),
+            is_published=topic in robot_topics,
+        )
+
+
+def _properties(specs: Iterable[PropertySpec], topic: TopicProfile) -> tuple[Property, ...]:
+    return tuple(_property(spec, topic.accuracy(spec.name)) for spec in specs)
+
+
+def _property(spec: PropertySpec, tiers: AccuracyTiers | None) -> Property:
+    return Property(
+        name=spec.name,
+        unit=spec.unit,
+        meaning=spec.meaning,
+        levels=None if tiers is None else tuple(map(tiers.interval, Tier)),
+    )
+
+
+def topics_in(rules: ParseResult) -> set[str]:
+    """What the rules name."""
+    return {topic for statement in rules.file.statements for topic in _topics_of(statement)}
+
+
+def _users(rules: ParseResult | None) -> dict[str, list[str]]:
+    """For each topic that the rules name, who names it, each once and in the order of the text."""
+    users: dict[str, list[str]] = {}
+    for statement in () if rules is None else rules.file.statements:
+        label = statement.label if isinstance(statement, Block) else DEFAULT_USER
+        for topic in _topics_of(statement):
+            labels = users.setdefault(topic, [])
+            if label not in labels:
+                labels.append(label)
+    return users
+
+
+def _topics_of(statement: Statement) -> set[str]:
+    if not isinstance(statement, Block):
+        return {statement.topic.text}
+    actions = (*statement.then, *statement.otherwise)
+    return {
+        *(one.topic.text for one in sets_in(actions)),
+        *(one.topic.text for one in bounds_in(actions)),
+        *(topic.text for one in records_in(actions) for topic in one.topics),
+        *(check.topic.text for check in checks_in(statement.condition)),
+    }

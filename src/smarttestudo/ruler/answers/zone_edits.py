@@ -1,0 +1,201 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The edits that a map makes: new zones, moved ones, other sides."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from msgspec import Struct
+
+from smarttestudo.domain.names import resolve_topic
+from smarttestudo.domain.source import Span
+from smarttestudo.editing import (
+    CollectionPart,
+    Document,
+    EditError,
+    NewStatement,
+    inserted,
+    replaced,
+)
+from smarttestudo.editing.zones import (
+    PolygonError,
+    ZoneRectangle,
+    covering_rectangles,
+    moved_zone,
+    resized_zone,
+    with_zone,
+    zone_condition,
+)
+from smarttestudo.editing.zones.cover import MAX_RECTANGLES
+from smarttestudo.language.syntax import Block, RateExpression, RateWord, SetFrequency, TopicName
+from smarttestudo.ruler.answers.zones import ZoneBounds
+
+_NOWHERE = Span(line=1, column=1, end_line=1, end_column=1)
+_USUAL_TOPIC, _USUAL_RATE_HZ = "/odom", 10.0
+_FAR_M = 1e6
+_CM_PER_M = 100
+_CM2_PER_M2 = 10_000
+
+
+class NewZone(Struct, frozen=True, kw_only=True, tag_field="kind", tag="zone_new"):
+    """An edit: make ``rectangles`` the condition of rule ``into``, or, if that is null, of a new one."""
+
+    topic: str
+    rectangles: tuple[ZoneBounds, ...]
+    into: str | None = None
+    label: str = "Zone"
+
+
+class MoveZone(Struct, frozen=True, kw_only=True, tag_field="kind", tag="zone_move"):
+    """An edit: move all zones of rule ``id`` on ``topic``, in whole centimetres."""
+
+    id: str
+    topic: str
+    dx: float
+    dy: float
+
+
+class ResizeZone(Struct, frozen=True, kw_only=True, tag_field="kind", tag="zone_resize"):
+    """An edit: give zone number ``index`` of rule ``id`` other sides."""
+
+    id: str
+    index: int
+    rectangle: ZoneBounds
+
+
+class CoverRequest(Struct, frozen=True, kw_only=True):
+    """``POST /api/zones/cover`` → ``CoverAnswer``: the corners of a polygon, in its order."""
+
+    corners: tuple[tuple[float, float], ...]
+    max_rectangles: int = 8
+
+
+class CoverAnswer(Struct, frozen=True, kw_only=True):
+    """Rectangles that share no area and hold the polygon; ``over_m2`` is what they cover beside it."""
+
+    rectangles: tuple[ZoneBounds, ...]
+    polygon_m2: float
+    over_m2: float
+
+
+def zone_edited(document: Document, change: NewZone | MoveZone | ResizeZone) -> str:
+    """The text with one zone edited. Raises ``EditError`` for what no rule can say."""
+    match change:
+        case NewZone():
+            rectangles = [_rectangle(one) for one in change.rectangles[: MAX_RECTANGLES + 1]]
+            if len(rectangles) > MAX_RECTANGLES:
+                raise EditError(f"a zone has at most {MAX_RECTANGLES} rectangles", remedy="draw it simpler")
+            return with_new_zone(document, change.topic, rectangles, into=change.into, label=change.label)
+        case MoveZone():
+            by_m = (_known(change.dx), _known(change.dy))
+            return with_moved_zone(document, change.id, change.topic, by_m)
+        case ResizeZone():
+            return with_resized_zone(document, change.id, change.index, _rectangle(change.rectangle))
+
+
+def cover(request: CoverRequest) -> CoverAnswer:
+    """The rectangles for a polygon; its corners are rounded to centimetres."""
+    if not 1 <= request.max_rectangles <= MAX_RECTANGLES:
+        raise PolygonError(f"the rectangles must be 1 to {MAX_RECTANGLES}", remedy="give another number")
+    corners = [(round(_known(x) * _CM_PER_M), round(_known(y) * _CM_PER_M)) for x, y in request.corners]
+    found = covering_rectangles(corners, max_rectangles=request.max_rectangles)
+    return CoverAnswer(
+        rectangles=tuple(
+            ZoneBounds(
+                min_x=one.min_x_cm / _CM_PER_M,
+                max_x=one.max_x_cm / _CM_PER_M,
+                min_y=one.min_y_cm / _CM_PER_M,
+                max_y=one.max_y_cm / _CM_PER_M,
+            )
+            for one in found.rectangles
+        ),
+        polygon_m2=found.polygon_cm2 / _CM2_PER_M2,
+        over_m2=found.over_cm2 / _CM2_PER_M2,
+    )
+
+
+def with_moved_zone(document: Document, name: str, topic: str, by_m: tuple[float, float]) -> str:
+    """The text with all zones of rule ``name`` on ``topic`` elsewhere: other numbers and nothing else."""
+    block = moved_zone(_block(document, name), topic, by_m, resolve_topic)
+    return replaced(document, name, NewStatement(content=block))
+
+
+def with_resized_zone(document: Document, name: str, index: int, rectangle: ZoneRectangle) -> str:
+    """The text with other sides for zone number ``index`` of rule ``name``."""
+    block = resized_zone(_block(document, name), index, rectangle, resolve_topic)
+    return replaced(document, name, NewStatement(content=block))
+
+
+def with_new_zone(
+    document: Document, topic: str, rectangles: Sequence[ZoneRectangle], *, into: str | None, label: str
+) -> str:
+    """The text with the zone as condition of rule ``into``, or of a new rule ``label`` at the end.
+
+    A new rule sets the topic of the first default, to a rate that it does not have without the rule.
+    """
+    if any(one.is_empty for one in rectangles):
+        raise EditError("this rectangle has no area", remedy="give it a width and a height")
+    zone = zone_condition(topic, rectangles)
+    if into is not None:
+        block = with_zone(_block(document, into), zone, resolve_topic)
+        return replaced(document, into, NewStatement(content=block))
+    new = Block(
+        name=label,
+        priority=None,
+        label=label,
+        condition=zone,
+        then=(_proposed_rate(document),),
+        otherwise=(),
+        has_end_if=True,
+        span=_NOWHERE,
+    )
+    part = _part_for_zone(document)
+    return inserted(document, part.id, len(part.entries), NewStatement(content=new))
+
+
+def _part_for_zone(document: Document) -> CollectionPart:
+    """The collection that a new rule goes to: the last one. Raises ``EditError`` where there is none."""
+    part = next((one for one in reversed(document.parts) if one.begin is not None), None)
+    if part is None:
+        raise EditError("the text has no collection to write in", remedy="put 'begin' and 'end' in it")
+    return part
+
+
+def _proposed_rate(document: Document) -> SetFrequency:
+    """More than the first default where that is possible: a zone is mostly a place to look closer."""
+    known = next((one.statement for one in document.entries if isinstance(one.statement, SetFrequency)), None)
+    topic = TopicName(text=_USUAL_TOPIC, span=_NOWHERE) if known is None else known.topic
+    default = None if known is None else known.rate.value
+    is_usual_more = default in {None, RateWord.FULL, RateWord.OFF} or (
+        isinstance(default, int | float) and default < _USUAL_RATE_HZ
+    )
+    rate = RateExpression(value=_USUAL_RATE_HZ if is_usual_more else RateWord.FULL, text="", span=_NOWHERE)
+    return SetFrequency(topic=topic, rate=rate, span=_NOWHERE)
+
+
+def _block(document: Document, name: str) -> Block:
+    entry = document.entry(name)
+    if entry is None or not isinstance(entry.statement, Block):
+        raise EditError(f"the text has no rule {name!r}", remedy="read the document again")
+    return entry.statement
+
+
+def _rectangle(model: ZoneBounds) -> ZoneRectangle:
+    return ZoneRectangle(
+        min_x_m=_bounded(model.min_x),
+        max_x_m=_bounded(model.max_x),
+        min_y_m=_bounded(model.min_y),
+        max_y_m=_bounded(model.max_y),
+    )
+
+
+def _bounded(metres: float | None) -> float | None:
+    return None if metres is None else _known(metres)
+
+
+def _known(metres: float) -> float:
+    if not math.isfinite(metres) or abs(metres) > _FAR_M:
+        raise EditError(f"{metres} m is no place on a map", remedy="give metres, below a million")
+    return metres

@@ -1,0 +1,253 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The routes of the Ruler's server."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import AsyncIterator, Iterator
+
+from starlette.applications import Starlette
+from starlette.concurrency import run_in_threadpool
+from starlette.requests import ClientDisconnect, Request
+from starlette.responses import Response
+from starlette.routing import BaseRoute, Mount, Route, WebSocketRoute
+from starlette.types import ASGIApp
+
+from smarttestudo.domain.errors import TestudoError
+from smarttestudo.ruler.answers import (
+    edits,
+    optimize_answer,
+    profile_table,
+    profiles,
+    sharing,
+    versions,
+    zone_edits,
+)
+from smarttestudo.ruler.answers.accuracy_curve import AccuracyCurveRequest, AccuracyNeeds
+from smarttestudo.ruler.answers.backgrounds import BackgroundRequest, Backgrounds, PathRequest
+from smarttestudo.ruler.answers.check_course import CheckCourse, CheckCourseRequest
+from smarttestudo.ruler.answers.checked_text import Draft
+from smarttestudo.ruler.answers.child_process import ChildWork
+from smarttestudo.ruler.answers.curve import Curve, CurveRequest
+from smarttestudo.ruler.answers.edits import TextAnswer
+from smarttestudo.ruler.answers.incident_course import IncidentCourse, IncidentCourseRequest
+from smarttestudo.ruler.answers.incident_keeping import KeepEndRequest, KeepRequest, KeepsAnswer
+from smarttestudo.ruler.answers.incidents import KnownIncidents, OneIncidentRequest
+from smarttestudo.ruler.answers.project import (
+    DeleteRequest,
+    ProjectFiles,
+    RenameRequest,
+    SaveRequest,
+    SettingsRequest,
+)
+from smarttestudo.ruler.answers.pushing import (
+    ConfirmRequest,
+    LastingRequest,
+    PushRequest,
+    WriteRequest,
+)
+from smarttestudo.ruler.answers.recordings import ReceivedAnswer, RecordingRequest, Recordings
+from smarttestudo.ruler.answers.robot_checks import RobotChecksRequest
+from smarttestudo.ruler.answers.robot_history import RobotHistoryRequest
+from smarttestudo.ruler.answers.robot_incidents import (
+    OpenIncidents,
+    RobotIncidentRequest,
+    RobotIncidents,
+)
+from smarttestudo.ruler.answers.robot_link import OpenRobots, RobotLink
+from smarttestudo.ruler.answers.robot_start import RobotStartRequest
+from smarttestudo.ruler.answers.robots import WatchedRobots
+from smarttestudo.ruler.answers.trial import TryAnswer, TryRequest
+from smarttestudo.ruler.answers.vocabulary import Vocabulary, VocabularyRequest, vocabulary
+from smarttestudo.ruler.project.project_folder import ProjectFolder
+from smarttestudo.ruler.project.project_settings import SettingsFile
+from smarttestudo.ruler.server.bodies import read_query
+from smarttestudo.ruler.server.child_work import (
+    CheckApi,
+    CurveApi,
+    IncidentApi,
+    MeasureApi,
+    TryApi,
+)
+from smarttestudo.ruler.server.downloads import sending_zip
+from smarttestudo.ruler.server.errors import GONE, RequestError, error_answer
+from smarttestudo.ruler.server.guard import Guard, ServerAddress
+from smarttestudo.ruler.server.keeping import Keepings
+from smarttestudo.ruler.server.live_feed import LiveFeed
+from smarttestudo.ruler.server.page import page_files
+from smarttestudo.ruler.server.routes import ApiRoute, Handler, answering, long_work, telling
+from smarttestudo.ruler.server.socket import Listeners
+from smarttestudo.ruler.server.uploads import receiving
+
+_PNG = "image/png"
+
+
+def ruler_app(
+    folder: ProjectFolder,
+    access: ServerAddress,
+    open_robots: OpenRobots,
+    *,
+    open_incidents: OpenIncidents | None = None,
+    opened: str | None = None,
+) -> ASGIApp:
+    """The server of the project in ``folder``, for whom ``access`` lets in, with these robots."""
+    listeners = Listeners()
+    keepings = Keepings(folder)
+    robot_incidents = RobotIncidents(folder, open_incidents)
+    link = RobotLink(open_robots)
+    feed = LiveFeed(link, listeners)
+
+    @contextlib.asynccontextmanager
+    async def lifespan(_: Starlette) -> AsyncIterator[None]:
+        yield
+        await feed.close()
+        await keepings.close()
+        await run_in_threadpool(robot_incidents.close)
+
+    routes: list[BaseRoute] = [
+        *api_routes(folder, link, listeners, opened=opened),
+        *keeping_routes(keepings),
+        *robot_incident_routes(robot_incidents),
+        Route("/api/background/picture", _picture(Backgrounds(folder)), methods=["GET"]),
+        Route("/api/incident/zip", sending_zip(KnownIncidents(folder)), methods=["GET"]),
+        Route("/api/{path:path}", _no_such_thing, methods=["GET", "POST", "PUT", "DELETE", "PATCH"]),
+        WebSocketRoute("/ws", listeners.serve),
+        Mount("/", page_files()),
+    ]
+    app = Starlette(
+        routes=routes, exception_handlers={TestudoError: _said, ClientDisconnect: _gone}, lifespan=lifespan
+    )
+    return Guard(app, access)
+
+
+def api_routes(
+    folder: ProjectFolder, link: RobotLink, listeners: Listeners, *, opened: str | None = None
+) -> Iterator[ApiRoute]:
+    """All that the page can ask in JSON."""
+    robots = WatchedRobots(link)
+    settings = SettingsFile(folder)
+    yield from _project_routes(ProjectFiles(folder, settings, opened))
+    yield from _recording_routes(Recordings(folder))
+    yield from _version_routes(versions.Versions(folder))
+    yield from _rule_routes(edits.EditedTexts(), robots)
+    yield from _profile_routes(profiles.Profiles(folder, settings))
+    yield from _background_routes(Backgrounds(folder))
+    yield from _incident_routes(KnownIncidents(folder))
+    course = IncidentApi(folder, listeners)
+    yield long_work("/api/incident/course", IncidentCourseRequest, course.answer, IncidentCourse)
+    yield answering("/api/robot/history", RobotHistoryRequest, robots.history)
+    yield answering("/api/robot/checks", RobotChecksRequest, robots.checks)
+    yield answering("/api/robot/start", RobotStartRequest, robots.start)
+    yield answering("/api/push/preview", PushRequest, robots.preview)
+    yield answering("/api/push", PushRequest, robots.push)
+    yield answering("/api/push/confirm", ConfirmRequest, robots.confirm)
+    yield answering("/api/push/lasting", LastingRequest, robots.lasting)
+    yield answering("/api/push/write", WriteRequest, robots.write)
+    yield long_work(
+        "/api/profile/measure-live", profiles.MeasureLiveRequest, MeasureApi(listeners).answer, TextAnswer
+    )
+    yield long_work("/api/try", TryRequest, TryApi(folder, listeners).answer, TryAnswer)
+    yield long_work("/api/check/course", CheckCourseRequest, CheckApi(folder, listeners).answer, CheckCourse)
+    losses = CurveApi(folder, listeners, ChildWork.CURVE)
+    yield long_work("/api/profile/curve", CurveRequest, losses.answer, Curve)
+    needs = CurveApi(folder, listeners, ChildWork.ACCURACY)
+    yield long_work("/api/profile/accuracy", AccuracyCurveRequest, needs.answer, AccuracyNeeds)
+
+
+def _project_routes(files: ProjectFiles) -> Iterator[ApiRoute]:
+    yield telling("/api/project", files.project)
+    yield telling("/api/file", files.read, query="name")
+    yield telling("/api/file/state", files.state, query="name")
+    yield answering("/api/file", SaveRequest, files.save, method="PUT")
+    yield answering("/api/file/rename", RenameRequest, files.rename)
+    yield answering("/api/file/delete", DeleteRequest, files.delete)
+    yield answering("/api/project/settings", SettingsRequest, files.set, method="PUT")
+
+
+def _recording_routes(known: Recordings) -> Iterator[ApiRoute]:
+    yield answering("/api/recording", RecordingRequest, known.recording)
+    yield ApiRoute("PUT", "/api/recording", receiving(known), asked=None, answered=ReceivedAnswer)
+
+
+def _incident_routes(known: KnownIncidents) -> Iterator[ApiRoute]:
+    yield telling("/api/incidents", known.incidents)
+    yield answering("/api/incident", OneIncidentRequest, known.incident)
+    yield answering("/api/incident/delete", OneIncidentRequest, known.delete)
+
+
+def keeping_routes(keepings: Keepings) -> Iterator[ApiRoute]:
+    """What the page can ask of the incidents of tries that are being kept."""
+    yield ApiRoute("GET", "/api/try/keeps", keepings.told, asked=None, answered=KeepsAnswer)
+    yield long_work("/api/try/keep", KeepRequest, keepings.start, KeepsAnswer)
+    yield long_work("/api/try/keep/cancel", KeepEndRequest, keepings.end, KeepsAnswer)
+
+
+def robot_incident_routes(robots: RobotIncidents) -> Iterator[ApiRoute]:
+    """What the page can ask of the incidents that robots hold."""
+    yield telling("/api/robot-incidents", robots.incidents)
+    yield telling("/api/robot-incidents/fetches", robots.fetches)
+    yield answering("/api/robot-incidents/fetch", RobotIncidentRequest, robots.fetch)
+    yield answering("/api/robot-incidents/cancel", RobotIncidentRequest, robots.cancel)
+
+
+def _version_routes(kept: versions.Versions) -> Iterator[ApiRoute]:
+    yield telling("/api/versions", kept.versions, query="name")
+    yield answering("/api/version", versions.VersionRequest, kept.version)
+    yield answering("/api/difference", versions.DifferenceRequest, versions.difference)
+
+
+def _rule_routes(texts: edits.EditedTexts, robots: WatchedRobots) -> Iterator[ApiRoute]:
+    def words(request: VocabularyRequest) -> Vocabulary:
+        return vocabulary(request, robots.topics())
+
+    yield answering("/api/document", Draft, texts.document)
+    yield answering("/api/edit", edits.EditRequest, texts.edit)
+    yield answering("/api/format", Draft, edits.format_text)
+    yield answering("/api/export", sharing.ExportRequest, edits.export)
+    yield answering("/api/import", sharing.ImportRequest, texts.import_rules)
+    yield answering("/api/import/preview", sharing.ImportPreviewRequest, sharing.import_preview)
+    yield answering("/api/zones", Draft, texts.zones)
+    yield answering("/api/zones/cover", zone_edits.CoverRequest, zone_edits.cover)
+    yield answering("/api/optimize", optimize_answer.OptimizeRequest, optimize_answer.optimize)
+    yield answering("/api/vocabulary", VocabularyRequest, words)
+
+
+def _background_routes(backgrounds: Backgrounds) -> Iterator[ApiRoute]:
+    yield telling("/api/backgrounds", backgrounds.choices)
+    yield answering("/api/background", BackgroundRequest, backgrounds.background)
+    yield answering("/api/background/path", PathRequest, backgrounds.path)
+
+
+def _profile_routes(known: profiles.Profiles) -> Iterator[ApiRoute]:
+    yield answering("/api/profile/for", profiles.ProfileForRequest, known.choice)
+    yield answering("/api/profile/for", profiles.ProfileChosenRequest, known.choose, method="PUT")
+    yield answering("/api/profile/parse", profile_table.ProfileParseRequest, profiles.table_of)
+    yield answering("/api/profile/write", profile_table.ProfileWriteRequest, profiles.written)
+    yield answering("/api/profile/entry", profile_table.ProfileEntryRequest, profiles.with_entry)
+    yield answering("/api/profile/check", profile_table.ProfileWriteRequest, profiles.checked)
+    yield answering("/api/profile/measure", profiles.ProfileMeasureRequest, known.measured)
+    yield answering("/api/profile/levels", profiles.LevelsRequest, profiles.levels_of_rate)
+
+
+def _picture(backgrounds: Backgrounds) -> Handler:
+    async def picture(request: Request) -> Response:
+        asked = read_query(request, BackgroundRequest)
+        return Response(await run_in_threadpool(backgrounds.picture, asked), media_type=_PNG)
+
+    return picture
+
+
+async def _no_such_thing(request: Request) -> Response:
+    raise RequestError(f"there is no {request.method} {request.url.path}", 404)
+
+
+async def _said(_: Request, error: Exception) -> Response:
+    if not isinstance(error, TestudoError):
+        raise error
+    return error_answer(error)
+
+
+async def _gone(_request: Request, _error: Exception) -> Response:
+    """Nobody reads it: the page left before it had said what it wanted."""
+    return Response(status_code=GONE)

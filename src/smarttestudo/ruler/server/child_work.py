@@ -1,0 +1,235 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Work that takes long, each in a process of its own that ends with who asked for it."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+import sys
+from asyncio.subprocess import DEVNULL, PIPE, Process
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import msgspec
+from msgspec.structs import replace
+from starlette.concurrency import run_in_threadpool
+from starlette.requests import Request
+from starlette.responses import Response
+
+from smarttestudo.domain.errors import TestudoError, UsageError
+from smarttestudo.domain.names import is_topic_name, resolve_topic
+from smarttestudo.ruler.answers.accuracy_curve import AccuracyCurveRequest
+from smarttestudo.ruler.answers.check_course import (
+    CheckCourseOrder,
+    CheckCourseRequest,
+    check_course_order,
+)
+from smarttestudo.ruler.answers.checked_text import require_usable
+from smarttestudo.ruler.answers.child_messages import Done, Failure, Share
+from smarttestudo.ruler.answers.child_process import ChildWork, MeasureOrder
+from smarttestudo.ruler.answers.curve import CurveRequest
+from smarttestudo.ruler.answers.incident_course import IncidentCourseRequest
+from smarttestudo.ruler.answers.incidents import KnownIncidents
+from smarttestudo.ruler.answers.profiles import MeasureLiveRequest
+from smarttestudo.ruler.answers.trial import TryRequest
+from smarttestudo.ruler.project.project_folder import ProjectFolder
+from smarttestudo.ruler.server.encodings import json_answer
+from smarttestudo.ruler.server.errors import GONE, RequestError
+from smarttestudo.ruler.server.socket import Listeners, Progress
+
+_MODULE = ChildWork.__module__
+_MAX_LINE_BYTES = 50_000_000
+_TIMED_OUT = 504
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Order:
+    """What the process that does ``work`` is asked, within ``timeout_s``.
+
+    ``run`` is how the page calls it where it is told how far it is; ``too_long`` and ``broken`` are said of
+    work that takes longer, and of a process that ended without a word.
+    """
+
+    work: ChildWork
+    asked: msgspec.Struct
+    run: str
+    timeout_s: float
+    too_long: TestudoError
+    broken: TestudoError
+
+
+class ChildProcesses:
+    """Does one order at a time; ``tell`` gets its progress."""
+
+    def __init__(self, tell: Callable[[Progress], None]) -> None:
+        self._tell = tell
+        self._turn = asyncio.Semaphore(1)
+
+    async def answer(self, request: Request, order: Order) -> Response:
+        """The result; ``TestudoError`` where there is none. Who leaves ends the work."""
+        work = asyncio.ensure_future(self.result(order))
+        leaving = asyncio.ensure_future(_left(request))
+        try:
+            await asyncio.wait({work, leaving}, return_when=asyncio.FIRST_COMPLETED)
+            if work.done():
+                return await run_in_threadpool(json_answer, request, work.result())
+            raise RequestError("the page was closed", GONE)
+        finally:
+            for one in (work, leaving):
+                one.cancel()
+            await asyncio.gather(work, leaving, return_exceptions=True)
+
+    async def result(self, order: Order) -> bytes:
+        """The result as JSON; ``TestudoError`` where there is none. Who cancels it ends the work."""
+        async with self._turn:
+            try:
+                return await asyncio.wait_for(self._done(order), order.timeout_s)
+            except asyncio.TimeoutError as error:
+                remedy = order.too_long.remedy
+                raise RequestError(order.too_long.cause, _TIMED_OUT, remedy=remedy) from error
+
+    async def _done(self, order: Order) -> bytes:
+        command = (sys.executable, "-m", _MODULE, order.work.value)
+        process = await asyncio.create_subprocess_exec(
+            *command, stdin=PIPE, stdout=PIPE, stderr=DEVNULL, limit=_MAX_LINE_BYTES
+        )
+        try:
+            return await self._followed(process, order)
+        finally:
+            if process.returncode is None:
+                process.kill()
+                await process.wait()
+
+    async def _followed(self, process: Process, order: Order) -> bytes:
+        if process.stdin is None or process.stdout is None:
+            raise TestudoError("the work has no pipes")
+        process.stdin.write(msgspec.json.encode(order.asked))
+        process.stdin.write_eof()
+        async for line in process.stdout:
+            match msgspec.json.decode(line, type=Share | Done | Failure):
+                case Share(share=share):
+                    self._tell(Progress(run=order.run, share=share))
+                case Done(result=result):
+                    return bytes(result)
+                case Failure(message=message, place=place, remedy=remedy):
+                    raise TestudoError(message, place=place, remedy=remedy)
+        raise order.broken
+
+
+async def _left(request: Request) -> None:
+    """Returns once the page that asked has gone."""
+    while (await request.receive())["type"] != "http.disconnect":
+        pass
+
+
+_TIMEOUT_S = 600.0
+_BAD_REQUEST = 400
+
+
+class TryApi:
+    """Tries rules on the bags of ``folder``, one at a time, each in a process that can be ended."""
+
+    def __init__(self, folder: ProjectFolder, listeners: Listeners) -> None:
+        self._folder = folder
+        self._work = ChildProcesses(listeners.tell)
+
+    async def answer(self, request: Request, asked: TryRequest) -> Response:
+        """Replay a bag; who leaves ends it."""
+        bag = await run_in_threadpool(self._folder.bag, asked.bag)
+        await run_in_threadpool(require_usable, asked)
+        return await self._work.answer(
+            request, order_about_bag(ChildWork.TRIAL, replace(asked, bag=str(bag)), asked.bag)
+        )
+
+
+class CurveApi:
+    """Measures what topics of the bags of ``folder`` lose at each rate or need, one at a time."""
+
+    def __init__(self, folder: ProjectFolder, listeners: Listeners, work: ChildWork) -> None:
+        self._folder = folder
+        self._kind = work
+        self._work = ChildProcesses(listeners.tell)
+
+    async def answer(self, request: Request, asked: CurveRequest | AccuracyCurveRequest) -> Response:
+        """Measure a topic of a bag; who leaves ends it."""
+        if not is_topic_name(asked.topic):
+            raise RequestError(f"{asked.topic!r} is not a valid ROS 2 topic name", _BAD_REQUEST)
+        bag = await run_in_threadpool(self._folder.bag, asked.bag)
+        order = replace(asked, bag=str(bag), topic=resolve_topic(asked.topic))
+        return await self._work.answer(request, order_about_bag(self._kind, order, asked.bag))
+
+
+class CheckApi:
+    """Looks at checks over bags of ``folder``, one at a time."""
+
+    def __init__(self, folder: ProjectFolder, listeners: Listeners) -> None:
+        self._folder = folder
+        self._work = ChildProcesses(listeners.tell)
+
+    async def answer(self, request: Request, asked: CheckCourseRequest) -> Response:
+        """The course of a check; who leaves ends it."""
+        bag = await run_in_threadpool(self._folder.bag, asked.bag)
+        order = await run_in_threadpool(check_course_order, asked, bag)
+        return await self._work.answer(request, order_about_bag(ChildWork.CHECK, order, asked.bag))
+
+
+class IncidentApi:
+    """Reads the messages of incidents of ``folder``, one at a time."""
+
+    def __init__(self, folder: ProjectFolder, listeners: Listeners) -> None:
+        self._known = KnownIncidents(folder)
+        self._work = ChildProcesses(listeners.tell)
+
+    async def answer(self, request: Request, asked: IncidentCourseRequest) -> Response:
+        """The course of an incident; who leaves ends it."""
+        bag = await run_in_threadpool(self._known.bag, asked.name)
+        order = order_about_bag(ChildWork.INCIDENT, replace(asked, name=str(bag)), asked.name)
+        return await self._work.answer(request, order)
+
+
+_BagOrder: TypeAlias = (
+    TryRequest | CheckCourseOrder | CurveRequest | AccuracyCurveRequest | IncidentCourseRequest
+)
+
+
+def order_about_bag(work: ChildWork, asked: _BagOrder, name: str) -> Order:
+    """The order of ``work`` on a recording that the page calls ``name``."""
+    return Order(
+        work=work,
+        asked=asked,
+        run=asked.run,
+        timeout_s=_TIMEOUT_S,
+        too_long=TestudoError("the recording takes longer than ten minutes", remedy="try a shorter one"),
+        broken=TestudoError(
+            "reading the recording ended without a result", place=name, remedy="try testudo bag info on it"
+        ),
+    )
+
+
+MAX_SECONDS = 60.0
+# For the first topic to be seen, and for the process to begin and end.
+_FIRST_TOPIC_S = 5.0
+_MARGIN_S = 30.0
+
+
+class MeasureApi:
+    """Measures one at a time: it subscribes to everything."""
+
+    def __init__(self, listeners: Listeners) -> None:
+        self._work = ChildProcesses(listeners.tell)
+
+    async def answer(self, request: Request, order: MeasureLiveRequest) -> Response:
+        """A profile of what is published now; who leaves ends it."""
+        if not (math.isfinite(order.seconds) and 1 <= order.seconds <= MAX_SECONDS):
+            raise UsageError(f"robots are measured for 1 to {MAX_SECONDS:g} s", place="seconds")
+        work = Order(
+            work=ChildWork.MEASURE,
+            asked=MeasureOrder(seconds=order.seconds, timeout_s=_FIRST_TOPIC_S),
+            run=order.run,
+            timeout_s=2 * (order.seconds + _FIRST_TOPIC_S) + _MARGIN_S,
+            too_long=TestudoError("measuring did not finish", remedy="try fewer seconds"),
+            broken=TestudoError("measuring ended without a result", remedy="try testudo profile --seconds"),
+        )
+        return await self._work.answer(request, work)

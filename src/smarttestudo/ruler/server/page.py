@@ -1,0 +1,108 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The files of the page, which are built from ``gui`` and come with the wheel."""
+
+from __future__ import annotations
+
+import mimetypes
+import os
+import re
+from pathlib import Path
+
+from starlette.datastructures import Headers
+from starlette.requests import Request
+from starlette.responses import FileResponse, HTMLResponse, Response
+from starlette.routing import Route, Router
+from starlette.staticfiles import NotModifiedResponse, StaticFiles
+from starlette.types import ASGIApp, Scope
+
+from smarttestudo.ruler.server.encodings import taken_encodings
+
+PAGE_FOLDER = Path(__file__).parent / "static"
+_INDEX = "index.html"
+_ENCODINGS = (("br", ".br"), ("gzip", ".gz"))
+"""What the build compresses with, best first, and how those files end."""
+_HASHED = re.compile(r"-[\w-]{8}\.(?:js|css)\Z")
+_FOR_EVER = "public, max-age=31536000, immutable"
+_FOR_A_DAY = "max-age=86400"
+_ASK_AGAIN = "no-cache"
+_MISSING = """<!doctype html>
+<html lang="en"><meta charset="utf-8"><title>ADIRF Ruler</title>
+<h1>The Ruler's page is not built</h1>
+<p>SmartTestudo was installed without it, for want of Node.js or of a network.
+In the checkout of its source:</p>
+<ol>
+<li><code>make gui</code> builds the page; it takes Node.js 20 or later, or gets it itself.</li>
+<li><code>pip install '.[studio]'</code>, in the environment of this server, installs it.
+A server that runs from the checkout does not need this step.</li>
+<li>Start <code>testudo ruler</code> again.</li>
+</ol>
+</html>
+"""
+
+
+def is_page_built() -> bool:
+    """Whether there is a page to serve."""
+    return (PAGE_FOLDER / _INDEX).is_file()
+
+
+def page_files() -> ASGIApp:
+    """Serves the page, or one that explains how to build it."""
+    if is_page_built():
+        return PageFiles(directory=PAGE_FOLDER, html=True)
+    return Router([Route("/", _missing)])
+
+
+class PageFiles(StaticFiles):
+    """The built files, compressed where the browser takes that.
+
+    A name with a hash of what is in it is kept for ever, a picture for a day; the page is asked for always.
+    """
+
+    def file_response(
+        self,
+        full_path: str | os.PathLike[str],
+        stat_result: os.stat_result,
+        scope: Scope,
+        status_code: int = 200,
+    ) -> Response:
+        """The file, its compressed form, or that it did not change."""
+        headers = Headers(scope=scope)
+        path, encoding = _sent(Path(full_path), headers.get("accept-encoding", ""))
+        told = {
+            "Cache-Control": _kept(Path(full_path).name),
+            "Vary": "Accept-Encoding",
+        }
+        if encoding:
+            told["Content-Encoding"] = encoding
+        kind = mimetypes.guess_type(full_path)[0] or "application/octet-stream"
+        response = FileResponse(
+            path,
+            status_code=status_code,
+            headers=told,
+            media_type=kind,
+            stat_result=path.stat() if encoding else stat_result,
+        )
+        if self.is_not_modified(response.headers, headers):
+            return NotModifiedResponse(response.headers)
+        return response
+
+
+def _kept(name: str) -> str:
+    if _HASHED.search(name):
+        return _FOR_EVER
+    return _ASK_AGAIN if name == _INDEX else _FOR_A_DAY
+
+
+def _sent(path: Path, accepted: str) -> tuple[Path, str | None]:
+    """The file to send, and how it is compressed, for a browser that accepts these encodings."""
+    taken = taken_encodings(accepted)
+    for encoding, suffix in _ENCODINGS:
+        compressed = path.with_name(path.name + suffix)
+        if encoding in taken and compressed.is_file():
+            return compressed, encoding
+    return path, None
+
+
+async def _missing(_: Request) -> Response:
+    return HTMLResponse(_MISSING, status_code=503)

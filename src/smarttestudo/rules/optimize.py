@@ -1,0 +1,184 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""From a rule file with quality levels to one with rates, or to what must change first."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+
+from smarttestudo.checks import CheckContext, check_rules
+from smarttestudo.domain.errors import TestudoError
+from smarttestudo.domain.finding import Finding, Severity
+from smarttestudo.domain.names import resolve_topic
+from smarttestudo.domain.profile import Profile
+from smarttestudo.language.parser import parse
+from smarttestudo.language.rule_set import RuleSet
+from smarttestudo.language.syntax import RuleFile
+from smarttestudo.optimizer.changes import Change, smallest_changes
+from smarttestudo.optimizer.explanation import PartExplanation, explain_part
+from smarttestudo.optimizer.greedy import GreedySolver
+from smarttestudo.optimizer.infeasibility import Infeasibility, infeasibility
+from smarttestudo.optimizer.joint.check import JointCheck, Loads
+from smarttestudo.optimizer.joint.repair import Setting, lowered_rates
+from smarttestudo.optimizer.model import Ask, Model
+from smarttestudo.optimizer.rewriting import rewrite
+from smarttestudo.optimizer.rule_asks import Undecided
+from smarttestudo.optimizer.rule_rates import Optimization, SolvedPart, budget_of, optimize_rules, solve_part
+from smarttestudo.optimizer.wording import kb_text
+from smarttestudo.rules.profile_file import load_profile
+from smarttestudo.rules.rule_files import read_rule_text, sha256_of
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OptimizeCommand:
+    """One call of ``testudo optimize``; ``only_named`` leaves out what only the profile names."""
+
+    rules: Path
+    profile: Path
+    model: Model = Model.QUPER
+    only_named: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OptimizeOutcome:
+    """The rates, and the rule file with them: ``rewritten`` is ``None`` where not everything fits."""
+
+    optimization: Optimization
+    infeasible: tuple[Infeasibility, ...]
+    rewritten: str | None
+
+    def explained(self) -> list[tuple[SolvedPart, PartExplanation]]:
+        """Every part that fits, with its explanation."""
+        done = self.optimization
+        return [
+            (
+                solved,
+                explain_part(
+                    solved,
+                    done.budget_kb_per_s,
+                    model=done.model,
+                    solve_again=partial(_solve_again, solved, done),
+                ),
+            )
+            for solved in done.parts
+            if solved.feasible
+        ]
+
+
+class RefusedRulesError(TestudoError):
+    """A rule file with errors, which are in ``findings``."""
+
+    def __init__(self, findings: Sequence[Finding]) -> None:
+        super().__init__("the rule file has errors", place=findings[0].path, remedy="fix them first")
+        self.findings = tuple(findings)
+
+
+def optimize(request: OptimizeCommand) -> OptimizeOutcome:
+    """Solve ``request``.
+
+    Raises ``RefusedRulesError`` for a file with errors, other ``TestudoError`` for files that cannot be read
+    and for what the profile lacks.
+    """
+    text = read_rule_text(request.rules)
+    profile = load_profile(request.profile)
+    result = parse(text, str(request.rules))
+    findings = check_rules([result], CheckContext(profile=profile))
+    errors = [finding for finding in findings if finding.severity is Severity.ERROR]
+    if errors:
+        raise RefusedRulesError(errors)
+    return optimize_text(
+        UsableText(text=text, file=result.file),
+        profile,
+        model=request.model,
+        only_named=request.only_named,
+        profile_sha256=sha256_of(request.profile),
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class UsableText:
+    """A rule file without errors: its text and what that parsed to."""
+
+    text: str
+    file: RuleFile
+
+
+def optimize_text(
+    rules: UsableText, profile: Profile, *, model: Model, only_named: bool, profile_sha256: str
+) -> OptimizeOutcome:
+    """Solve ``rules``; ``profile_sha256`` goes into the rewritten file's first line.
+
+    Raises ``ProfileError`` for what the profile lacks.
+    """
+    done = optimize_rules(
+        [rules.file],
+        profile,
+        resolve_topic,
+        model=model,
+        solver=GreedySolver(),
+        undecided=Undecided.LEFT_OUT if only_named else Undecided.APPENDED,
+    )
+    rewritten = None
+    if done.feasible:
+        provenance = (
+            f"model {model.value}, budget {kb_text(done.budget_kb_per_s)} KB/s, "
+            f"profile {Path(profile.path).name} (sha256 {profile_sha256})"
+        )
+        rewritten = rewrite(rules.text, rules.file, done, provenance=provenance)
+    return OptimizeOutcome(optimization=done, infeasible=infeasible_parts(done), rewritten=rewritten)
+
+
+def _solve_again(
+    solved: SolvedPart, done: Optimization, changed: dict[str, Ask], more_kb_per_s: float
+) -> SolvedPart:
+    part = replace(solved.part, asks={**solved.part.asks, **changed})
+    budget = done.budget_kb_per_s + more_kb_per_s
+    return solve_part(part, solved.others_kb_per_s, budget, model=done.model, solver=GreedySolver())
+
+
+def infeasible_parts(done: Optimization) -> tuple[Infeasibility, ...]:
+    """What does not fit, each with the smallest changes that would.
+
+    If the defaults do not fit, they must be changed first, and only they are named.
+    """
+    parts = done.blocks if done.defaults.feasible else (done.defaults,)
+    return tuple(
+        infeasibility(solved, done.budget_kb_per_s, _changes(solved, done), model=done.model)
+        for solved in parts
+        if not solved.feasible
+    )
+
+
+def lowered_where_too_much(
+    rule_set: RuleSet, loads: Loads, checked: JointCheck, profile: Profile
+) -> Mapping[Setting, float]:
+    """Lower rates with which every situation fits; empty where none are needed, possible or looked for."""
+    if not checked.breaking or checked.has_more:
+        return {}
+    try:
+        from smarttestudo.optimizer.solver.highs_solver import HighsSolver  # noqa: PLC0415
+    except ModuleNotFoundError:
+        return {}
+    left_out = {topic for one in checked.unproven for block in one.blocks for topic in block.topics}
+    lowered = lowered_rates(
+        rule_set,
+        loads,
+        checked.breaking,
+        [topic for topic in rule_set.relayed if topic not in left_out],
+        budget_of(profile),
+        priorities={topic: entry.priority for topic, entry in profile.topics.items()},
+        solver=HighsSolver(),
+    )
+    return lowered or {}
+
+
+def _changes(solved: SolvedPart, done: Optimization) -> list[Change] | None:
+    # A robot has no HiGHS; that something does not fit, and by how much, is known without it.
+    try:
+        from smarttestudo.optimizer.solver.highs_solver import HighsChangeFinder  # noqa: PLC0415
+    except ModuleNotFoundError:
+        return None
+    return smallest_changes(solved, done.budget_kb_per_s, model=done.model, finder=HighsChangeFinder())

@@ -1,0 +1,144 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Rule files on disk to one rule set, with rates for their quality levels."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from smarttestudo.checks import CheckContext, check_rules
+from smarttestudo.domain.errors import RuleFileError
+from smarttestudo.domain.finding import Finding, Severity
+from smarttestudo.domain.names import resolve_topic
+from smarttestudo.domain.profile import Profile
+from smarttestudo.domain.status import RulesInForce
+from smarttestudo.language.normal_form import Resolve
+from smarttestudo.language.parser import parse
+from smarttestudo.language.rule_set import RefusedTiers, RuleSet, TierValues, compile_rules
+from smarttestudo.language.syntax import RuleFile, tiers_in
+from smarttestudo.optimizer.greedy import GreedySolver
+from smarttestudo.optimizer.infeasibility import infeasibility
+from smarttestudo.optimizer.model import Model
+from smarttestudo.optimizer.rule_asks import Undecided
+from smarttestudo.optimizer.rule_rates import Optimization, optimize_rules
+from smarttestudo.rules.rule_files import find_rule_files, read_rule_text
+
+
+def has_tiers(files: Sequence[RuleFile]) -> bool:
+    """Whether any statement of ``files`` that counts names a quality level."""
+    return any(True for file in files for statement in file.enabled_statements for _ in tiers_in(statement))
+
+
+def optimize_tiers(files: Sequence[RuleFile], profile: Profile, resolve: Resolve) -> Optimization:
+    """The rates of the levels in ``files``, the same that ``testudo optimize`` writes.
+
+    Topics of the profile that the files do not name count, too, as far as the profile has what that needs.
+    """
+    return optimize_rules(
+        files, profile, resolve, model=Model.QUPER, solver=GreedySolver(), undecided=Undecided.COUNTED
+    )
+
+
+def tier_values_for(files: Sequence[RuleFile], profile: Profile | None, resolve: Resolve) -> TierValues:
+    """The rates and bounds of the levels in ``files``, for ``compile_rules``; all refused without a profile.
+
+    Raises ``RuleFileError`` for what does not fit, ``ProfileError`` for what the profile lacks.
+    """
+    if profile is None or not has_tiers(files):
+        return RefusedTiers()
+    done = optimize_tiers(files, profile, resolve)
+    for part in done.parts:
+        if not part.feasible:
+            refused = infeasibility(part, done.budget_kb_per_s, None, model=done.model)
+            raise RuleFileError(
+                refused.message,
+                place=part.part.place,
+                remedy="testudo optimize says which changes would fit",
+            )
+    return done
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LoadedRules:
+    """What the checker says about rule files, and what they mean together; ``texts`` are the files by path.
+
+    ``rule_set`` is empty where a finding is an error.
+    """
+
+    findings: tuple[Finding, ...]
+    rule_set: RuleSet
+    texts: Mapping[str, str]
+
+    @property
+    def errors(self) -> tuple[Finding, ...]:
+        """The findings that stop the files from being used."""
+        return tuple(finding for finding in self.findings if finding.severity is Severity.ERROR)
+
+    def refuse_errors(self) -> None:
+        """Raise ``RuleFileError`` with the first error where there is one."""
+        if not self.errors:
+            return
+        first, *others = self.errors
+        more = f" (the first of {len(self.errors)} errors)" if others else ""
+        raise RuleFileError(
+            f"{first.message}{more}",
+            place=f"{first.path}:{first.span.line}:{first.span.column}",
+            remedy=first.hint or None,
+        )
+
+    @property
+    def in_force(self) -> RulesInForce:
+        """The files, and the SHA-256 of their text in UTF-8, one after the other."""
+        return RulesInForce(paths=tuple(self.texts), sha256=sha256_of_rules("".join(self.texts.values())))
+
+
+def sha256_of_rules(text: str) -> str:
+    """The SHA-256 by which a status and an incident name the rules with this ``text``."""
+    return hashlib.sha256(text.encode("utf-8", "surrogateescape")).hexdigest()
+
+
+def load_rules(
+    paths: Sequence[Path],
+    *,
+    profile: Profile | None = None,
+    bag_topics: Mapping[str, str] | None = None,
+    resolve: Resolve = resolve_topic,
+) -> LoadedRules:
+    """Read, check and compile the rule files at ``paths``, which may be folders; see ``check_texts``.
+
+    Raises:
+        RuleFileError: a file cannot be read at all, or its levels do not fit the budget.
+        ProfileError: the profile lacks what its levels need.
+    """
+    texts = {str(path): read_rule_text(path) for path in find_rule_files(paths)}
+    return check_texts(texts, profile=profile, bag_topics=bag_topics, resolve=resolve)
+
+
+def check_texts(
+    texts: Mapping[str, str],
+    *,
+    profile: Profile | None = None,
+    bag_topics: Mapping[str, str] | None = None,
+    resolve: Resolve = resolve_topic,
+) -> LoadedRules:
+    """Check and compile rule files, given by path.
+
+    ``resolve`` gives topics their full names (default: in the root namespace); ``bag_topics`` are the types
+    of a recording's topics.
+
+    Quality levels get the rates that the optimizer finds for them in the profile's budget.
+
+    Raises:
+        RuleFileError: the levels do not fit the budget.
+        ProfileError: the profile lacks what the levels need.
+    """
+    results = [parse(text, path) for path, text in texts.items()]
+    context = CheckContext(resolve=resolve, profile=profile, bag_topics=bag_topics)
+    findings = tuple(check_rules(results, context))
+    has_error = any(finding.severity is Severity.ERROR for finding in findings)
+    usable = [] if has_error else [result.file for result in results]
+    tiers = tier_values_for(usable, profile, resolve)
+    return LoadedRules(findings=findings, rule_set=compile_rules(usable, resolve, tiers), texts=texts)

@@ -1,3 +1,0 @@
-# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
-# SPDX-License-Identifier: Apache-2.0
-"""Recordings and decisions to numbers, tables, figures and pages."""

@@ -1,0 +1,197 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""``testudo bag accuracy`` with the examples that bound something else than the demo's odometry."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from bags.bag_factory import (
+    START_NS,
+    BagContent,
+    BagMessage,
+    BagTopic,
+    cdr,
+    message_of,
+    write_bag,
+)
+from pacing.reckoning.ros_messages import (
+    JOINTS,
+    ODOMETRY,
+    TRANSFORMS,
+    joints,
+    odometry,
+    planar,
+    transforms,
+)
+from smarttestudo.cli.main import main
+from smarttestudo.pacing.reckoning.motion import Twist, Vector3
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+SECOND_NS = 1_000_000_000
+BOOL = "std_msgs/msg/Bool"
+PRESSED_S = (9 * 3600 + 0.5, 16 * 3600 + 0.5)
+PRESSED_FOR_S = 60
+
+
+def stream(
+    topic: str, type_name: str, hz: float, seconds: float, write: Callable[[int, float], bytes]
+) -> BagContent:
+    stamps = [START_NS + round(number * SECOND_NS / hz) for number in range(round(hz * seconds))]
+    return BagContent(
+        (BagTopic(topic, type_name),),
+        tuple(BagMessage(topic, stamp, write(stamp, (stamp - START_NS) / SECOND_NS)) for stamp in stamps),
+    )
+
+
+def both(one: BagContent, other: BagContent) -> BagContent:
+    messages = sorted((*one.messages, *other.messages), key=lambda message: message.stamp_ns)
+    return BagContent((*one.topics, *other.topics), tuple(messages))
+
+
+def manipulator_frames(stamp_ns: int, t_s: float) -> bytes:
+    """It drives for 20 s, then stands; the gripper turns from 30 s to 32 s; the camera never moves."""
+    return transforms(
+        stamp_ns,
+        {
+            "base": planar(0.5 * min(t_s, 20), 0, 0),
+            "gripper": planar(1, 0, min(max(t_s - 30, 0), 2)),
+            "camera": planar(0, 1, 0),
+        },
+    )
+
+
+def manipulator_odometry(stamp_ns: int, t_s: float) -> bytes:
+    pose = planar(0.5 * min(t_s, 20), 0, 0)
+    return odometry(stamp_ns, pose, Twist(Vector3(0.5 if t_s < 20 else 0, 0, 0), Vector3(0, 0, 0)))
+
+
+def walking_arm(stamp_ns: int, t_s: float) -> bytes:
+    """A stride of 0.3 Hz, with pauses of 5 s in 15 s."""
+    phase = 2 * math.pi * 0.3 * (min(t_s % 15, 10) + 10 * (t_s // 15))
+    return joints(stamp_ns, {"hip": 0.5 * math.sin(phase), "knee": 0.2 * math.sin(2 * phase), "wrist": 0.0})
+
+
+def is_pressed(t_s: float) -> bool:
+    return any(start <= t_s < start + PRESSED_FOR_S for start in PRESSED_S)
+
+
+def compared(
+    content: BagContent, example: str, folder: Path, capsys: pytest.CaptureFixture[str], *more: str
+) -> dict[str, Any]:
+    """The ways of choosing what passes, by rules and what is shown."""
+    bag, rules = write_bag(folder / "bag", content), str(EXAMPLES / example)
+    assert main(["bag", "accuracy", str(bag), "--rules", rules, *more, "--json"]) == 0
+    said = json.loads(capsys.readouterr().out)
+    return {f"{arm['name']}, {arm['shows']}": arm for arm in said["arms"]}
+
+
+def test_frames_of_different_motion_are_each_within_the_bound(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    content = both(
+        stream("/tf", TRANSFORMS, 30, 60, manipulator_frames),
+        stream("/odom", ODOMETRY, 20, 60, manipulator_odometry),
+    )
+    predicted = ("--predicted", str(EXAMPLES / "moving_frames.adirf"))
+
+    arms = compared(content, "moving_frames.adirf", tmp_path, capsys, *predicted)
+
+    held, reckoned, fixed = (
+        arms[name]["topics"]["/tf"]
+        for name in ("moving_frames, hold", "moving_frames, dead reckoning", "fixed rates, hold")
+    )
+    for said in (held["properties"], reckoned["properties"]):
+        assert (said["position"]["bounds"], said["orientation"]["bounds"]) == ([0.02, 0.05], [2.0, 5.0])
+        assert said["position"]["worst"] <= 0.05
+        assert said["orientation"]["worst"] <= 2.0
+        assert (said["position"]["broken"], said["orientation"]["broken"]) == (0, 0)
+    # 10 m in steps of up to 5 cm, 115° in steps of up to 2°, a heartbeat; reckoned, little but that.
+    assert 200 <= held["messages"] <= 350
+    assert reckoned["messages"] <= 50
+    assert fixed["properties"]["orientation"]["worst"] > 4 * held["properties"]["orientation"]["worst"]
+
+
+def test_the_joints_of_a_walking_arm_are_within_the_bound(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    arms = compared(
+        stream("/joint_states", JOINTS, 100, 60, walking_arm), "walking_arm.adirf", tmp_path, capsys
+    )
+
+    held, fixed = (
+        arms[name]["topics"]["/joint_states"] for name in ("walking_arm, hold", "fixed rates, hold")
+    )
+    said = held["properties"]["positions"]
+    assert (said["bounds"], said["unit"], said["broken"]) == ([0.02], "rad", 0)
+    assert said["worst"] <= 0.02
+    assert held["messages"] < 6000 / 2
+    assert fixed["properties"]["positions"]["rmse"] > said["rmse"]
+    assert fixed["properties"]["positions"]["worst"] > 1.5 * said["worst"]
+
+
+def test_a_button_that_changes_twice_a_day_is_never_shown_wrong(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    messages = {pressed: cdr(BOOL, message_of(BOOL, data=pressed)) for pressed in (False, True)}
+    day = stream("/estop", BOOL, 1, 86_400, lambda _, t_s: messages[is_pressed(t_s)])
+
+    arms = compared(day, "stop_button.adirf", tmp_path, capsys)
+
+    held, fixed = (arms[name]["topics"]["/estop"] for name in ("stop_button, hold", "fixed rates, hold"))
+    assert held["properties"]["data"] == {
+        "unit": "", "rmse": 0.0, "worst": 0.0, "bounds": [0.0], "broken": 0
+    }  # fmt: skip
+    # One in 10 s, and two presses with their ends.
+    assert 8640 <= held["messages"] <= 8645
+    assert fixed["properties"]["data"]["worst"] == 1.0
+
+
+def test_without_a_bound_the_joints_that_the_rules_relay_are_compared(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    bag = write_bag(tmp_path / "bag", stream("/joint_states", JOINTS, 50, 10, walking_arm))
+    rules = tmp_path / "rates.adirf"
+    rules.write_text("begin SetFrequency /joint_states 10 end")
+
+    assert main(["bag", "accuracy", str(bag), "--rules", str(rules), "--csv"]) == 0
+
+    head, fixed, by_rules = capsys.readouterr().out.splitlines()
+    assert head.startswith("name,shows,all_bytes,topic,messages,bytes,property,unit,rmse,worst,bounds,broken")
+    assert fixed.startswith("fixed rates,hold,")
+    assert by_rules.startswith("rates,hold,")
+    assert ",positions,rad,0.0" in by_rules
+
+
+def test_rules_that_relay_nothing_that_can_be_measured_are_wrong_usage(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    bag = write_bag(tmp_path / "bag", stream("/estop", BOOL, 1, 3, lambda *_: cdr(BOOL, message_of(BOOL))))
+    rules = tmp_path / "rates.adirf"
+    rules.write_text("begin SetFrequency /estop 10 end")
+
+    assert main(["bag", "accuracy", str(bag), "--rules", str(rules)]) == 2
+
+    said = capsys.readouterr()
+    assert (said.out, said.err.count("\n")) == ("", 1)
+    assert said.err.startswith(f"{bag}: error: no rule relays a topic whose picture can be measured; ")
+
+
+def test_rules_with_an_error_are_refused_with_their_place(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    bag = write_bag(tmp_path / "bag", stream("/estop", BOOL, 1, 3, lambda *_: cdr(BOOL, message_of(BOOL))))
+    rules = tmp_path / "wrong.adirf"
+    rules.write_text("begin\n    SetFrequency /estop\nend\n")
+
+    assert main(["bag", "accuracy", str(bag), "--rules", str(rules)]) == 1
+
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert f"{rules}:2:" in said.err

@@ -1,0 +1,342 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What ``testudo bag loss`` prints and refuses, from bags whose loss is known."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from collections import Counter
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from rosbags.rosbag2 import StoragePlugin
+
+from accuracy.loss_signals import held_sine_rmse, line_sine_rmse, sine
+from bags.bag_factory import (
+    CUSTOM_TYPE,
+    GRIPPER,
+    IMAGE,
+    ODOM,
+    START_NS,
+    BagContent,
+    BagMessage,
+    BagTopic,
+    cdr,
+    message_of,
+    odometry,
+    small_mission,
+    write_bag,
+    write_humble_file,
+)
+from smarttestudo.accuracy.recorded_loss import measure_loss
+from smarttestudo.cli.main import main
+from smarttestudo.rules.profile_file import load_profile
+
+MISSION = small_mission()
+GOLDEN = Path(__file__).parent / "golden"
+S = 1_000_000_000
+RULES = """begin
+    SetFrequency /odom 5
+    If (CheckValue /odom pose_y > 2.5) Then SetFrequency /odom 10
+    If (CheckValue /odom rate < 1 OR CheckValue /battery level < 20) Then SetFrequency /odom 1
+end
+"""
+
+
+@dataclass(frozen=True)
+class Ran:
+    code: int
+    out: str
+    err: str
+
+    @property
+    def json(self) -> Any:
+        return json.loads(self.out)
+
+    def field(self, topic: str, name: str) -> Any:
+        return next(one for one in self.json["fields"] if (one["topic"], one["field"]) == (topic, name))
+
+
+class Desk:
+    """A folder with the recordings ``sent`` and ``seen``, one message of five, in which commands are run."""
+
+    def __init__(self, capsys: pytest.CaptureFixture[str]) -> None:
+        self._capsys = capsys
+
+    def loss(self, *arguments: str) -> Ran:
+        self._capsys.readouterr()
+        code = main(["bag", "loss", *arguments])
+        captured = self._capsys.readouterr()
+        return Ran(code, captured.out, captured.err)
+
+    def refuses(self, *arguments: str, code: int = 1) -> str:
+        ran = self.loss(*arguments)
+        assert (ran.code, ran.out) == (code, "")
+        assert ran.err.count("\n") == 1
+        return ran.err.rstrip("\n")
+
+
+@pytest.fixture
+def desk(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Desk:
+    monkeypatch.chdir(tmp_path)
+    write_bag(tmp_path / "sent", MISSION)
+    write_bag(tmp_path / "seen", thinned(MISSION, 5))
+    (tmp_path / "rules.adirf").write_text(RULES)
+    return Desk(capsys)
+
+
+def thinned(content: BagContent, every: int, rename: str = "{}") -> BagContent:
+    """Each ``every``-th message of each topic, which get other names."""
+    seen: Counter[str] = Counter()
+    kept = []
+    for message in content.messages:
+        if seen[message.topic] % every == 0:
+            kept.append(replace(message, topic=rename.format(message.topic)))
+        seen[message.topic] += 1
+    topics = [replace(topic, name=rename.format(topic.name)) for topic in content.topics]
+    return BagContent(tuple(topics), tuple(kept))
+
+
+def of_floats(values: list[float], *, hz: int, topic: str = "/level", start_ns: int = START_NS) -> BagContent:
+    kind = "std_msgs/msg/Float64"
+    messages = [
+        BagMessage(topic, start_ns + number * S // hz, cdr(kind, message_of(kind, data=value)))
+        for number, value in enumerate(values)
+    ]
+    return BagContent((BagTopic(topic, kind),), tuple(messages))
+
+
+def test_the_loss_of_a_recorded_sine_is_its_closed_form(desk: Desk, tmp_path: Path) -> None:
+    content = of_floats([sine(0.5)(n / 100) for n in range(1001)], hz=100)
+    write_bag(tmp_path / "sine", content)
+    write_bag(tmp_path / "tenth", thinned(content, 10, "/testudo{}"), storage=StoragePlugin.MCAP)
+    loss = desk.loss("sine", "tenth", "--json").field("/level", "data")
+    step = math.tau * 0.5 / 100
+    assert loss["received"]["hold"]["rmse"] == pytest.approx(held_sine_rmse(step, 10), rel=1e-9)
+    assert loss["received"]["interpolated"]["rmse"] == pytest.approx(line_sine_rmse(step, 10), rel=1e-9)
+    assert loss["range"] == pytest.approx(2, rel=1e-3)
+
+
+def test_nothing_is_lost_between_a_recording_and_itself(desk: Desk) -> None:
+    ran = desk.loss("sent", "sent", "--rules", "rules.adirf", "--json")
+    assert {topic["fixed_hz"] for topic in ran.json["topics"].values()} == {None}
+    for loss in ran.json["fields"]:
+        for arm in ("received", "fixed"):
+            assert {size["max"] for size in loss[arm].values()} == {0}
+    for topic in ran.json["topics"].values():
+        assert topic["sent"] == topic["received"] == topic["fixed"]
+    for loss in ran.json["crossings"]:
+        assert loss["received"]["in_time"] == loss["fixed"]["in_time"] == loss["crossings"] == 1
+    assert len(set(ran.json["bytes"].values())) == 1
+
+
+def test_the_tables_read_as_in_the_golden_file(desk: Desk) -> None:
+    ran = desk.loss("sent", "seen", "--rules", "rules.adirf")
+    assert ran.code == 0
+    assert ran.err == "note: /battery: a check reads it, which seen lacks; its crossings are left out\n"
+    assert ran.out == (GOLDEN / "bag-loss.txt").read_text(encoding="utf-8")
+    assert max(map(len, ran.out.splitlines())) <= 100
+
+
+def test_the_curves_read_as_in_the_golden_file(desk: Desk) -> None:
+    ran = desk.loss("sent")
+    assert ran.code == 0
+    assert ran.err == "note: /image, /map_name: no field changes, so there is no curve\n"
+    assert ran.out == (GOLDEN / "bag-loss-curves.txt").read_text(encoding="utf-8")
+
+
+def test_a_robot_at_constant_speed_is_off_by_what_it_drove_since(desk: Desk) -> None:
+    pose = desk.loss("sent", "seen", "--json").field("/odom", "pose_y")
+    squares = [(number % 5 / 25) ** 2 for number in range(99)]
+    assert pose["received"]["hold"]["rmse"] == pytest.approx(math.sqrt(sum(squares) / 99))
+    assert pose["received"]["hold"]["max"] == pytest.approx(4 / 25)
+    assert pose["unit"] == "m"
+
+
+def test_images_are_counted_and_never_decoded(desk: Desk, tmp_path: Path) -> None:
+    broken = tuple(
+        replace(message, payload=b"no image") if message.topic == IMAGE.name else message
+        for message in MISSION.messages
+    )
+    write_bag(tmp_path / "broken", BagContent(MISSION.topics, broken))
+    ran = desk.loss("broken", "seen", "--json")
+    assert ran.err == ""
+    (image,) = ran.json["images"]
+    assert (image["sent"]["frames"], image["received"]["frames"]) == (20, 4)
+    assert image["sent"]["longest_blind_s"] == pytest.approx(0.2)
+    assert image["received"]["longest_blind_s"] == pytest.approx(1)
+
+
+def test_topics_and_fields_are_chosen_by_name(desk: Desk) -> None:
+    ran = desk.loss(
+        "sent", "seen", "--topics", "/grip*", "--field", "/scan", "ranges[0]", "range_min", "--csv"
+    )
+    rows = list(csv.DictReader(ran.out.splitlines()))
+    assert [(row["topic"], row["field"]) for row in rows] == [
+        ("/gripper", "opening"),
+        ("/scan", "distance"),
+        ("/scan", "ranges[0]"),
+        ("/scan", "range_min"),
+    ]
+    ranges, range_min = rows[-2:]
+    assert (ranges["range"], ranges["b_hold_max"]) == ("19.0", "4.0")
+    assert (range_min["range"], range_min["b_hold_rmse"], range_min["b_hold_relative_rmse"]) == (
+        "0.0",
+        "0.0",
+        "",
+    )
+
+
+def test_values_that_are_no_numbers_are_left_out_and_counted(desk: Desk, tmp_path: Path) -> None:
+    values = [0.0, math.nan, 1.0, math.inf, 1.0, 1.0]
+    write_bag(tmp_path / "holes", of_floats(values, hz=1))
+    write_bag(tmp_path / "first", of_floats(values[:2], hz=1))
+    ran = desk.loss("holes", "first", "--json")
+    loss = ran.field("/level", "data")
+    assert (loss["excluded_sent"], loss["excluded_received"]) == (2, 1)
+    # Of 5 s, one second each is unknown to NaN and inf; in two of the other three the value held is wrong.
+    assert loss["received"]["hold"]["rmse"] == pytest.approx(math.sqrt(2 / 3))
+    assert (
+        "Left out, because not a finite number: /level data 2 in A, 1 in B."
+        in desk.loss("holes", "first").out
+    )
+
+
+def test_a_type_that_nobody_defines_is_counted_and_not_decoded(desk: Desk, tmp_path: Path) -> None:
+    write_humble_file(tmp_path / "humble.db3", MISSION)
+    ran = desk.loss("humble.db3", "seen", "--json")
+    assert ran.err == f"note: /gripper: 20 messages not decoded: nobody defines the type {CUSTOM_TYPE}\n"
+    assert "/gripper" in ran.json["topics"]
+    assert all(loss["topic"] != GRIPPER.name for loss in ran.json["fields"])
+
+
+def test_messages_that_cannot_be_decoded_are_counted(desk: Desk, tmp_path: Path) -> None:
+    broken = BagMessage(ODOM.name, MISSION.messages[-1].stamp_ns, b"\x00\x01\x00\x00")
+    write_bag(tmp_path / "broken", BagContent(MISSION.topics, (*MISSION.messages, broken)))
+    ran = desk.loss("broken", "seen", "--json")
+    assert ran.err == "note: /odom: 1 message could not be decoded and was left out\n"
+    assert ran.field("/odom", "pose_y")["excluded_sent"] == 1
+
+
+def test_a_topic_of_two_types_is_compared_by_age_only(desk: Desk, tmp_path: Path) -> None:
+    level = of_floats([1.0, 2.0, 3.0], hz=1)
+    kind = "std_msgs/msg/Int32"
+    ints = [BagMessage("/level", START_NS, cdr(kind, message_of(kind, data=1)))]
+    write_bag(tmp_path / "floats", level)
+    write_bag(tmp_path / "ints", BagContent((BagTopic("/level", kind),), tuple(ints)))
+    ran = desk.loss("floats", "ints", "--json")
+    assert ran.field("/level", "data")["received"] is None
+    assert ran.json["topics"]["/level"]["received"]["age"]["max_s"] == 2
+    assert ran.err == (
+        "note: /level: std_msgs/msg/Float64 in floats and std_msgs/msg/Int32 in ints; "
+        "its fields are not compared\n"
+    )
+
+
+def test_the_curve_at_a_rate_is_the_loss_of_a_replay_at_that_rate(desk: Desk, tmp_path: Path) -> None:
+    (tmp_path / "five.adirf").write_text("begin SetFrequency /odom 5 SetFrequency /scan 2 end")
+    assert main(["replay", "sent", "--rules", "five.adirf", "--output", "replayed"]) == 0
+    curves = desk.loss("sent", "--json").json["topics"]
+    ran = desk.loss("sent", "replayed", "--json")
+    for topic, field, hz in (("/odom", "pose_y", 5), ("/scan", "distance", 2)):
+        point = next(point for point in curves[topic]["points"] if point["hz"] == hz)
+        error = {key: value for key, value in point["fields"][field].items() if key != "unit"}
+        assert error == ran.field(topic, field)["received"]
+        assert point["age"] == ran.json["topics"][topic]["received"]["age"]
+
+
+def test_a_position_is_off_by_the_distance_of_what_is_held(desk: Desk, tmp_path: Path) -> None:
+    drive = [BagMessage("/odom", START_NS + n * S, odometry(3.0 * n, 4.0 * n)) for n in range(5)]
+    write_bag(tmp_path / "drive", BagContent((ODOM,), tuple(drive)))
+    write_bag(tmp_path / "start", BagContent((ODOM,), tuple(drive[:1])))
+    report = measure_loss(tmp_path / "drive", tmp_path / "start")
+    assert report.position_rmse_m("/odom") == pytest.approx(5 * math.sqrt((0 + 1 + 4 + 9) / 4))
+    assert report.position_rmse_m("/scan") is None
+
+
+def test_a_recording_in_pieces_is_read_as_far_as_it_goes(desk: Desk, tmp_path: Path) -> None:
+    path = next((tmp_path / "seen").glob("*.db3"))
+    path.write_bytes(path.read_bytes()[: path.stat().st_size * 69 // 100])
+    ran = desk.loss("sent", "seen", "--json")
+    assert ran.code == 0
+    assert ran.err.startswith(f"note: {Path('seen', path.name)}: cut off: 69 % readable, ends at ")
+
+
+def test_a_topic_of_which_nothing_was_received_has_no_numbers(desk: Desk, tmp_path: Path) -> None:
+    scans_only = [message for message in MISSION.messages if message.topic == "/scan"]
+    write_bag(tmp_path / "scans", BagContent(MISSION.topics, tuple(scans_only)))
+    ran = desk.loss("sent", "scans", "--json")
+    assert ran.field("/odom", "pose_y")["received"] is None
+    assert ran.json["topics"]["/odom"]["received"] == {"messages": 0, "bytes": 0, "age": None}
+    assert desk.loss("sent", "scans").code == 0
+
+
+def test_a_recording_that_ends_early_is_said(desk: Desk, tmp_path: Path) -> None:
+    write_bag(tmp_path / "short", MISSION.between(0, 40))
+    ran = desk.loss("sent", "short", "--json")
+    assert ran.err.startswith("note: short: ends 3.")
+    assert ran.err.endswith(" s before sent; nothing came in that time\n")
+
+
+def test_recordings_that_cannot_be_compared_are_refused_in_one_line(desk: Desk, tmp_path: Path) -> None:
+    write_bag(tmp_path / "empty", BagContent(MISSION.topics))
+    write_bag(tmp_path / "other", of_floats([1.0], hz=1))
+    write_bag(
+        tmp_path / "later", BagContent((ODOM,), (BagMessage("/odom", START_NS + 99 * S, odometry(0, 0)),))
+    )
+    refusals = {
+        ("sent", "nowhere"): "nowhere: error: no such file or folder; "
+        "give a rosbag2 folder, a .db3 or an .mcap file",
+        ("empty", "seen"): "empty: error: the recording holds no message",
+        ("sent", "empty"): "empty: error: the recording holds no message",
+        ("empty",): "empty: error: the recording holds no message",
+        ("sent", "other"): "other: error: it has no topic in common with sent; pair two by --map /a=/b",
+        ("sent", "later"): "later: error: it has no time in common with sent; "
+        "give two recordings of one run; `testudo replay` makes the second from the first",
+        ("sent", "seen", "--topics", "/odmo"): "sent, seen: error: no topic /odmo; did you mean /odom?",
+        ("sent", "seen", "--field", "/odmo", "x"): "sent: error: no topic /odmo; did you mean /odom?",
+        (
+            "sent",
+            "seen",
+            "--field",
+            "/gripper",
+            "width",
+        ): "/gripper: error: no message has a number at width; it has opening, holds",
+        ("sent", "--field", "/gripper", "width"): "/gripper: error: no message has a number at width; "
+        "name a numeric field by its path",
+    }
+    for arguments, refusal in refusals.items():
+        assert desk.refuses(*arguments) == refusal
+
+
+def test_wrong_usage_is_refused_in_one_line(desk: Desk) -> None:
+    refusals = {
+        ("sent", "seen", "--field", "odom"): "--field: error: odom is no topic with fields; "
+        "write it as in /odom pose_x twist.twist.linear.x",
+        ("sent", "seen", "--field", "/odom", "rate"): "--field: error: rate is not a field but how messages "
+        "arrive; msg.rate is a field of that name",
+        ("sent", "seen", "--field", "/odom", "a b"): "--field: error: 'a b' is not a field; "
+        "write it as in twist.twist.linear.x or ranges[0]",
+        ("sent", "--rules", "rules.adirf"): "--rules: error: it needs a second recording; "
+        "give what the operator received as B",
+        ("sent", "--map", "/a=/b"): "--map: error: it needs a second recording; "
+        "give what the operator received as B",
+    }
+    for arguments, refusal in refusals.items():
+        assert desk.refuses(*arguments, code=2) == refusal
+
+
+def test_a_profile_from_the_curve_has_its_breakpoints_as_tiers(desk: Desk, tmp_path: Path) -> None:
+    assert main(["profile", "--bag", "sent", "--from-curve", "-o", "p.toml"]) == 0
+    topics = desk.loss("sent", "--json").json["topics"]
+    profile = load_profile(tmp_path / "p.toml")
+    for name in ("/odom", "/scan", "/gripper"):
+        assert profile.topic(name).tiers_hz == tuple(topics[name]["tiers_hz"])
+    text = (tmp_path / "p.toml").read_text(encoding="utf-8")
+    assert "  # RMSE of holding: 20, 10, 5, 2, 1 % of the range (worst: pose_y), 0 at source_hz\n" in text
+    assert profile.topic("/image").tiers_hz == (0.25, 0.5, 1.25, 2.5, 4, 5)
+    assert "  # 5, 10, 25, 50, 80, 100 % of source_hz\n" in text

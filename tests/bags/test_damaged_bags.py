@@ -1,0 +1,342 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+from __future__ import annotations
+
+import itertools
+import random
+import sqlite3
+import struct
+from collections.abc import Iterator
+from contextlib import closing, suppress
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from mcap.exceptions import McapError
+from mcap.reader import NonSeekingReader, make_reader
+from mcap.writer import CompressionType
+from rosbags.rosbag2 import CompressionMode, Reader, StoragePlugin
+
+from bags.bag_factory import (
+    START_NS,
+    BagContent,
+    BagMessage,
+    small_mission,
+    write_bag,
+    write_mcap_file,
+    write_split_bag,
+)
+from bags.bag_reading import ReadBag, read_bag
+from smarttestudo.bags.reader import open_recording
+from smarttestudo.domain.errors import RecordingError
+
+MISSION = small_mission()
+KINDS = [
+    *itertools.product(StoragePlugin, (CompressionMode.NONE, CompressionMode.FILE, CompressionMode.MESSAGE)),
+    (StoragePlugin.MCAP, CompressionMode.STORAGE),
+]
+NOTHING_LEFT = ("no rosbag2 topics can be found in it", "no part of it can be decompressed")
+TOGETHER = "read together with bag.db3-wal beside it, which holds what is not in it yet"
+PERCENTS = range(5, 100, 5)
+
+
+def storage_file(folder: Path) -> Path:
+    return next(path for path in folder.iterdir() if path.name != "metadata.yaml")
+
+
+def assert_each_is_an_original_at_most_once(messages: list[BagMessage]) -> None:
+    assert len(set(messages)) == len(messages)
+    assert set(messages) <= set(MISSION.messages)
+    assert [message.stamp_ns for message in messages] == sorted(message.stamp_ns for message in messages)
+
+
+@pytest.fixture(scope="module", params=KINDS, ids=str)
+def whole_file(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    storage, compression = request.param
+    folder = tmp_path_factory.mktemp("whole") / "mission"
+    return storage_file(write_bag(folder, MISSION, storage=storage, compression=compression))
+
+
+@pytest.fixture(scope="module", params=["zstd", "lz4", "plain", "unchunked"])
+def small_chunks(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    compression = {"zstd": CompressionType.ZSTD, "lz4": CompressionType.LZ4}.get(request.param)
+    path = tmp_path_factory.mktemp("chunks") / "mission.mcap"
+    return write_mcap_file(
+        path,
+        MISSION,
+        compression=compression or CompressionType.NONE,
+        use_chunking=request.param != "unchunked",
+    )
+
+
+def read_or_refuse(path: Path) -> ReadBag | RecordingError:
+    try:
+        return read_bag(path)
+    except RecordingError as error:
+        return error
+
+
+def read_all_cuts(path: Path, folder: Path) -> list[int]:
+    """How many messages each cut of ``path`` gives; each cut is checked."""
+    data = path.read_bytes()
+    counts: list[int] = []
+    for percent in PERCENTS:
+        cut = folder / path.name
+        cut.write_bytes(data[: len(data) * percent // 100])
+        read = read_or_refuse(cut)
+        if isinstance(read, RecordingError):
+            assert not counts or counts[-1] == 0
+            assert read.cause in NOTHING_LEFT
+            counts.append(0)
+            continue
+        assert_each_is_an_original_at_most_once(read.messages)
+        assert read.notices, f"cut at {percent} % without a word"
+        assert all(notice.startswith(f"{cut}: ") for notice in read.notices)
+        counts.append(len(read.messages))
+    return counts
+
+
+def test_a_file_cut_at_every_twentieth_gives_what_is_left_and_says_so(
+    whole_file: Path, tmp_path: Path
+) -> None:
+    counts = read_all_cuts(whole_file, tmp_path)
+    assert counts == sorted(counts)
+    assert counts[-1] > 0.5 * len(MISSION.messages)
+
+
+def cuts(path: Path, folder: Path) -> Iterator[Path]:
+    """``path`` cut at every twentieth of its length, one after the other."""
+    data = path.read_bytes()
+    cut = folder / path.name
+    for percent in PERCENTS:
+        cut.write_bytes(data[: len(data) * percent // 100])
+        yield cut
+
+
+def found_by_sqlite(path: Path) -> set[tuple[int, bytes]]:
+    """What SQLite reads of a cut file once it is told not to mind its length; some rows it makes up."""
+    found = set()
+    database = sqlite3.connect(f"file:{path}?immutable=1", uri=True)
+    with closing(database), suppress(sqlite3.Error):
+        database.execute("PRAGMA writable_schema = ON")
+        for stamp_ns, payload in database.execute("SELECT timestamp, data FROM messages"):
+            found.add((stamp_ns, payload))
+    return found
+
+
+def found_by_mcap(path: Path) -> set[tuple[int, bytes]]:
+    """What mcap's reader for streams gives of a cut file until it raises."""
+    found = set()
+    with path.open("rb") as file, suppress(McapError, EOFError, struct.error):
+        for _, _, message in NonSeekingReader(file).iter_messages(log_time_order=False):
+            found.add((message.log_time, message.data))
+    return found
+
+
+def found_by_us(path: Path) -> set[tuple[int, bytes]]:
+    read = read_or_refuse(path)
+    messages = [] if isinstance(read, RecordingError) else read.messages
+    return {(message.stamp_ns, message.payload) for message in messages}
+
+
+@pytest.mark.parametrize("big_images", [False, True])
+def test_a_cut_sqlite_file_gives_at_least_what_sqlite_finds_in_it(tmp_path: Path, big_images: bool) -> None:
+    noise = random.Random(1)  # zeros would be made up as well as read
+    few = tuple(
+        replace(message, payload=noise.randbytes(len(message.payload)))
+        for message in MISSION.messages
+        if big_images or message.topic != "/image"
+    )
+    path = storage_file(write_bag(tmp_path / "bag", BagContent(MISSION.topics, few)))
+    written = {(message.stamp_ns, message.payload) for message in few}
+    for cut in cuts(path, tmp_path):
+        found = found_by_sqlite(cut) & written
+        assert found_by_us(cut) >= found
+    assert len(found) > 0.5 * len(few)
+
+
+def test_a_cut_mcap_file_gives_at_least_what_its_library_finds_in_it(
+    small_chunks: Path, tmp_path: Path
+) -> None:
+    for cut in cuts(small_chunks, tmp_path):
+        found = found_by_mcap(cut)
+        assert found_by_us(cut) >= found
+    assert len(found) > 0.5 * len(MISSION.messages)
+
+
+def test_a_cut_sqlite_file_gives_nearly_its_share_of_the_messages(tmp_path: Path) -> None:
+    counts = read_all_cuts(storage_file(write_bag(tmp_path / "bag", MISSION)), tmp_path)
+    first_rows_at = 0.1  # the tables' own pages
+    for percent, count in zip(PERCENTS, counts, strict=True):
+        assert count >= (percent / 100 - first_rows_at) * len(MISSION.messages)
+
+
+def test_a_cut_mcap_file_gives_the_whole_part_of_its_last_chunk_too(
+    small_chunks: Path, tmp_path: Path
+) -> None:
+    counts = read_all_cuts(small_chunks, tmp_path)
+    assert counts == sorted(counts)
+    assert counts[-1] > 0.8 * len(MISSION.messages)
+
+
+@pytest.mark.parametrize("storage", StoragePlugin)
+def test_a_bag_whose_last_file_is_cut_and_that_has_no_metadata_is_read_as_far_as_it_goes(
+    tmp_path: Path, storage: StoragePlugin
+) -> None:
+    half = len(MISSION.messages) // 2
+    parts = [MISSION.between(0, half), MISSION.between(half, len(MISSION.messages))]
+    folder = write_split_bag(tmp_path / "mission", parts, storage=storage)
+    (folder / "metadata.yaml").unlink()
+    last = max(folder.iterdir())
+    last.write_bytes(last.read_bytes()[:-9000])
+    read = read_bag(folder)
+    assert_each_is_an_original_at_most_once(read.messages)
+    assert read.messages[:half] == list(MISSION.messages[:half])
+    assert len(read.messages) > half
+    assert len(read.notices) == 2
+
+
+@pytest.mark.parametrize("storage", StoragePlugin)
+def test_a_cut_bag_of_simulated_time_starts_at_zero(tmp_path: Path, storage: StoragePlugin) -> None:
+    messages = tuple(replace(one, stamp_ns=one.stamp_ns - START_NS) for one in MISSION.messages)
+    path = storage_file(write_bag(tmp_path / "bag", BagContent(MISSION.topics, messages), storage=storage))
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    with open_recording(path) as recording:
+        assert recording.start_ns == 0
+
+
+@pytest.mark.parametrize("storage", StoragePlugin)
+def test_a_file_of_several_that_is_gone_or_empty_costs_only_itself(
+    tmp_path: Path, storage: StoragePlugin
+) -> None:
+    third = len(MISSION.messages) // 3
+    parts = [MISSION.between(i * third, (i + 1) * third) for i in range(3)]
+    folder = write_split_bag(tmp_path / "mission", parts, storage=storage)
+    files = sorted(path for path in folder.iterdir() if path.name != "metadata.yaml")
+    files[0].unlink()
+    files[1].write_bytes(b"")
+    read = read_bag(folder)
+    assert read.messages == list(parts[2].messages)
+    assert read.notices == [
+        f"{files[0]}: missing, but named in the metadata",
+        f"{files[1]}: the file is empty",
+    ]
+
+
+def test_a_damaged_chunk_costs_its_messages_and_no_other(tmp_path: Path) -> None:
+    path = write_mcap_file(tmp_path / "mission.mcap", MISSION)
+    with path.open("rb") as file:
+        summary = make_reader(file).get_summary()
+    assert summary is not None
+    content = summary.chunk_indexes[len(summary.chunk_indexes) // 2].chunk_start_offset + 60
+    data = bytearray(path.read_bytes())
+    data[content : content + 40] = bytes(40)
+    path.write_bytes(data)
+    read = read_bag(path)
+    assert_each_is_an_original_at_most_once(read.messages)
+    assert 0.6 * len(MISSION.messages) < len(read.messages) < len(MISSION.messages)
+    assert read.messages[-1] == MISSION.messages[-1]
+    (notice,) = read.notices
+    assert notice.startswith(f"{path}: damaged chunks left out: 1; 97 % readable, ends at ")
+
+
+def test_a_damaged_chunk_of_a_cut_file_is_named_once_though_the_file_is_read_twice(tmp_path: Path) -> None:
+    path = write_mcap_file(tmp_path / "mission.mcap", MISSION, compression=CompressionType.NONE)
+    data = bytearray(path.read_bytes()[:-9000])
+    image = data.index(bytes([7]) * 4000)
+    data[image : image + 100] = bytes(100)
+    path.write_bytes(data)
+    with open_recording(path) as recording:
+        messages, again = (list(recording.messages()) for _ in range(2))
+        notices = recording.notices()
+    assert messages == again
+    assert 0.5 * len(MISSION.messages) < len(messages) < len(MISSION.messages)
+    assert {(stamp_ns, payload) for _, stamp_ns, payload in messages} <= {
+        (message.stamp_ns, message.payload) for message in MISSION.messages
+    }
+    assert [notice for notice in notices if "damaged chunks left out: 1; " in notice] == [notices[-1]]
+
+
+def test_a_damaged_page_of_a_database_costs_its_messages_and_no_other(tmp_path: Path) -> None:
+    path = storage_file(write_bag(tmp_path / "bag", MISSION))
+    data = bytearray(path.read_bytes())
+    page = len(data) // 4096 // 2 * 4096
+    data[page : page + 4096] = b"\xff" * 4096
+    path.write_bytes(data)
+    read = read_bag(path)
+    assert len({(message.topic, message.stamp_ns) for message in read.messages}) == len(read.messages)
+    assert 0.8 * len(MISSION.messages) < len(read.messages)
+    assert read.messages[-1] == MISSION.messages[-1]
+
+
+def test_a_message_that_does_not_decompress_costs_itself(tmp_path: Path) -> None:
+    packed = write_bag(tmp_path / "bag", MISSION, compression=CompressionMode.MESSAGE)
+    content = BagContent(MISSION.topics, tuple(read_stored(storage_file(packed))))
+    third = content.messages[2]
+    broken = BagMessage(third.topic, third.stamp_ns, third.payload[:-5])
+    messages = (*content.messages[:2], broken, *content.messages[3:])
+    path = write_bag(tmp_path / "broken", BagContent(MISSION.topics, messages))
+    read = read_bag(path)
+    assert read.messages == [*MISSION.messages[:2], *MISSION.messages[3:]]
+    assert read.notices == [f"{third.topic}: 1 messages could not be decompressed and were left out"]
+
+
+def read_stored(path: Path) -> list[BagMessage]:
+    with Reader(path) as reader:
+        return [BagMessage(connection.topic, stamp, data) for connection, stamp, data in reader.messages()]
+
+
+def test_messages_left_in_a_log_beside_the_database_are_named(tmp_path: Path) -> None:
+    path = storage_file(write_bag(tmp_path / "bag", MISSION))
+    with closing(sqlite3.connect(path)) as database:
+        database.execute("PRAGMA journal_mode = WAL")
+        database.execute("PRAGMA wal_autocheckpoint = 0")
+        database.execute("INSERT INTO messages (topic_id, timestamp, data) VALUES (1, 1, x'00')")
+        database.commit()
+        read = read_bag(path)
+    assert read.messages == [BagMessage("/odom", 1, b"\x00"), *MISSION.messages]
+    assert read.notices == [f"{path}: {TOGETHER}"]
+
+
+@pytest.mark.parametrize("values", ["1, 'noon', x'00'", "1, 5, NULL", "1, 5, 'text'"])
+def test_rows_of_the_wrong_types_cost_themselves(tmp_path: Path, values: str) -> None:
+    path = storage_file(write_bag(tmp_path / "bag", MISSION))
+    with closing(sqlite3.connect(path)) as database:
+        database.execute("ALTER TABLE messages RENAME TO strict")
+        database.execute("CREATE TABLE messages (id INTEGER PRIMARY KEY, topic_id, timestamp, data)")
+        database.execute("INSERT INTO messages SELECT * FROM strict WHERE id % 2 = 0")
+        database.execute("DROP TABLE strict")
+        database.execute(f"INSERT INTO messages (topic_id, timestamp, data) VALUES ({values})")
+        database.commit()
+    read = read_bag(path)
+    assert read.messages == list(MISSION.messages[1::2])
+    assert len(read.notices) == 1
+
+
+@pytest.fixture(scope="module", params=StoragePlugin, ids=str)
+def tiny_file(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("tiny")
+    if request.param is StoragePlugin.MCAP:
+        return write_mcap_file(folder / "tiny.mcap", small_mission(0.4), chunk_size=4000)
+    return storage_file(write_bag(folder / "tiny", small_mission(0.4)))
+
+
+@settings(max_examples=80)
+@given(data=st.data())
+def test_bytes_changed_at_random_raise_nothing_but_a_recording_error(
+    tiny_file: Path, data: st.DataObject
+) -> None:
+    changed = bytearray(tiny_file.read_bytes())
+    for _ in range(data.draw(st.integers(1, 6))):
+        at = data.draw(st.integers(0, len(changed) - 1))
+        junk = data.draw(st.binary(min_size=1, max_size=12))
+        changed[at : at + len(junk)] = junk
+    path = tiny_file.with_stem("changed")
+    path.write_bytes(changed)
+    read = read_or_refuse(path)
+    if isinstance(read, RecordingError):
+        assert "\n" not in str(read)
+    else:
+        assert len(read.messages) <= len(small_mission(0.4).messages)

@@ -1,0 +1,152 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from mcap.writer import CompressionType, IndexType
+from rosbags.rosbag2 import StoragePlugin
+
+from bags.bag_factory import (
+    CUSTOM_DEFINITION,
+    CUSTOM_TYPE,
+    LATCHED,
+    MAP_NAME,
+    ODOM,
+    START_NS,
+    BagContent,
+    BagMessage,
+    odometry,
+    small_mission,
+    write_bag,
+    write_humble_file,
+    write_mcap_file,
+    write_split_bag,
+)
+from bags.bag_reading import read_bag
+from smarttestudo.bags.definitions import RosbagDecoder
+from smarttestudo.bags.reader import open_recording
+
+MISSION = small_mission()
+
+
+def test_every_kind_of_bag_gives_its_messages_byte_for_byte_in_time_order(bag: Path) -> None:
+    read = read_bag(bag)
+    assert read.messages == list(MISSION.messages)
+    assert read.notices == []
+
+
+def test_a_bag_says_when_it_starts_and_ends_and_how_many_messages_it_holds(bag: Path) -> None:
+    with open_recording(bag) as recording:
+        assert recording.start_ns == MISSION.messages[0].stamp_ns
+        assert recording.end_ns == MISSION.messages[-1].stamp_ns
+        assert recording.message_count == len(MISSION.messages)
+
+
+def test_without_metadata_the_files_are_read_and_a_notice_says_so(bag: Path) -> None:
+    kept = (bag / "metadata.yaml").rename(bag / "kept.txt")
+    try:
+        read = read_bag(bag)
+    finally:
+        kept.rename(bag / "metadata.yaml")
+    assert read.messages == list(MISSION.messages)
+    assert read.notices == [f"{bag}: metadata.yaml is missing; the files in the folder were read instead"]
+
+
+@pytest.mark.parametrize("text", ["{[", "", "rosbag2_bagfile_information: 3", "a: b", "\x00", "&a [*a]"])
+def test_broken_metadata_cost_a_notice_and_no_message(tmp_path: Path, text: str) -> None:
+    folder = write_bag(tmp_path / "bag", MISSION)
+    (folder / "metadata.yaml").write_text(text)
+    read = read_bag(folder)
+    assert read.messages == list(MISSION.messages)
+    assert read.notices == [f"{folder}: metadata.yaml is broken; the files in the folder were read instead"]
+
+
+def test_a_single_file_is_read_like_its_folder(bag: Path) -> None:
+    files = sorted(path for path in bag.iterdir() if path.name != "metadata.yaml")
+    assert [message for file in files for message in read_bag(file).messages] == list(MISSION.messages)
+
+
+@pytest.mark.parametrize("storage", StoragePlugin)
+def test_channels_carry_type_definition_hash_and_qos(tmp_path: Path, storage: StoragePlugin) -> None:
+    with open_recording(write_bag(tmp_path / "bag", MISSION, storage=storage, version=9)) as recording:
+        channels = {channel.topic: channel for channel in recording.channels}
+    gripper, map_name = channels["/gripper"], channels["/map_name"]
+    assert (gripper.type_name, gripper.definition) == (CUSTOM_TYPE, CUSTOM_DEFINITION)
+    assert gripper.digest.startswith("RIHS01_")
+    assert map_name.qos == (LATCHED,)
+    assert [channel.topic for channel in channels.values() if channel.transient_local] == ["/map_name"]
+
+
+@pytest.mark.parametrize("storage", StoragePlugin)
+def test_overlapping_files_are_merged_by_time(tmp_path: Path, storage: StoragePlugin) -> None:
+    parts = [BagContent(MISSION.topics, MISSION.messages[i::3]) for i in range(3)]
+    read = read_bag(write_split_bag(tmp_path / "mission", parts, storage=storage))
+    assert read.messages == list(MISSION.messages)
+
+
+def test_declared_sizes_are_known_from_the_folder_and_from_the_file(tmp_path: Path) -> None:
+    noted = {"smarttestudo.declared_bytes": json.dumps({"/image": 6_220_000}), "operator": "Ada"}
+    for storage in StoragePlugin:
+        folder = write_bag(tmp_path / storage.name, MISSION, storage=storage, custom_data=noted)
+        file = next(path for path in folder.iterdir() if path.suffix in (".db3", ".mcap"))
+        for path in (folder, file):
+            with open_recording(path) as recording:
+                assert recording.declared_bytes == {"/image": 6_220_000}
+                assert recording.custom_data == noted
+
+
+@pytest.mark.parametrize("text", ["[]", "{", '{"/image": -1}', '{"/image": "big"}', '{"/image": true}'])
+def test_declared_sizes_that_make_no_sense_cost_a_notice(tmp_path: Path, text: str) -> None:
+    noted = {"smarttestudo.declared_bytes": text}
+    with open_recording(write_bag(tmp_path / "bag", MISSION, custom_data=noted)) as recording:
+        assert recording.declared_bytes == {}
+        assert len(recording.notices()) == 1
+
+
+MCAP_FORMS = {
+    "zstd": {},
+    "lz4": {"compression": CompressionType.LZ4},
+    "plain": {"compression": CompressionType.NONE},
+    "one chunk": {"chunk_size": 10_000_000},
+    "unchunked": {"use_chunking": False},
+    "no index": {"index_types": IndexType.NONE},
+    "chunks without message index": {"index_types": IndexType.CHUNK},
+    "channels in the chunks only": {"repeat_channels": False},
+}
+
+
+@pytest.mark.parametrize("form", MCAP_FORMS)
+def test_every_form_of_mcap_gives_its_messages_in_time_order(tmp_path: Path, form: str) -> None:
+    shuffled = BagContent(MISSION.topics, MISSION.messages[1::2] + MISSION.messages[::2])
+    path = write_mcap_file(tmp_path / "mission.mcap", shuffled, **MCAP_FORMS[form])  # type: ignore[arg-type]
+    read = read_bag(path)
+    assert read.messages == list(MISSION.messages)
+    assert read.notices == []
+
+
+def test_a_humble_file_defines_no_types_yet_its_standard_types_decode(tmp_path: Path) -> None:
+    decoder = RosbagDecoder()
+    with open_recording(write_humble_file(tmp_path / "humble.db3", MISSION)) as recording:
+        channels = {channel.topic: channel for channel in recording.channels}
+        assert {channel.definition for channel in channels.values()} == {None}
+        assert [name for name, channel in channels.items() if not decoder.can_decode(channel)] == ["/gripper"]
+        payload = next(payload for channel, _, payload in recording.messages() if channel.topic == "/odom")
+    assert decoder.decode(channels["/odom"], payload).pose.pose.position.y == 0.0  # type: ignore[attr-defined]
+
+
+def test_two_writers_of_one_topic_become_one_channel(tmp_path: Path) -> None:
+    parts = [
+        BagContent((ODOM, MAP_NAME), (BagMessage("/odom", START_NS + i, odometry(i, i)),)) for i in range(2)
+    ]
+    with open_recording(write_split_bag(tmp_path / "bag", parts)) as recording:
+        assert [channel.topic for channel in recording.channels] == ["/odom", "/map_name"]
+
+
+@pytest.mark.parametrize("name", ["run #3", "run?3", "50%41"])
+def test_names_that_mean_something_in_an_address_are_taken_as_they_are(tmp_path: Path, name: str) -> None:
+    folder = write_bag(tmp_path / "plain", MISSION)
+    folder = folder.rename(tmp_path / name)
+    assert read_bag(folder).messages == list(MISSION.messages)

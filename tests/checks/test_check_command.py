@@ -1,0 +1,217 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""``testudo check`` as a user meets it."""
+
+from __future__ import annotations
+
+import io
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from smarttestudo.bags.writer import create_recording
+from smarttestudo.cli import check
+from smarttestudo.cli.commands import command_parser
+from smarttestudo.cli.finding_text import finding_lines, print_findings, summary, write_lines
+from smarttestudo.domain.errors import ProfileError, UsageError
+from smarttestudo.domain.finding import Finding, Severity
+from smarttestudo.domain.recording import Channel
+from smarttestudo.domain.source import Span
+
+GOOD = "begin\n  SetFrequency /odom 10\nend\n"
+DOUBTFUL = "begin\n  SetFrequency /odom 10\n  SetFrequency /odom 4\nend\n"
+WRONG = "begin\n  SetFrequency /odom\n  SetFrequency /scan Desirable\nend\n"
+
+
+def run_check(*arguments: object) -> int:
+    code: int = check.run(command_parser().parse_args(["check", *map(str, arguments)]))
+    return code
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    for name, text in (("good", GOOD), ("doubtful", DOUBTFUL), ("wrong", WRONG)):
+        (tmp_path / f"{name}.adirf").write_text(text)
+    return tmp_path
+
+
+def test_a_finding_shows_its_place_the_text_and_a_hint(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run_check("doubtful.adirf") == 0
+    assert capsys.readouterr().out == (
+        "doubtful.adirf:2:3: warning[two-defaults]: this default of /odom is overridden by that of line 3\n"
+        "    SetFrequency /odom 10\n"
+        "    ^^^^^^^^^^^^^^^^^^^^^\n"
+        "    hint: the last default counts; remove this one\n"
+        "1 warning in 1 file\n"
+    )
+
+
+def test_a_clean_file_exits_with_0_and_says_so(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_check("good.adirf") == 0
+    assert capsys.readouterr().out == "no findings in 1 file\n"
+
+
+def test_errors_exit_with_1_and_are_all_reported(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_check("wrong.adirf") == 1
+    out = capsys.readouterr().out
+    assert "wrong.adirf:3:22: error[tier-without-rate]: Desirable has no rate without a profile" in out
+    assert out.endswith("2 errors in 1 file\n")
+
+
+def test_a_folder_stands_for_its_rule_files_and_each_file_counts_once(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run_check(folder, "good.adirf") == 1
+    assert capsys.readouterr().out.endswith("in 3 files\n")
+
+
+def test_files_that_cannot_be_read_are_named_and_the_others_are_checked(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "wide.adirf").write_bytes(GOOD.encode("utf-16"))
+    assert run_check("missing.adirf", "wide.adirf", "doubtful.adirf") == 1
+    captured = capsys.readouterr()
+    assert "two-defaults" in captured.out
+    assert captured.err.splitlines() == [
+        "missing.adirf: error: there is no such file; check the path",
+        "wide.adirf: error: the rule file is in UTF-16; save it as UTF-8",
+    ]
+
+
+def test_json_is_a_list_of_findings(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_check("doubtful.adirf", "--format", "json") == 0
+    (finding,) = json.loads(capsys.readouterr().out)
+    assert finding == {
+        "code": "two-defaults",
+        "severity": "warning",
+        "message": "this default of /odom is overridden by that of line 3",
+        "path": "doubtful.adirf",
+        "line": 2,
+        "column": 3,
+        "end_line": 2,
+        "end_column": 24,
+        "hint": "the last default counts; remove this one",
+        "fix": {
+            "title": "remove the overridden default",
+            "replacement": "",
+            "line": 2,
+            "column": 3,
+            "end_line": 2,
+            "end_column": 24,
+        },
+    }
+
+
+def test_json_without_findings_is_an_empty_list(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_check("good.adirf", "--format", "json") == 0
+    assert json.loads(capsys.readouterr().out) == []
+
+
+def test_a_profile_adds_what_it_knows(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (folder / "profile.toml").write_text('[topics."/odom"]\n[topics."/scan"]\n')
+    assert run_check("good.adirf", "--profile", "profile.toml") == 0
+    assert "profile.toml:1:1: info[unnamed-in-profile]: no rule names /scan" in capsys.readouterr().out
+
+
+def test_a_broken_profile_is_an_error(folder: Path) -> None:
+    (folder / "profile.toml").write_text("budget = 3\n")
+    with pytest.raises(ProfileError, match="unknown key"):
+        run_check("good.adirf", "--profile", "profile.toml")
+
+
+def test_a_recording_tells_which_topics_it_lacks_and_what_types_it_has(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with create_recording(folder / "bag") as recording:
+        recording.write(Channel(topic="/odom", type_name="nav_msgs/msg/Odometry"), 1, b"\0\1\0\0")
+    (folder / "robot.adirf").write_text(
+        "begin\n  SetFrequency /odm 10\n  If CheckValue /odom pose_X > 1 Then SetFrequency /odm 4\nend\n"
+    )
+    assert run_check("robot.adirf", "--bag", "bag", "--format", "json") == 0
+    found = {one["code"]: one["hint"] for one in json.loads(capsys.readouterr().out)}
+    assert found == {"absent-from-bag": "did you mean '/odom'?", "unknown-property": "did you mean 'pose_x'?"}
+
+
+def test_an_unknown_format_is_wrong_usage(folder: Path) -> None:
+    with pytest.raises(UsageError, match="invalid choice: 'xml'"):
+        run_check("good.adirf", "--format", "xml")
+
+
+def test_checking_without_a_bag_needs_no_package_beyond_the_standard_library() -> None:
+    program = (
+        "import sys; import smarttestudo.cli.check\n"
+        "print(sorted({'rosbags', 'mcap', 'numpy', 'rich'} & set(sys.modules)))"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert done.stdout == "[]\n"
+
+
+def finding_at(
+    line: int, column: int, end_line: int, end_column: int, *, message: str = "m", hint: str = ""
+) -> Finding:
+    span = Span(line=line, column=column, end_line=end_line, end_column=end_column)
+    return Finding(code="c", severity=Severity.INFO, message=message, path="f.adirf", span=span, hint=hint)
+
+
+def test_the_underline_of_several_lines_ends_with_the_first() -> None:
+    shown = finding_lines(finding_at(1, 3, 2, 5), ["  If (a AND  ", "   b)"])
+    assert shown[1:] == ["    If (a AND", "    ^^^^^^^^^"]
+
+
+def test_the_underline_stays_under_the_text_after_tabs_and_wide_letters() -> None:
+    shown = finding_lines(finding_at(1, 10, 1, 13), ["\tRule 宮 \tabc"])
+    assert shown[1:] == ["    Rule 宮  abc", "    " + " " * 9 + "^^^"]
+
+
+def test_a_very_long_line_is_cut_around_the_finding() -> None:
+    line = "x" * 500 + "here" + "y" * 500
+    shown = finding_lines(finding_at(1, 501, 1, 505), [line])
+    assert shown[1] == "    " + "x" * 30 + "here" + "y" * 66 + " …"
+    assert shown[2] == "    " + " " * 30 + "^^^^"
+
+
+def test_a_finding_at_the_end_of_the_file_has_a_caret() -> None:
+    assert finding_lines(finding_at(1, 4, 1, 4), ["end"])[1:] == ["    end", "       ^"]
+    assert len(finding_lines(finding_at(9, 1, 9, 1), ["end"])) == 1
+
+
+def test_rule_files_cannot_command_the_terminal() -> None:
+    shown = finding_lines(finding_at(1, 1, 1, 4, message="\x1b[2Jm", hint="\x07"), ["a\x1b[31mb"])
+    assert not any("\x1b" in line or "\x07" in line for line in shown)
+
+
+class Terminal(io.StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+@pytest.mark.parametrize(("no_color", "coloured"), [("", True), ("1", False)])
+def test_colour_is_for_terminals_whose_user_wants_it(
+    monkeypatch: pytest.MonkeyPatch, no_color: str, *, coloured: bool
+) -> None:
+    monkeypatch.setenv("NO_COLOR", no_color)
+    monkeypatch.setenv("TERM", "xterm")
+    terminal, pipe = Terminal(), io.StringIO()
+    for stream in (terminal, pipe):
+        print_findings([finding_at(1, 1, 1, 4)], {"f.adirf": "end"}, stream)
+    assert ("\x1b[36m" in terminal.getvalue()) == coloured
+    assert "\x1b" not in pipe.getvalue()
+
+
+def test_a_terminal_without_the_letters_gets_question_marks() -> None:
+    raw = io.BytesIO()
+    stream = io.TextIOWrapper(raw, encoding="ascii")
+    write_lines(["25 °C"], stream)
+    stream.flush()
+    assert raw.getvalue() == b"25 ?C\n"
+
+
+def test_the_summary_counts_by_severity() -> None:
+    info = finding_at(1, 1, 1, 2)
+    assert summary([info, info], files=2) == "2 infos in 2 files"

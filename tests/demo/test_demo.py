@@ -1,0 +1,270 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from collections import Counter
+from itertools import groupby
+from pathlib import Path
+
+import pytest
+
+from demo.demo_runs import Messages, binned_hz, messages_of, run_testudo
+from made_demos import Ran
+from smarttestudo.bags.reader import open_recording
+
+THESIS_CHANGE_PERCENT = {
+    "/camera/image_raw": -89.6,
+    "/imu": -94.7,
+    "/joint_states": -38.9,
+    "/camera/camera_info": -89.5,
+}
+WRITTEN = {
+    "accuracy.json",
+    "adaptive",
+    "baseline",
+    "decisions.jsonl",
+    "demo.json",
+    "report.html",
+    "warehouse.adirf",
+    "warehouse_predicted.adirf",
+    "warehouse_within.adirf",
+}
+
+
+def _change_percent(before: Messages, after: Messages, topic: str) -> float:
+    return 100 * (binned_hz(after[topic]) / binned_hz(before[topic]) - 1)
+
+
+def _declared_bytes(bag: Path) -> dict[str, int]:
+    with open_recording(bag) as recording:
+        return dict(recording.declared_bytes)
+
+
+def _replay(demo_out: Path, output: Path, *options: str) -> None:
+    """The demo's recording under the rules in its folder."""
+    rules = ("--rules", demo_out / "warehouse.adirf")
+    ran = run_testudo("replay", demo_out / "baseline", *rules, "--output", output, *options)
+    assert (ran.code, ran.stderr) == (0, "")
+
+
+@pytest.mark.parametrize("topic", THESIS_CHANGE_PERCENT)
+def test_topics_that_no_block_sets_change_as_in_the_thesis(
+    topic: str, baseline: Messages, adaptive: Messages
+) -> None:
+    change = _change_percent(baseline, adaptive, topic)
+
+    assert change == pytest.approx(THESIS_CHANGE_PERCENT[topic], abs=1.5)
+
+
+def test_each_frame_has_the_rate_of_tf_so_slow_ones_pass_whole(
+    baseline: Messages, adaptive: Messages
+) -> None:
+    """The thesis thinned /tf whatever was in a message (-66.4 %), and lost wheels to the odometry frame."""
+
+    def with_wheels(messages: Messages) -> list[bytes]:
+        return [payload for _, payload in messages["/tf"] if b"wheel_left_link" in payload]
+
+    assert with_wheels(adaptive) == with_wheels(baseline)
+    odometry = [(at_ns, payload) for at_ns, payload in adaptive["/tf"] if b"base_footprint" in payload]
+    assert binned_hz(odometry) == pytest.approx(10, rel=0.01)
+
+
+def test_transforms_are_judged_by_no_message_rate(whole_demo: Ran) -> None:
+    (row,) = (line.split() for line in whole_demo.stdout.split("Bandwidth")[0].splitlines() if "/tf " in line)
+    assert (row[1], row[4], row[5]) == ("30.50", "10.00", "–")
+
+
+def test_no_topic_comes_more_often_than_its_source(baseline: Messages, adaptive: Messages) -> None:
+    for topic, received in adaptive.items():
+        assert len(received) <= len(baseline[topic])
+    assert _change_percent(baseline, adaptive, "/scan") < 0
+
+
+def test_a_demo_that_repeats_is_a_replay_that_repeats(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    run_testudo("demo", "--out", out, "--seconds", 3, "--when-slow", "repeat")
+    _replay(out, tmp_path / "repeated", "--when-slow", "repeat")
+    _replay(out, tmp_path / "passed")
+
+    received = messages_of(out / "adaptive")
+    assert received == messages_of(tmp_path / "repeated")
+    assert received != messages_of(tmp_path / "passed")
+
+
+def test_what_is_received_was_published_byte_for_byte(baseline: Messages, adaptive: Messages) -> None:
+    for topic, received in adaptive.items():
+        published = Counter(payload for _, payload in baseline[topic])
+        assert not Counter(payload for _, payload in received) - published
+
+
+def test_the_blocks_decide_in_the_order_of_the_zones(whole_demo: Ran, demo_out: Path) -> None:
+    decisions = [json.loads(line) for line in (demo_out / "decisions.jsonl").read_text().splitlines()]
+    compressed_or_scan = [d for d in decisions if d["topic"] == "/scan"]
+
+    blocks = [rule for rule, _ in groupby(d["rule"] for d in compressed_or_scan)]
+
+    # Unknown at first, then hall, corridor, the wall in between, scaffolding, hall.
+    assert blocks == ["Scaffolding", None, "Warehouse Corridor", None, "Scaffolding", None]
+    assert f"{len(decisions)} decisions" in whole_demo.stdout
+
+
+def test_the_screen_shows_both_tables_with_their_sum_and_where_to_look(
+    whole_demo: Ran, baseline: Messages
+) -> None:
+    frequency, bandwidth = whole_demo.stdout.split("Bandwidth", 1)
+
+    for topic in baseline:
+        assert topic in frequency
+        assert topic in bandwidth
+    assert "All topics" in bandwidth
+    assert "declared" in bandwidth
+    assert "Open demo-out/report.html in a browser" in whole_demo.stdout
+    assert (whole_demo.code, whole_demo.stderr) == (0, "")
+
+
+def test_the_screen_says_which_figures_count_declared_sizes(whole_demo: Ran) -> None:
+    assert (
+        "Declared sizes are counted for /camera/image_raw (6 220.9 KB a message) and "
+        "/camera/image_raw/compressed (420.0 KB a message): in their KB and KB/s, in sums"
+        in whole_demo.stdout
+    )
+
+
+def test_the_screen_and_the_report_show_what_fixed_rates_would_have_done(
+    whole_demo: Ran, demo_out: Path
+) -> None:
+    page = (demo_out / "report.html").read_text("utf-8")
+
+    assert (
+        "With the last position of /odom held, the error is 1.9 cm (RMSE); at the best fixed rates"
+        in whole_demo.stdout
+    )
+    assert "Best fixed rates" in page
+    assert len(page.encode()) < 500_000
+
+
+def test_both_recordings_declare_the_size_of_whole_camera_frames(whole_demo: Ran, demo_out: Path) -> None:
+    expected = {"/camera/image_raw": 6_220_872, "/camera/image_raw/compressed": 420_000}
+
+    assert _declared_bytes(demo_out / "baseline") == expected
+    assert _declared_bytes(demo_out / "adaptive") == expected
+
+
+def test_the_page_names_zones_topics_and_seed(whole_demo: Ran, demo_out: Path, baseline: Messages) -> None:
+    page = (demo_out / "report.html").read_text("utf-8")
+
+    for text in ("Warehouse Corridor", "Scaffolding", "Seed", *baseline):
+        assert text in page
+
+
+def test_the_folder_holds_what_the_screen_says(whole_demo: Ran, demo_out: Path) -> None:
+    assert {path.name for path in demo_out.iterdir()} == WRITTEN
+    assert {path.name for path in demo_out.parent.iterdir()} == {demo_out.name, "examples"}
+
+
+def test_the_rules_left_in_the_folder_replay_to_the_same_recording(
+    whole_demo: Ran, demo_out: Path, adaptive: Messages, tmp_path: Path
+) -> None:
+    _replay(demo_out, tmp_path / "own")
+
+    assert messages_of(tmp_path / "own") == adaptive
+
+
+def test_the_same_seed_gives_the_same_files_and_another_one_other_noise(tmp_path: Path) -> None:
+    for name, seed in (("first", 3), ("again", 3), ("other", 4)):
+        run_testudo("demo", "--out", tmp_path / name, "--seconds", 3, "--seed", seed)
+
+    for bag in ("baseline", "adaptive"):
+        first, again, other = (messages_of(tmp_path / name / bag) for name in ("first", "again", "other"))
+        assert first == again
+        assert first != other
+    for file in ("decisions.jsonl", "report.html"):
+        assert (tmp_path / "first" / file).read_bytes() == (tmp_path / "again" / file).read_bytes()
+
+
+def test_rules_that_were_edited_after_a_demo_are_those_of_the_next_one(tmp_path: Path) -> None:
+    out, demo = tmp_path / "out", ("demo", "--out", tmp_path / "out", "--seconds", 3)
+    run_testudo(*demo)
+    edited = b"\xef\xbb\xbfbegin\r\n    SetFrequency /odom 1 // mine\r\nend\r\n"
+    (out / "warehouse.adirf").write_bytes(edited)
+
+    again = run_testudo(*demo)
+
+    assert (out / "warehouse.adirf").read_bytes() == edited
+    assert set(messages_of(out / "adaptive")) == {"/odom"}
+    assert "// mine" in (out / "report.html").read_text("utf-8")
+    assert again.code == 0
+    assert f"note: {out}/warehouse.adirf was edited: kept and used" in again.stderr
+
+
+def test_edited_rules_with_an_error_are_refused_in_one_line_and_stay(tmp_path: Path) -> None:
+    out, demo = tmp_path / "out", ("demo", "--out", tmp_path / "out", "--seconds", 1)
+    run_testudo(*demo)
+    (out / "warehouse.adirf").write_text("begin\n    SetFrequency /odom\nend\n")
+    before = {path.name: path.stat().st_mtime_ns for path in out.iterdir()}
+
+    again = run_testudo(*demo)
+
+    assert (again.code, again.stdout) == (1, "")
+    assert again.stderr.startswith(f"{out}/warehouse.adirf:2:")
+    assert again.stderr.count("\n") == 1
+    assert {path.name: path.stat().st_mtime_ns for path in out.iterdir()} == before
+
+
+def test_the_last_line_can_be_typed_as_it_stands_and_shows_what_edited_rules_give(tmp_path: Path) -> None:
+    testudo = Path(sys.executable).with_name("testudo")
+    bare = {"PATH": "/usr/bin:/bin", "HOME": str(tmp_path)}
+    demo = [os.path.relpath(testudo, tmp_path), "demo", "--seconds", "2", "--out", "my demo"]
+    ran = subprocess.run(demo, cwd=tmp_path, env=bare, capture_output=True, text=True, check=True)
+    (tmp_path / "my demo" / "warehouse.adirf").write_text("begin SetFrequency /odom 1 end")
+
+    typed = ran.stdout.splitlines()[-1]
+    subprocess.run(["sh", "-c", typed], cwd=tmp_path, env=bare, capture_output=True, check=True)
+
+    assert "SetFrequency /odom 1" in (tmp_path / "my-report.html").read_text("utf-8")
+
+
+def test_the_last_line_names_the_command_alone_where_the_shell_finds_it(tmp_path: Path) -> None:
+    testudo = Path(sys.executable).with_name("testudo")
+    environment = {**os.environ, "PATH": f"{testudo.parent}{os.pathsep}{os.environ['PATH']}"}
+    demo = ["testudo", "demo", "--seconds", "1", "--out", "out"]
+    ran = subprocess.run(demo, cwd=tmp_path, env=environment, capture_output=True, text=True, check=True)
+
+    assert ran.stdout.splitlines()[-1].startswith("  testudo replay out/baseline ")
+
+
+def test_full_images_are_recorded_whole_and_declare_nothing(tmp_path: Path) -> None:
+    ran = run_testudo("demo", "--out", tmp_path / "out", "--seconds", 1, "--full-images")
+    images = messages_of(tmp_path / "out" / "baseline")["/camera/image_raw"]
+
+    assert {len(payload) for _, payload in images} == {6_220_872}
+    assert "No figure counts declared sizes: all are of messages as they are recorded." in ran.stdout
+    assert ran.stdout.count("declared") == 1
+
+
+def test_a_folder_that_no_demo_made_is_refused_in_one_line(tmp_path: Path) -> None:
+    (tmp_path / "thesis.tex").touch()
+
+    ran = run_testudo("demo", "--out", tmp_path, "--seconds", 1)
+
+    assert (ran.code, ran.stdout) == (1, "")
+    assert ran.stderr == (
+        f"{tmp_path}: error: exists and was not made by 'testudo demo'; name another folder with --out\n"
+    )
+    assert [path.name for path in tmp_path.iterdir()] == ["thesis.tex"]
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [("--seconds", "0"), ("--seconds", "nan"), ("--seconds", "long"), ("--seed", "-1"), ("--seed", "1.5")],
+)
+def test_wrong_numbers_are_wrong_usage(arguments: tuple[str, str], tmp_path: Path) -> None:
+    ran = run_testudo("demo", "--out", tmp_path / "out", *arguments)
+
+    assert ran.code == 2
+    assert repr(arguments[1]) in ran.stderr
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,146 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a process leaves that is killed while it records, and what the next one makes of it."""
+
+from __future__ import annotations
+
+import os
+import struct
+import subprocess
+import sys
+import time
+from pathlib import Path
+from random import Random
+
+import pytest
+
+from bags.bag_factory import BagMessage
+from bags.bag_reading import read_bag, read_with_mcap, read_with_rosbags
+from incidents.folder_runs import record_of
+from smarttestudo.bags.mcap.record_bytes import StoredChannel
+from smarttestudo.bags.mcap.writer import McapWriter
+from smarttestudo.bags.mcap.written_file import complete_file
+from smarttestudo.domain.errors import RecordingError
+from smarttestudo.incidents.recovery import complete_incidents
+
+SCRIPT = Path(__file__).with_name("writing_process.py")
+LOST_NS = 500_000_000
+CHANNEL = StoredChannel(topic="/odom", type_name="std_msgs/msg/String", definition="string data\n")
+
+
+def kill_after(folder: Path, log: Path, seconds: float) -> int:
+    """Have a process record for so long; the monotonic time, in ns, at which it was killed."""
+    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[1])}
+    command = [sys.executable, str(SCRIPT), str(folder), str(log)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, env=environment) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == b"ready\n"
+        time.sleep(seconds)
+        killed_ns = time.monotonic_ns()
+        process.kill()
+    return killed_ns
+
+
+def messages_in(bag: Path) -> list[BagMessage]:
+    """What can be read of a folder that was not ended; an incident that just began has no file yet."""
+    return read_bag(bag).messages if any(file.stat().st_size for file in bag.glob("*.mcap")) else []
+
+
+def numbers(messages: list[BagMessage]) -> list[int]:
+    return [struct.unpack_from("<Q", message.payload)[0] for message in messages]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(20))
+def test_a_killed_process_loses_the_last_half_second_at_most(tmp_path: Path, seed: int) -> None:
+    folder, log = tmp_path / "incidents", tmp_path / "log"
+    killed_ns = kill_after(folder, log, Random(seed).uniform(0.4, 1.6))
+    given = list(struct.iter_unpack("<QQQ", log.read_bytes()))
+    sure = [(number, stamp_ns) for number, stamp_ns, at_ns in given if at_ns < killed_ns - LOST_NS]
+    left = {path.name[1:-8]: messages_in(path) for path in folder.glob(".*.partial")}
+    assert left
+    completed = {one.name: one for one in complete_incidents(folder)}
+    assert set(completed) == set(left)
+    for name, messages in left.items():
+        found = numbers(messages)
+        record = record_of(folder / name)
+        assert completed[name].error is None
+        assert record["topics"].get("/odom", {"messages": 0})["messages"] == len(found)
+        if not found:
+            # It was killed as the incident began.
+            assert record["triggered_ns"] > given[-1][1] - LOST_NS
+            continue
+        assert found == list(range(found[0], found[-1] + 1))
+        assert found[-1] >= max(
+            (number for number, stamp_ns in sure if stamp_ns <= record["to_ns"]), default=0
+        )
+        assert read_bag(folder / name).messages == messages
+        assert read_bag(folder / name).notices == []
+        assert read_with_rosbags(folder / name) == messages
+        with_mcap = [message for file in (folder / name).glob("*.mcap") for message in read_with_mcap(file)]
+        assert sorted(numbers(with_mcap)) == found
+        assert {one["reason"] for one in record["missing"]} <= {"killed", "late"}
+    assert list(complete_incidents(folder)) == []
+
+
+def test_a_file_that_is_cut_anywhere_is_completed_as_far_as_it_goes(tmp_path: Path) -> None:
+    path = tmp_path / "whole.mcap"
+    writer = McapWriter(path)
+    ends = []
+    for number in range(30):
+        writer.write(CHANNEL, number, struct.pack("<Q", number))
+        ends.append(path.stat().st_size)
+    unended = path.read_bytes()
+    writer.close()
+    whole = path.read_bytes()
+    cut = tmp_path / "cut.mcap"
+    for size in range(ends[0], len(unended) + 1):
+        cut.write_bytes(unended[:size])
+        content, channels = complete_file(cut)
+        expected = sum(end <= size for end in ends)
+        assert (content.message_count, list(channels)) == (expected, ["/odom"])
+        assert numbers(read_with_mcap(cut)) == list(range(expected))
+        assert (cut.read_bytes() == whole) == (expected == len(ends))
+
+
+@pytest.mark.parametrize("content", [b"", b"\x89MCAP0\r\n"[:5], b"SQLite format 3\0", bytes(100)])
+def test_a_file_of_another_kind_is_named_and_left_alone(tmp_path: Path, content: bytes) -> None:
+    path = tmp_path / "other.mcap"
+    path.write_bytes(content)
+    with pytest.raises(RecordingError, match="damaged"):
+        complete_file(path)
+    assert path.read_bytes() == content
+
+
+def test_a_folder_that_cannot_be_completed_costs_only_itself(tmp_path: Path) -> None:
+    kill_after(tmp_path / "incidents", tmp_path / "log", 0.8)
+    (broken, *others) = sorted((tmp_path / "incidents").glob(".*.partial"))
+    (broken / "incident.json").write_text("{")
+    said = {one.name: str(one) for one in complete_incidents(tmp_path / "incidents")}
+    assert len(said) == 1 + len(others)
+    assert "cannot be completed" in said[broken.name[1:-8]]
+    assert broken.exists()
+    assert all("completed with" in said[path.name[1:-8]] for path in others)
+
+
+def test_a_file_that_was_opened_and_no_more_costs_nothing(tmp_path: Path) -> None:
+    kill_after(tmp_path / "incidents", tmp_path / "log", 0.8)
+    (partial, *_) = sorted((tmp_path / "incidents").glob(".*.partial"))
+    name, before = partial.name[1:-8], read_bag(partial).messages
+    (partial / f"{name}_9.mcap").touch()
+    assert all(one.error is None for one in complete_incidents(tmp_path / "incidents"))
+    assert read_bag(tmp_path / "incidents" / name).messages == before
+    assert not (tmp_path / "incidents" / name / f"{name}_9.mcap").exists()
+
+
+def test_links_are_not_followed(tmp_path: Path) -> None:
+    folder = tmp_path / "incidents"
+    kill_after(folder, tmp_path / "log", 0.5)
+    secret = tmp_path / "secret.mcap"
+    secret.write_bytes(b"secret")
+    partial = next(iter(folder.glob(".*.partial")))
+    (partial / "linked.mcap").symlink_to(secret)
+    (folder / ".elsewhere.partial").symlink_to(tmp_path)
+    assert all(one.error is None for one in complete_incidents(folder))
+    assert secret.read_bytes() == b"secret"
+    assert (folder / ".elsewhere.partial").is_symlink()

@@ -1,0 +1,164 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""``testudo incidents``: listed, shown, exported and deleted, whatever lies in the folder."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from smarttestudo.cli.main import main
+from smarttestudo.domain.incident import (
+    IncidentRecord,
+    IncidentTopic,
+    LatchedSample,
+    Missing,
+    MissingReason,
+)
+from smarttestudo.domain.incident_json import incident_text
+
+RECORD = IncidentRecord(
+    name="near miss",
+    rule="Close call",
+    path="rules.adirf",
+    line=7,
+    triggered_ns=30_000_000_000,
+    from_ns=0,
+    to_ns=40_000_000_000,
+    values={"/scan distance": 0.4, "/odom speed": None},
+    rules_sha256="ab" * 32,
+    topics={"/scan": IncidentTopic(type_name="sensor_msgs/msg/LaserScan", messages=3, size_bytes=4200)},
+    latched=(LatchedSample(topic="/map", stamp_ns=-5),),
+    missing=(
+        Missing(topic="/scan", reason=MissingReason.MEMORY, messages=2, from_ns=1, to_ns=2_000_000_000),
+    ),
+)
+NAME = "19700101T000030000Z-near_miss"
+FILE = f"{NAME}_0.mcap"
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    path = tmp_path / "incidents"
+    (path / NAME).mkdir(parents=True)
+    (path / NAME / "incident.json").write_text(incident_text(RECORD))
+    (path / NAME / FILE).write_bytes(b"messages")
+    return path
+
+
+def add_broken(folder: Path, name: str, text: str) -> None:
+    (folder / name).mkdir()
+    (folder / name / "incident.json").write_text(text)
+
+
+def test_all_are_listed(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["incidents", "list", str(folder)]) == 0
+    out = capsys.readouterr().out
+    assert all(word in out for word in (NAME, "Close call", "memory"))
+    assert main(["incidents", "list", str(folder), "--json"]) == 0
+    (found,) = json.loads(capsys.readouterr().out)
+    assert found["incident"] == NAME
+    assert found["missing"] == [
+        {"topic": "/scan", "reason": "memory", "messages": 2, "from_ns": 1, "to_ns": 2_000_000_000}
+    ]
+
+
+def test_one_is_shown(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["incidents", "show", str(folder), NAME]) == 0
+    out = capsys.readouterr().out
+    assert "near miss: 1970-01-01 00:00:30.000 UTC, 30 s before to 10 s after" in out
+    assert "rule Close call (rules.adirf:7), rules abababababab" in out
+    assert "/scan distance = 0.4\n/odom speed = unknown" in out
+    assert "missing: /scan: 2 messages from 1970-01-01" in out
+
+
+def test_one_is_exported_and_deleted(folder: Path, tmp_path: Path) -> None:
+    target = tmp_path / "taken" / "away"
+    assert main(["incidents", "export", str(folder), NAME, "--output", str(target)]) == 0
+    assert {one.name for one in target.iterdir()} == {"incident.json", FILE}
+    assert main(["incidents", "export", str(folder), NAME, "--output", str(target)]) == 1
+    assert main(["incidents", "delete", str(folder), NAME]) == 0
+    assert list(folder.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (incident_text(RECORD)[:200], "does not hold the record of an incident"),
+        ("[]", "does not hold the record of an incident"),
+        ("[" * 100_000, "does not hold the record of an incident"),
+        (incident_text(RECORD).replace('"memory"', '"moths"'), "does not hold the record of an incident"),
+        (incident_text(RECORD).replace('"version": 1', '"version": 2'), "version 2 of an incident"),
+        ("x" * 5_000_000, "too large"),
+    ],
+)
+def test_one_that_cannot_be_read_costs_only_itself(
+    folder: Path, capsys: pytest.CaptureFixture[str], text: str, said: str
+) -> None:
+    add_broken(folder, "broken", text)
+    assert main(["incidents", "list", str(folder)]) == 1
+    captured = capsys.readouterr()
+    assert NAME in captured.out
+    assert said in captured.err
+    assert len(captured.err.splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    "name", ["..", ".", "", "../incidents", "/etc", f"{NAME}/..", "linked", "x" * 10_000]
+)
+def test_nothing_outside_the_folder_is_touched(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str
+) -> None:
+    outside = tmp_path / "outside"
+    outside.mkdir()
+    (outside / "incident.json").write_text(incident_text(RECORD))
+    (folder / "linked").symlink_to(outside)
+    for action in (["delete"], ["show"], ["export"]):
+        options = ["--output", str(tmp_path / "copy")] if action == ["export"] else []
+        assert main(["incidents", *action, str(folder), name, *options]) == 1
+        assert "there is no incident" in capsys.readouterr().err
+    assert (outside / "incident.json").exists()
+    assert (folder / NAME).exists()
+
+
+def test_links_in_an_incident_are_not_followed(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    secret = tmp_path / "secret"
+    secret.write_text("secret")
+    (folder / NAME / FILE).unlink()
+    (folder / NAME / FILE).symlink_to(secret)
+    assert main(["incidents", "export", str(folder), NAME, "--output", str(tmp_path / "copy")]) == 0
+    assert {one.name for one in (tmp_path / "copy").iterdir()} == {"incident.json"}
+    (folder / NAME / "incident.json").unlink()
+    (folder / NAME / "incident.json").symlink_to(secret)
+    assert main(["incidents", "show", str(folder), NAME]) == 1
+    assert "is not a file" in capsys.readouterr().err
+
+
+def test_one_that_was_shown_or_exported_counts_as_read(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def is_read() -> bool:
+        capsys.readouterr()
+        assert main(["incidents", "list", str(folder), "--json"]) == 0
+        found: bool = json.loads(capsys.readouterr().out)[0]["read"]
+        return found
+
+    assert not is_read()
+    assert main(["incidents", "show", str(folder), NAME]) == 0
+    assert is_read()
+    assert main(["incidents", "export", str(folder), NAME, "--output", str(tmp_path / "copy")]) == 0
+    assert {one.name for one in (tmp_path / "copy").iterdir()} == {"incident.json", FILE}
+
+
+def test_a_folder_that_is_none_is_named_with_the_command_that_writes_one(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "file").touch()
+    for name, said in (("nowhere", "no such folder"), ("file", "is not a folder")):
+        assert main(["incidents", "list", str(tmp_path / name)]) == 1
+        remedy = "name the one that 'testudo run --incidents DIR' wrote into"
+        assert capsys.readouterr().err == f"{tmp_path / name}: error: {said}; {remedy}\n"

@@ -1,0 +1,137 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Random rule files as syntax trees, dense in ties, borders and nesting."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from hypothesis import strategies as st
+
+from smarttestudo.domain.signal import Signal
+from smarttestudo.domain.source import Span
+from smarttestudo.language.syntax import (
+    And,
+    Block,
+    Check,
+    Collection,
+    Condition,
+    Group,
+    KeepAtLeast,
+    Not,
+    Operator,
+    Or,
+    RateExpression,
+    RateWord,
+    RuleFile,
+    SetFrequency,
+    Statement,
+    TopicName,
+)
+
+SPAN = Span(line=1, column=1, end_line=1, end_column=2)
+RELAYED = ("/a", "/b", "/c")
+
+
+def topic(name: str) -> TopicName:
+    return TopicName(text=name, span=SPAN)
+
+
+def rate(value: float | RateWord) -> RateExpression:
+    return RateExpression(value=value, text="", span=SPAN)
+
+
+def set_frequency(name: str, value: float | RateWord) -> SetFrequency:
+    return SetFrequency(topic=topic(name), rate=rate(value), span=SPAN)
+
+
+def keep_at_least(name: str, floor_hz: float) -> KeepAtLeast:
+    return KeepAtLeast(topic=topic(name), rate=rate(floor_hz), span=SPAN)
+
+
+def check(signal: Signal, operator: Operator, value: float) -> Check:
+    return Check(
+        topic=topic(signal.topic),
+        property=signal.property,
+        property_span=SPAN,
+        operator=operator,
+        value=value,
+        text=str(value),
+        span=SPAN,
+    )
+
+
+def block(
+    condition: Condition,
+    then: Sequence[SetFrequency],
+    otherwise: Sequence[SetFrequency] = (),
+    *,
+    label: str = "a block",
+    priority: int | None = None,
+    line: int = 1,
+) -> Block:
+    return Block(
+        name=label,
+        priority=priority,
+        label=label,
+        condition=condition,
+        then=tuple(then),
+        otherwise=tuple(otherwise),
+        has_end_if=True,
+        span=SPAN._replace(line=line, end_line=line),
+    )
+
+
+def rule_file(statements: Sequence[Statement], path: str = "rules.adirf") -> RuleFile:
+    return RuleFile(path=path, collections=(Collection(statements=tuple(statements), span=SPAN),))
+
+
+rates = st.one_of(st.sampled_from([0.0, 1.0, 2.0, 3.0, 5.0]), st.sampled_from(RateWord))
+
+
+def conditions(signals: Sequence[Signal], borders: Sequence[float]) -> st.SearchStrategy[Condition]:
+    """Conditions over ``signals`` with borders among a few numbers, nested at random."""
+    checks = st.builds(check, st.sampled_from(signals), st.sampled_from(Operator), st.sampled_from(borders))
+
+    def nested(inner: st.SearchStrategy[Condition]) -> st.SearchStrategy[Condition]:
+        several = st.lists(inner, min_size=2, max_size=4).map(tuple)
+        return st.one_of(
+            st.builds(And, operands=several, span=st.just(SPAN)),
+            st.builds(Or, operands=several, span=st.just(SPAN)),
+            st.builds(Not, operand=inner, span=st.just(SPAN)),
+            st.builds(Group, operand=inner, span=st.just(SPAN)),
+        )
+
+    return st.recursive(checks, nested, max_leaves=8)
+
+
+@st.composite
+def settings_of_topics(draw: st.DrawFn, *, at_least: int) -> tuple[SetFrequency, ...]:
+    names = draw(st.lists(st.sampled_from(RELAYED), min_size=at_least, max_size=3, unique=True))
+    return tuple(set_frequency(name, draw(rates)) for name in names)
+
+
+@st.composite
+def rule_files(
+    draw: st.DrawFn, signals: Sequence[Signal], borders: Sequence[float], max_blocks: int = 8
+) -> list[RuleFile]:
+    """One or two files of defaults, floors and blocks with Else and priorities."""
+    conditional = conditions(signals, borders)
+    floors = draw(st.lists(st.sampled_from(RELAYED), max_size=2, unique=True))
+    statements: list[Statement] = [
+        *draw(settings_of_topics(at_least=0)),
+        *(keep_at_least(name, draw(st.sampled_from([0.0, 2.0, 4.0]))) for name in floors),
+        *(
+            block(
+                draw(conditional),
+                draw(settings_of_topics(at_least=1)),
+                draw(settings_of_topics(at_least=0)),
+                label=f"block {number}",
+                priority=draw(st.sampled_from([None, -1, 0, 1])),
+                line=number + 1,
+            )
+            for number in range(draw(st.integers(1, max_blocks)))
+        ),
+    ]
+    cut = draw(st.integers(0, len(statements)))
+    return [rule_file(statements[:cut], "first.adirf"), rule_file(statements[cut:], "second.adirf")]

@@ -1,0 +1,176 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What holds on every link, for all that is sent over it, and for all that may come from outside."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from link.protocol.simulated_link import Ends, Link, S, Source
+from smarttestudo.domain.errors import LinkError
+from smarttestudo.domain.link import LinkNeeds
+from smarttestudo.link.protocol.chunks import Chunk
+from smarttestudo.link.protocol.receiver import LinkReceiver
+from smarttestudo.link.protocol.reports import Report, read_control_message
+from smarttestudo.link.protocol.sender import LinkSender
+
+rates = st.sampled_from([0.0, 5_000.0, 60_000.0, 400_000.0, 3_000_000.0])
+
+
+@st.composite
+def links(draw: st.DrawFn) -> Link:
+    """Up to four changes of the rate in ten seconds; at the end there is a link."""
+    times = sorted(draw(st.lists(st.floats(0.5, 9.0), max_size=4)))
+    steps = [(0.0, draw(rates)), *((at_s, draw(rates)) for at_s in times), (10.0, 400_000.0)]
+    return Link(steps, draw(st.floats(0.001, 0.2)))
+
+
+@st.composite
+def sources(draw: st.DrawFn) -> tuple[Source, ...]:
+    return tuple(
+        Source(
+            topic=f"/topic_{number}",
+            size_bytes=draw(st.integers(8, 50_000)),
+            rate_hz=draw(st.floats(0.5, 40)),
+            to_s=14.0,
+            transient_local=draw(st.booleans()),
+        )
+        for number in range(draw(st.integers(1, 4)))
+    )
+
+
+@given(links(), sources(), st.lists(st.booleans(), min_size=4, max_size=4))
+def test_all_that_arrives_was_sent_and_in_order_and_the_newest_arrives(
+    link: Link, sent: tuple[Source, ...], full: list[bool]
+) -> None:
+    ends = Ends(link, sent)
+    needs = {source.topic: LinkNeeds(is_full=is_full) for source, is_full in zip(sent, full, strict=False)}
+    ends.sender.follow(needs)
+    # A slow link may have many seconds of chunks under way when it gets better.
+    ends.run(60)
+    for source in sent:
+        payloads = ends.payloads[source.topic]
+        got = [payloads.index(message.payload) for _, message in ends.arrived[source.topic]]
+        assert got == sorted(set(got))
+        assert got
+        assert got[-1] == len(payloads) - 1
+        is_kept = source.transient_local or needs[source.topic].is_full
+        counts = ends.sender.counts(0)[source.topic]
+        if is_kept and not counts.overflowed and not source.transient_local:
+            assert got == list(range(len(payloads)))
+    assert ends.receiver.counts.garbage == 0
+    assert ends.receiver.counts.broken == 0
+
+
+@given(st.lists(st.binary(max_size=80) | st.binary(min_size=38, max_size=44), max_size=20))
+def test_garbage_is_counted_and_delivers_nothing(garbage: list[bytes]) -> None:
+    receiver = LinkReceiver("robot", 1, lambda data, _most: data)
+    assert all(receiver.take(data, 0) is None for data in garbage)
+
+
+@given(
+    st.binary(min_size=1, max_size=4_000),
+    st.lists(st.integers(0, 40), max_size=60),
+)
+def test_cut_repeated_and_reordered_chunks_never_make_another_message(
+    payload: bytes, order: list[int]
+) -> None:
+    ends = Ends(Link(((0.0, 1e9),)), (Source(topic="/a", size_bytes=8, rate_hz=1, to_s=0.5),))
+    ends.run(0.2)
+    sender = ends.sender
+    sender.offer(1, payload, 1 * S)
+    chunks = []
+    while (data := sender.next_chunk(1 * S)) is not None:
+        chunks.append(data)
+    for number in order:
+        got = ends.receiver.take(chunks[number % len(chunks)], 1 * S)
+        assert got is None or getattr(got, "payload", payload) == payload
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(0, 2**63), st.integers(0, 5))
+def test_what_was_never_sent_cannot_be_acknowledged(session: int, received_bytes: int, receiver: int) -> None:
+    ends = Ends(Link(((0.0, 1_000.0),)), (Source(topic="/a", size_bytes=5_000, rate_hz=5),))
+    ends.run(1)
+    before = ends.sender.state(1 * S)
+    ends.sender.take_report(Report(receiver=receiver, session=session, received_bytes=received_bytes), 1 * S)
+    after = ends.sender.state(1 * S)
+    assert after.capacity_kb_per_s == before.capacity_kb_per_s
+
+
+@given(st.binary(max_size=300))
+def test_random_bytes_are_a_report_or_refused(data: bytes) -> None:
+    try:
+        report = Report.from_bytes(data)
+    except LinkError:
+        return
+    assert Report.from_bytes(report.to_bytes()).session == report.session
+
+
+@given(
+    st.integers(0, 2**32 - 1), st.integers(0, 4_095), st.integers(-(2**63), 2**63 - 1), st.binary(max_size=50)
+)
+def test_a_chunk_is_what_travelled(session: int, stream: int, stamp_ns: int, body: bytes) -> None:
+    chunk = Chunk(
+        session=session,
+        stream=stream,
+        number=3,
+        offset=7,
+        size_bytes=7 + len(body),
+        offered_ns=stamp_ns,
+        sent_ns=stamp_ns,
+        is_compressed=True,
+        is_kept=False,
+        body=body,
+    )
+    assert Chunk.from_bytes(chunk.to_bytes()) == chunk
+
+
+def test_a_sender_that_nobody_hears_keeps_the_newest_only() -> None:
+    sender: LinkSender[None] = LinkSender()
+    ends = Ends(Link(((0.0, 0.0),)), (Source(topic="/a", size_bytes=5_000, rate_hz=50),), sender)
+    ends.run(20)
+    assert sender.counts(0)["/a"].queued_bytes == 5_000
+    assert sender.counts(0)["/a"].replaced == len(ends.payloads["/a"]) - 1
+
+
+@pytest.mark.parametrize(
+    "record",
+    [
+        b'{"round_trip_ms": 1e400}',
+        b'{"round_trip_ms": NaN}',
+        b'{"round_trip_ms": -1}',
+        b'{"stream": 1e400}',
+        b"[" * 100_000,
+        b'{"stream": 4096}',
+        b"null",
+        b'{"stream": 1, "topic": "/a", "type": "../x", "depth": 1, "publisher": 0, "definition": ""}',
+    ],
+)
+def test_a_control_message_that_lies_is_refused(record: bytes) -> None:
+    with pytest.raises(LinkError):
+        read_control_message(record)
+
+
+def test_a_session_that_somebody_else_claimed_does_not_end_the_link() -> None:
+    ends = Ends(Link(((0.0, 1e6),)), (Source(topic="/a", size_bytes=500, rate_hz=10),))
+    forged = Chunk(
+        session=2**31,
+        stream=5,
+        number=0,
+        offset=0,
+        size_bytes=3,
+        offered_ns=0,
+        sent_ns=0,
+        is_compressed=False,
+        is_kept=False,
+        body=b"abc",
+    )
+
+    def forge(now_ns: int) -> None:
+        ends.receiver.take(forged.to_bytes(), now_ns)
+
+    ends.at(1 * S, forge)
+    ends.run(10)
+    assert len(ends.ages_s("/a", 4)) >= 55

@@ -1,0 +1,214 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What an operator sends arrives at the robot that accepts it, over a real link on this machine."""
+
+from __future__ import annotations
+
+import json
+import random
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+import zenoh
+
+from link.zenoh.ends import free_endpoint, refuse_warning, until
+from link.zenoh.slow_wire import slow_wire
+from link.zenoh.test_hostile import stranger
+from smarttestudo.domain.errors import RosError, UsageError
+from smarttestudo.domain.payload import Payload
+from smarttestudo.link.protocol.commands import CommandMessage, CommandReport
+from smarttestudo.link.zenoh import open_operator_end, open_robot_end
+from smarttestudo.link.zenoh.command_inbox import CommandInbox
+from smarttestudo.link.zenoh.command_outbox import CommandOutbox
+from smarttestudo.link.zenoh.commanded import CommandedRobot
+from smarttestudo.link.zenoh.security import LinkOptions
+
+pytestmark = pytest.mark.process
+
+JOY, GOAL = "/joy", "/goal_pose"
+TYPE = "sensor_msgs/msg/Joy"
+RANDOM = random.Random(3)
+
+
+class Published:
+    """A publisher that remembers; it ``fails`` when asked to."""
+
+    def __init__(self) -> None:
+        self.payloads: list[bytes] = []
+        self.fails = False
+
+    def publish(self, payload: Payload) -> None:
+        if self.fails:
+            raise RosError("it is full", place=JOY)
+        self.payloads.append(payload[:])
+
+    def close(self) -> None: ...
+
+
+@contextmanager
+def accepting(
+    endpoint: str, name: str = "ada", warn: Callable[[str], None] = refuse_warning, config: Path | None = None
+) -> Iterator[tuple[CommandInbox, Published]]:
+    """A robot that accepts both topics."""
+    options = LinkOptions(connect=(endpoint,), commands=(GOAL, JOY), config_file=config)
+    with open_robot_end(name, options, warn) as end:
+        assert end.commands is not None
+        published = Published()
+        end.commands.follow(JOY, TYPE, published)
+        yield end.commands, published
+
+
+@contextmanager
+def sending(endpoint: str, *names: str) -> Iterator[CommandOutbox]:
+    with open_operator_end(LinkOptions(listen=(endpoint,), commands=names or (JOY,)), refuse_warning) as end:
+        assert end.commands is not None
+        yield end.commands
+
+
+def heard(outbox: CommandOutbox, name: str = "ada") -> CommandedRobot:
+    """The robot, once it has told what it accepts."""
+
+    def found() -> list[CommandedRobot]:
+        return [robot for robot in outbox.robots() if robot.boot.robot == name and robot.topics]
+
+    until(lambda: bool(found()), outbox.pump)
+    return found()[0]
+
+
+def test_a_message_arrives_byte_for_byte_and_both_ends_count_it() -> None:
+    endpoint = free_endpoint()
+    with sending(endpoint, JOY) as outbox, accepting(endpoint, warn=print) as (inbox, published):
+        boot = heard(outbox).boot
+        payloads = [RANDOM.randbytes(size) for size in (0, 1, 300, 64_000)]
+        for number, payload in enumerate(payloads):
+            assert outbox.send(boot, JOY, b"", payload)
+            until(lambda: len(published.payloads) > number, outbox.pump)  # noqa: B023
+        assert published.payloads == payloads
+        until(lambda: heard(outbox).topics[JOY].delivered == 4, outbox.pump)
+        assert heard(outbox).counts[JOY].sent == 4
+        assert heard(outbox).topics[GOAL].type_name is None
+        assert {topic.topic: topic.delivered for topic in inbox.topics} == {GOAL: 0, JOY: 4}
+        until(lambda: inbox.sent_names() == [(JOY,)], outbox.pump)
+        assert not outbox.send(boot, JOY, b"", bytes(64_001))
+
+
+def test_what_waits_while_the_robot_is_away_is_never_delivered() -> None:
+    endpoint = free_endpoint()
+    with sending(endpoint) as outbox:
+        with accepting(endpoint, warn=print):
+            boot = heard(outbox).boot
+        for number in range(20):
+            outbox.send(boot, JOY, b"", bytes([number]))
+        with accepting(endpoint, warn=print) as (_, published):
+            until(lambda: heard(outbox).boot != boot, outbox.pump)
+            end_s = time.monotonic() + 1.0
+            until(lambda: time.monotonic() > end_s, outbox.pump)
+            assert published.payloads == []
+            outbox.send(heard(outbox).boot, JOY, b"", b"new")
+            until(lambda: bool(published.payloads), outbox.pump)
+            assert published.payloads == [b"new"]
+
+
+def test_where_the_way_takes_too_long_nothing_is_delivered_and_the_age_is_told() -> None:
+    endpoint = free_endpoint()
+    with (
+        sending(endpoint) as outbox,
+        slow_wire(endpoint, 0.3) as near,
+        accepting(near, warn=print) as (_, published),
+    ):
+        boot = heard(outbox).boot
+        until(lambda: heard(outbox).topics[JOY].too_old >= 3, lambda: outbox.send(boot, JOY, b"", b"late"))
+        assert published.payloads == []
+        age_ms = heard(outbox).topics[JOY].age_ms
+        assert age_ms is not None
+        assert age_ms >= 600
+
+
+def test_a_topic_without_a_type_takes_nothing_and_a_failure_costs_its_message() -> None:
+    endpoint = free_endpoint()
+    said: list[str] = []
+    with sending(endpoint) as outbox, accepting(endpoint, warn=said.append) as (inbox, published):
+        boot = heard(outbox).boot
+        published.fails = True
+        for number in (1, 2):
+            outbox.send(boot, JOY, b"", b"lost")
+            until(lambda: inbox.topics[1].refused == number, outbox.pump)  # noqa: B023
+        published.fails = False
+        inbox.follow(JOY, None, None, "two types subscribe to it")
+        until(lambda: heard(outbox).topics[JOY].problem is not None, outbox.pump)
+        outbox.send(boot, JOY, b"", b"never")
+        inbox.follow(JOY, TYPE, published)
+        until(lambda: heard(outbox).topics[JOY].type_name == TYPE, outbox.pump)
+        until(lambda: b"now" in published.payloads, lambda: outbox.send(boot, JOY, b"", b"now"))
+        assert [line for line in said if "it is full" in line] == ["/joy: error: it is full"]
+
+
+def test_strangers_reach_nothing_with_garbage_old_stamps_and_forged_reports() -> None:
+    endpoint = free_endpoint()
+    with (
+        sending(endpoint) as outbox,
+        accepting(endpoint, warn=print) as (inbox, published),
+        stranger(endpoint) as other,
+    ):
+        boot = heard(outbox).boot
+        garbage = [b"", b"\0" * 40, *(b"\0" + RANDOM.randbytes(size) for size in (20, 60_000, 900_000))]
+        old = [
+            CommandMessage(
+                sender=9, number=1, topic=1, revision=1, stamp_ns=stamp_ns, payload=b"go"
+            ).to_bytes()
+            for stamp_ns in (0, 2**62)
+        ]
+        forged = CommandReport(sent_ns=0, acknowledged={1: 2**63}).to_bytes()
+
+        def put_all() -> None:
+            """What comes before the stranger knows of both ends reaches nobody."""
+            for key, more in ((boot.command_key, old), (boot.accepts_key, [forged])):
+                for data in (*garbage, *more):
+                    other.put(key, data, congestion_control=zenoh.CongestionControl.BLOCK)
+            outbox.pump()
+
+        until(lambda: inbox.garbage >= len(garbage) and inbox.topics[1].received >= len(old), put_all)
+        assert published.payloads == []
+        until(lambda: b"new" in published.payloads, lambda: outbox.send(boot, JOY, b"", b"new"))
+
+
+def test_access_control_lets_a_peer_listen_and_not_drive(tmp_path: Path) -> None:
+    rule = {
+        "id": "drive",
+        "messages": ["put"],
+        "flows": ["ingress"],
+        "permission": "deny",
+        "key_exprs": ["testudo/*/*/command"],
+    }
+    control = {
+        "enabled": True,
+        "default_permission": "allow",
+        "rules": [rule],
+        "subjects": [{"id": "all"}],
+        "policies": [{"rules": ["drive"], "subjects": ["all"]}],
+    }
+    config = tmp_path / "robot.json5"
+    config.write_text(json.dumps({"access_control": control}), encoding="utf-8")
+    endpoint = free_endpoint()
+    with sending(endpoint) as outbox, accepting(endpoint, warn=print, config=config) as (inbox, published):
+        boot = heard(outbox).boot
+        until(
+            lambda: heard(outbox).counts[JOY].sent >= 3,
+            lambda: outbox.send(boot, JOY, b"", b"go"),
+        )
+        end_s = time.monotonic() + 1.0
+        until(lambda: time.monotonic() > end_s, outbox.pump)
+        assert published.payloads == []
+        assert inbox.topics[1].received == 0
+
+
+@pytest.mark.parametrize("side", ["listen", "connect"])
+def test_nobody_is_driven_over_a_link_that_lets_anybody_in(side: str) -> None:
+    endpoints = {side: ("tcp/0.0.0.0:0" if side == "listen" else "tcp/192.0.2.1:7447",)}
+    options = LinkOptions(**endpoints, insecure=True, commands=(JOY,))  # type: ignore[arg-type]
+    for opened in (open_robot_end("ada", options, print), open_operator_end(options, print)):
+        with pytest.raises(UsageError, match="whoever reaches it could drive the robot with /joy"), opened:
+            pass

@@ -1,0 +1,312 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Robots that are watched and asked over a link, and strangers on their keys."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import pytest
+import zenoh
+
+from link.zenoh.ends import (
+    Reader,
+    free_endpoint,
+    messages,
+    operator_end,
+    refuse_warning,
+    robot_end,
+    until,
+)
+from robot.status.statuses import STATUS
+from smarttestudo.cli.robots import topics_of_robot, wait_for_all
+from smarttestudo.domain.errors import LinkError, TestudoError, UsageError
+from smarttestudo.domain.parameter import SilentNodeError
+from smarttestudo.domain.questions import GetParameters, GetTopics, SetParameters
+from smarttestudo.link.zenoh import open_link_robots, open_operator_end, open_robot_end
+from smarttestudo.link.zenoh.asked_questions import MAX_WAITING
+from smarttestudo.link.zenoh.link_robots import LinkRobots
+from smarttestudo.link.zenoh.robot_end import RobotEnd
+from smarttestudo.link.zenoh.security import LinkOptions
+from smarttestudo.link.zenoh.session import open_session
+
+pytestmark = pytest.mark.process
+ID = "r1:/smarttestudo"
+NAMES = ("rules_hash",)
+
+
+class Robot:
+    """A robot that tells a status and answers what it is asked, whenever it is stepped."""
+
+    def __init__(self, end: RobotEnd) -> None:
+        self.end = end
+        self.steps = 0
+        self.set: list[object] = []
+
+    def step(self) -> None:
+        """Tell another status, and answer a question."""
+        self.steps += 1
+        self.end.tell(replace(STATUS, robot=self.end.robot, uptime_s=float(self.steps)))
+        asked = self.end.take_question()
+        if asked is None:
+            return
+        match asked.question:
+            case GetParameters(names=names):
+                asked.answer({name: f"value of {name}" if name in NAMES else None for name in names})
+            case SetParameters(values=values):
+                self.set.append(dict(values))
+                asked.answer({name: "no" for name in values if name == "refused"})
+            case GetTopics():
+                asked.answer({"/imu": "sensor_msgs/msg/Imu"})
+
+
+@contextmanager
+def watching(endpoint: str, config: Path | None = None) -> Iterator[LinkRobots]:
+    options = LinkOptions(connect=(endpoint,), config_file=config)
+    with open_link_robots(options, refuse_warning) as robots:
+        yield robots
+
+
+@contextmanager
+def listening_robot(endpoint: str, name: str = "r1", config: Path | None = None) -> Iterator[Robot]:
+    with open_robot_end(name, LinkOptions(listen=(endpoint,), config_file=config), refuse_warning) as end:
+        yield Robot(end)
+
+
+def step(robots: LinkRobots, *robot: Robot) -> None:
+    for one in robot:
+        one.step()
+    robots.wait(0.02)
+
+
+def answered(robots: LinkRobots, robot: Robot | None, ask: Callable[[Callable[[Any], None]], None]) -> Any:
+    """What ``ask`` is answered."""
+    said: list[Any] = []
+    ask(said.append)
+    until(lambda: bool(said), lambda: step(robots, *([] if robot is None else [robot])))
+    return said[0]
+
+
+def heard_by(robots: LinkRobots, robot: Robot) -> None:
+    until(lambda: ID in robots.heard and robots.heard[ID].is_present, lambda: step(robots, robot))
+
+
+def all_heard_by(robots: LinkRobots, robot: Robot) -> None:
+    until(lambda: robots.has_heard_all, lambda: step(robots, robot))
+
+
+def test_several_watchers_hear_a_robot_through_an_operator_who_hears_it_too() -> None:
+    endpoint = free_endpoint()
+    with (
+        operator_end(endpoint) as operator,
+        robot_end(endpoint) as end,
+        watching(endpoint) as first,
+        watching(endpoint) as second,
+    ):
+        robot, reader = Robot(end), Reader(operator)
+        for robots in (first, second):
+            heard_by(robots, robot)
+            all_heard_by(robots, robot)
+            assert robots.heard[ID].status.topics.keys() == STATUS.topics.keys()
+            assert robots.heard[ID].status.blocks == STATUS.blocks
+            assert robots.heard[ID].is_present
+        until(lambda: bool(messages(reader.read())), robot.step)
+        message = messages(reader.events)[0]
+        assert (message.stream.topic, message.stream.type_name) == ("/testudo/status", "std_msgs/msg/String")
+        assert message.stream.qos.transient_local
+        assert end.is_watched
+        until(lambda: first.heard[ID].status.uptime_s > 5, lambda: step(first, robot))
+        assert first.heard[ID].size_bytes < 500
+
+
+def test_a_robot_answers_what_it_is_asked() -> None:
+    endpoint = free_endpoint()
+    with listening_robot(endpoint) as robot, watching(endpoint) as robots:
+        heard_by(robots, robot)
+        values = answered(robots, robot, partial(robots.get, ID, [*NAMES, "other"]))
+        assert values == {"rules_hash": "value of rules_hash", "other": None}
+        changes: dict[str, Any] = {"rules_text": "é" * 200_000, "refused": 5, "list": ("a", "b")}
+        assert answered(robots, robot, partial(robots.set, ID, changes)) == {"refused": "no"}
+        assert robot.set == [changes]
+        for name in (ID, None):
+            topics = answered(robots, robot, partial(robots.topics, name))
+            assert topics == {"/imu": "sensor_msgs/msg/Imu"}
+
+
+def test_a_robot_that_left_is_said_to_be_gone_and_one_that_is_back_is_heard() -> None:
+    endpoint = free_endpoint()
+    with operator_end(endpoint), watching(endpoint) as robots:
+        for _ in range(2):
+            with robot_end(endpoint) as end:
+                heard_by(robots, Robot(end))
+            until(lambda: not robots.heard[ID].is_present, lambda: step(robots))
+        assert [*robots.heard] == [ID]
+        robots.forget(ID)
+        assert not robots.heard
+
+
+def test_watchers_that_nobody_answers_say_why_and_connect_once_somebody_does() -> None:
+    endpoint = free_endpoint()
+    with watching(endpoint) as robots:
+        until(lambda: "Connection refused" in (robots.problem or ""), lambda: step(robots))
+        with pytest.raises(TestudoError, match=r"no status was received within 0.1 s \(.*refused"):
+            wait_for_all(robots, lambda: False, 0.1)
+        for _ in range(2):
+            with listening_robot(endpoint) as robot:
+                heard_by(robots, robot)
+                until(lambda: robots.problem is None, lambda: step(robots))
+            until(lambda: "refused" in (robots.problem or ""), lambda: step(robots))
+
+
+def test_two_robots_of_one_name_are_two() -> None:
+    endpoint = free_endpoint()
+    with ExitStack() as opened:
+        opened.enter_context(operator_end(endpoint, lambda warning: None))
+        pair = [Robot(opened.enter_context(robot_end(endpoint))) for _ in range(2)]
+        robots = opened.enter_context(watching(endpoint))
+        until(lambda: len(robots.heard) == 2, lambda: step(robots, *pair))
+        names = {f"r1#{robot.end.boot.number[:4]}:/smarttestudo": robot for robot in pair}
+        assert robots.heard.keys() == names.keys()
+        for name, robot in names.items():
+            answered(robots, robot, partial(robots.set, name, {"budget_kb_per_s": 5}))
+        assert [robot.set for robot in pair] == [[{"budget_kb_per_s": 5}]] * 2
+        with pytest.raises(UsageError, match="several robots are heard: r1#") as refused:
+            topics_of_robot(robots, None, lambda: False)
+        assert refused.value.remedy == "name one with --robot"
+
+
+def test_an_unknown_robot_and_one_that_never_answers_are_silent() -> None:
+    endpoint = free_endpoint()
+    with listening_robot(endpoint) as robot, watching(endpoint) as robots:
+        for name in ("r2:/smarttestudo", ID):
+            silent = answered(robots, None, partial(robots.get, name, NAMES))
+            assert isinstance(silent, SilentNodeError)
+        heard_by(robots, robot)
+        silent = answered(robots, None, partial(robots.get, ID, NAMES))
+        assert str(silent).startswith(f"{ID}: error: the robot did not answer within 5 s; check that")
+        # Nobody waits for that answer any more.
+        assert robot.end.take_question() is None
+        with pytest.raises(UsageError, match="there is no robot 'ada', but r1"):
+            topics_of_robot(robots, "ada", lambda: False)
+
+
+def test_questions_that_are_too_large_or_too_many_are_refused() -> None:
+    endpoint = free_endpoint()
+    with listening_robot(endpoint) as robot, watching(endpoint) as robots:
+        heard_by(robots, robot)
+        large = answered(robots, robot, partial(robots.set, ID, {"rules_text": "x" * 2_000_000}))
+        assert isinstance(large, LinkError)
+        said: list[Any] = []
+        for _ in range(MAX_WAITING + 5):
+            robots.get(ID, NAMES, said.append)
+        until(lambda: len(said) >= 5, lambda: robots.wait(0.02))
+        assert {one.cause for one in said} == {"too many questions wait for an answer"}
+        until(lambda: len(said) == MAX_WAITING + 5, lambda: step(robots, robot))
+        assert [one for one in said if not isinstance(one, LinkError)] == [
+            {"rules_hash": "value of rules_hash"}
+        ] * MAX_WAITING
+
+
+@pytest.mark.parametrize("garbage", [b"", b"\1", b"\2\5\xff", b"\1\1\0[]", b"\xff" * 500])
+def test_garbage_on_a_status_key_costs_what_it_touches(garbage: bytes) -> None:
+    endpoint = free_endpoint()
+    with (
+        operator_end(endpoint),
+        robot_end(endpoint) as end,
+        watching(endpoint) as robots,
+        open_session(LinkOptions(connect=(endpoint,)), "client", refuse_warning) as stranger,
+    ):
+        robot = Robot(end)
+        heard_by(robots, robot)
+        for key in (end.boot.status_key, "testudo/r1/0000000000000000/status", "testudo/x y/1/status"):
+            stranger.put(key, garbage)
+        steps = robot.steps
+        until(lambda: robots.heard[ID].status.uptime_s > steps + 5, lambda: step(robots, robot))
+
+
+def test_a_question_of_many_keys_at_once_reaches_no_robot() -> None:
+    endpoint = free_endpoint()
+    with (
+        operator_end(endpoint),
+        robot_end(endpoint) as end,
+        open_session(LinkOptions(connect=(endpoint,)), "client", refuse_warning) as stranger,
+    ):
+        payload = b'\0{"set":{"budget_kb_per_s":1}}'
+        until(lambda: [*stranger.get(end.boot.set_key, payload=b"?", timeout=1.0)] != [])
+        for selector in ("testudo/**", f"{end.boot.key}/*", "testudo/*/*/set"):
+            assert not [reply for reply in stranger.get(selector, payload=payload, timeout=1.0) if reply.ok]
+        assert end.take_question() is None
+
+
+@pytest.mark.parametrize(
+    "payload", [None, b"", b"\0", b"\0[]", b"\0{}", b'\0{"set": 5}', b"\1x", b"\0" * 1_200]
+)
+def test_a_question_that_is_none_is_refused_at_once(payload: bytes | None) -> None:
+    endpoint = free_endpoint()
+    with (
+        listening_robot(endpoint) as robot,
+        open_session(LinkOptions(connect=(endpoint,)), "client", refuse_warning) as stranger,
+    ):
+        for key in (robot.end.boot.get_key, robot.end.boot.set_key):
+            until(partial(_is_refused, stranger, key, payload))
+        assert robot.end.take_question() is None
+
+
+def _is_refused(session: zenoh.Session, key: str, payload: bytes | None) -> bool:
+    return [reply.err is not None for reply in session.get(key, payload=payload, timeout=2.0)] == [True]
+
+
+USERS = {"viewer": "seeing", "operator": "pushing"}
+DOCUMENT = Path(__file__).parents[3] / "docs" / "how-to" / "watch-without-ros.md"
+
+
+def documented(folder: Path) -> Path:
+    """The configuration that the documentation shows, with the users above."""
+    (folder / "users.txt").write_text("".join(f"{user}:{word}\n" for user, word in USERS.items()))
+    blocks = re.findall(r"^```json5\n(.*?)^```$", DOCUMENT.read_text(), re.MULTILINE | re.DOTALL)
+    (shown,) = (block for block in blocks if "testudo/*/*/set" in block)
+    path = folder / "listens.json5"
+    path.write_text(shown.replace("users.txt", str(folder / "users.txt")))
+    return path
+
+
+@pytest.mark.parametrize("is_direct", [True, False])
+def test_access_control_lets_one_user_listen_and_another_push(tmp_path: Path, is_direct: bool) -> None:
+    endpoint = free_endpoint()
+    config = documented(tmp_path)
+    with ExitStack() as opened:
+        if is_direct:
+            robot = opened.enter_context(listening_robot(endpoint, config=config))
+        else:
+            listens = LinkOptions(listen=(endpoint,), config_file=config)
+            opened.enter_context(open_operator_end(listens, refuse_warning))
+            connects = LinkOptions(connect=(endpoint,), config_file=_user(tmp_path, "operator"))
+            end = opened.enter_context(open_robot_end("r1", connects, refuse_warning))
+            robot = Robot(end)
+        for user, may_push in (("viewer", False), ("operator", True)):
+            robots = opened.enter_context(watching(endpoint, _user(tmp_path, user)))
+            heard_by(robots, robot)
+            values = answered(robots, robot, partial(robots.get, ID, NAMES))
+            assert values == {"rules_hash": "value of rules_hash"}
+            refusals = answered(robots, robot, partial(robots.set, ID, {"status_hz": 5.0}))
+            assert (refusals == {}) == may_push
+            if not may_push:
+                assert str(refusals) == (
+                    f"{ID}: error: nobody takes this there; check that `testudo run` is still running, "
+                    "and that access control lets you ask this"
+                )
+        assert robot.set == [{"status_hz": 5.0}]
+
+
+def _user(folder: Path, name: str) -> Path:
+    path = folder / f"{name}.json5"
+    auth = {"usrpwd": {"user": name, "password": USERS[name]}}
+    path.write_text(json.dumps({"transport": {"auth": auth}}))
+    return path

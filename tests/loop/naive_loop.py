@@ -1,0 +1,134 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""A second opinion on the whole loop: at each step, everything anew from the full history."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from itertools import pairwise
+
+from language.evaluator.naive_rules import (
+    NaiveRequest,
+    naive_blocks,
+    naive_request,
+    naive_signals,
+)
+from smarttestudo.domain.observation import Arrival, Observation, SourceChanged, Undecodable
+from smarttestudo.domain.signal import Signal
+from smarttestudo.language.syntax import RuleFile
+
+SECOND = 1_000_000_000
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NaiveDecision:
+    t_ns: int
+    topic: str
+    before: NaiveRequest | None
+    after: NaiveRequest
+    values: dict[str, float | None]
+
+
+@dataclass(kw_only=True)
+class NaiveLoop:
+    """Time counts from the start and only forward; ``settle_ns`` and ``stale_after_ns`` as in the profile."""
+
+    files: Sequence[RuleFile]
+    topics: Sequence[str]
+    settle_ns: int
+    stale_after_ns: dict[str, int]
+    events: list[tuple[int, Observation]] = field(default_factory=list)
+    requests: dict[str, list[tuple[int, NaiveRequest]]] = field(default_factory=dict)
+    effective: dict[str, NaiveRequest] = field(default_factory=dict)
+
+    def step(self, observations: Sequence[Observation], now: int) -> list[NaiveDecision]:
+        self.events += [(now, observation) for observation in observations]
+        values = self.values(now)
+        decisions = []
+        for topic in self.topics:
+            self.requests.setdefault(topic, []).append((now, naive_request(self.files, topic, values)))
+            before, after = self.effective.get(topic), self.settled(self.requests[topic], now)
+            self.effective[topic] = after
+            if before is None or (before.height, before.place) != (after.height, after.place):
+                decisions.append(
+                    NaiveDecision(
+                        t_ns=now, topic=topic, before=before, after=after, values=self.read(after, values)
+                    )
+                )
+        return decisions
+
+    def peek(self, now: int) -> dict[str, NaiveRequest]:
+        """What a step at ``now`` without observations would make effective."""
+        values = self.values(now)
+        return {
+            topic: self.settled([*self.requests[topic], (now, naive_request(self.files, topic, values))], now)
+            for topic in self.topics
+        }
+
+    def settled(self, requests: Sequence[tuple[int, NaiveRequest]], now: int) -> NaiveRequest:
+        """The highest request of the last ``settle_ns``, the latest among equals."""
+        ends = [start for start, _ in requests[1:]] + [math.inf]
+        counting = [
+            request for (_, request), end in zip(requests, ends, strict=True) if now < end + self.settle_ns
+        ]
+        highest = max(request.height for request in counting)
+        return next(request for request in reversed(counting) if request.height == highest)
+
+    def values(self, now: int) -> dict[Signal, float | None]:
+        signals = {s for block in naive_blocks(self.files) for s in naive_signals(block.condition)}
+        return {signal: self.value(signal, now) for signal in signals}
+
+    def read(self, request: NaiveRequest, values: dict[Signal, float | None]) -> dict[str, float | None]:
+        if request.place is None:
+            return {}
+        condition = naive_blocks(self.files)[request.place].condition
+        return {str(signal): values[signal] for signal in naive_signals(condition)}
+
+    def value(self, signal: Signal, now: int) -> float | None:
+        arrivals = [
+            (at, one) for at, one in self.events if isinstance(one, Arrival) and one.topic == signal.topic
+        ]
+        recent = [one for at, one in arrivals if now - 2 * SECOND < at <= now]
+        match signal.property:
+            case "rate":
+                return len(recent) / 2
+            case "bandwidth":
+                return sum(one.size_bytes for one in recent) / 1000 / 2
+            case "age":
+                return (now - (arrivals[-1][0] if arrivals else 0)) / SECOND
+        if not arrivals or self.is_gone(signal.topic) or self.is_stale(signal.topic, arrivals, now):
+            return None
+        message = arrivals[-1][1].message
+        if message is None or isinstance(message, Undecodable):
+            return None
+        value = getattr(message, signal.property, math.nan)
+        return None if math.isnan(value) else value
+
+    def is_gone(self, topic: str) -> bool:
+        """No publisher, or none was heard since the last time there was none."""
+        mine = [
+            one for _, one in self.events if isinstance(one, Arrival | SourceChanged) and one.topic == topic
+        ]
+        changes = [one for one in mine if isinstance(one, SourceChanged)]
+        if changes and changes[-1].publishers == 0:
+            return True
+        for one in reversed(mine):
+            if isinstance(one, Arrival):
+                return False
+            if one.publishers == 0:
+                return True
+        return False
+
+    def is_stale(self, topic: str, arrivals: Sequence[tuple[int, Arrival]], now: int) -> bool:
+        age = now - arrivals[-1][0]
+        if topic in self.stale_after_ns:
+            return age > self.stale_after_ns[topic]
+        changes = [one for _, one in self.events if isinstance(one, SourceChanged) and one.topic == topic]
+        stamps = [at for at, _ in arrivals]
+        intervals = [late - early for early, late in pairwise(stamps)][-20:]
+        if (changes and changes[-1].transient_local) or len(intervals) < 3:
+            return False
+        return age > 2 * SECOND and age > 5 * Fraction(sum(intervals), len(intervals))

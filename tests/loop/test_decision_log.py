@@ -1,0 +1,99 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""A live run's decisions are on disk as soon as they are made."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from smarttestudo.domain.decision import Decision, PlannedRate, Reason
+from smarttestudo.domain.rate import Rate
+from smarttestudo.files.whole_file import OutputFileError
+from smarttestudo.loop.decision_log import DecisionLogError, growing_decision_log, read_decisions
+
+DECISION = Decision(
+    t_s=0.5,
+    stamp_ns=500_000_000,
+    topic="/odom",
+    from_rate=Rate(10.0),
+    planned=PlannedRate(rate=Rate(4.0), reason=Reason.DEFAULT),
+    values={},
+)
+
+
+def lines(path: Path) -> list[object]:
+    return [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()]
+
+
+def test_each_decision_is_there_at_once_and_a_second_run_adds_to_it(tmp_path: Path) -> None:
+    path = tmp_path / "decisions.jsonl"
+    with growing_decision_log(path) as append:
+        append([DECISION])
+        assert lines(path) == [DECISION.to_json()]
+    with growing_decision_log(path) as append:
+        append([DECISION])
+    assert lines(path) == [DECISION.to_json()] * 2
+
+
+def test_a_full_disk_is_said_with_the_files_name() -> None:
+    full = Path("/dev/full")
+    with (
+        growing_decision_log(full) as append,
+        pytest.raises(OutputFileError, match=r"/dev/full: error: .*No space"),
+    ):
+        append([DECISION])
+
+
+def test_a_folder_that_does_not_exist_is_said_before_the_run(tmp_path: Path) -> None:
+    with (
+        pytest.raises(OutputFileError, match="cannot be written"),
+        growing_decision_log(tmp_path / "no" / "d.jsonl"),
+    ):
+        pass
+
+
+rates = st.one_of(st.just(Rate.full()), st.floats(0, 1e6).map(Rate))
+decisions = st.builds(
+    Decision,
+    t_s=st.integers(0, 10**12).map(lambda us: us / 1e6),
+    stamp_ns=st.integers(0, 2**62),
+    topic=st.just("/odom"),
+    from_rate=st.none() | rates,
+    planned=st.builds(
+        PlannedRate,
+        rate=rates,
+        reason=st.sampled_from(Reason),
+        rule=st.none() | st.text(),
+        line=st.none() | st.integers(1),
+    ),
+    values=st.dictionaries(st.text(), st.none() | st.floats(allow_nan=False, allow_infinity=False)),
+)
+
+
+@given(st.lists(decisions))
+def test_what_is_written_is_read_again(tmp_path_factory: pytest.TempPathFactory, log: list[Decision]) -> None:
+    path = tmp_path_factory.mktemp("log") / "decisions.jsonl"
+    with growing_decision_log(path) as append:
+        append(log)
+    assert read_decisions(path) == log
+
+
+def test_a_last_line_that_was_cut_off_costs_that_line(tmp_path: Path) -> None:
+    path = tmp_path / "decisions.jsonl"
+    with growing_decision_log(path) as append:
+        append([DECISION, DECISION])
+    path.write_bytes(path.read_bytes()[:-5])
+    assert read_decisions(path) == [DECISION]
+
+
+@pytest.mark.parametrize("line", ["", "[]", "{}", '{"t": "soon"}', "[" * 100_000])
+def test_a_line_that_is_no_decision_is_named(tmp_path: Path, line: str) -> None:
+    path = tmp_path / "decisions.jsonl"
+    path.write_text(f"{json.dumps(DECISION.to_json())}\n{line}\n", encoding="utf-8")
+    with pytest.raises(DecisionLogError, match=r"decisions\.jsonl:2: error: not a decision"):
+        read_decisions(path)

@@ -1,0 +1,219 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Other rules while the loop runs."""
+
+from __future__ import annotations
+
+import pytest
+
+from loop.loop_driver import MS, ODOMETRY, SECOND, LoopDriver
+from smarttestudo.domain.payload import Payload
+from smarttestudo.domain.profile import Profile, TopicProfile
+from smarttestudo.language.rule_set import fallback_rules
+from smarttestudo.loop.inputs import MessageInput, WakeInput
+from smarttestudo.pacing.sample import WhenSlow
+
+ZONE = """
+begin
+SetFrequency /scan 2
+Rule "zone" If CheckValue /odom pose_x > 5 Then SetFrequency /scan 8 EndIf
+end
+"""
+
+
+def stamped(sec: int) -> bytes:
+    return b"\x00\x01\x00\x00" + sec.to_bytes(4, "little") + bytes(12)
+
+
+def in_the_zone() -> LoopDriver:
+    driver = LoopDriver(ZONE, types={"/odom": ODOMETRY})
+    driver.drive(SECOND, 6.0, 0.0)
+    driver.decisions.clear()
+    return driver
+
+
+def test_a_change_says_that_it_was_the_reload_and_which_block_decides() -> None:
+    driver = in_the_zone()
+    driver.reload(ZONE.replace("/scan 8", "/scan 9"))
+    (decision,) = driver.decisions
+    assert decision.to_json() == {
+        "t": 1.0,
+        "stamp_ns": SECOND,
+        "topic": "/scan",
+        "from_hz": 8.0,
+        "to_hz": 9.0,
+        "reason": "reload",
+        "rule": "zone",
+        "line": 4,
+        "values": {"/odom pose_x": 6.0},
+    }
+
+
+def test_what_is_known_of_the_robot_survives() -> None:
+    driver = in_the_zone()
+    driver.reload(
+        "begin SetFrequency /scan 2 If CheckValue /odom pose_x > 5.5 Then SetFrequency /imu 8 EndIf end"
+    )
+    assert driver.rates() == {"/scan": 2, "/imu": 8}
+    assert driver.log() == [(1.0, "/scan", 2, "reload", None), (1.0, "/imu", 8, "reload", "block at line 1")]
+
+
+def test_a_value_that_was_not_read_before_is_unknown_until_the_next_message() -> None:
+    driver = in_the_zone()
+    driver.reload(ZONE.replace("pose_x", "pose_y"), Profile(settle_s=0.0))
+    assert driver.rates() == {"/scan": 8}
+    driver.drive(2 * SECOND, 6.0, 0.0)
+    assert driver.rates() == {"/scan": 2}
+
+
+def test_a_topic_that_is_newly_read_is_known_by_type_and_publishers() -> None:
+    driver = LoopDriver("begin SetFrequency /scan 2 end")
+    driver.reload("begin SetFrequency /odom 3 end")
+    driver.source("/odom", type_name=ODOMETRY)
+    driver.reload(ZONE, Profile(settle_s=0.0))
+    driver.source("/odom", publishers=0)
+    driver.drive(SECOND, 6.0, 0.0)
+    assert driver.rates() == {"/scan": 8}
+    driver.source("/odom", type_name=ODOMETRY)
+    driver.drive(2 * SECOND, 4.0, 0.0)
+    assert driver.rates() == {"/scan": 2}
+
+
+def test_a_lower_rate_that_waits_goes_on_waiting_where_the_rules_of_its_topic_stay() -> None:
+    driver = in_the_zone()
+    driver.drive(2 * SECOND, 4.0, 0.0)
+    driver.wait_until(2300 * MS)
+    driver.reload(f"// a comment that moves all lines\n{ZONE.replace('begin', 'begin SetFrequency /imu 1')}")
+    assert driver.log() == [(2.3, "/imu", 1, "reload", None)]
+    driver.wait_until(3 * SECOND)
+    assert driver.log()[1:] == [(2.5, "/scan", 2, "default", None)]
+
+
+def test_a_lower_rate_of_new_rules_holds_at_once() -> None:
+    driver = in_the_zone()
+    driver.reload(ZONE.replace("/scan 8", "/scan 4"))
+    assert driver.rates() == {"/scan": 4}
+
+
+def test_a_topic_that_is_no_longer_relayed_ends_and_one_that_comes_back_starts() -> None:
+    driver = LoopDriver("begin SetFrequency /scan 1 SetFrequency /imu 5 end")
+    driver.decisions.clear()
+    for step in range(5):
+        driver.send("/scan", step * 100 * MS)
+    driver.reload("begin SetFrequency /imu 5 end")
+    (ended,) = driver.decisions
+    assert (ended.topic, ended.to_json()["to_hz"], ended.to_json()["end"]) == ("/scan", 0.0, True)
+    assert list(driver.loop.relays.statistics) == ["/imu"]
+    driver.send("/scan", SECOND)
+    driver.wait_until(9 * SECOND)
+    assert driver.stamps_of("/scan") == [0]
+    driver.reload("begin SetFrequency /scan Full SetFrequency /imu 5 end")
+    assert driver.decisions[1].to_json()["start"] is True
+    driver.send("/scan", 10 * SECOND)
+    assert driver.stamps_of("/scan") == [0, 10 * SECOND]
+
+
+def test_a_full_topic_loses_no_message_and_a_paced_one_keeps_its_grid_through_500_reloads() -> None:
+    driver = LoopDriver("begin SetFrequency /scan Full SetFrequency /imu 10 SetFrequency /a 1 end")
+    for step in range(1000):
+        driver.send("/scan", step * 10 * MS, payload=b"%d" % step)
+        driver.send("/imu", step * 10 * MS + MS)
+        if step % 2:
+            block = f"If CheckValue /imu rate > {step} Then SetFrequency /t{step % 3} 1 EndIf"
+            driver.reload(f"begin SetFrequency /scan Full SetFrequency /imu 10 {block} end")
+    scans = [one.payload for one in driver.relayed if one.topic == "/scan"]
+    assert scans == [b"%d" % step for step in range(1000)]
+    assert abs(len(driver.stamps_of("/imu")) - 100) <= 1
+    assert driver.loop.relays.statistics["/scan"].arrived.messages == 1000
+
+
+def test_a_latched_topic_is_still_known_to_be_latched() -> None:
+    driver = LoopDriver("begin SetFrequency /map 0.01 end")
+    driver.source("/map", transient_local=True)
+    driver.reload("begin SetFrequency /map 0.02 end", Profile(topics={"/map": TopicProfile(paced_with="/x")}))
+    for step in range(5):
+        driver.send("/map", step * 2 * SECOND)
+    assert len(driver.relayed) == 5
+
+
+def test_partners_may_be_paired_and_parted() -> None:
+    rules = "begin SetFrequency /info 20 SetFrequency /image 5 end"
+    paired = Profile(topics={"/info": TopicProfile(paced_with="/image")})
+    driver = LoopDriver(rules)
+
+    def play(start_s: int) -> tuple[list[Payload], list[Payload]]:
+        driver.relayed.clear()
+        for step in range(40):
+            payload = stamped(start_s * 1000 + step)
+            driver.send("/info", start_s * SECOND + step * 50 * MS, payload)
+            driver.send("/image", start_s * SECOND + step * 50 * MS + MS, payload)
+        driver.wait_until((start_s + 5) * SECOND)
+        of = {
+            name: [one.payload for one in driver.relayed if one.topic == name] for name in ("/info", "/image")
+        }
+        return of["/info"], of["/image"]
+
+    play(0)
+    driver.reload(rules, paired)
+    infos, images = play(10)
+    assert infos == images
+    assert 9 <= len(images) <= 13
+    driver.reload(rules)
+    infos, images = play(20)
+    assert 9 <= len(images) <= 13
+    assert len(infos) >= 39
+    assert driver.loop.relays.discarded == {}
+
+
+def test_another_profile_says_when_repeating_ends() -> None:
+    driver = LoopDriver("begin SetFrequency /scan 10 end", when_slow=WhenSlow.REPEAT)
+    driver.reload(
+        "begin SetFrequency /scan 10 end", Profile(topics={"/scan": TopicProfile(stale_after_s=0.5)})
+    )
+    driver.send("/scan", SECOND)
+    driver.wait_until(9 * SECOND)
+    assert driver.stamps_of("/scan")[-1] <= 1500 * MS
+
+
+def test_a_budget_holds_for_the_topics_that_are_relayed_now() -> None:
+    driver = LoopDriver("begin SetFrequency /a Full SetFrequency /b Full end", budget_kb_per_s=10.0)
+    for step in range(500):
+        for topic in ("/a", "/b"):
+            driver.send(topic, step * 20 * MS, size_bytes=200)
+    assert driver.rates() == {"/a": pytest.approx(25, abs=1), "/b": pytest.approx(25, abs=1)}
+    driver.reload("begin SetFrequency /b Full end")
+    assert driver.rates() == {"/b": None}
+
+
+def test_without_rules_every_topic_is_full_and_topics_may_join() -> None:
+    driver = LoopDriver("begin SetFrequency /scan 2 end")
+    driver.decisions.clear()
+    for topics in (["/scan"], ["/scan", "/imu"]):
+        driver.reload_rule_set(fallback_rules(topics))
+    assert driver.log() == [(0.0, "/scan", None, "fallback", None), (0.0, "/imu", None, "fallback", None)]
+    driver.reload("begin SetFrequency /scan 2 end")
+    assert [(one.topic, one.planned.reason.value, one.is_end) for one in driver.decisions[2:]] == [
+        ("/imu", "reload", True),
+        ("/scan", "reload", False),
+    ]
+
+
+def test_a_clock_that_steps_back_after_a_reload_shows_the_time_that_it_shows_without_one() -> None:
+    robots = [LoopDriver("begin SetFrequency /scan 10 end") for _ in range(2)]
+    for robot, is_reloaded in zip(robots, (False, True), strict=True):
+        robot.send("/scan", 5)
+        if is_reloaded:
+            robot.reload("begin SetFrequency /scan 10 end")
+        robot.keep(robot.loop.take(MessageInput(3, "/scan", b"", 100)))
+        robot.keep(robot.loop.take(WakeInput(stamp_ns=8)))
+        robot.now_ns = 8
+        robot.reload("begin SetFrequency /scan 20 end")
+    assert robots[0].decisions == robots[1].decisions
+    assert robots[0].decisions[-1].t_s == 10e-9, "5 ns, none for the way back, then 5 ns"
+
+
+def test_the_end_of_a_topic_is_decided_when_it_ends() -> None:
+    robot = LoopDriver("begin SetFrequency /scan 10 end")
+    robot.send("/scan", 4 * SECOND)
+    robot.reload("begin SetFrequency /odom 10 end")
+    assert {one.t_s for one in robot.decisions if one.is_end} == {4.0}

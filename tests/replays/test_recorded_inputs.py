@@ -1,0 +1,128 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""A loop given what another one was given decides the same."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from bags.bag_factory import ODOM, odometry
+from robot.status.virtual_robot import VirtualRobot
+from smarttestudo.bags.definitions import RosbagDecoder
+from smarttestudo.cli.main import main
+from smarttestudo.domain.decision import Decision
+from smarttestudo.domain.observation import LinkBudget, ListenersChanged, SourceChanged, Undecodable
+from smarttestudo.domain.recording import Channel
+from smarttestudo.loop.input_log import input_log
+from smarttestudo.loop.inputs import (
+    ChangeInput,
+    LoopInput,
+    MessageInput,
+    RecordedInput,
+    RulesInput,
+    WakeInput,
+)
+from smarttestudo.robot.input_recorder import InputRecorder, Note
+from smarttestudo.robot.rules import LiveRules
+from smarttestudo.robot.run_parameters import RunRequest
+from smarttestudo.rules.rule_sets import check_texts
+
+MS = 1_000_000
+RULES = """\
+begin
+  SetFrequency odom 10
+  SetFrequency /scan 1
+  Rule "Far" If (CheckValue odom pose_y > 2) Then SetFrequency /scan 5
+  Rule "Stays" If (CheckValue odom pose_y > 2) For 700 ms Then SetFrequency /scan 6
+  Rule "Was near" If (CheckValue odom pose_y < 3 Within 1.5 s AND CheckValue odom pose_y > 2 Until < 1)
+  Then SetFrequency /scan 7
+  Rule "Silent" If (CheckValue odom age > 0.5) Then SetFrequency /scan 9
+end
+"""
+OTHER_RULES = "begin SetFrequency /scan 3 end"
+NAMES = {"odom": "/tb3/odom"}
+
+
+def resolved(topic: str) -> str:
+    return NAMES.get(topic, topic)
+
+
+def live_rules(text: str) -> LiveRules:
+    texts = {"rules.adirf": text}
+    rule_set = check_texts(texts, resolve=resolved).rule_set
+    return LiveRules(rule_set=rule_set, output_topics={}, texts=texts, names=NAMES)
+
+
+def drive(note: Note) -> list[Decision]:
+    """Ten seconds with a walk across a threshold, silence, a bad message, budgets and other rules."""
+    recorder, rules = InputRecorder(VirtualRobot(), RunRequest(), note), live_rules(RULES)
+    loop = recorder.loop(rules, 0)
+
+    def take(given: LoopInput) -> None:
+        recorder.record(given, rules)
+        loop.take(given)
+
+    source = SourceChanged(topic="/tb3/odom", publishers=1, transient_local=False, type_name=ODOM.type_name)
+    take(ChangeInput(stamp_ns=0, change=source))
+    decode, channel = RosbagDecoder().decode, Channel(topic="/tb3/odom", type_name=ODOM.type_name)
+    for now_ns in range(0, 10_000 * MS, 40 * MS):
+        while (wake_ns := loop.next_wake_ns) is not None and wake_ns <= now_ns:
+            take(WakeInput(stamp_ns=max(wake_ns, now_ns - 40 * MS)))
+        take(MessageInput(now_ns, "/scan", b"scan", 3000, publisher=b"gid"))
+        if not 6000 * MS < now_ns < 8000 * MS:
+            payload = odometry(0.0, now_ns / (1000 * MS))
+            message = Undecodable() if now_ns == 4000 * MS else decode(channel, payload)
+            take(MessageInput(now_ns, "/tb3/odom", payload, len(payload), message))
+        if now_ns == 5000 * MS:
+            take(ChangeInput(stamp_ns=now_ns, change=LinkBudget(link_kb_per_s=20.0)))
+        if now_ns in {5600 * MS, 6600 * MS}:
+            measured = LinkBudget(link_kb_per_s=now_ns / (1000 * MS), is_measured=True)
+            take(ChangeInput(stamp_ns=now_ns, change=measured))
+        if now_ns in {6200 * MS, 8400 * MS}:
+            change = ListenersChanged(topic="/scan", are_there=now_ns == 8400 * MS)
+            take(ChangeInput(stamp_ns=now_ns, change=change))
+        if now_ns == 9000 * MS:
+            rules = live_rules(OTHER_RULES)
+            take(RulesInput(stamp_ns=now_ns, rule_set=rules.rule_set, profile=rules.profile))
+    return loop.take_decisions()
+
+
+def test_the_decisions_are_the_same_line_for_line(tmp_path: Path) -> None:
+    with input_log(tmp_path / "inputs") as note:
+        decisions = drive(note)
+    again = tmp_path / "again.jsonl"
+    assert main(["replay", str(tmp_path / "inputs"), "--decisions", str(again)]) == 0
+    lines = [json.loads(line) for line in again.read_text(encoding="utf-8").splitlines()]
+    assert lines == [json.loads(json.dumps(decision.to_json())) for decision in decisions]
+    assert {line["reason"] for line in lines} >= {"unknown", "default", "block", "budget", "link", "reload"}
+    assert {line["rule"] for line in lines} >= {"Stays", "Was near", "Silent"}
+
+
+def test_of_a_message_only_what_decides_is_recorded() -> None:
+    recorded: list[RecordedInput] = []
+    drive(recorded.append)
+    messages = [one for one in recorded if isinstance(one, MessageInput)]
+    by_topic = {topic: [one for one in messages if one.topic == topic] for topic in ("/scan", "/tb3/odom")}
+    assert {(one.payload, one.size_bytes, one.publisher) for one in by_topic["/scan"]} == {(b"", 3000, 0)}
+    assert {len(one.payload) for one in by_topic["/tb3/odom"]} == {0, by_topic["/tb3/odom"][0].size_bytes}
+    undecodable = [one for one in messages if one.message is not None]
+    assert [(one.stamp_ns, one.payload, one.message) for one in undecodable] == [
+        (4000 * MS, b"", Undecodable())
+    ]
+
+
+def test_options_that_recorded_inputs_bring_along_are_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with input_log(tmp_path) as note:
+        drive(note)
+    assert main(["replay", str(tmp_path), "--rules", "rules.adirf"]) == 2
+    assert capsys.readouterr().err.startswith("--rules: error: ")
+
+
+def test_a_recording_still_needs_rules_and_an_output(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["replay", "bag"]) == 2
+    assert capsys.readouterr().err == "--rules: error: a replay of a recording needs it; add --rules\n"

@@ -1,0 +1,168 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""``testudo bag report`` and ``--figures``, as a user runs them."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import pytest
+
+from bags.bag_factory import START_NS, BagContent, small_mission, write_bag
+from smarttestudo.cli.main import main
+from smarttestudo.domain.packages import Extra, how_to_install
+from smarttestudo.domain.units import NS_PER_S
+
+RULES = """begin
+    SetFrequency /odom 5
+    SetFrequency /scan Full
+    Rule "Far"
+    If (CheckValue /odom pose_y > 2)
+    Then
+        SetFrequency /odom 10
+    EndIf
+end
+"""
+ALL_FIGURES = {
+    f"{name}.{form}"
+    for name in ("rates", "bandwidth", "total", "intervals", "accuracy", "path")
+    for form in ("png", "svg")
+}
+
+
+@dataclass(frozen=True)
+class Ran:
+    code: int
+    out: str
+    err: str
+
+
+class Desk:
+    """A folder with a recording, rules, what a replay made of both, and its decisions."""
+
+    def __init__(self, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+        self.folder = folder
+        self._capsys = capsys
+        write_bag(folder / "sent", small_mission())
+        (folder / "rules.adirf").write_text(RULES)
+        self.run(
+            "replay", "sent", "--rules", "rules.adirf", "--output", "received", "--decisions", "log.jsonl"
+        )
+
+    def run(self, *arguments: str) -> Ran:
+        self._capsys.readouterr()
+        code = main(list(arguments))
+        captured = self._capsys.readouterr()
+        return Ran(code, captured.out, captured.err)
+
+    def report(self, *arguments: str) -> Ran:
+        return self.run("bag", "report", *arguments)
+
+    def refuses(self, *arguments: str) -> str:
+        ran = self.report(*arguments)
+        assert (ran.code, ran.out) == (1, "")
+        assert not (self.folder / "report.html").exists()
+        return ran.err.rstrip("\n")
+
+    @property
+    def html(self) -> str:
+        return (self.folder / "report.html").read_text("utf-8")
+
+    def names_in(self, folder: str) -> set[str]:
+        return {path.name for path in (self.folder / folder).iterdir()}
+
+
+@pytest.fixture
+def desk(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Desk:
+    monkeypatch.chdir(tmp_path)
+    return Desk(tmp_path, capsys)
+
+
+def shifted(content: BagContent, seconds: int) -> BagContent:
+    later = (replace(one, stamp_ns=one.stamp_ns + seconds * NS_PER_S) for one in content.messages)
+    return replace(content, messages=tuple(later))
+
+
+@pytest.mark.slow
+def test_a_report_of_a_replay_has_summary_rules_decisions_path_and_loss(desk: Desk) -> None:
+    ran = desk.report(
+        "sent", "received", "--rules", "rules.adirf", "--decisions", "log.jsonl", "--figures", "figures"
+    )
+    assert ran.code == 0
+    assert ran.out.startswith("report.html: −")
+    assert "4 decisions, /odom error 6.8 cm\n" in ran.out
+    for text in ("sent beside received", "Far", "pose_y &gt; 2", 'class="map"', "Age of information"):
+        assert text in desk.html
+    assert desk.names_in("figures") == ALL_FIGURES
+
+
+def test_a_report_of_one_recording_has_its_rates_and_no_comparison(desk: Desk) -> None:
+    ran = desk.report("sent", "--topics", "/odom", "-o", "one.html")
+    html = (desk.folder / "one.html").read_text("utf-8")
+    assert (ran.code, ran.err) == (0, "")
+    assert ran.out.startswith("one.html: ")
+    assert "Longest gap" in html
+    assert "/scan" not in html
+    assert "What the operator lost" not in html
+
+
+def test_recordings_of_different_times_are_shown_from_their_starts_and_that_is_said(desk: Desk) -> None:
+    write_bag(desk.folder / "later", shifted(small_mission(), 3600))
+    ran = desk.report("sent", "later")
+    assert ran.code == 0
+    assert "note: the recordings share no time; each is shown from its own start\n" in ran.err
+    assert "note: what was lost is not known: it has no time in common with sent\n" in ran.err
+    assert "share no time" in desk.html
+
+
+def test_decisions_of_another_time_are_left_out_and_that_is_said(desk: Desk) -> None:
+    log = (desk.folder / "log.jsonl").read_text()
+    (desk.folder / "old.jsonl").write_text(log.replace(str(START_NS)[:4], "1600"))
+    ran = desk.report("sent", "received", "--decisions", "old.jsonl")
+    assert "note: no decision falls into the time of the recording; they are left out\n" in ran.err
+    assert "What the rules decided" not in desk.html
+
+
+def test_what_cannot_be_reported_is_refused_in_one_line(desk: Desk) -> None:
+    (desk.folder / "bad.adirf").write_text("begin SetFrequency /odom end")
+    assert "nowhere: error: " in desk.refuses("nowhere")
+    assert desk.refuses("sent", "--topics", "/odm") == "sent: error: no topic /odm; did you mean /odom?"
+    assert "bad.adirf:1:" in desk.refuses("sent", "--rules", "bad.adirf")
+    assert desk.refuses("sent", "--decisions", "rules.adirf") == (
+        "rules.adirf:1: error: not a decision; give a file that --decisions wrote"
+    )
+    assert desk.refuses("sent", "--nav2-map", "rules.adirf").startswith("rules.adirf: error: not a nav2 map")
+    assert "there/report.html: error: the report cannot be written" in desk.refuses(
+        "sent", "-o", "there/report.html"
+    )
+
+
+@pytest.mark.slow
+def test_the_actions_draw_what_they_tell(desk: Desk) -> None:
+    assert desk.run("bag", "rates", "sent", "--figures", "r").code == 0
+    assert desk.run("bag", "bandwidth", "sent", "received", "--budget", "20", "--figures", "b").code == 0
+    ran = desk.run("bag", "compare", "sent", "received", "--figures", "c", "--csv")
+    assert desk.names_in("r") == {name for name in ALL_FIGURES if name.startswith(("rates", "intervals"))}
+    assert desk.names_in("b") == {"1-sent", "2-received"}
+    assert desk.names_in("b/1-sent") == {name for name in ALL_FIGURES if name.startswith(("band", "total"))}
+    assert desk.names_in("c") == {name for name in ALL_FIGURES if not name.startswith(("accuracy", "path"))}
+    assert "wrote c/rates.svg\n" in ran.err
+    assert "wrote" not in ran.out
+
+
+def test_without_matplotlib_one_line_says_how_to_get_it(desk: Desk, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in [name for name in sys.modules if name.startswith("smarttestudo.report.figures")]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.delitem(sys.modules, "smarttestudo.report.bag_report", raising=False)
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    ran = desk.run("bag", "rates", "sent", "--figures", "figures")
+    assert ran.code == 1
+    assert ran.err == (f"error: this command needs the package matplotlib; {how_to_install(Extra.STUDIO)}\n")
+
+
+def test_a_recording_too_short_for_a_rate_has_a_report_that_says_so(desk: Desk) -> None:
+    write_bag(desk.folder / "short", small_mission(0.04))
+    assert desk.report("short").code == 0
+    assert "the recording holds no whole second" in desk.html

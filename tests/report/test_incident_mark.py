@@ -1,0 +1,118 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""An incident is read like any recording, and says what it is and where in it that happened."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from bags.bag_factory import small_mission, write_bag
+from smarttestudo.cli.main import main
+from smarttestudo.cli.progress import progress
+from smarttestudo.report.bag_report import ReportRequest, series_over_time
+from smarttestudo.report.figures.over_time import bandwidth_figure, rates_figure, total_figure
+
+GOLDEN = Path(__file__).parent / "golden"
+RULES = """\
+begin
+  SetFrequency /odom 5
+  Rule "Far" If CheckValue /odom pose_y > 5 Then
+    Record "near miss" /odom /scan Before 3 s After 2 s
+  EndIf
+  Rule "Farther" If CheckValue /odom pose_y > 5.3 Then
+    Record "later" /odom /scan Before 3 s After 2 s
+  EndIf
+end
+"""
+
+
+@pytest.fixture
+def incident(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The second of two that overlap, which shares files with the first."""
+    monkeypatch.chdir(tmp_path)
+    write_bag(tmp_path / "bag", small_mission(10.0))
+    Path("rules.adirf").write_text(RULES)
+    assert main(["replay", "bag", "--rules", "rules.adirf", "--output", "out", "--incidents", "found"]) == 0
+    capsys.readouterr()
+    _, later = sorted(Path("found").iterdir())
+    return later
+
+
+def test_a_command_says_which_incident_it_is_and_what_is_odd_about_it(
+    incident: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["bag", "rates", str(incident)]) == 0
+    printed = capsys.readouterr()
+    assert printed.out + printed.err == (GOLDEN / "incident-rates.txt").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    "command",
+    [["info"], ["bandwidth"], ["compare", "bag"], ["loss"], ["loss", "bag"]],
+    ids="-".join,
+)
+def test_all_commands_say_so(incident: Path, capsys: pytest.CaptureFixture[str], command: list[str]) -> None:
+    action, *others = command
+    assert main(["bag", action, str(incident), *others]) == 0
+    printed = capsys.readouterr().out
+    assert "\nincident later at 2" in f"\n{printed}"
+    assert ": rule Farther, /odom pose_y = 5.32\n" in printed
+
+
+def test_programs_are_told_too(incident: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["bag", "rates", str(incident), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)["incident"]
+    record = json.loads((incident / "incident.json").read_text())
+    assert found == {name: record[name] for name in ("name", "rule", "time", "triggered_ns", "values")}
+
+
+def test_the_report_marks_the_moment_in_each_chart_and_says_it(
+    incident: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["bag", "report", str(incident)]) == 0
+    html = Path("report.html").read_text(encoding="utf-8")
+    marks = re.findall(r'<line class="incident"[^>]* x1="([^"]*)"', html)
+    # Of each topic its rate; the bandwidth of all of them, and by topic.
+    assert marks == ["3.28"] * 4
+    assert html.count('class="happened"') == 1
+    words = "later at 3.3 s, 2"
+    assert html.count(words) == 1 + len(marks)
+    assert "rule Farther, /odom pose_y = 5.32" in html
+    assert "the first 0.3 s are from before the window of later" in html
+    assert "the first 0.3 s are from before the window of later" in capsys.readouterr().err
+
+
+def test_figures_have_a_line_at_the_moment(incident: Path) -> None:
+    report = series_over_time(ReportRequest(a=incident, title="", progress=progress))
+    assert report.incident is not None
+    for figure in (rates_figure(report), bandwidth_figure(report), total_figure(report)):
+        assert figure is not None
+        for axes in figure.axes:
+            places = [
+                np.asarray(line.get_xydata())[:, 0].tolist()
+                for line in axes.lines
+                if line.get_label() == "later"
+            ]
+            assert places == [[report.incident.at_s] * 2]
+
+
+def test_a_record_that_was_cut_costs_only_what_it_says(
+    incident: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (incident / "incident.json").write_text("{")
+    for command in (["rates"], ["loss"], ["report"]):
+        assert main(["bag", *command, str(incident)]) == 0
+        assert "note: what happened is not known: " in capsys.readouterr().err
+
+
+def test_what_was_decided_has_the_mark_too(incident: Path) -> None:
+    decided = ["--decisions", "decisions.jsonl"]
+    assert main(["replay", str(incident), "--rules", "rules.adirf", "--output", "again", *decided]) == 0
+    assert main(["bag", "report", str(incident), "again", "--rules", "rules.adirf", *decided]) == 0
+    _, lanes = Path("report.html").read_text("utf-8").split('class="over-time lanes ')
+    assert 'class="incident"' in lanes.partition('class="times"')[0]

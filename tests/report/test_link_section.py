@@ -1,0 +1,177 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a report says of the link, from the statuses that a robot sent over it."""
+
+from __future__ import annotations
+
+import json
+import math
+import struct
+from collections.abc import Iterable
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from report.demo_like_report import demo_like_report
+from report.test_report import HOSTILE, LARGEST_BYTES, all_text, tree
+from robot.status.statuses import RELAYED, STATUS
+from smarttestudo.bags.writer import create_recording
+from smarttestudo.domain.link_state import LinkState, StreamCounts, TopicOnLink
+from smarttestudo.domain.names import STATUS_TOPIC
+from smarttestudo.domain.recording import Channel
+from smarttestudo.domain.status import RuntimeStatus
+from smarttestudo.domain.status_json import status_to_json
+from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.report.document import render_report
+from smarttestudo.report.link_history import (
+    MAX_TOPICS,
+    LinkHistory,
+    LinkHistoryBuilder,
+    link_table,
+)
+from smarttestudo.report.link_section import age_charts, link_chart
+from smarttestudo.report.link_statuses import has_statuses, link_history
+from smarttestudo.report.table import plain_table
+from smarttestudo.report.time_chart import Run
+
+START_NS = 1_767_600_000 * NS_PER_S
+
+
+def status(
+    ages_ms: dict[str, float | None], sent: int = 0, *, link: LinkState | None = None, hz: float = 1.0
+) -> RuntimeStatus:
+    counts = StreamCounts(sent=sent, replaced=sent // 4, overflowed=sent // 20)
+    return replace(
+        STATUS,
+        status_hz=hz,
+        budget_kb_per_s=200.0,
+        link=link or LinkState(is_connected=True, capacity_kb_per_s=250.0, round_trip_ms=3.0),
+        topics={
+            topic: replace(RELAYED, on_link=TopicOnLink(counts=counts, age_ms=age_ms))
+            for topic, age_ms in ages_ms.items()
+        },
+    )
+
+
+def told(statuses: Iterable[tuple[float, RuntimeStatus]]) -> LinkHistory:
+    builder = LinkHistoryBuilder(START_NS)
+    for t_s, one in statuses:
+        builder.take(START_NS + round(t_s * NS_PER_S), one)
+    history = builder.history()
+    assert history is not None
+    return history
+
+
+def test_the_table_has_each_topic_s_ages_as_told_and_its_counts_through_a_restart() -> None:
+    history = told(
+        [
+            (1, status({"/odom": 30.0, "/imu": None}, 5)),
+            (2, status({"/odom": 90.0, "/imu": None}, 20)),
+            # Started again, it counts from 0.
+            (3, status({"/odom": 10.0}, 5)),
+        ]
+    )
+    imu, odom = history.topics
+    assert [topic.topic for topic in history.topics] == ["/imu", "/odom"]
+    assert odom.sorted_ages_ms == (10.0, 30.0, 90.0)
+    assert imu.counts == StreamCounts(sent=20, replaced=5, overflowed=1)
+    assert odom.counts == StreamCounts(sent=25, replaced=6, overflowed=1)
+    shown = plain_table(link_table(history), width=100).splitlines()
+    assert shown[2].split() == ["Topic", "Age", "p50", "p95", "Maximum", "Sent", "Replaced", "Overflowed"]
+    assert shown[5].split() == ["/imu", "–", "–", "–", "20", "5", "1"]
+    assert shown[6].split() == ["/odom", "30", "90", "90", "25", "6", "1"]
+
+
+def test_an_outage_is_where_no_status_arrived_or_one_said_so() -> None:
+    gone = LinkState(is_connected=False, capacity_kb_per_s=250.0, outages=1)
+    back = LinkState(is_connected=True, capacity_kb_per_s=100.0, outages=1)
+    history = told(
+        [
+            *((t_s, status({})) for t_s in (0, 1, 2)),
+            *((t_s, status({}, link=back)) for t_s in (12, 13)),
+            (14, status({}, link=gone)),
+            (15, status({}, link=back)),
+        ]
+    )
+    assert history.silences == ((2.0, 12.0), (14.0, 15.0))
+    assert history.outages == 1
+    chart = link_chart(history, (), 20.0)
+    assert [(span.start_s, span.end_s) for span in chart.tints] == [(2.0, 12.0), (14.0, 15.0)]
+    assert [line.run for line in chart.lines] == [Run.BEFORE, Run.BUDGET]
+    assert [point.mean for point in chart.lines[0].points] == [250, 250, 250, 100, 100, 250, 100]
+
+
+def test_a_status_once_a_minute_is_no_outage() -> None:
+    assert told((60 * number, status({}, hz=1 / 60)) for number in range(4)).silences == ()
+
+
+@given(st.lists(st.floats() | st.integers(-5, 10**30), max_size=8))
+def test_numbers_of_a_stranger_leave_a_chart_that_can_be_drawn(values: list[float]) -> None:
+    history = told(
+        (
+            number,
+            status(
+                {"/odom": value},
+                int(value) if math.isfinite(value) else 0,
+                link=LinkState(is_connected=True, capacity_kb_per_s=value, outages=10**30),
+            ),
+        )
+        for number, value in enumerate([*values, 1.0])
+    )
+    for chart in (link_chart(history, (), 10.0), *age_charts(history, 10.0)):
+        assert 0 < chart.top < math.inf
+    assert plain_table(link_table(history))
+
+
+@pytest.mark.slow
+def test_a_long_recording_with_many_topics_stays_bounded() -> None:
+    names = [f"/t{number}" for number in range(MAX_TOPICS + 50)]
+    many = [(float(number), status(dict.fromkeys(names, 5.0), number)) for number in range(30)]
+    long = [(float(number), status({"/t0": number % 100}, number)) for number in range(30, 60_000)]
+    history = told([*many, *long])
+    assert len(history.topics) == MAX_TOPICS
+    assert len(history.capacity) <= 2000
+    assert history.topics[0].sorted_ages_ms[-1] > 95
+    report = replace(demo_like_report(), link=history, duration_s=60_000.0)
+    assert len(render_report(report)) < LARGEST_BYTES
+
+
+def test_the_report_shows_it_without_scripts_and_nothing_without_a_link() -> None:
+    history = told([(t_s, status({"/odom": 20.0, HOSTILE: 700.0}, t_s)) for t_s in range(5)])
+    html = render_report(replace(demo_like_report(), link=history))
+    section = next(one for one in tree(html).iter("section") if one.findtext("h2") == "What the link did")
+    labels = [
+        drawing.get("aria-label", "") for drawing in section.iter("svg") if drawing.get("role") == "img"
+    ]
+    assert labels[0] == "What the link carries, the budget and what was received over time, in KB/s"
+    assert len(labels) == 3
+    assert "No outage." in "".join(section.itertext())
+    assert "What the link did" not in all_text(render_report(demo_like_report()))
+
+
+def text(said: str) -> bytes:
+    data = said.encode() + b"\0"
+    return b"\x00\x01\x00\x00" + struct.pack("<I", len(data)) + data
+
+
+@pytest.mark.parametrize("type_name", ["std_msgs/msg/String", "std_msgs/msg/UInt8"])
+def test_statuses_are_read_from_a_recording_and_those_that_are_none_are_counted(
+    tmp_path: Path, type_name: str
+) -> None:
+    channel = Channel(topic=STATUS_TOPIC, type_name=type_name)
+    said = [json.dumps(status_to_json(status({"/odom": 20.0}, 4))), "{}", "no JSON"]
+    with create_recording(tmp_path / "bag") as recording:
+        for number, one in enumerate(said):
+            recording.write(channel, START_NS + number * NS_PER_S, text(one))
+    is_text = type_name.endswith("String")
+    assert has_statuses([channel]) is is_text
+    history, notices = link_history(tmp_path / "bag", START_NS, lambda _share: None)
+    if not is_text:
+        assert (history, notices) == (None, ())
+        return
+    assert history is not None
+    assert [topic.topic for topic in history.topics] == ["/odom"]
+    assert notices == ("2 messages on /testudo/status could not be understood",)

@@ -1,0 +1,215 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a user reads in a terminal, a pipe and a file."""
+
+from __future__ import annotations
+
+import io
+import re
+import sys
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from report.demo_like_report import demo_like_report
+from smarttestudo.bags.comparison import Comparison, compare
+from smarttestudo.bags.statistics import TopicStatistics
+from smarttestudo.bags.targets import Target
+from smarttestudo.cli.tables import print_table
+from smarttestudo.report.comparison_tables import RunNames, bandwidth_table, frequency_table
+from smarttestudo.report.table import (
+    Align,
+    Column,
+    Number,
+    Row,
+    Table,
+    Text,
+    format_cell,
+    format_number,
+    plain_table,
+)
+
+GOLDEN = Path(__file__).parent / "golden"
+_ESCAPE_SEQUENCE = re.compile(r"\x1b\[[0-9;]*m")
+
+
+class Terminal(io.StringIO):
+    def __init__(self, encoding: str = "utf-8") -> None:
+        super().__init__()
+        self._encoding = encoding
+
+    @property
+    def encoding(self) -> str:  # type: ignore[override]
+        return self._encoding
+
+    def isatty(self) -> bool:
+        return True
+
+
+HALF = TopicStatistics(
+    messages=1, size_bytes=1, start_s=0.0, end_s=0.0, mean_hz=None, binned_hz=1.0, kb_per_s=None
+)
+
+
+def one_topic(topic: str) -> Table:
+    return frequency_table(compare({topic: HALF}, {}, {topic: Target(planned_hz=2.0, attainable_hz=1.0)}))
+
+
+def shown(table: Table, terminal: Terminal) -> list[str]:
+    print_table(table, terminal)
+    return _ESCAPE_SEQUENCE.sub("", terminal.getvalue()).splitlines()
+
+
+@pytest.mark.parametrize(("name", "build"), [("frequency", frequency_table), ("bandwidth", bandwidth_table)])
+@pytest.mark.parametrize("width", [80, 60])
+def test_the_demos_tables_read_as_in_the_golden_file(name: str, build: object, width: int) -> None:
+    table = {"frequency": frequency_table, "bandwidth": bandwidth_table}[name](demo_like_report().comparison)
+    golden = (GOLDEN / f"{name}-{width}.txt").read_text(encoding="utf-8")
+    assert plain_table(table, width=width) + "\n" == golden
+
+
+def test_transforms_have_a_target_of_each_frame_and_no_error() -> None:
+    (pair,) = compare(
+        {"/tf": HALF}, {"/tf": HALF}, {"/tf": Target(planned_hz=2.0, attainable_hz=None)}
+    ).topics
+    shown = plain_table(frequency_table(Comparison(topics=(pair,))))
+    assert shown.splitlines()[5].split() == ["/tf", "1.00", "1.00", "0.0", "2.00", "–"]
+    assert "Of transforms the target is that of each frame" in " ".join(shown.split())
+    assert "Of transforms" not in plain_table(one_topic("/odom"))
+
+
+def test_what_is_missing_is_a_dash_and_never_a_zero() -> None:
+    cells = plain_table(one_topic("/odom")).splitlines()[5].split()
+    assert cells == ["/odom", "1.00", "–", "–", "2.00", "–"]
+
+
+def test_the_runs_can_be_named() -> None:
+    names = RunNames(before="monday.mcap", after="tuesday.mcap")
+    assert "monday.mcap  tuesday.mcap" in plain_table(frequency_table(compare({}, {}), names))
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (None, "–"),
+        (float("nan"), "–"),
+        (float("-inf"), "–"),
+        (-0.001, "0.00"),
+        (0.004, "0.00"),
+        (-89.6, "−89.60"),
+        (180_380.0, "180 380.00"),
+    ],
+)
+def test_numbers_have_a_true_minus_and_no_signed_zero(value: float | None, text: str) -> None:
+    assert format_number(value, 2) == text
+
+
+def test_changes_show_their_sign() -> None:
+    assert [format_number(value, 1, signed=True) for value in (18.0, -5.0, 0.0)] == ["+18.0", "−5.0", "0.0"]
+
+
+words = st.text(st.characters(codec="utf-8"), max_size=40)
+tables = st.builds(
+    lambda title, rows: Table(
+        title=format_cell(Text(title)),
+        columns=(Column(heading="Topic", align=Align.LEFT), Column(heading="Rate", unit="Hz")),
+        rows=tuple(Row(cells=(Text(topic), Number(rate_hz))) for topic, rate_hz in rows),
+    ),
+    st.just(""),
+    st.lists(st.tuples(words, st.none() | st.floats(-1e6, 1e6)), max_size=5),
+)
+
+
+@given(tables, st.integers(30, 80))
+def test_a_table_keeps_to_its_width_and_to_one_line_a_row(table: Table, width: int) -> None:
+    lines = plain_table(table, width=width).split("\n")
+    assert len(lines) == 3 + len(table.rows)
+    assert all(len(line) <= width for line in lines)
+    for row, line in zip(table.rows, lines[3:], strict=True):
+        assert line.endswith(format_cell(row.cells[1]))
+
+
+@given(words)
+def test_no_name_can_move_the_cursor_or_break_a_line(name: str) -> None:
+    line = format_cell(Text(name))
+    assert len(line) == len(name)
+    assert len((line + "|").splitlines()) == 1
+    assert not any(ord(one) < 32 or 0x7F <= ord(one) < 0xA0 for one in line)
+
+
+def test_a_pipe_gets_the_plain_table_whole() -> None:
+    pipe = io.StringIO()
+    table = bandwidth_table(demo_like_report().comparison)
+    print_table(table, pipe)
+    assert pipe.getvalue() == plain_table(table) + "\n"
+
+
+@pytest.mark.parametrize("rich_installed", [True, False])
+def test_a_terminal_of_80_columns_shows_every_cell_whole(
+    monkeypatch: pytest.MonkeyPatch, *, rich_installed: bool
+) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    monkeypatch.setenv("TERM", "xterm-256color")
+    if not rich_installed:
+        monkeypatch.setitem(sys.modules, "rich.console", None)
+    comparison = demo_like_report().comparison
+    for table in (frequency_table(comparison), bandwidth_table(comparison)):
+        lines = shown(table, Terminal())
+        assert max(map(len, lines)) <= 80
+        for row in table.rows:
+            cells = [format_cell(cell) for cell in row.cells]
+            assert any(line.split() == " ".join(cells).split() for line in lines), cells
+
+
+def too_wide() -> Table:
+    """As ``bag loss`` has them: words and ten numbers, of which the last five belong together."""
+    return Table(
+        title="Errors of a recording with a name that is longer than its table is wide: rates",
+        columns=(
+            Column(heading="Field", align=Align.LEFT),
+            *(Column(heading=f"Hold{n}", unit="RMSE", heads_group=n == 0) for n in range(5)),
+            *(Column(heading=f"Fixed{n}", unit="hold", heads_group=n == 0) for n in range(5)),
+        ),
+        rows=tuple(
+            Row(cells=(Text(name), *(Number(1000.25 + n) for n in range(10))))
+            for name in ("/cmd_vel yaw_rate", "/joint_states max_velocity")
+        ),
+        footnotes=("A note.",),
+    )
+
+
+@pytest.mark.parametrize("rich_installed", [True, False])
+def test_a_table_too_wide_for_a_terminal_is_shown_as_several_with_whole_words_and_numbers(
+    monkeypatch: pytest.MonkeyPatch, *, rich_installed: bool
+) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    monkeypatch.setenv("TERM", "xterm-256color")
+    if not rich_installed:
+        monkeypatch.setitem(sys.modules, "rich.console", None)
+    lines = [line.rstrip() for line in shown(too_wide(), Terminal())]
+    assert lines[0] == too_wide().title
+    assert max(map(len, lines)) <= 80
+    headings = [line.split() for line in lines if line.startswith("Field")]
+    assert headings == [
+        ["Field", *(f"Hold{n}" for n in range(5))],
+        ["Field", *(f"Fixed{n}" for n in range(5))],
+    ]
+    rows = [line for line in lines if line.startswith("/joint_states max_velocity ")]
+    numbers = [f"1 {n:03}.25" for n in range(10)]
+    assert [re.split(" {2,}", row)[1:] for row in rows] == [numbers[:5], numbers[5:]]
+    assert lines.count("A note.") == 1
+
+
+def test_rich_markup_in_a_name_is_only_text(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    lines = shown(one_topic("/[red]odom[/] :smile:"), Terminal())
+    assert any("/[red]odom[/] :smile:" in line for line in lines)
+
+
+def test_a_terminal_that_knows_only_ascii_gets_ascii(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    lines = shown(one_topic("/ödom"), Terminal("ascii"))
+    assert any(line.split() == ["/?dom", "1.00", "-", "-", "2.00", "-"] for line in lines)
+    assert all(line.isascii() for line in lines)

@@ -1,0 +1,162 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a runtime says on /diagnostics."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from robot.status.statuses import ONE_OF_EACH, RELAYED, STATUS
+from smarttestudo.domain.decision import Reason
+from smarttestudo.domain.incident import IncidentState
+from smarttestudo.domain.link_state import LinkState, StreamCounts, TopicOnLink
+from smarttestudo.domain.status import Diagnostic, DiagnosticLevel, RuntimeStatus
+from smarttestudo.robot.diagnostics import diagnostics
+
+
+def named(name: str, status: RuntimeStatus = STATUS) -> Diagnostic:
+    (found,) = (one for one in diagnostics(status) if one.name == name)
+    return found
+
+
+def test_there_is_one_for_the_node_and_one_for_each_output() -> None:
+    names = [one.name for one in diagnostics(STATUS)]
+    assert names == ["smarttestudo", *(f"/testudo{source}" for source in ONE_OF_EACH)]
+    assert {one.hardware_id for one in diagnostics(STATUS)} == {"/smarttestudo"}
+
+
+def test_a_topic_has_the_keys_that_greenwave_reads() -> None:
+    values = named("/testudo/imu").values
+    assert values["frame_rate_node"] == "49.990"
+    assert values["frame_rate_msg"] == "50.001"
+    assert values["current_delay_from_realtime_ms"] == "3.250"
+    assert values["expected_frequency"] == "50.000"
+    assert values["tolerance"] == "5.000"
+
+
+def test_what_is_not_known_is_said_as_greenwave_says_it() -> None:
+    values = named("/testudo/estop").values
+    assert values["frame_rate_node"] == values["expected_frequency"] == "N/A"
+    assert values["target"] == "Full"
+
+
+@pytest.mark.parametrize(
+    ("name", "level", "message"),
+    [
+        ("/testudo/imu", DiagnosticLevel.OK, "OK"),
+        ("/testudo/cmd_vel", DiagnosticLevel.OK, "Off"),
+        ("/testudo/odom", DiagnosticLevel.OK, "no subscriber"),
+        ("/testudo/estop", DiagnosticLevel.STALE, "no publisher"),
+        ("/testudo/scan", DiagnosticLevel.STALE, "source is silent"),
+        ("/testudo/map", DiagnosticLevel.WARN, "incompatible QoS: /rviz"),
+        ("/testudo/camera/image_raw/compressed", DiagnosticLevel.WARN, "rate off: -30.0 %"),
+        (
+            "/testudo/lidar",
+            DiagnosticLevel.ERROR,
+            "cannot be relayed: the message type lidar_msgs/msg/Packet is not installed",
+        ),
+    ],
+)
+def test_the_level_says_how_bad_it_is(name: str, level: DiagnosticLevel, message: str) -> None:
+    assert (named(name).level, named(name).message) == (level, message)
+
+
+def test_the_node_is_well_within_its_budget() -> None:
+    node = named("smarttestudo")
+    assert (node.level, node.message) == (DiagnosticLevel.OK, "relaying 8 topics")
+    assert node.values["rules"] == "/etc/testudo/warehouse.adirf"
+    assert node.values["rules_sha256"] == "ab" * 32
+    assert node.values["budget_kb_per_s"] == "1000.000"
+    assert node.values["out_kb_per_s"] == "946.000"
+
+
+def test_floors_above_the_budget_are_an_error_of_the_node() -> None:
+    node = named("smarttestudo", replace(STATUS, floors_break_budget=True))
+    assert (node.level, node.message) == (
+        DiagnosticLevel.ERROR,
+        "the floors alone are more than the budget",
+    )
+
+
+def test_a_fallback_is_an_error_of_the_node() -> None:
+    status = replace(STATUS, topics={"/imu": replace(RELAYED, reason=Reason.FALLBACK)})
+    assert named("smarttestudo", status).level is DiagnosticLevel.ERROR
+
+
+def test_two_robots_are_told_apart() -> None:
+    assert named("tb3_0/smarttestudo", replace(STATUS, node="/tb3_0/smarttestudo")).values
+
+
+ON_LINK = TopicOnLink(counts=StreamCounts(sent=480, replaced=20, queued_bytes=1200), age_ms=41.25)
+LINKED = replace(
+    STATUS,
+    link=LinkState(is_connected=True, capacity_kb_per_s=231.5, round_trip_ms=24.0, outages=2),
+    topics={"/imu": replace(RELAYED, on_link=ON_LINK)},
+)
+
+
+def test_the_node_says_how_its_link_does() -> None:
+    node = named("smarttestudo", LINKED)
+    assert (node.level, node.message) == (DiagnosticLevel.OK, "relaying 1 topics")
+    assert {name: value for name, value in node.values.items() if name.startswith("link_")} == {
+        "link_connected": "true",
+        "link_capacity_kb_per_s": "231.500",
+        "link_round_trip_ms": "24.000",
+        "link_outages": "2",
+    }
+
+
+def test_the_node_says_what_recording_costs_and_that_it_fails() -> None:
+    state = IncidentState(held_bytes=12_340_000, memory_bytes=256_000_000, topics=5, open=1, recorded=3)
+    node = named("smarttestudo", replace(STATUS, incidents=state))
+    assert {name: value for name, value in node.values.items() if name.startswith("incident")} == {
+        "incident_memory_mb": "12.340",
+        "incident_topics": "5",
+        "incidents_open": "1",
+        "incidents_recorded": "3",
+        "incidents_failed": "0",
+    }
+    with_ring = replace(state, ring_bytes=40_120_000, ring_max_bytes=5_000_000_000)
+    values = named("smarttestudo", replace(STATUS, incidents=with_ring)).values
+    assert values["incident_ring_mb"] == "40.120"
+    failed = named("smarttestudo", replace(STATUS, incidents=replace(state, problem="the disk is full")))
+    assert (failed.level, failed.message) == (
+        DiagnosticLevel.WARN,
+        "incidents cannot be written: the disk is full",
+    )
+
+
+def test_a_link_without_an_operator_is_a_warning_and_what_it_carries_is_not_known() -> None:
+    node = named("smarttestudo", replace(LINKED, link=LinkState()))
+    assert (node.level, node.message) == (DiagnosticLevel.WARN, "no operator is connected over the link")
+    assert (node.values["link_connected"], node.values["link_capacity_kb_per_s"]) == ("false", "N/A")
+
+
+def test_a_topic_says_how_it_does_on_the_link() -> None:
+    imu = named("/testudo/imu", LINKED)
+    assert (imu.level, imu.message) == (DiagnosticLevel.OK, "OK")
+    assert {name: value for name, value in imu.values.items() if name.startswith("link_")} == {
+        "link_age_ms": "41.250",
+        "link_sent": "480",
+        "link_replaced": "20",
+        "link_overflowed": "0",
+        "link_queued_bytes": "1200",
+    }
+
+
+def test_lost_messages_of_a_topic_that_must_not_lose_any_are_a_warning_of_the_topic() -> None:
+    for is_losing, said in (
+        (True, (DiagnosticLevel.WARN, "lost on the link: 3 messages since the start")),
+        (False, (DiagnosticLevel.OK, "OK")),
+    ):
+        lost = replace(ON_LINK, counts=replace(ON_LINK.counts, overflowed=3, is_losing=is_losing))
+        imu = named("/testudo/imu", replace(LINKED, topics={"/imu": replace(RELAYED, on_link=lost)}))
+        assert (imu.level, imu.message) == said
+        assert imu.values["link_overflowed"] == "3"
+
+
+def test_a_robot_without_a_link_says_nothing_of_one() -> None:
+    said = {name for one in diagnostics(STATUS) for name in one.values}
+    assert {name for name in said if name.startswith("link")} == set()

@@ -1,0 +1,180 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What testudo top shows."""
+
+from __future__ import annotations
+
+import io
+import os
+import pty
+import select
+import sys
+import termios
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from robot.status.statuses import ONE_OF_EACH, RELAYED, STATUS
+from smarttestudo.cli.main import main
+from smarttestudo.cli.terminal import key_presses
+from smarttestudo.cli.top_table import Line, Look, SortKey, cropped, print_lines, summary_lines, topic_lines
+from smarttestudo.domain.decision import BoundReason, Reason
+from smarttestudo.domain.incident import IncidentState
+from smarttestudo.domain.link_state import AcceptedTopic, LinkState
+from smarttestudo.domain.status import Silence, TopicStatus
+
+GOLDEN = Path(__file__).parent / "golden"
+
+
+def look_of(topic: str) -> Look:
+    (line,) = (line for line in topic_lines(STATUS, SortKey.TOPIC) if line.text.startswith(f"{topic} "))
+    return line.look
+
+
+def order_by(sort: SortKey) -> list[str]:
+    return [line.text.split()[0] for line in topic_lines(STATUS, sort)[3:]]
+
+
+@pytest.mark.parametrize("width", [80, 120])
+def test_it_looks_like_this(width: int) -> None:
+    lines = [*summary_lines(STATUS), Line(""), *topic_lines(STATUS, SortKey.TOPIC, width)]
+    shown = "".join(f"{line.text}\n" for line in lines)
+    assert shown == (GOLDEN / f"top-{width}.txt").read_text(encoding="utf-8")
+    assert all(len(line.text) <= width for line in lines)
+
+
+def test_the_rule_column_says_which_bound_holds_who_decided_it_and_what_is_in_doubt() -> None:
+    reasons = {
+        "position": BoundReason(reason=Reason.BLOCK, rule="Docking", line=7),
+        "orientation": BoundReason(reason=Reason.UNKNOWN, rule="Low battery", line=9),
+        "speed": BoundReason(reason=Reason.DEFAULT),
+    }
+    within = {"position": 0.05, "orientation": 2.0, "speed": 0.0}
+    assert "default; position 0.05: Docking; orientation 2, in doubt: Low battery; speed 0: default" in (
+        rule_of(replace(RELAYED, within=within, bound_reasons=reasons))
+    )
+    del reasons["position"], reasons["speed"]
+    assert "default; orientation not bound, in doubt: Low battery" in (
+        rule_of(replace(RELAYED, bound_reasons=reasons))
+    )
+
+
+def rule_of(topic: TopicStatus) -> str:
+    return topic_lines(replace(STATUS, topics={"/odom": topic}), SortKey.TOPIC)[-1].text
+
+
+def test_where_nobody_subscribes_to_anything_it_names_the_command_that_does() -> None:
+    idle = replace(RELAYED, silence=Silence.NO_SUBSCRIBER, subscribers=0)
+    gone = replace(idle, output="/testudo/estop", silence=Silence.NO_PUBLISHER)
+    status = replace(STATUS, topics={"/estop": gone, "/imu": idle})
+    line = Line("A relay runs while somebody subscribes to it, as testudo echo /testudo/imu does.")
+    assert topic_lines(status, SortKey.TOPIC)[-1] == line
+    assert line not in topic_lines(replace(status, topics={**status.topics, "/map": RELAYED}), SortKey.TOPIC)
+    assert line not in topic_lines(replace(status, link=LinkState(is_connected=False)), SortKey.TOPIC)
+    assert line not in topic_lines(replace(status, topics={"/estop": gone}), SortKey.TOPIC)
+
+
+def test_what_recording_costs_has_a_line() -> None:
+    state = IncidentState(held_bytes=12_340_000, memory_bytes=256_000_000, topics=5, open=1, recorded=3)
+    (line,) = summary_lines(replace(STATUS, incidents=state))[2:]
+    assert line == Line("records 5 topics in 12.3 of 256 MB   incidents: 1 open, 3 recorded")
+    with_ring = replace(state, ring_bytes=40_120_000, ring_max_bytes=5_000_000_000)
+    (line,) = summary_lines(replace(STATUS, incidents=with_ring))[2:]
+    assert line.text.startswith("records 5 topics in 12.3 of 256 MB, on disk 40.1 of 5 000 MB   incidents: 1")
+    failed = replace(state, failed=2, problem="/data: error: the disk is full")
+    (line,) = summary_lines(replace(STATUS, incidents=failed))[2:]
+    assert line.text.endswith("1 open, 3 recorded, 2 failed: /data: error: the disk is full")
+    assert line.look is Look.WARN
+
+
+def test_what_is_accepted_of_operators_has_a_line_a_topic() -> None:
+    accepted = (
+        AcceptedTopic(topic="/a", type_name="x/msg/Y", delivered=1_200, too_old=3, refused=1, age_ms=44.4),
+        AcceptedTopic(topic="/b"),
+        AcceptedTopic(topic="/c", problem="nodes subscribe to it as\x1b[2J x and as y"),
+    )
+    lines = summary_lines(replace(STATUS, accepted=accepted))[-3:]
+    assert lines == [
+        Line("accepts /a: 1 200 delivered, 3 too old, 1 refused, the last 44 ms old"),
+        Line("accepts /b: no node subscribes to it"),
+        Line("accepts /c: nodes subscribe to it as�[2J x and as y", Look.WARN),
+    ]
+
+
+def test_each_topic_has_the_look_of_its_health() -> None:
+    assert look_of("/imu") is Look.PLAIN
+    assert look_of("/cmd_vel") is look_of("/odom") is Look.QUIET
+    assert look_of("/map") is look_of("/camera/image_raw/compressed") is Look.WARN
+    assert look_of("/lidar") is Look.ERROR
+    assert look_of("/estop") is look_of("/scan") is Look.STALE
+
+
+def test_it_sorts_by_name_upwards_and_by_numbers_downwards() -> None:
+    assert order_by(SortKey.TOPIC) == sorted(ONE_OF_EACH)
+    assert order_by(SortKey.OUT)[0] == "/camera/image_raw/compressed"
+    assert order_by(SortKey.ERROR)[0] == "/camera/image_raw/compressed"
+    assert order_by(SortKey.TARGET)[0] == "/estop"
+    assert order_by(SortKey.SOURCE)[-1] == "/estop"
+
+
+def test_the_budget_and_its_trouble_are_said() -> None:
+    assert summary_lines(STATUS)[1].text == "in 12 492.0 KB/s   out 946.0 KB/s of 1 000.0 (95 %)"
+    tight = summary_lines(replace(STATUS, floors_break_budget=True))[1]
+    assert (tight.look, tight.text.endswith("the floors alone exceed it")) == (Look.ERROR, True)
+    assert "no budget" in summary_lines(replace(STATUS, budget_kb_per_s=None))[1].text
+    linked = replace(STATUS, budget_kb_per_s=None, link=LinkState(is_connected=True))
+    assert "out 946.0 KB/s, not limited   link: not the limit" in summary_lines(linked)[1].text
+    assert "of 0.0" in summary_lines(replace(STATUS, budget_kb_per_s=0.0))[1].text
+
+
+def test_a_fallback_and_a_lost_runtime_are_said() -> None:
+    fallback = replace(STATUS, topics={"/imu": replace(RELAYED, reason=Reason.FALLBACK)})
+    looks = [line.look for line in summary_lines(fallback, silent_s=7.0)]
+    assert looks[2:] == [Look.WARN, Look.STALE]
+
+
+def test_names_from_the_network_cannot_move_the_cursor() -> None:
+    hostile = replace(STATUS, node="/\x1b[2J", topics={"/\x1b[31m": replace(RELAYED, rule="\r\n")})
+    lines = [*summary_lines(hostile), *topic_lines(hostile, SortKey.TOPIC, 80)]
+    assert all(line.text.isprintable() for line in lines)
+
+
+def test_a_low_window_says_how_much_is_missing() -> None:
+    lines = [Line(str(number)) for number in range(10)]
+    assert cropped(lines, 10) == lines
+    assert [line.text for line in cropped(lines, 4)] == [
+        *("0", "1", "2"),
+        "… 7 more lines: a taller window, or --sort",
+    ]
+
+
+def test_in_a_pipe_there_are_plain_lines(capsys: pytest.CaptureFixture[str]) -> None:
+    print_lines(topic_lines(STATUS, SortKey.TOPIC))
+    printed = capsys.readouterr().out
+    assert "\x1b" not in printed
+    assert "the message type lidar_msgs/msg/Packet is not installed" in printed
+
+
+def test_keys_are_read_without_enter_and_the_terminal_is_as_before(monkeypatch: pytest.MonkeyPatch) -> None:
+    controller, terminal = pty.openpty()
+    before = termios.tcgetattr(terminal)
+    with os.fdopen(terminal) as stdin, os.fdopen(controller, "wb", buffering=0) as keyboard:
+        monkeypatch.setattr(sys, "stdin", stdin)
+        with key_presses() as pressed:
+            assert pressed() == ""
+            keyboard.write(b"xq")
+            assert select.select([terminal], [], [], 40)[0]
+            assert pressed().startswith("x")
+        assert termios.tcgetattr(terminal) == before
+
+
+def test_without_a_terminal_no_key_is_ever_pressed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "stdin", io.StringIO("q"))
+    with key_presses() as pressed:
+        assert pressed() == ""
+
+
+def test_json_without_once_is_a_wrong_usage(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["top", "--json"]) == 2
+    assert capsys.readouterr().err == "--json: error: --json goes with --once only; add --once\n"

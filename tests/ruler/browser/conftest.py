@@ -1,0 +1,62 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+from ruler.browser.free_port import free_port
+from ruler.browser.ruler_page import EXAMPLES, RulerPage, copied, served
+from ruler.browser.tabs import Tabs
+from smarttestudo.ruler.server.page import is_page_built
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
+
+
+@pytest.fixture(autouse=True)
+def built_page() -> None:
+    if not is_page_built():
+        pytest.skip("the Ruler's page is not built ('make gui'): it is not tested")
+
+
+@pytest.fixture
+def project(tmp_path: Path) -> Path:
+    """The folder that the page of the test works in; it starts with the examples."""
+    return copied(EXAMPLES, tmp_path / "project")
+
+
+@pytest.fixture
+def options() -> tuple[str, ...]:
+    """What ``testudo ruler`` is started with, besides the project."""
+    return ()
+
+
+@pytest.fixture(scope="session")
+def ruler_port() -> Iterator[int]:
+    """Of all servers of this worker: an address that the browser knows need not be compiled anew."""
+    with free_port() as port:
+        yield port
+
+
+@pytest.fixture(scope="session")
+def tabs(worker_browser: Browser) -> Tabs:
+    """The tabs of all tests of this worker."""
+    return Tabs(worker_browser.new_context(accept_downloads=True, reduced_motion="reduce"))
+
+
+@pytest.fixture
+def ruler(tabs: Tabs, project: Path, options: tuple[str, ...], ruler_port: int) -> Iterator[RulerPage]:
+    """The Ruler on its home screen. Afterwards: no console error, and no request to anybody else."""
+    with served(project, ruler_port, options) as url:
+        tab = tabs.open_at(url)
+        tab.set_viewport_size({"width": 1440, "height": 900})
+        page = RulerPage(tab, url)
+        page.home()
+        yield page
+        tabs.close()
+    assert page.complaints == []
+    assert [request for request in page.requests if not request.startswith((url, "data:", "blob:"))] == []

@@ -1,0 +1,387 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Blocks stand one below the other in the order of the text, and never lie on each other."""
+
+from __future__ import annotations
+
+import itertools
+import random
+from collections.abc import Callable
+from pathlib import Path
+from typing import TypedDict
+
+import pytest
+from playwright.sync_api import Locator, expect
+from playwright.sync_api import TimeoutError as PlaywrightTimeout
+
+from ruler.browser.ruler_page import GRIP_PX, RulerPage
+
+EDITS = 200
+MOST_STATEMENTS = 24
+"""Above this many the walk rather removes: from 40 on a part of them is blocks."""
+CANVAS = ".blocklySvg > .blocklyWorkspace > .blocklyBlockCanvas"
+STACKS = """() => [...document.querySelectorAll('CANVAS > .blocklyDraggable')].map(root => {
+    const edge = element => element.getBoundingClientRect();
+    // Blockly moves what has the focus to the front, which is the end of the document.
+    const fromAbove = found => [...found].sort((one, other) => edge(one).top - edge(other).top);
+    const inner = [...root.querySelectorAll('.blocklyDraggable')];
+    const boxes = [root, ...inner].map(block => edge(block.querySelector(':scope > .blocklyPath')));
+    const topics = (part, use) => fromAbove(part.querySelectorAll(`[aria-label^="Edit topic to ${use}"]`))
+        .map(field => field.getAttribute('aria-label').split(': ')[1]);
+    const rule = () => {
+        if (root.matches('.adirf_folded')) return root.textContent.match(/if\\s(\\S+)/)?.[1] ?? '?';
+        const actions = root.querySelectorAll('.adirf_set, .adirf_within, .adirf_record').length;
+        const hasElse = root.querySelector('[aria-label="Remove ELSE"]') !== null;
+        const checks = topics(root, 'check');
+        return checks.length && actions > (hasElse ? 1 : 0) ? checks[0] : '?';
+    };
+    const isRule = root.matches('.adirf_rule, .adirf_folded');
+    const isDefault = root.matches('.adirf_set, .adirf_within, .adirf_keep');
+    return {
+        top: Math.min(...boxes.map(({top}) => top)),
+        bottom: Math.max(...boxes.map(({bottom}) => bottom)),
+        left: Math.min(...boxes.map(({left}) => left)),
+        says: isRule ? [rule()] : isDefault ? topics(root, '') : [],
+    };
+}).sort((one, other) => one.top - other.top)""".replace("CANVAS", CANVAS)
+"""What stands on the canvas, from above: its extent on the screen, and the first topic of each statement.
+
+A rule that lacks a part says ``?``: the text has what it said before. A check alone says nothing.
+"""
+# The first place from the right, above the zoom buttons, where nothing but the ground of the blocks is.
+GROUND = """host => {
+    const { left, right, top, bottom } = host.getBoundingClientRect();
+    for (let x = right - 30; x > left; x -= 15)
+        for (let y = top + 8; y < bottom - 200; y += 15)
+            if (document.elementFromPoint(x, y).matches(".blocklyMainBackground, .blocklySvg")) return [x, y];
+    throw new Error("blocks are everywhere");
+}"""
+TEXT_SAYS = """() => {
+    const text = document.querySelector('.cm-content').cmTile.view.state.doc.toString();
+    const outside = text.replace(/\\bThen\\b[^]*?EndIf/g, '');
+    return [...outside.matchAll(/(?:SetFrequency|KeepAtLeast|KeepWithin) (\\S+)|\\bIf\\b[^/]*(\\S+)/g)]
+        .map(([, default_, check]) => default_ ?? check);
+}"""
+"""The first topic of each statement of the text."""
+IS_SETTLED = f"""() => {{
+    const stacks = ({STACKS})();
+    const gaps = stacks.slice(1).map((stack, index) => stack.top - stacks[index].bottom);
+    const [blocks, text] = [stacks.flatMap(({{says}}) => says), ({TEXT_SAYS})()];
+    return blocks.length === text.length
+        && blocks.every((topic, index) => topic === '?' || topic === text[index])
+        && gaps.every(gap => gap > 4 && Math.abs(gap - gaps[0]) < 1)
+        && stacks.every(({{left}}) => Math.abs(left - stacks[0].left) < 1);
+}}"""
+
+
+class Stack(TypedDict):
+    """Blocks that hang together: their extent on the screen, and the first topic of each statement."""
+
+    top: float
+    bottom: float
+    left: float
+    says: list[str]
+
+
+def test_new_blocks_stand_below_each_other_in_the_order_of_the_text(ruler: RulerPage) -> None:
+    _new_file(ruler)
+    for _ in range(5):
+        ruler.button("New rate").click()
+    for _ in range(2):
+        ruler.button("New rule").click()
+    ruler.expect_lines("SetFrequency /odom 10", *["SetFrequency /"] * 4, *["CheckValue /odom pose_x > 0"] * 2)
+    assert _gaps(ruler) == pytest.approx([_gaps(ruler)[0]] * 2, abs=1)
+    assert _gaps(ruler)[0] > 0
+    ruler.button("New rate").click()
+    ruler.type_value("/late")
+    ruler.expect_lines("SetFrequency /late 10", "CheckValue")
+    _expect_order(ruler)
+    assert [len(stack["says"]) for stack in _stacks(ruler)] == [6, 1, 1]
+
+
+def test_a_rule_that_grows_keeps_its_place_and_the_next_gives_way(ruler: RulerPage) -> None:
+    _new_file(ruler)
+    for _ in range(2):
+        ruler.button("New rule").click()
+    ruler.expect_lines(*["CheckValue /odom pose_x > 0"] * 2)
+    ruler.page.keyboard.press("Escape")
+    first, second = _stacks(ruler)
+    for _ in range(4):
+        ruler.blocks.get_by_role("button", name="Add check").first.click()
+        ruler.page.keyboard.press("Escape")
+    expect(ruler.blocks.get_by_role("button", name="Remove this check")).to_have_count(6)
+    grown, next_one = _stacks(ruler)
+    assert grown["top"] == pytest.approx(first["top"], abs=1)
+    assert next_one["top"] - grown["bottom"] == pytest.approx(second["top"] - first["bottom"], abs=1)
+
+
+def test_what_is_typed_in_stays_where_it_is_when_something_comes_above(
+    ruler: RulerPage,
+) -> None:
+    _new_file(ruler)
+    ruler.button("New rate").click()
+    ruler.button("New rule").click()
+    ruler.expect_lines("SetFrequency /odom 10", "CheckValue /odom pose_x > 0")
+    name = ruler.field("Edit name of the rule")
+    name.click()
+    before = _top(ruler.page.locator("input:focus"))
+    # Somebody draws a zone, or an edit that was under way is answered: here the text says so.
+    _change_text(ruler, "begin", "begin\n    SetFrequency /scan 3")
+    expect(ruler.blocks.get_by_role("button", name="Edit topic to send: /scan")).to_be_attached()
+    assert _top(ruler.page.locator("input.blocklyHtmlInput")) == pytest.approx(before, abs=1)
+    ruler.page.keyboard.press("Escape")
+    _expect_order(ruler)
+
+
+def test_a_block_that_is_dragged_above_another_stands_so_in_the_text(ruler: RulerPage, project: Path) -> None:
+    _write_rules(ruler, project, ["a", "b", "c"])
+    _drag_to_top_of(ruler, "c", "a")
+    ruler.expect_lines("CheckValue /c", "CheckValue /a", "CheckValue /b")
+    _expect_order(ruler)
+    lefts = {round(stack["left"]) for stack in _stacks(ruler)}
+    assert len(lefts) == 1
+    ruler.tool("Undo").click()
+    ruler.expect_lines("CheckValue /a", "CheckValue /b", "CheckValue /c")
+    _expect_order(ruler)
+
+
+def test_blocks_glide_unless_somebody_wants_none_of_it(ruler: RulerPage, project: Path) -> None:
+    _write_rules(ruler, project, ["a", "b"])
+    count = (
+        "() => document.querySelectorAll('.blocks-host .blocklyDraggable').values()"
+        ".filter(block => block.getAnimations().length > 0).toArray().length"
+    )
+    for motion, moving in (("no-preference", 1), ("reduce", 0)):
+        ruler.page.emulate_media(reduced_motion=motion)  # type: ignore[arg-type]
+        press = (
+            "() => { window.most = 0; const look = () => { window.most = Math.max(window.most, ("
+            + count
+            + ")()); requestAnimationFrame(look) }; look() }"
+        )
+        ruler.page.evaluate(press)
+        ruler.blocks.get_by_role("button", name="Add check").first.click()
+        ruler.page.wait_for_timeout(500)
+        assert ruler.page.evaluate("window.most") == moving
+
+
+def test_after_any_edits_no_blocks_meet_and_the_order_is_that_of_the_text(
+    ruler: RulerPage,
+) -> None:
+    _new_file(ruler)
+    walk = _Walk(ruler, random.Random(25))
+    for number in range(EDITS):
+        walk.step()
+        if number % 20 == 0:
+            _expect_reachable(ruler)
+    assert walk.done.keys() == {step.__name__ for step in walk.steps}
+
+
+class _Walk:
+    """Somebody who does this and that with blocks; after each edit the law is looked at."""
+
+    def __init__(self, ruler: RulerPage, chance: random.Random) -> None:
+        self.ruler = ruler
+        self.chance = chance
+        self.done: dict[str, int] = {}
+        self.number = 0
+        self.steps: list[Callable[[], object]] = [
+            self.new_rate,
+            self.new_rule,
+            self.grow,
+            self.grow,
+            self.remove,
+            self.move,
+            self.undo,
+            self.redo,
+            self.type_text,
+            self.recipe,
+            self.paste,
+            self.drag,
+            self.drag,
+            self.pull,
+            self.fold,
+            self.fold,
+            self.fold_all,
+        ]
+
+    def step(self) -> None:
+        step = self.chance.choice(self.steps)
+        if len(self.ruler.page.evaluate(f"({TEXT_SAYS})()")) > MOST_STATEMENTS:
+            step = self.chance.choice([self.remove, self.undo])
+        step()
+        self.done[step.__name__] = self.done.get(step.__name__, 0) + 1
+        self.ruler.page.keyboard.press("Escape")
+        _expect_order(self.ruler)
+
+    def topic(self) -> str:
+        self.number += 1
+        return f"/t{self.number}"
+
+    def new_rate(self) -> None:
+        self.ruler.button("New rate").click()
+        self.ruler.type_value(self.topic())
+
+    def new_rule(self) -> None:
+        self.ruler.button("New rule").click()
+        self.ruler.type_value(self.topic())
+
+    def grow(self) -> None:
+        self.press(self.chance.choice(["Add check", "Add rate", "Add bound", "Add recording", "Add ELSE"]))
+
+    def remove(self) -> None:
+        self.press("Remove this")
+
+    def move(self) -> None:
+        self.press(self.chance.choice(["Move this rule up", "Move this rule down", "Duplicate this rule"]))
+
+    def fold(self) -> None:
+        """Fold one rule to a line, or unfold it."""
+        self.press(self.chance.choice(["Fold this rule", "Unfold "]))
+
+    def fold_all(self) -> None:
+        self.ruler.page.mouse.click(*self.ground(), button="right")
+        name = self.chance.choice(["Fold all", "Unfold all"])
+        self.ruler.page.get_by_role("menuitem", name=name, exact=True).click()
+
+    def ground(self) -> tuple[float, float]:
+        """A place beside all blocks."""
+        x, y = self.ruler.blocks.locator(".blocks-host").evaluate(GROUND)
+        return x, y
+
+    def undo(self) -> None:
+        self.press_tool("Undo")
+
+    def redo(self) -> None:
+        self.press_tool("Redo")
+
+    def type_text(self) -> None:
+        _change_text(self.ruler, "begin", f"begin\n    SetFrequency {self.topic()} 3")
+
+    def recipe(self) -> None:
+        page = self.ruler.page
+        page.get_by_role("treeitem", name="Recipes").click()
+        recipes = page.get_by_role("listbox", name="Recipes blocks").get_by_role("option")
+        recipes.first.click(position={"x": GRIP_PX, "y": GRIP_PX})
+
+    def paste(self) -> None:
+        if self.focus(f"{CANVAS} > .blocklyDraggable"):
+            self.ruler.page.keyboard.press("Control+c")
+            self.ruler.page.keyboard.press("Control+v")
+
+    def drag(self) -> None:
+        """Drag a stack that can be seen to anywhere."""
+        self.drag_one(f"{CANVAS} > .blocklyDraggable > .blocklyPath")
+
+    def pull(self) -> None:
+        """Drag anything that can be seen, such as a check or a rate of a rule, to anywhere."""
+        self.drag_one(f"{CANVAS} .blocklyDraggable > .blocklyPath")
+
+    def drag_one(self, selector: str) -> None:
+        host = self.ruler.blocks.locator(".blocks-host").bounding_box()
+        assert host is not None
+        bottom = host["y"] + host["height"]
+        boxes = [box for each in self.ruler.page.locator(selector).all() if (box := each.bounding_box())]
+        seen = [box for box in boxes if host["y"] < box["y"] < bottom - 2 * GRIP_PX]
+        if not seen:
+            return
+        grip = self.chance.choice(seen)
+        mouse = self.ruler.page.mouse
+        mouse.move(grip["x"] + GRIP_PX, grip["y"] + GRIP_PX)
+        mouse.down()
+        x = host["x"] + self.chance.uniform(200, host["width"] - 40)
+        mouse.move(x, self.chance.uniform(host["y"] + 10, bottom - 30), steps=6)
+        mouse.up()
+
+    def press(self, label: str) -> None:
+        """Press one of the buttons on blocks with this label, wherever it is."""
+        if self.focus(f'{CANVAS} [role=button][aria-label^="{label}"]'):
+            self.ruler.page.keyboard.press("Enter")
+
+    def focus(self, selector: str) -> bool:
+        found = self.ruler.page.locator(selector)
+        count = found.count()
+        if count:
+            found.nth(self.chance.randrange(count)).focus()
+        return count > 0
+
+    def press_tool(self, name: str) -> None:
+        tool = self.ruler.tool(name)
+        if tool.is_enabled():
+            tool.click()
+
+
+def _new_file(ruler: RulerPage) -> None:
+    ruler.button("New Rule File").click()
+    ruler.page.get_by_label("Name").fill("fresh")
+    ruler.button("Create").click()
+    expect(ruler.button("New rate")).to_be_enabled()
+
+
+def _write_rules(ruler: RulerPage, project: Path, topics: list[str]) -> None:
+    rules = "".join(
+        f"    If CheckValue /{topic} pose_x > 0\n    Then\n        SetFrequency /odom 3\n    EndIf\n"
+        for topic in topics
+    )
+    (project / "fresh.adirf").write_text(f"begin\n{rules}end\n")
+    ruler.home()
+    ruler.open("fresh.adirf")
+    expect(ruler.blocks.get_by_role("button", name="Duplicate this rule")).to_have_count(len(topics))
+
+
+def _drag_to_top_of(ruler: RulerPage, topic: str, other: str) -> None:
+    stacks = {stack["says"][0]: stack for stack in _stacks(ruler)}
+    grip, target = stacks[f"/{topic}"], stacks[f"/{other}"]
+    mouse = ruler.page.mouse
+    mouse.move(grip["left"] + GRIP_PX, grip["top"] + GRIP_PX)
+    mouse.down()
+    mouse.move(target["left"] + 60, target["top"] + GRIP_PX, steps=12)
+    mouse.up()
+
+
+def _change_text(ruler: RulerPage, line: str, instead: str) -> None:
+    """Change the text as another part of the page would, the focus staying where it is."""
+    ruler.page.evaluate(
+        "([line, instead]) => { const view = document.querySelector('.cm-content').cmTile.view;"
+        " const text = view.state.doc.toString(); const from = text.indexOf(line);"
+        " view.dispatch({changes: {from, to: from + line.length, insert: instead}}) }",
+        [line, instead],
+    )
+
+
+def _stacks(ruler: RulerPage) -> list[Stack]:
+    stacks: list[Stack] = ruler.page.evaluate(f"({STACKS})()")
+    return stacks
+
+
+def _gaps(ruler: RulerPage) -> list[float]:
+    stacks = _stacks(ruler)
+    return [below["top"] - above["bottom"] for above, below in itertools.pairwise(stacks)]
+
+
+def _top(of: Locator) -> float:
+    box = of.bounding_box()
+    assert box is not None
+    return box["y"]
+
+
+def _expect_order(ruler: RulerPage) -> None:
+    """The blocks say what the text says, in its order, with the same gaps."""
+    try:
+        ruler.page.wait_for_function(f"() => ({IS_SETTLED})()", timeout=20_000)
+    except PlaywrightTimeout:
+        says = [each for stack in _stacks(ruler) for each in stack["says"]]
+        assert says == ruler.page.evaluate(f"({TEXT_SAYS})()")
+        raise AssertionError(f"the gaps are {_gaps(ruler)}") from None
+
+
+def _expect_reachable(ruler: RulerPage) -> None:
+    """The wheel leads to the first block and to the last one."""
+    host = ruler.blocks.locator(".blocks-host").bounding_box()
+    assert host is not None
+    for way, edge in ((-1, "top"), (1, "bottom")) if _stacks(ruler) else ():
+        ruler.page.mouse.move(host["x"] + host["width"] - 60, host["y"] + 20)
+        ruler.page.mouse.wheel(0, way * 20_000)
+        ruler.page.wait_for_timeout(50)
+        stacks = _stacks(ruler)
+        reached = stacks[0]["top"] if edge == "top" else stacks[-1]["bottom"]
+        assert host["y"] <= reached <= host["y"] + host["height"]

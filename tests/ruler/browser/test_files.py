@@ -1,0 +1,80 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The files of a project: found, renamed, copied, deleted and brought back, without a terminal."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from playwright.sync_api import expect
+
+from axe import violations
+from ruler.browser.ruler_page import RulerPage
+
+ROS1_MAGIC = b"#ROSBAG V2.0\n"
+
+
+def test_files_are_counted_found_and_put_into_folders(ruler: RulerPage, project: Path) -> None:
+    rules = ruler.page.get_by_role("region", name="Rules")
+    every = len(list(project.rglob("*.adirf")))
+    expect(rules.get_by_role("heading")).to_have_text(f"Rules {every}")
+    ruler.page.get_by_role("searchbox", name="Find a file").fill("low bat")
+    expect(rules.get_by_role("heading")).to_have_text(f"Rules 1 of {every}")
+
+    ruler.button("More for low_battery.adirf").click()
+    ruler.button("Rename low_battery.adirf").click()
+    dialog = ruler.page.get_by_role("dialog", name="Rename low_battery.adirf")
+    dialog.get_by_role("textbox", name="Name").fill("zone.adirf")
+    dialog.get_by_role("button", name="Rename").click()
+    expect(dialog.get_by_role("alert")).to_contain_text("a file of this name")
+    ruler.forgive("409")
+    assert violations(ruler.page) == []
+    text = (project / "low_battery.adirf").read_bytes()
+    dialog.get_by_role("textbox", name="Name").fill("power/low_battery")
+    dialog.get_by_role("button", name="Rename").click()
+    expect(rules.get_by_role("link", name="power/low_battery.adirf")).to_be_visible()
+    assert (project / "power/low_battery.adirf").read_bytes() == text
+    assert not (project / "low_battery.adirf").exists()
+
+
+def test_a_copy_and_a_deletion_that_is_undone(ruler: RulerPage, project: Path) -> None:
+    rules = ruler.page.get_by_role("region", name="Rules")
+    ruler.button("More for zone.adirf").click()
+    ruler.button("Duplicate zone.adirf").click()
+    ruler.page.get_by_role("dialog").get_by_role("button", name="Duplicate").click()
+    expect(rules.get_by_role("link", name="zone_copy.adirf")).to_be_visible()
+    text = (project / "zone_copy.adirf").read_bytes()
+    assert text == (project / "zone.adirf").read_bytes()
+    ruler.button("More for zone_copy.adirf").click()
+    ruler.button("Delete zone_copy.adirf").click()
+    expect(rules.get_by_role("link", name="zone_copy.adirf")).to_have_count(0)
+    assert not (project / "zone_copy.adirf").exists()
+    ruler.button("Undo").click()
+    expect(rules.get_by_role("link", name="zone_copy.adirf")).to_be_visible()
+    assert (project / "zone_copy.adirf").read_bytes() == text
+
+
+def test_the_address_of_a_file_that_is_not_there_leads_home(ruler: RulerPage, project: Path) -> None:
+    before = set(project.rglob("*"))
+    ruler.page.goto(f"{ruler.url}#/rules/gone.adirf")
+    expect(ruler.page.get_by_text("project has no gone.adirf")).to_be_visible()
+    assert ruler.page.url.endswith("#/")
+    expect(ruler.page.get_by_role("link", name="gone.adirf")).to_have_count(0)
+    assert set(project.rglob("*")) == before
+
+
+def test_a_ros_1_bag_is_called_that(ruler: RulerPage, project: Path) -> None:
+    (project / "old.bag").write_bytes(ROS1_MAGIC)
+    ruler.home()
+    ruler.page.reload()
+    ruler.button("old.bag (ROS 1)").click()
+    dialog = ruler.page.get_by_role("dialog", name="Start from old.bag")
+    expect(dialog.get_by_role("alert")).to_contain_text("rosbags-convert --src old.bag --dst old")
+    ruler.forgive("422")
+
+
+def test_the_first_tab_leads_past_the_header(ruler: RulerPage) -> None:
+    ruler.page.keyboard.press("Tab")
+    expect(ruler.button("Skip to the content")).to_be_focused()
+    ruler.page.keyboard.press("Enter")
+    expect(ruler.page.get_by_role("heading", level=1)).to_be_focused()

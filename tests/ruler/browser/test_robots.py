@@ -1,0 +1,298 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The page of all robots, for none, one and twenty, and the link of one in the tab Robot."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import re
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+from playwright.sync_api import Locator, expect
+
+from axe import violations
+from robot.status.statuses import RELAYED, STATUS
+from ros.ros_domains import free_domain
+from ros.ros_processes import Process, SmallRobot
+from ruler.browser.ruler_page import RulerPage
+from smarttestudo.domain.decision import Reason
+from smarttestudo.domain.json_text import json_text
+from smarttestudo.domain.link_state import LinkState, StreamCounts, TopicOnLink
+from smarttestudo.domain.status import RulesInForce, RulesOrigin, RuntimeStatus
+from smarttestudo.domain.status_json import status_to_json
+from smarttestudo.rules.profile_file import load_profile
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
+
+FLEET = Path(__file__).with_name("fleet.py")
+RULES = "begin\n    SetFrequency /imu 5\nend\n"
+IMU = "sensor_msgs/msg/Imu"
+LINK = LinkState(is_connected=True, capacity_kb_per_s=231.5, round_trip_ms=24.0, outages=2)
+PHONE, DESK = (390, 844), (1280, 800)
+TIMEOUT_MS = 15_000
+
+
+def status(number: int, age_ms: float | None = None) -> RuntimeStatus:
+    """A robot that is well; its oldest message was ``age_ms`` old."""
+    on_link = TopicOnLink(
+        counts=StreamCounts(sent=480, replaced=20, queued_bytes=1200),
+        age_ms=20.0 + number if age_ms is None else age_ms,
+    )
+    newer = replace(on_link, age_ms=1.0)
+    return replace(
+        STATUS,
+        node=f"/r{number:02}/smarttestudo",
+        rules=RulesInForce(paths=("/etc/testudo/patrol.adirf",), sha256="0f" * 32),
+        link=LINK,
+        topics={"/imu": replace(RELAYED, on_link=newer), "/scan": replace(RELAYED, on_link=on_link)},
+    )
+
+
+def publish(fleet: Process, statuses: Sequence[RuntimeStatus]) -> None:
+    fleet.say(json.dumps([json_text(status_to_json(one)) for one in statuses]))
+
+
+@pytest.fixture
+def robot(tmp_path: Path) -> Iterator[SmallRobot]:
+    if importlib.util.find_spec("rclpy") is None:
+        pytest.skip("ROS 2 (rclpy) is not installed")
+    with free_domain() as domain:
+        small_robot = SmallRobot(domain, tmp_path)
+        yield small_robot
+        small_robot.end()
+
+
+@pytest.fixture
+def page(browser: Browser, robot: SmallRobot, tmp_path: Path) -> Iterator[RulerPage]:
+    """The page of all robots, of a project with rules."""
+    project = tmp_path / "project"
+    project.mkdir()
+    (project / "patrol.adirf").write_text(RULES)
+    server = robot.testudo("ruler", str(project), "--port", "0", "--no-browser")
+    url = server.line_with("http://").split(": ", 1)[1].split()[0]
+    context = browser.new_context(viewport={"width": DESK[0], "height": DESK[1]})
+    context.set_default_timeout(TIMEOUT_MS)
+    page = RulerPage(context.new_page(), url)
+    page.home()
+    page.page.get_by_role("button", name="Watch Robots").click()
+    yield page
+    context.close()
+    assert page.complaints == []
+
+
+@pytest.fixture
+def fleet(robot: SmallRobot) -> Process:
+    return robot.command(sys.executable, str(FLEET))
+
+
+def rows(page: RulerPage) -> Locator:
+    return page.page.get_by_role("table", name="Robots").locator("tbody").get_by_role("row")
+
+
+def has_no_sideways_scroll(page: RulerPage) -> bool:
+    return bool(page.page.evaluate("document.documentElement.scrollWidth <= innerWidth"))
+
+
+def test_without_robots_it_says_what_to_start(page: RulerPage) -> None:
+    hint = page.page.get_by_role("main").get_by_text("Start 'testudo run' on the robot")
+    expect(hint).to_be_visible(timeout=TIMEOUT_MS)
+    assert page.page.url.endswith("#/robots/")
+
+
+def test_twenty_robots_are_ordered_by_trouble_and_stay_in_place_under_the_keyboard(
+    page: RulerPage, fleet: Process
+) -> None:
+    late = status(7, age_ms=2500.0)
+    lost = replace(late.topics["/scan"].on_link, counts=StreamCounts(overflowed=3, is_losing=True))  # type: ignore[type-var]
+    robots = [status(number) for number in range(20)]
+    robots[7] = late
+    robots[3] = replace(robots[3], link=replace(LINK, is_connected=False))
+    robots[5] = replace(robots[5], topics={"/scan": replace(RELAYED, on_link=lost)})
+    robots[9] = replace(robots[9], budget_kb_per_s=10.0)
+    publish(fleet, robots)
+    expect(rows(page)).to_have_count(20, timeout=TIMEOUT_MS)
+    expect(page.page.get_by_text("20 robots, 4 with trouble")).to_be_visible()
+    for place, words in enumerate(
+        [
+            r"/r03/.*no operator connected",
+            r"/r05/.*3 messages lost",
+            r"/r09/.*sends more than its budget",
+            r"/r07/.*/scan arrives late.*2\.5 s /scan",
+            r"/r19/.*well.*now.*232 KB/s, round trip 24 ms, 2 outages.*39 ms /scan.*32 of 1 000 KB/s.*0f0f",
+            r"/r18/.*well.*38 ms",
+        ]
+    ):
+        expect(rows(page).nth(place)).to_contain_text(re.compile(words, re.DOTALL))
+
+    page.page.get_by_role("link", name="/r19/").focus()
+    robots[0] = replace(robots[0], link=replace(LINK, is_connected=False))
+    publish(fleet, robots)
+    expect(page.page.get_by_role("row", name="/r00/")).to_contain_text("no operator connected")
+    expect(rows(page).nth(4)).to_contain_text("/r19/")
+    page.page.get_by_label("Only those with trouble").focus()
+    expect(rows(page).nth(1)).to_contain_text("/r00/")
+
+    publish(fleet, robots[:19])
+    expect(rows(page).nth(0)).to_contain_text(re.compile(r"/r19/.*silent for \d+ s"), timeout=TIMEOUT_MS)
+    page.page.get_by_label("Only those with trouble").check()
+    expect(rows(page)).to_have_count(6)
+
+    page.page.set_viewport_size({"width": PHONE[0], "height": PHONE[1]})
+    expect(rows(page)).to_have_count(6)
+    assert has_no_sideways_scroll(page)
+    expect(page.page.get_by_role("row", name="/r05/").get_by_role("cell").first).to_be_visible()
+
+
+def test_axe_finds_nothing_on_robots_that_are_well_or_not(page: RulerPage, fleet: Process) -> None:
+    robots = [status(number) for number in range(4)]
+    robots[1] = replace(robots[1], link=replace(LINK, is_connected=False))
+    robots[2] = replace(robots[2], budget_kb_per_s=10.0)
+    publish(fleet, robots)
+    expect(rows(page)).to_have_count(4, timeout=TIMEOUT_MS)
+    publish(fleet, robots[:3])
+    expect(rows(page).nth(0)).to_contain_text(re.compile(r"/r03/.*silent for \d+ s"), timeout=TIMEOUT_MS)
+    assert violations(page.page) == []
+
+
+def test_rules_that_wait_or_were_pushed_are_told_apart(page: RulerPage, fleet: Process) -> None:
+    waiting = RulesInForce(sha256="ab" * 32, origin=RulesOrigin.WAITING, waits_s=8.0)
+    pushed = RulesInForce(sha256="cd" * 32, origin=RulesOrigin.PUSHED)
+    nothing = RulesInForce(origin=RulesOrigin.FALLBACK)
+    origins = (waiting, pushed, nothing)
+    publish(fleet, [replace(status(number), rules=rules) for number, rules in enumerate(origins)])
+    expect(page.page.get_by_role("row", name="/r00/")).to_contain_text(
+        re.compile(r"abababab waiting to be confirmed, \d s left"), timeout=TIMEOUT_MS
+    )
+    expect(page.page.get_by_role("row", name="/r01/")).to_contain_text("cdcdcdcd pushed")
+    expect(page.page.get_by_role("row", name="/r02/")).to_contain_text("none: everything is relayed")
+
+
+def test_a_robot_without_valid_rules_is_an_error_wherever_it_is_named_and_grey_once_it_ended(
+    page: RulerPage, fleet: Process
+) -> None:
+    broken = replace(status(0), rules=RulesInForce(origin=RulesOrigin.FALLBACK))
+    publish(fleet, [broken])
+    pill = page.page.get_by_role("button", name="/r00/smarttestudo: no valid rules")
+    expect(pill).to_have_css("color", colour_of(page, "--error"), timeout=TIMEOUT_MS)
+    trouble = rows(page).first.get_by_text("no valid rules", exact=True)
+    expect(trouble).to_have_css("color", colour_of(page, "--error"))
+    open_alone(page)
+    expect(page.page.get_by_role("alert").get_by_text("It has no valid rules")).to_be_visible()
+    publish(fleet, [])
+    silent = page.page.get_by_role("button", name=re.compile("robot silent for [2-9] s"))
+    expect(silent).to_have_css("color", colour_of(page, "--text-2"), timeout=TIMEOUT_MS)
+
+
+def test_a_project_starts_from_what_a_robot_relays(page: RulerPage, fleet: Process, tmp_path: Path) -> None:
+    publish(fleet, [status(0)])
+    expect(rows(page)).to_have_count(1, timeout=TIMEOUT_MS)
+    open_alone(page)
+    page.page.get_by_role("button", name="Start a project from this robot").click()
+    dialog = page.page.get_by_role("dialog")
+    expect(dialog.get_by_text("2 topics relayed now.")).to_be_visible()
+    dialog.get_by_role("button", name="Create").click()
+    expect(page.page.get_by_role("region", name="Blocks", exact=True)).to_be_visible()
+    rules = (tmp_path / "project" / "r00.adirf").read_text()
+    assert rules.endswith("begin\n    SetFrequency /imu Full\n    SetFrequency /scan Full\nend\n")
+    profile = load_profile(tmp_path / "project" / "r00.toml")
+    assert profile.budget_kb_per_s == 1000.0
+    imu = profile.topic("/imu")
+    assert (imu.type_name, imu.source_hz, imu.message_kb) == (IMU, 195.0, 0.32)
+    assert imu.tiers_hz is not None
+
+
+def test_what_a_robot_decided_before_somebody_looked_is_told(page: RulerPage, fleet: Process) -> None:
+    one = status(0)
+    publish(fleet, [one])
+    expect(rows(page)).to_have_count(1, timeout=TIMEOUT_MS)
+    slower = replace(one.topics["/imu"], target_hz=5.0, rule="Bay", reason=Reason.BLOCK)
+    publish(fleet, [replace(one, topics={**one.topics, "/imu": slower}, budget_kb_per_s=500.0)])
+    expect(rows(page).first).to_contain_text("of 500 KB/s")
+    open_alone(page)
+    changes = page.page.get_by_role("table", name="Changes of the last hour")
+    expect(changes.get_by_role("row", name="/imu")).to_contain_text(re.compile(r"50 Hz\s*5 Hz\s*Bay"))
+
+
+def open_alone(page: RulerPage) -> None:
+    """The page of the first robot, without rules beside it."""
+    page.page.evaluate("location.hash = '#/robots/%2Fr00%2Fsmarttestudo'")
+
+
+def colour_of(page: RulerPage, name: str) -> str:
+    return str(
+        page.page.evaluate(
+            """name => {
+              const probe = document.body.appendChild(document.createElement('i'));
+              probe.style.color = `var(${name})`;
+              const colour = getComputedStyle(probe).color;
+              probe.remove();
+              return colour;
+            }""",
+            name,
+        )
+    )
+
+
+def test_the_keyboard_opens_a_robot_beside_its_rules_with_the_link_of_each_topic(
+    page: RulerPage, fleet: Process
+) -> None:
+    unlinked = replace(status(0), link=None, topics={"/imu": RELAYED})
+    publish(fleet, [unlinked, status(1, age_ms=312.4)])
+    expect(rows(page)).to_have_count(2, timeout=TIMEOUT_MS)
+    page.page.get_by_role("link", name="/r01/smarttestudo").focus()
+    page.page.keyboard.press("Enter")
+    tab = page.page.get_by_role("tab", name="Robot", exact=True)
+    expect(tab).to_have_attribute("aria-selected", "true")
+    topics = page.page.get_by_role("table", name="Topics of the robot")
+    expect(topics.get_by_role("row", name="/scan")).to_contain_text(
+        re.compile(r"16\.0\s*312\s*20\s*1\.2.*relayed")
+    )
+    expect(page.page.get_by_text("232 KB/s, round trip 24 ms, 2 outages")).to_be_visible()
+    assert page.page.url.endswith("#/rules/patrol.adirf?robot=%2Fr01%2Fsmarttestudo")
+
+    page.page.get_by_role("combobox", name="Robot").select_option("/r00/smarttestudo")
+    expect(topics.get_by_role("row", name="/scan")).to_have_count(0)
+    expect(topics.get_by_role("columnheader")).to_have_count(8)
+    page.page.get_by_role("link", name="All robots").click()
+    expect(rows(page)).to_have_count(2)
+
+
+def test_sixty_topics_with_long_names_stay_on_the_screen(page: RulerPage, fleet: Process) -> None:
+    names = [f"/warehouse_robot_{n:02}/camera_front_left/depth_registered/image_rect_raw" for n in range(60)]
+    one = status(0)
+    publish(fleet, [replace(one, topics=dict.fromkeys(names, one.topics["/scan"]))])
+    page.page.get_by_role("link", name="/r00/smarttestudo").click()
+    topics = page.page.get_by_role("table", name="Topics of the robot")
+    expect(topics.locator("tbody").get_by_role("row")).to_have_count(60)
+    assert has_no_sideways_scroll(page)
+    box = topics.bounding_box()
+    assert box is not None
+    assert box["x"] + box["width"] <= DESK[0]
+
+
+def test_a_real_run_is_a_row_and_without_rules_in_the_project_has_a_page_of_its_own(
+    browser: Browser, robot: SmallRobot, tmp_path: Path
+) -> None:
+    robot.runtime(RULES)
+    robot.operator(imu={"type": IMU})
+    robot.source(imu={"type": IMU, "hz": 50})
+    (tmp_path / "empty").mkdir()
+    server = robot.testudo("ruler", str(tmp_path / "empty"), "--port", "0", "--no-browser")
+    url = server.line_with("http://").split(": ", 1)[1].split()[0]
+    tab = browser.new_page()
+    tab.goto(f"{url}#/robots/")
+    row = tab.get_by_role("row", name="/smarttestudo")
+    expect(row).to_contain_text(re.compile(r"well.*none.*no budget"), timeout=TIMEOUT_MS)
+    row.get_by_role("link").click()
+    topics = tab.get_by_role("table", name="Topics of the robot")
+    expect(topics.get_by_role("row", name="/imu")).to_contain_text(
+        re.compile(r"5\s*5\.\d"), timeout=TIMEOUT_MS
+    )
+    tab.close()

@@ -1,0 +1,160 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""A page whose server is gone says so, and goes on by itself; a file that changed on disk is noticed."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from contextlib import ExitStack
+from pathlib import Path
+from urllib.parse import urlsplit
+
+import pytest
+from playwright.sync_api import Browser, expect
+
+from ruler.browser.ruler_page import RulerPage, served
+
+RULES = "begin\n    SetFrequency /odom 10\n    SetFrequency /odom 5\nend\n"
+NO_SERVER = "ERR_CONNECTION_REFUSED"
+SINCE = re.compile(r"has not answered since \d\d:\d\d\.")
+AS_OF = re.compile(r"^As of \d\d:\d\d")
+
+
+class Server:
+    """A Ruler that ends and begins again, on the same port."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._port = 0
+        self._running = ExitStack()
+        self.url = ""
+
+    def start(self) -> None:
+        """Start it where it was."""
+        self.url = self._running.enter_context(served(self._folder, self._port))
+        self._port = urlsplit(self.url).port or 0
+
+    def stop(self) -> None:
+        """End its process, and wait until it is gone."""
+        self._running.close()
+
+
+@pytest.fixture
+def server(project: Path) -> Iterator[Server]:
+    server = Server(project)
+    server.start()
+    yield server
+    server.stop()
+
+
+@pytest.fixture
+def page(browser: Browser, server: Server, project: Path) -> Iterator[RulerPage]:
+    """A page on a rule file with a warning."""
+    (project / "rules.adirf").write_text(RULES)
+    context = browser.new_context(viewport={"width": 1440, "height": 900}, reduced_motion="reduce")
+    page = RulerPage(context.new_page(), server.url)
+    page.home()
+    page.open("rules.adirf")
+    expect(page.blocks.get_by_role("button", name="Edit topic to send")).to_have_count(2)
+    yield page
+    context.close()
+    page.complaints = [each for each in page.complaints if NO_SERVER not in each]
+    assert page.complaints == []
+
+
+def test_a_page_without_its_server_says_so_and_what_still_works(page: RulerPage, server: Server) -> None:
+    findings = page.page.get_by_role("list", name="Findings")
+    expect(findings.get_by_text("Warning")).to_be_visible()
+    assert _is_grey(page) == [False]
+    server.stop()
+    banner = page.page.get_by_role("alert").filter(has_text=SINCE)
+    expect(banner).to_contain_text("You can go on typing in the text")
+    expect(page.page.get_by_text(AS_OF)).to_be_visible()
+    assert _is_grey(page) == [True]
+    for name in ("New rate", "New rule"):
+        expect(page.button(name)).to_be_disabled()
+    for name in ("Format", "Save", "Import", "Send to robot", "Optimize and Download"):
+        expect(page.tool(name)).to_be_disabled()
+    expect(page.button("remove the overridden default")).to_be_disabled()
+    reason = "This needs the Ruler's server, which does not answer now"
+    assert page.button("New rate").locator("xpath=..").get_attribute("title") == reason
+    _type_below(page, "SetFrequency /scan 3")
+    expect(page.text).to_contain_text("SetFrequency /scan 3")
+    expect(page.tool("Undo")).to_be_enabled()
+
+
+def test_all_is_read_and_checked_again_when_the_server_is_back(
+    page: RulerPage, server: Server, project: Path
+) -> None:
+    errors = page.page.get_by_role("list", name="Findings").get_by_text("Error", exact=True)
+    server.stop()
+    expect(page.page.get_by_role("alert").filter(has_text=SINCE)).to_be_visible()
+    _type_below(page, "SetFrequenzy /scan 3")
+    (project / "other.adirf").write_text(RULES)
+    server.start()
+    expect(page.page.get_by_role("alert").filter(has_text=SINCE)).to_have_count(0)
+    expect(errors).to_have_count(1)
+    expect(page.page.get_by_text(AS_OF)).to_have_count(0)
+    expect(page.tool("Save")).to_be_enabled()
+    page.page.get_by_role("link", name="Home").click()
+    expect(page.page.get_by_role("link", name="other.adirf", exact=True)).to_be_visible()
+
+
+def test_a_file_that_changed_while_the_server_was_gone_is_read_again(
+    page: RulerPage, server: Server, project: Path
+) -> None:
+    server.stop()
+    expect(page.page.get_by_role("alert").filter(has_text=SINCE)).to_be_visible()
+    (project / "rules.adirf").write_text(RULES.replace("/odom 5", "/imu 5"))
+    server.start()
+    page.expect_lines("SetFrequency /odom 10", "SetFrequency /imu 5")
+    expect(page.blocks.get_by_role("button", name="Edit topic to send: /imu")).to_be_attached()
+
+
+def test_a_file_that_changes_on_disk_is_noticed_while_it_is_open(page: RulerPage, project: Path) -> None:
+    file = project / "rules.adirf"
+    file.write_text(RULES.replace("/odom 5", "/imu 5"))
+    page.expect_lines("SetFrequency /odom 10", "SetFrequency /imu 5")
+    expect(page.page.get_by_text("rules.adirf was changed on disk and is read again")).to_be_visible()
+    page.tool("Undo").click()
+    page.expect_lines("SetFrequency /odom 10", "SetFrequency /odom 5")
+    file.write_text(RULES.replace("/odom 5", "/scan 5"))
+    notice = page.page.get_by_role("status").filter(has_text="Somebody else changed rules.adirf on disk")
+    notice.get_by_role("button", name="Compare").click()
+    page.button("Save anyway").click()
+    expect(notice).to_have_count(0)
+    assert file.read_text() == RULES
+    file.unlink()
+    expect(page.page.get_by_text("rules.adirf is no longer on disk: a save writes it.")).to_be_visible()
+
+
+def test_a_table_that_changes_on_disk_is_noticed_while_it_is_open(page: RulerPage, project: Path) -> None:
+    table = project / "quality" / "radio.toml"
+    page.home()
+    page.page.get_by_role("link", name="quality/radio.toml", exact=True).click()
+    size = page.page.get_by_label("Message size (KB) of /odom")
+    size.wait_for()
+    text = table.read_text()
+    table.write_text(re.sub(r"message_kb = [\d.]+", "message_kb = 77.5", text))
+    expect(size).to_have_value("77.5")
+    size.fill("3")
+    table.write_text(text)
+    expect(page.page.get_by_text("Somebody else changed quality/radio.toml on disk")).to_be_visible()
+    expect(size).to_have_value("3")
+
+
+def _is_grey(page: RulerPage) -> list[bool]:
+    """Whether the marks on blocks are shown as things of the past."""
+    grey: list[bool] = page.page.evaluate(
+        "() => [...document.querySelectorAll('.blocklyWarningIcon')]"
+        ".map(mark => getComputedStyle(mark).filter.includes('grayscale'))"
+    )
+    return grey
+
+
+def _type_below(page: RulerPage, line: str) -> None:
+    page.text.get_by_text("SetFrequency /odom 10").click()
+    for key in ("End", "Enter"):
+        page.page.keyboard.press(key)
+    page.page.keyboard.type(line)

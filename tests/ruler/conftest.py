@@ -1,0 +1,40 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""One server of the examples for all tests that change nothing in them, and a ROS domain for all servers."""
+
+from __future__ import annotations
+
+import importlib.util
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from ros.ros_domains import free_domain
+from ros.ros_processes import SmallRobot
+from ruler.ruler_server import EXAMPLES, Page, served
+
+
+@pytest.fixture(scope="session", autouse=True)
+def ruler_domain() -> Iterator[int]:
+    """Where the servers look for robots: nobody else is there."""
+    with free_domain() as number, pytest.MonkeyPatch.context() as environment:
+        environment.setenv("ROS_DOMAIN_ID", str(number))
+        environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+        yield number
+
+
+@pytest.fixture(scope="session")
+def examples_page(ruler_domain: int) -> Iterator[Page]:
+    with served(EXAMPLES, opened="warehouse.adirf") as page:
+        yield page
+
+
+@pytest.fixture
+def robot(ruler_domain: int, tmp_path: Path) -> Iterator[SmallRobot]:
+    """Processes that the server of the test hears."""
+    if importlib.util.find_spec("rclpy") is None:
+        pytest.skip("ROS 2 (rclpy) is not installed")
+    small_robot = SmallRobot(ruler_domain, tmp_path)
+    yield small_robot
+    small_robot.end()

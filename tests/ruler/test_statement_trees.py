@@ -1,0 +1,275 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Rules with time, bounds and recordings, in the words of the page and back."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given, settings
+from msgspec.structs import replace
+
+from language.written_rules import WrittenFile, written_files
+from smarttestudo.domain.rate import Tier
+from smarttestudo.editing import EditError
+from smarttestudo.editing.meaning import condition_meaning
+from smarttestudo.language.parser import parse
+from smarttestudo.language.syntax import Block, DurationUnit, Operator, SetFrequency, TimeWord
+from smarttestudo.ruler.answers.checked_text import Draft
+from smarttestudo.ruler.answers.difference import differences, mean_the_same
+from smarttestudo.ruler.answers.edits import EditedTexts, EditRequest, Insert, Replace
+from smarttestudo.ruler.answers.sharing import ExportRequest, exported
+from smarttestudo.ruler.answers.statements import (
+    Action,
+    AndCondition,
+    CheckCondition,
+    Condition,
+    DurationValue,
+    Hz,
+    NotCondition,
+    RawStatement,
+    RecordStatement,
+    RuleStatement,
+    SetStatement,
+    Statement,
+    TimedCondition,
+    UntilValue,
+    WithinStatement,
+)
+from smarttestudo.ruler.answers.vocabulary import VocabularyRequest, topics_in, vocabulary
+
+TEXT = """\
+begin
+    KeepWithin /odom position 0.10  // m
+    Rule "Near"  // people
+    If ( CheckValue /scan distance  <  0.50  // close
+         AND Not CheckValue /odom speed > 1 For 2 s )  // and slow
+    Then
+        Record "near miss" /scan Before 30 s After 500 ms  // all of it
+        SetFrequency /scan 20
+        KeepWithin /odom position 0.05 // 5 cm
+    EndIf
+end
+"""
+SECONDS = DurationUnit.SECONDS
+
+
+def statements(text: str) -> tuple[Statement, ...]:
+    return EditedTexts().document(Draft(text=text, name="rules.adirf")).collections[0].statements
+
+
+def rule_in(text: str) -> RuleStatement:
+    found = next(one for one in statements(text) if isinstance(one, RuleStatement))
+    assert isinstance(found, RuleStatement)
+    return found
+
+
+def edited(statement: Statement, text: str = TEXT) -> str:
+    edit = Replace(id=statement.id, statement=statement)
+    return EditedTexts().edit(EditRequest(text=text, name="rules.adirf", edits=(edit,))).text
+
+
+def with_condition(condition: Condition) -> str:
+    return edited(replace(rule_in(TEXT), condition=condition))
+
+
+def parts() -> tuple[CheckCondition, NotCondition, TimedCondition, CheckCondition]:
+    """The first check of the rule, its Not, what is timed in it, and the check in that."""
+    both = rule_in(TEXT).condition
+    assert isinstance(both, AndCondition)
+    first, second = both.terms
+    assert isinstance(first, CheckCondition)
+    assert isinstance(second, NotCondition)
+    timed = second.term
+    assert isinstance(timed, TimedCondition)
+    assert isinstance(timed.term, CheckCondition)
+    return first, second, timed, timed.term
+
+
+def test_the_page_sees_times_bounds_and_recordings() -> None:
+    bound, rule = statements(TEXT)
+    assert isinstance(bound, WithinStatement)
+    assert (bound.topic, bound.property, bound.bound) == ("/odom", "position", 0.1)
+    assert isinstance(rule, RuleStatement)
+    record, rate, within = rule.then
+    assert isinstance(record, RecordStatement)
+    assert (record.name, record.topics) == ("near miss", ("/scan",))
+    assert record.before == DurationValue(value=30.0, unit=SECONDS)
+    assert record.after == DurationValue(value=500.0, unit=DurationUnit.MILLISECONDS)
+    assert isinstance(rate, SetStatement)
+    assert isinstance(within, WithinStatement)
+    _, _, timed, check = parts()
+    assert (timed.word, timed.duration) == (TimeWord.FOR, DurationValue(value=2.0, unit=SECONDS))
+    assert (check.property, check.until) == ("speed", None)
+
+
+@given(written_files())
+@settings(max_examples=60)
+def test_every_statement_sent_back_as_it_came_leaves_the_same_bytes(written: WrittenFile) -> None:
+    texts = EditedTexts()
+    document = texts.document(Draft(text=written.text, name="rules.adirf"))
+    for part in document.collections:
+        assert not any(isinstance(one, RawStatement) for one in part.statements)
+        edits = tuple(Replace(id=one.id, statement=one) for one in part.statements)
+        assert (
+            texts.edit(EditRequest(text=written.text, name="rules.adirf", edits=edits)).text == written.text
+        )
+
+
+TIMES = [
+    (TimeWord.FOR, 10, SECONDS, "For 10 s"),
+    (TimeWord.WITHIN, 0.5, DurationUnit.MINUTES, "Within 0.5 min"),
+]
+
+
+@pytest.mark.parametrize(("word", "value", "unit", "written"), TIMES)
+def test_a_time_comes_and_goes_without_touching_anything_else(
+    word: TimeWord, value: float, unit: DurationUnit, written: str
+) -> None:
+    first, negated, timed, check = parts()
+
+    def of(term: Condition) -> TimedCondition:
+        return TimedCondition(term=term, word=word, duration=DurationValue(value=value, unit=unit))
+
+    on_check = with_condition(AndCondition(terms=(of(first), negated)))
+    assert on_check == TEXT.replace("0.50 ", f"0.50 {written} ")
+    assert edited(rule_in(TEXT), on_check) == TEXT
+    on_both = with_condition(of(AndCondition(terms=(first, negated))))
+    assert on_both == TEXT.replace("2 s )", f"2 s ) {written}")
+    assert edited(rule_in(TEXT), on_both) == TEXT
+    on_not = with_condition(AndCondition(terms=(first, of(negated))))
+    assert on_not == TEXT.replace(
+        "Not CheckValue /odom speed > 1 For 2 s", f"(Not CheckValue /odom speed > 1 For 2 s) {written}"
+    )
+    outside = with_condition(AndCondition(terms=(first, NotCondition(term=of(timed)))))
+    assert outside == TEXT.replace("For 2 s", f"For 2 s {written}")
+    instead = with_condition(AndCondition(terms=(first, NotCondition(term=of(check)))))
+    assert instead == TEXT.replace("For 2 s", written)
+
+
+def test_an_end_comes_changes_and_goes_without_touching_anything_else() -> None:
+    first, negated, _, _ = parts()
+    ended = replace(first, until=UntilValue(op=Operator.GREATER, value=0.75))
+    text = with_condition(AndCondition(terms=(ended, negated)))
+    assert text == TEXT.replace("0.50 ", "0.50 Until > 0.75 ")
+    later = replace(first, until=UntilValue(op=Operator.GREATER_EQUAL, value=1))
+    rule = replace(rule_in(TEXT), condition=AndCondition(terms=(later, negated)))
+    assert edited(rule, text) == TEXT.replace("0.50 ", "0.50 Until >= 1 ")
+    assert edited(rule_in(TEXT), text) == TEXT
+
+
+def test_a_comment_in_the_way_of_a_change_is_kept() -> None:
+    text = TEXT.replace("> 1 For 2 s", "> 1 // how fast\n        For 2 s")
+    first, _, _, check = parts()
+    rule = replace(rule_in(TEXT), condition=AndCondition(terms=(first, NotCondition(term=check))))
+    changed = edited(rule, text)
+    assert all(comment in changed for comment in ("// how fast", "// close", "// and slow", "// all of it"))
+    assert "For" not in changed
+
+
+def test_bounds_and_recordings_change_word_by_word() -> None:
+    bound, rule = statements(TEXT)
+    assert isinstance(bound, WithinStatement)
+    assert isinstance(rule, RuleStatement)
+    assert edited(replace(bound, property="orientation", bound=5.0)) == TEXT.replace(
+        "position 0.10", "orientation 5"
+    )
+    record, rate, within = rule.then
+    assert isinstance(record, RecordStatement)
+    named = replace(
+        record, name='a "close" one', topics=("/scan", "/odom"), after=DurationValue(value=2, unit=SECONDS)
+    )
+    changed = edited(replace(rule, then=(named, rate, within)))
+    assert changed == TEXT.replace('"near miss" /scan', r'"a \"close\" one" /scan /odom').replace(
+        "500 ms", "2 s"
+    )
+    fewer = replace(rule, then=(replace(record, topics=()), rate, within))
+    assert edited(fewer) == TEXT.replace('"near miss" /scan', '"near miss"')
+
+
+def test_actions_in_another_order_keep_their_comments() -> None:
+    rule = rule_in(TEXT)
+    changed = edited(replace(rule, then=rule.then[::-1]))
+    assert [type(one) for one in rule_in(changed).then] == [type(one) for one in rule.then[::-1]]
+    assert all(comment in changed for comment in ("// all of it", "// 5 cm", "// close", "// people"))
+
+
+def test_a_copied_rule_has_all_that_the_rule_has() -> None:
+    rule = rule_in(TEXT)
+    (collection,) = EditedTexts().document(Draft(text=TEXT, name="rules.adirf")).collections
+    insert = Insert(collection=collection.id, index=2, statement=replace(rule, name="Copy"))
+    text = EditedTexts().edit(EditRequest(text=TEXT, name="rules.adirf", edits=(insert,))).text
+    assert differences(parse(TEXT, "a"), parse(text, "b")) == ("Copy: added",)
+    copied = [one for one in statements(text) if isinstance(one, RuleStatement)][1]
+    assert said(copied.then) == said(rule.then)
+    assert meanings_of(text)[-1] == meanings_of(TEXT)[-1]
+
+
+def meanings_of(text: str) -> list[object]:
+    """What the conditions of the rules of a text mean."""
+    rules = parse(text, "rules.adirf").file.statements
+    return [condition_meaning(one.condition) for one in rules if isinstance(one, Block)]
+
+
+def said(actions: tuple[Action, ...]) -> list[Action]:
+    return [replace(one, comments=(), offset=0, end_offset=0, line=0, text="") for one in actions]
+
+
+def test_a_bound_may_be_a_level() -> None:
+    bound = statements(TEXT)[0]
+    assert isinstance(bound, WithinStatement)
+    level = replace(bound, bound=Tier.ACCEPTABLE)
+    assert "KeepWithin /odom position Acceptable" in edited(level)
+
+
+@pytest.mark.parametrize(
+    ("duration", "problem"),
+    [
+        (DurationValue(value=25 * 60, unit=DurationUnit.MINUTES), "between 0 and 1440 min"),
+        (DurationValue(value=-1, unit=SECONDS), "between 0 and 1440 min"),
+        (DurationValue(value=1e300, unit=SECONDS), "between 0 and 1440 min"),
+    ],
+)
+def test_a_time_that_the_language_cannot_say_is_refused(duration: DurationValue, problem: str) -> None:
+    first, _, timed, _ = parts()
+    with pytest.raises(EditError, match=problem):
+        with_condition(AndCondition(terms=(first, replace(timed, duration=duration))))
+
+
+def test_a_push_says_what_is_recorded_anew() -> None:
+    before, after = parse(TEXT, "a"), parse(TEXT.replace("Before 30 s", "Before 20 s"), "b")
+    assert not mean_the_same(before, after)
+    assert differences(before, after) == (
+        'Near: Record "near miss" removed',
+        'Near: Record "near miss" added',
+    )
+    spelled = parse(TEXT.replace("500 ms", "0.5 s"), "c")
+    assert mean_the_same(before, spelled)
+    assert differences(before, spelled) == ()
+
+
+def test_a_rate_in_a_rule_changes_alone() -> None:
+    rule = rule_in(TEXT)
+    record, _, within = rule.then
+    faster = replace(rule, then=(record, SetStatement(topic="/scan", rate=Hz(value=40)), within))
+    assert edited(faster) == TEXT.replace("/scan 20", "/scan 40")
+
+
+def test_an_export_keeps_apart_what_stood_in_two_collections() -> None:
+    rule = "If CheckValue /scan distance < 1 Then SetFrequency /scan 9"
+    text = f"begin\n    {rule}\nend\nbegin\n    SetFrequency /odom 1\nend\n"
+    both = exported(ExportRequest(text=text, name="rules.adirf", ids=("s1", "s2")))
+    assert [type(one) for one in parse(both, "a").file.statements] == [Block, SetFrequency]
+
+
+def test_topics_that_are_only_bounded_in_a_rule_are_known_to_the_page() -> None:
+    assert "/map" in topics_in(parse(TEXT.replace("Record", "KeepWithin /map x 1 Record"), "a"))
+
+
+def test_topics_that_are_only_recorded_are_known_to_the_page() -> None:
+    assert "/map" in topics_in(parse(TEXT.replace("/scan Before", "/scan /map Before"), "a"))
+
+
+def test_the_page_suggests_what_only_a_bound_can_name() -> None:
+    (odom,) = (one for one in vocabulary(VocabularyRequest(), {}).topics if one.topic == "/odom")
+    assert [(one.name, one.unit) for one in odom.bounds] == [("position", "m"), ("orientation", "°")]
+    assert "position" not in [one.name for one in odom.properties]

@@ -1,0 +1,111 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Who may only watch is answered, and changes neither a file nor a robot."""
+
+from __future__ import annotations
+
+import re
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+
+import pytest
+
+from ruler.ruler_server import TIMEOUT_S, Page, served
+from smarttestudo.robot.ros import open_graph_robots
+from smarttestudo.ruler.answers.robot_incidents import RobotIncidents
+from smarttestudo.ruler.answers.robot_link import RobotLink
+from smarttestudo.ruler.project.project_folder import ProjectFolder
+from smarttestudo.ruler.server.app import api_routes, keeping_routes, robot_incident_routes
+from smarttestudo.ruler.server.keeping import Keepings
+from smarttestudo.ruler.server.socket import Listeners
+
+RULES = "begin\n    SetFrequency /odom 5\nend\n"
+TOKEN, WATCH_TOKEN = "may-change", "may-watch"
+REFUSED = "you may only watch here: nothing was changed"
+CHANGES = {
+    "PUT /api/file",
+    "POST /api/file/rename",
+    "POST /api/file/delete",
+    "PUT /api/project/settings",
+    "PUT /api/recording",
+    "POST /api/incident/delete",
+    "PUT /api/profile/for",
+    "POST /api/profile/measure-live",
+    "POST /api/push",
+    "POST /api/push/confirm",
+    "POST /api/push/write",
+    "POST /api/try/keep",
+    "POST /api/try/keep/cancel",
+    "POST /api/robot-incidents/fetch",
+    "POST /api/robot-incidents/cancel",
+}
+
+
+@pytest.fixture
+def project(tmp_path: Path) -> Path:
+    folder = tmp_path / "project"
+    folder.mkdir()
+    (folder / "a.adirf").write_text(RULES)
+    return folder
+
+
+@pytest.fixture
+def page(project: Path) -> Iterator[Page]:
+    with served(project, is_watch_only=True) as page:
+        yield page
+
+
+def test_all_that_changes_something_is_refused_and_all_else_is_answered(page: Page, project: Path) -> None:
+    folder = ProjectFolder(project)
+    routes = [
+        *api_routes(folder, RobotLink(partial(open_graph_robots, "")), Listeners()),
+        *keeping_routes(Keepings(folder)),
+        *robot_incident_routes(RobotIncidents(folder, None)),
+    ]
+    refused = set()
+    for route in routes:
+        answer = page.request(route.method, route.path, None if route.method == "GET" else b"{}")
+        if answer.status == 403 and answer.error == REFUSED:
+            refused.add(f"{route.method} {route.path}")
+    assert refused == CHANGES
+
+
+def test_a_file_stays_as_it_was_and_rules_can_be_looked_at(page: Page, project: Path) -> None:
+    known = page.get("/api/file?name=a.adirf").json
+    assert known["text"] == RULES
+    saved = page.put("/api/file", {"name": "a.adirf", "text": "begin end", "base_hash": known["hash"]})
+    assert saved.status == 403
+    assert saved.json["error"]["remedy"].startswith("ask whoever started testudo ruler")
+    assert (project / "a.adirf").read_text() == RULES
+    assert page.post("/api/document", {"text": RULES, "name": "a.adirf", "profile_text": None}).status == 200
+
+
+@pytest.mark.parametrize(("token", "status"), [(TOKEN, 400), (WATCH_TOKEN, 403), ("guessed", 401)])
+def test_the_token_says_what_somebody_may_do(project: Path, token: str, status: int) -> None:
+    with served(project, token=TOKEN, watch_token=WATCH_TOKEN) as page:
+        host = {"Host": f"robot.local:{page.port}", "Origin": f"http://robot.local:{page.port}"}
+        opened = page.request("GET", f"/?token={token}", headers={**host, "Origin": None})
+        cookie = opened.headers.get("set-cookie", "").split(";")[0]
+        asked = page.request("POST", "/api/file/delete", b"{}", {**host, "Cookie": cookie})
+        looked = page.request("GET", "/api/project", headers={**host, "Cookie": cookie})
+    assert asked.status == status
+    assert looked.status == (401 if status == 401 else 200)
+    assert (project / "a.adirf").exists()
+
+
+@pytest.mark.process
+def test_the_command_prints_a_second_address_for_who_may_only_watch(project: Path) -> None:
+    command = [sys.executable, "-m", "smarttestudo", "ruler", str(project), "--port=0", "--no-browser"]
+    with subprocess.Popen([*command, "--host=0.0.0.0"], stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        first, second = process.stdout.readline(), process.stdout.readline()
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=TIMEOUT_S)
+    [token] = re.findall(r"token=(\S+)", first)
+    matched = re.fullmatch(r"to watch only: http://\S+:\d+/\?token=(\S+)\n", second)
+    assert matched is not None
+    assert matched[1] != token
