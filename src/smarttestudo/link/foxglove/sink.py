@@ -28,9 +28,9 @@ MOST_UNKNOWN = 1000
 """Refused subscriptions that wait to be answered; the oldest give way, since a client can send any number."""
 _SDK_PREFIX = "FoxgloveError: "
 _SERVER_LOG = "foxglove.websocket.server"
-_HANDSHAKE_FAILED = "handshake failed"
+_HANDSHAKE_FAILED = re.compile(r"handshake failed\Z")
 _CLIENT_LOG = "foxglove.websocket.connected_client"
-_UNKNOWN_CHANNEL = re.compile(r"attempted to subscribe to unknown channel: (\d+)$")
+_UNKNOWN_CHANNEL = re.compile(r"attempted to subscribe to unknown channel: (\d+)\Z")
 _REFUSED = (
     "Foxglove: a client was refused, as it does not offer the protocol foxglove.sdk.v1; "
     "use the current Foxglove app, or Lichtblick 1.22 or newer"
@@ -76,8 +76,11 @@ class FoxgloveSink:
         self._lock = threading.Lock()
         self._context = Context()
         self._logs = {
-            logging.getLogger(_SERVER_LOG): _Refusals(lambda: self._say(_REFUSED)),
-            logging.getLogger(_CLIENT_LOG): _UnknownChannels(self._unknown_channels.append),
+            # The SDK does not say why it refuses a client.
+            logging.getLogger(_SERVER_LOG): _Replaced(_HANDSHAKE_FAILED, lambda _: self._say(_REFUSED)),
+            logging.getLogger(_CLIENT_LOG): _Replaced(
+                _UNKNOWN_CHANNEL, lambda found: self._unknown_channels.append(int(found[1]))
+            ),
         }
         try:
             self._server = start_server(
@@ -202,35 +205,20 @@ def _send_latched(topic: _Topic) -> None:
         topic.channel.log(payload, log_time=stamp_ns)
 
 
-class _Refusals(logging.Filter):
-    """Says in the place of the SDK's own line that a client was refused: that one does not say why."""
+class _Replaced(logging.Filter):
+    """Tells of a line of the SDK's log, which is not logged."""
 
-    def __init__(self, refused: Callable[[], None]) -> None:
+    def __init__(self, line: re.Pattern[str], told: Callable[[re.Match[str]], None]) -> None:
         super().__init__()
-        self._refused = refused
+        self._line = line
+        self._told = told
 
     def filter(self, record: logging.LogRecord) -> bool:
         """Whether the line is logged."""
-        if not record.getMessage().endswith(_HANDSHAKE_FAILED):
-            return True
-        self._refused()
-        return False
-
-
-class _UnknownChannels(logging.Filter):
-    """Tells of each channel that a client subscribed to in vain, in the place of the SDK's line."""
-
-    def __init__(self, refused: Callable[[int], None]) -> None:
-        super().__init__()
-        self._refused = refused
-
-    def filter(self, record: logging.LogRecord) -> bool:
-        """Whether the line is logged."""
-        unknown = _UNKNOWN_CHANNEL.search(record.getMessage())
-        if unknown is None:
-            return True
-        self._refused(int(unknown[1]))
-        return False
+        found = self._line.search(record.getMessage())
+        if found is not None:
+            self._told(found)
+        return found is None
 
 
 class _Listener(ServerListener):
