@@ -11,6 +11,7 @@ import type { RobotRules } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
 import type { Trial } from "../state/trial";
 import { NARROW } from "../ui/narrow";
+import { onceLoaded } from "../ui/once_loaded";
 import { useRobot } from "../ui/robot_state";
 import { NeedsServer } from "../ui/server_gone";
 import { watchSize, watchTheme } from "../ui/watch";
@@ -25,20 +26,16 @@ export function BlocksPane(props: Omit<Shown, "isServerGone">) {
   const hasOutline = useSignal(!matchMedia(NARROW).matches);
   const isLoaded = useSignal(false);
   useEffect(() => {
-    let close: (() => void) | null = () => undefined;
+    const here = host.current;
+    if (!here) return;
     // The text can be read and changed before the blocks are there, which take longer.
-    void import("../blocks/rule_workspace").then(({ RuleWorkspace }) => {
-      if (!host.current || close === null) return;
+    return onceLoaded(import("../blocks/rule_workspace"), ({ RuleWorkspace }) => {
       const shown = { editor, api, robotRules, tried, drawValues, isServerGone };
-      const opened = openWorkspace(RuleWorkspace, host.current, shown);
+      const opened = openWorkspace(RuleWorkspace, here, shown);
       workspace.current = opened.workspace;
       isLoaded.value = true;
-      close = opened.close;
+      return opened.close;
     });
-    return () => {
-      close?.();
-      close = null;
-    };
   }, []);
   const { isServerGone } = useRobot();
   const isBehind = !editor.document.value.parses && editor.shown.value?.text !== editor.text.value;

@@ -44,12 +44,12 @@ export function EditorBar({ editor, api, project, savesByItself, rulePush, robot
         <MenuItem label="Format" icon="format" act={() => void editor.format()} />
         <MenuItem label="Import" icon="upload" act={() => (sharing.value = "import")} />
         <MenuItem label="Export" icon="download" act={() => (sharing.value = "export")} />
+      </NeedsServer>
+      <NeedsServer changes={!hasRobot}>
         {hasRobot ? (
           <MenuItem label={DOWNLOAD} icon="download" act={onDownload} />
         ) : (
-          <NeedsServer changes>
-            <MenuItem label={SEND} icon="send" act={send} />
-          </NeedsServer>
+          <MenuItem label={SEND} icon="send" act={send} />
         )}
       </NeedsServer>
       <hr />
@@ -78,11 +78,9 @@ export function EditorBar({ editor, api, project, savesByItself, rulePush, robot
           <ToolButton label="Try on a recording" short="Try" icon="try" act={() => onTool("try")} />
         </div>
         <div class="tool-group" role="group" aria-label="Send or download">
-          <NeedsServer>
+          <NeedsServer changes={hasRobot}>
             {hasRobot ? (
-              <NeedsServer changes>
-                <ToolButton label={SEND} short="Send" icon="send" isNext={next === "ship"} act={send} />
-              </NeedsServer>
+              <ToolButton label={SEND} short="Send" icon="send" isNext={next === "ship"} act={send} />
             ) : (
               <ToolButton label={DOWNLOAD} short="Download" icon="download" isNext={next === "ship"} act={onDownload} />
             )}

@@ -7,6 +7,7 @@ import type { DrawValues } from "../blocks/threshold_field";
 import type { RuleEditor } from "../state/rule_editor";
 import { bagsIn, type FileTries, fileOf, recordingOf } from "../state/tries";
 import { checkIn } from "../state/written_checks";
+import { onceLoaded } from "../ui/once_loaded";
 
 /** Draws the values of a check in the recording of its rules; nothing in a project without recordings. */
 export function valuesOfRecording(
@@ -22,13 +23,8 @@ export function valuesOfRecording(
     const check = condition && checkIn(condition);
     if (recording === undefined || !condition || !check) return null;
     const asked = { bag, check, condition, profileText: editor.profile.peek()?.text ?? null };
-    let close: (() => void) | null = () => undefined;
-    void import("../try/picked_threshold").then(({ drawPicked }) => {
-      if (close !== null) close = drawPicked(host, { api, asked, sizeBytes: recording.size_bytes, threshold });
-    });
-    return () => {
-      close?.();
-      close = null;
-    };
+    return onceLoaded(import("../try/picked_threshold"), ({ drawPicked }) =>
+      drawPicked(host, { api, asked, sizeBytes: recording.size_bytes, threshold }),
+    );
   };
 }

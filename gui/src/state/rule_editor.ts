@@ -6,6 +6,7 @@ import { refusal } from "../api/refusal";
 import type { Edit, PlacedFinding, Repair, RuleDocument, Statement, Vocabulary } from "../api/types";
 import { sectionsOf } from "../blocks/sections";
 import { counted } from "../ui/numbers";
+import { CheckQueue } from "./check_queue";
 import {
   type Conflict,
   type Contested,
@@ -27,8 +28,6 @@ import { statementsIn } from "./statements_in";
 import { Words } from "./words";
 import { WorkAhead } from "./work_ahead";
 
-const CHECK_AFTER_MS = 150;
-const CHECK_WITHIN_MS = 1000;
 const EMPTY: RuleDocument = { collections: [], findings: [], parses: true };
 
 /** One open rule file. Its text is the truth; blocks and findings are what the server reads in it. */
@@ -89,13 +88,11 @@ export class RuleEditor implements Contested {
   private layoutHash: string | null = null;
   /** The text that `document` was read from. */
   private read: string | null = null;
-  private timer: number | undefined;
   private queue: Promise<void> = Promise.resolve();
-  /** What the server was asked about last, until it answered. */
-  private asked: Rules | null = null;
-  private asking: Promise<void> = Promise.resolve();
-  /** How long the server took to answer. */
-  private answerMs = 0;
+  private readonly checks = new CheckQueue(
+    () => this.rules,
+    (rules) => this.ask(rules),
+  );
   private readonly words: Words;
 
   constructor(
@@ -184,7 +181,7 @@ export class RuleEditor implements Contested {
     if (text === this.text.value) return;
     this.history.push(this.text.value, performance.now());
     this.text.value = text;
-    this.checkSoon();
+    this.checks.soon();
   }
 
   undo(): void {
@@ -326,21 +323,9 @@ export class RuleEditor implements Contested {
     });
   }
 
-  private checkSoon(): void {
-    window.clearTimeout(this.timer);
-    // A long file is not read again between two words.
-    const afterMs = Math.min(Math.max(CHECK_AFTER_MS, this.answerMs), CHECK_WITHIN_MS);
-    this.timer = window.setTimeout(() => void this.check(), afterMs);
-  }
-
-  /** Asks the server what the text says now, once at a time: a text of the past is not asked about. */
-  async check(): Promise<void> {
-    window.clearTimeout(this.timer);
-    const { rules } = this;
-    if (this.asked?.text === rules.text && this.asked.profile_text === rules.profile_text) return this.asking;
-    this.asked = rules;
-    this.asking = this.asking.then(() => (this.asked === rules ? this.ask(rules) : undefined));
-    await this.asking;
+  /** Asks the server what the text says now. */
+  check(): Promise<void> {
+    return this.checks.check();
   }
 
   private async ask(rules: Rules): Promise<void> {
@@ -348,7 +333,7 @@ export class RuleEditor implements Contested {
     try {
       const askedMs = performance.now();
       const document = await this.api.document(rules);
-      this.answerMs = performance.now() - askedMs;
+      this.checks.answerMs = performance.now() - askedMs;
       const vocabulary = await this.words.of(rules, document);
       if (rules.text !== this.text.value) return;
       batch(() => {
@@ -358,8 +343,6 @@ export class RuleEditor implements Contested {
       });
     } catch (error) {
       this.tell(error);
-    } finally {
-      if (this.asked === rules) this.asked = null;
     }
   }
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { useEffect, useMemo, useRef, useState } from "preact/hooks";
+import { useEffect, useMemo, useState } from "preact/hooks";
 import type { Api } from "../api/client";
 import type { CheckCondition, CheckCourse, Condition } from "../api/types";
 import { BagWork } from "../state/bag_work";
@@ -25,7 +25,6 @@ export function useCheckCourse(
 ): { course: CheckCourse | null; work: BagWork<CheckCourse> } {
   const work = useMemo(() => new BagWork<CheckCourse>(), []);
   const [course, setCourse] = useState<CheckCourse | null>(null);
-  const last = useRef(course);
   useEffect(() => () => work.cancel(), []);
   useEffect(() => {
     const ask = () =>
@@ -34,14 +33,12 @@ export function useCheckCourse(
         return api.checkCourse({ bag: asked.bag, condition, profile_text: asked.profileText }, run, signal);
       });
     // Who drags is answered once the line rests.
-    const timer = window.setTimeout(ask, last.current === null ? 0 : ASK_AFTER_MS);
+    const timer = window.setTimeout(ask, course === null ? 0 : ASK_AFTER_MS);
     return () => window.clearTimeout(timer);
   }, [threshold, asked.bag]);
   const state = work.state.value;
   useEffect(() => {
-    if (state.kind !== "done") return;
-    last.current = state.answer;
-    setCourse(state.answer);
+    if (state.kind === "done") setCourse(state.answer);
   }, [state]);
   return { course, work };
 }

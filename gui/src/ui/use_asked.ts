@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useState } from "preact/hooks";
-import { ApiError } from "../api/client";
+import { refusal } from "../api/refusal";
 
 const ASK_EVERY_MS = 2000;
 
@@ -17,7 +17,7 @@ export function useAsked<T>(ask: () => Promise<T>, about: readonly [string, ...u
         if (isShown) setAnswer({ of, said });
       } catch (error) {
         // The server may be gone, and come back.
-        if (!(error instanceof ApiError)) throw error;
+        refusal(error);
       }
     };
     void look();
