@@ -2,19 +2,23 @@
 # SPDX-License-Identifier: Apache-2.0
 from __future__ import annotations
 
+import socket
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
 
-from ruler.browser.free_port import free_port
+from first_free import first_free
 from ruler.browser.ruler_page import EXAMPLES, RulerPage, copied, served
 from ruler.browser.tabs import Tabs
 from smarttestudo.ruler.server.page import is_page_built
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
+
+# Linux gives those above to connections that ask for none.
+PORTS = range(20_000, 20_200)
 
 
 @pytest.fixture(autouse=True)
@@ -38,8 +42,16 @@ def options() -> tuple[str, ...]:
 @pytest.fixture(scope="session")
 def ruler_port() -> Iterator[int]:
     """Of all servers of this worker: an address that the browser knows need not be compiled anew."""
-    with free_port() as port:
+    with first_free("port", PORTS, _nobody_listens) as port:
         yield port
+
+
+def _nobody_listens(port: int) -> bool:
+    try:
+        with socket.create_server(("127.0.0.1", port)):
+            return True
+    except OSError:
+        return False
 
 
 @pytest.fixture(scope="session")
