@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 from smarttestudo.bags.statistics import RecordingSpan, topic_statistics
 from smarttestudo.bags.trace import TraceAccumulator
+from smarttestudo.domain.record import to_json
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.report.series import MAX_POINTS, bandwidth_series, coarser, rate_series
 
@@ -72,7 +73,7 @@ def test_statistics_equal_a_naive_count(messages: list[Message]) -> None:
 def test_one_message_has_no_mean_rate_but_a_binned_one() -> None:
     span = RecordingSpan(start_ns=0, end_ns=10 * NS_PER_S)
     found = topic_statistics(trace_of([(3 * NS_PER_S, 500)]), span)
-    assert found.to_json() == {
+    assert to_json(found) == {
         "messages": 1,
         "bytes": 500,
         "start_s": 3.0,

@@ -15,9 +15,8 @@ from pathlib import Path
 
 import pytest
 
-from smarttestudo.domain.compact_status import compact_status, is_measured
 from smarttestudo.domain.status import RuntimeStatus
-from smarttestudo.domain.status_json import status_from_json, status_from_text
+from smarttestudo.domain.status_json import compact_status, is_measured, status_from_json, status_from_text
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_MS, NS_PER_S
 from smarttestudo.link.protocol.status_stream import StatusReceiver, StatusSender
 from smarttestudo.link.zenoh.compression import packed, unpacked

@@ -33,6 +33,7 @@ from smarttestudo.bags.writer import create_recording
 from smarttestudo.domain.decision import Reason
 from smarttestudo.domain.errors import RecordingError, UsageError
 from smarttestudo.domain.profile import Profile, TopicProfile
+from smarttestudo.domain.record import to_json
 from smarttestudo.domain.recording import Channel, Storage
 from smarttestudo.pacing.sample import WhenSlow
 from smarttestudo.replays.replay import ReplayRequest, replay
@@ -365,4 +366,4 @@ def test_the_rate_of_transforms_is_that_of_each_frame(tmp_path: Path) -> None:
     assert tf.source_hz == pytest.approx((30 + 30 + 20 + 5) / 4, rel=1e-3)
     assert tf.mean_hz == pytest.approx((10 + 10 + 10 + 5) / 4, rel=0.01)
     assert tf.error_percent == pytest.approx(0, abs=1)
-    assert tf.to_json()["frames"] == 4
+    assert to_json(tf)["frames"] == 4

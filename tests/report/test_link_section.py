@@ -21,9 +21,9 @@ from robot.status.statuses import RELAYED, STATUS
 from smarttestudo.bags.writer import create_recording
 from smarttestudo.domain.link_state import LinkState, StreamCounts, TopicOnLink
 from smarttestudo.domain.names import STATUS_TOPIC
+from smarttestudo.domain.record import to_json
 from smarttestudo.domain.recording import Channel
 from smarttestudo.domain.status import RuntimeStatus
-from smarttestudo.domain.status_json import status_to_json
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.report.document import render_report
 from smarttestudo.report.link_history import (
@@ -162,7 +162,7 @@ def test_statuses_are_read_from_a_recording_and_those_that_are_none_are_counted(
     tmp_path: Path, type_name: str
 ) -> None:
     channel = Channel(topic=STATUS_TOPIC, type_name=type_name)
-    said = [json.dumps(status_to_json(status({"/odom": 20.0}, 4))), "{}", "no JSON"]
+    said = [json.dumps(to_json(status({"/odom": 20.0}, 4))), "{}", "no JSON"]
     with create_recording(tmp_path / "bag") as recording:
         for number, one in enumerate(said):
             recording.write(channel, START_NS + number * NS_PER_S, text(one))

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from smarttestudo.bags.bag_summary import BagSummary
 from smarttestudo.bags.comparison import Comparison, TopicComparison, compare
 from smarttestudo.domain.errors import RecordingError
+from smarttestudo.domain.record import to_json
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,8 +44,8 @@ class BagComparison:
             "b": self.b.name,
             "topics": {pair.topic: _pair_to_json(pair) for pair in pairs},
             "total": {
-                "a": a.total.to_json(),
-                "b": b.total.to_json(),
+                "a": to_json(a.total),
+                "b": to_json(b.total),
                 "bandwidth_change_percent": self.comparison.bandwidth_change_percent,
             },
             "notices": [*self.a.notices, *self.b.notices],
@@ -81,8 +82,8 @@ def compare_bags(a: BagSummary, b: BagSummary, mapping: Mapping[str, str]) -> Ba
 
 def _pair_to_json(pair: TopicComparison) -> dict[str, object]:
     return {
-        "a": pair.before.to_json() if pair.before else None,
-        "b": pair.after.to_json() if pair.after else None,
+        "a": to_json(pair.before) if pair.before else None,
+        "b": to_json(pair.after) if pair.after else None,
         "b_topic": pair.after_topic,
         "change_percent": pair.change_percent,
         "bandwidth_change_percent": pair.bandwidth_change_percent,

@@ -6,9 +6,11 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
+from typing import Annotated
 
 from smarttestudo.bags.statistics import Latency, RecordingSpan, TopicStatistics
 from smarttestudo.domain.incident import IncidentRecord
+from smarttestudo.domain.record import Entry, to_json
 from smarttestudo.domain.recording import Storage
 from smarttestudo.domain.units import utc_time
 
@@ -35,11 +37,11 @@ class BagTopic:
         return {
             "type": self.type_name,
             "qos": self.qos,
-            **self.statistics.to_json(),
+            **to_json(self.statistics),
             "kbit_per_s": self.statistics.kbit_per_s,
             "longest_gap_s": self.longest_gap_s,
             "jitter_s": self.jitter_s,
-            **(self.latency.to_json() if self.latency else {}),
+            **(to_json(self.latency) if self.latency else {}),
         }
 
 
@@ -48,18 +50,9 @@ class BagTotal:
     """All topics of a recording together."""
 
     messages: int
-    size_bytes: int
+    size_bytes: Annotated[int, Entry(name="bytes")]
     kb_per_s: float | None
     kbit_per_s: float | None
-
-    def to_json(self) -> dict[str, object]:
-        """The entry in ``--json``."""
-        return {
-            "messages": self.messages,
-            "bytes": self.size_bytes,
-            "kb_per_s": self.kb_per_s,
-            "kbit_per_s": self.kbit_per_s,
-        }
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -112,7 +105,7 @@ class BagSummary:
             "duration_s": self.span.duration_s,
             "readable_percent": None if self.readable_share is None else 100 * self.readable_share,
             "topics": {topic.name: topic.to_json() for topic in self.topics},
-            "total": self.total.to_json(),
+            "total": to_json(self.total),
             "notices": list(self.notices),
             **({} if self.incident is None else {"incident": _moment(self.incident)}),
         }

@@ -10,9 +10,11 @@ from collections import Counter
 from dataclasses import dataclass
 from fractions import Fraction
 from math import ceil
+from typing import Annotated
 
 from smarttestudo.bags.trace import TraceAccumulator
 from smarttestudo.domain.rate_meter import mean_hz
+from smarttestudo.domain.record import Entry
 from smarttestudo.domain.units import BITS_PER_BYTE, BYTES_PER_KB, NS_PER_S
 
 
@@ -45,7 +47,7 @@ class TopicStatistics:
     """
 
     messages: int
-    size_bytes: int
+    size_bytes: Annotated[int, Entry(name="bytes")]
     start_s: float | None
     end_s: float | None
     mean_hz: float | None
@@ -57,19 +59,6 @@ class TopicStatistics:
     def kbit_per_s(self) -> float | None:
         """``kb_per_s`` in kilobits of 1000 bits."""
         return None if self.kb_per_s is None else self.kb_per_s * BITS_PER_BYTE
-
-    def to_json(self) -> dict[str, object]:
-        """The topic's entry in ``--json``."""
-        return {
-            "messages": self.messages,
-            "bytes": self.size_bytes,
-            "start_s": self.start_s,
-            "end_s": self.end_s,
-            "mean_hz": self.mean_hz,
-            "binned_hz": self.binned_hz,
-            "kb_per_s": self.kb_per_s,
-            "declared": self.declared,
-        }
 
 
 def topic_statistics(
@@ -106,17 +95,9 @@ class Latency:
     ``None`` where no message has a stamp. Below zero, or years, where the two come from different clocks.
     """
 
-    mean_s: float | None = None
-    p95_s: float | None = None
-    max_s: float | None = None
-
-    def to_json(self) -> dict[str, object]:
-        """What it adds to the topic's entry in ``--json``."""
-        return {
-            "latency_mean_s": self.mean_s,
-            "latency_p95_s": self.p95_s,
-            "latency_max_s": self.max_s,
-        }
+    mean_s: Annotated[float | None, Entry(name="latency_mean_s")] = None
+    p95_s: Annotated[float | None, Entry(name="latency_p95_s")] = None
+    max_s: Annotated[float | None, Entry(name="latency_max_s")] = None
 
 
 class LatencyAccumulator:

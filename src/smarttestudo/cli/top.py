@@ -26,8 +26,8 @@ from smarttestudo.cli.top_table import (
 )
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.json_text import json_text
+from smarttestudo.domain.record import to_json
 from smarttestudo.domain.remote_robots import RemoteRobots
-from smarttestudo.domain.status_json import status_to_json
 from smarttestudo.link.zenoh import open_link_robots
 from smarttestudo.robot.ros import open_graph_robots
 
@@ -75,7 +75,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _print_once(robots: RemoteRobots, arguments: argparse.Namespace) -> None:
     if arguments.json:
-        nodes = {node: status_to_json(heard.status) for node, heard in sorted(robots.heard.items())}
+        nodes = {node: to_json(heard.status) for node, heard in sorted(robots.heard.items())}
         sys.stdout.write(json_text({"nodes": nodes}, ascii_only=False, indent=2) + "\n")
     else:
         print_lines(_lines(robots, SortKey(arguments.sort), _width()))

@@ -5,11 +5,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import Enum
-from typing import Any
+from typing import Annotated
 
 from smarttestudo.domain.rate import Rate
+from smarttestudo.domain.record import Decimals, Entry, from_json, to_json
 
 
 class Reason(Enum):
@@ -36,15 +37,6 @@ class BoundReason:
     reason: Reason
     rule: str | None = None
     line: int | None = None
-
-    def to_json(self) -> dict[str, object]:
-        """The object in decisions and statuses."""
-        return {"reason": self.reason.value, "rule": self.rule, "line": self.line}
-
-    @staticmethod
-    def from_json(record: Mapping[str, Any]) -> BoundReason:
-        """Raises ``ValueError`` or ``LookupError`` for what ``to_json`` never gives."""
-        return BoundReason(reason=Reason(record["reason"]), rule=record["rule"], line=record["line"])
 
 
 def bound_texts(within: Mapping[str, float], reasons: Mapping[str, BoundReason]) -> tuple[str, ...]:
@@ -74,12 +66,14 @@ class PlannedRate:
     properties without a bound which block in doubt has one.
     """
 
-    rate: Rate
+    rate: Annotated[Rate, Entry(name="to_hz")]
     reason: Reason
     rule: str | None = None
     line: int | None = None
-    within: Mapping[str, float] = field(default_factory=dict)
-    bound_reasons: Mapping[str, BoundReason] = field(default_factory=dict)
+    within: Annotated[Mapping[str, float], Entry(name="to_within")] = field(default_factory=dict)
+    bound_reasons: Annotated[Mapping[str, BoundReason], Entry(omits_default=True)] = field(
+        default_factory=dict
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -92,71 +86,28 @@ class Decision:
     before.
     """
 
-    t_s: float
+    t_s: Annotated[float, Decimals(6), Entry(name="t")]
     stamp_ns: int
     topic: str
-    from_rate: Rate | None
-    planned: PlannedRate
+    from_rate: Annotated[Rate | None, Entry(name="from_hz")]
+    planned: Annotated[PlannedRate, Entry(is_merged=True)]
     values: Mapping[str, float | None]
-    is_end: bool = False
+    is_end: Annotated[bool, Entry(name="end", omits_default=True)] = False
     from_within: Mapping[str, float] = field(default_factory=dict)
 
     def to_json(self) -> dict[str, object]:
-        """The object of one line of the decisions file."""
-        record: dict[str, object] = {
-            "t": round(self.t_s, 6),
-            "stamp_ns": self.stamp_ns,
-            "topic": self.topic,
-            "from_hz": None if self.from_rate is None else self.from_rate.to_json(),
-            "to_hz": self.planned.rate.to_json(),
-            "reason": self.planned.reason.value,
-            "rule": self.planned.rule,
-            "line": self.planned.line,
-            "values": dict(self.values),
-        }
+        """The object of one line of the decisions file; bounds that did not change are left out."""
+        record = to_json(self)
         if self.from_rate is None:
             record["start"] = True
-        if self.is_end:
-            record["end"] = True
-        if self.from_within != self.planned.within:
-            record["from_within"] = dict(self.from_within)
-            record["to_within"] = dict(self.planned.within)
-        if self.planned.bound_reasons:
-            record["bound_reasons"] = {
-                name: one.to_json() for name, one in self.planned.bound_reasons.items()
-            }
+        if self.from_within == self.planned.within:
+            del record["from_within"], record["to_within"]
         return record
 
     @staticmethod
-    def from_json(record: Mapping[str, Any]) -> Decision:
-        """The decision that ``to_json`` gave ``record`` for; bounds that did not change are left out.
-
-        Raises ``ValueError``, ``TypeError`` or ``LookupError`` where it gave it for none.
-        """
-        starts = bool(record.get("start", False))
-        return Decision(
-            t_s=float(record["t"]),
-            stamp_ns=int(record["stamp_ns"]),
-            topic=str(record["topic"]),
-            from_rate=None if starts else Rate.from_json(record["from_hz"]),
-            planned=PlannedRate(
-                rate=Rate.from_json(record["to_hz"]),
-                reason=Reason(record["reason"]),
-                rule=record["rule"],
-                line=record["line"],
-                within=_bounds(record.get("to_within", {})),
-                bound_reasons={
-                    str(name): BoundReason.from_json(one)
-                    for name, one in record.get("bound_reasons", {}).items()
-                },
-            ),
-            values={
-                str(name): None if value is None else float(value) for name, value in record["values"].items()
-            },
-            is_end=bool(record.get("end", False)),
-            from_within=_bounds(record.get("from_within", {})),
-        )
-
-
-def _bounds(record: Mapping[str, Any]) -> dict[str, float]:
-    return {str(name): float(bound) for name, bound in record.items()}
+    def from_json(record: object) -> Decision:
+        """The decision that ``to_json`` wrote as ``record``. Raises ``ValueError`` where it wrote none."""
+        decision = from_json(Decision, record)
+        # Both no rate yet and Full are null.
+        is_first = isinstance(record, dict) and record.get("start", False)
+        return replace(decision, from_rate=None if is_first else decision.from_rate or Rate.full())

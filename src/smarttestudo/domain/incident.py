@@ -5,13 +5,16 @@
 from __future__ import annotations
 
 import re
+import sys
 import unicodedata
 from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import datetime, timedelta, timezone
 from enum import Enum
+from typing import Annotated
 
-from smarttestudo.domain.units import NS_PER_MS
+from smarttestudo.domain.record import AtMost, Entry
+from smarttestudo.domain.units import LAST_STAMP_NS, NS_PER_MS
 
 DEFAULT_INCIDENT_MEMORY_MB = 256
 """How much of the past is kept in memory for recordings, unless told otherwise."""
@@ -23,6 +26,8 @@ INCIDENT_VERSION = 1
 _MAX_NAME_CHARACTERS = 60
 _NOT_IN_NAMES = re.compile(r"[^A-Za-z0-9_-]+")
 _FOLDER_NAME = re.compile(r"(\d+T\d{9}Z|-?\d+ns)-[A-Za-z0-9_-]+\Z", re.ASCII)
+_Whole = Annotated[int, AtMost(LAST_STAMP_NS)]
+_Finite = Annotated[float, AtMost(sys.float_info.max)]
 _EPOCH = datetime(1970, 1, 1, tzinfo=timezone.utc)
 
 
@@ -57,18 +62,18 @@ class Missing:
 
     topic: str
     reason: MissingReason
-    messages: int | None
-    from_ns: int
-    to_ns: int
+    messages: _Whole | None
+    from_ns: _Whole
+    to_ns: _Whole
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class IncidentTopic:
     """What an incident holds of one topic."""
 
-    type_name: str
-    messages: int
-    size_bytes: int
+    type_name: Annotated[str, Entry(name="type")]
+    messages: _Whole
+    size_bytes: Annotated[_Whole, Entry(name="bytes")]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -79,7 +84,7 @@ class LatchedSample:
     """
 
     topic: str
-    stamp_ns: int
+    stamp_ns: _Whole
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -92,12 +97,12 @@ class IncidentRecord:
 
     name: str
     rule: str
-    path: str
-    line: int
-    triggered_ns: int
-    from_ns: int
-    to_ns: int
-    values: Mapping[str, float | None]
+    path: Annotated[str, Entry(name="file")]
+    line: _Whole
+    triggered_ns: _Whole
+    from_ns: _Whole
+    to_ns: _Whole
+    values: Mapping[str, _Finite | None]
     rules_sha256: str
     topics: Mapping[str, IncidentTopic]
     latched: tuple[LatchedSample, ...] = ()

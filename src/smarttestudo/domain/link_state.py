@@ -5,6 +5,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Annotated
+
+from smarttestudo.domain.record import Count, Entry, Measured
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -16,11 +19,11 @@ class StreamCounts:
     there; where it ``is_losing``, some of these within the last minute. ``queued_bytes`` wait now.
     """
 
-    sent: int = 0
-    replaced: int = 0
-    overflowed: int = 0
-    queued_bytes: int = 0
-    is_losing: bool = False
+    sent: Count = 0
+    replaced: Count = 0
+    overflowed: Count = 0
+    queued_bytes: Count = 0
+    is_losing: Annotated[bool, Entry(name="losing")] = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -33,12 +36,12 @@ class LinkState:
     there reckon the topics in ``predicted`` where they are told how.
     """
 
-    is_connected: bool = False
-    capacity_kb_per_s: float | None = None
-    round_trip_ms: float | None = None
+    is_connected: Annotated[bool, Entry(name="connected")] = False
+    capacity_kb_per_s: Measured | None = None
+    round_trip_ms: Measured | None = None
     outages: int = 0
-    sessions: int = 0
-    predicted: frozenset[str] = frozenset()
+    sessions: Annotated[int, Entry(is_absent=True)] = 0
+    predicted: Annotated[frozenset[str], Entry(is_absent=True)] = frozenset()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -48,8 +51,8 @@ class TopicOnLink:
     ``age_ms`` is how old its last message was when it arrived at the operator's end; ``None`` while unknown.
     """
 
-    counts: StreamCounts
-    age_ms: float | None = None
+    counts: Annotated[StreamCounts, Entry(is_merged=True)]
+    age_ms: Measured | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -62,10 +65,10 @@ class AcceptedTopic:
     """
 
     topic: str
-    type_name: str | None = None
+    type_name: Annotated[str | None, Entry(name="type")] = None
     problem: str | None = None
-    received: int = 0
+    received: Count = 0
     delivered: int = 0
     too_old: int = 0
     refused: int = 0
-    age_ms: float | None = None
+    age_ms: Measured | None = None

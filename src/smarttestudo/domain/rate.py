@@ -70,9 +70,16 @@ class Rate:
         return None if self.is_full else self.hz
 
     @staticmethod
-    def from_json(hz: float | None) -> Rate:
-        """The rate that ``to_json`` gave ``hz`` for; a written Off comes back as a plain 0."""
-        return Rate.full() if hz is None else Rate(float(hz))
+    def from_json(hz: object) -> Rate:
+        """The rate that ``to_json`` gave ``hz`` for; a written Off comes back as a plain 0.
+
+        Raises ``ValueError`` where it gave it for none.
+        """
+        if hz is None:
+            return Rate.full()
+        if not isinstance(hz, int | float) or isinstance(hz, bool) or not 0 <= hz <= MAX_RATE_HZ:
+            raise ValueError(f"no rate: {str(hz)[:40]}")
+        return Rate(float(hz))
 
     def __str__(self) -> str:
         """As a rule file writes it, with the unit."""

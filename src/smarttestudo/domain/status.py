@@ -7,11 +7,18 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum, IntEnum
+from typing import Annotated
 
 from smarttestudo.domain.decision import BoundReason, Reason
 from smarttestudo.domain.incident import IncidentState
 from smarttestudo.domain.link_state import AcceptedTopic, LinkState, TopicOnLink
+from smarttestudo.domain.record import Count, Decimals, Entry, Mark, Measured, Significant, derived
 from smarttestudo.domain.signal import Truth
+
+STATUS_HZ = 1.0
+"""How often the status is published unless a subscriber requests more."""
+
+_Seconds = Annotated[float, Decimals(3)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -24,7 +31,7 @@ class CheckStatus:
     line: int
     column: int
     state: Truth
-    value: float | None
+    value: Annotated[Annotated[float, Significant(6)] | None, Entry(is_lenient=True)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,7 +45,7 @@ class TimeStatus:
     line: int
     column: int
     state: Truth
-    held_s: float | None
+    held_s: Annotated[_Seconds | None, Entry(is_lenient=True)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -53,9 +60,9 @@ class BlockStatus:
     line: int
     column: int
     state: Truth
-    checks: tuple[CheckStatus, ...]
-    held_s: float | None = None
-    times: tuple[TimeStatus, ...] = ()
+    checks: Annotated[tuple[CheckStatus, ...], Entry(are_rows=True, is_lenient=True)]
+    held_s: Annotated[_Seconds | None, Entry(is_lenient=True, omits_default=True)] = None
+    times: Annotated[tuple[TimeStatus, ...], Entry(are_rows=True, is_lenient=True, omits_default=True)] = ()
 
 
 class DiagnosticLevel(IntEnum):
@@ -117,10 +124,10 @@ class RulesInForce:
     ``waits_s`` is how long pushed rules still hold unless they are confirmed; ``None`` where none wait.
     """
 
-    paths: tuple[str, ...] = ()
+    paths: Annotated[tuple[str, ...], Entry(name="files")] = ()
     sha256: str = ""
-    origin: RulesOrigin = RulesOrigin.FILES
-    waits_s: float | None = None
+    origin: Annotated[RulesOrigin, Entry(is_lenient=True)] = RulesOrigin.FILES
+    waits_s: Measured | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -132,14 +139,15 @@ class TopicCounts:
     not be read by a check.
     """
 
-    received: int = 0
-    relayed: int = 0
-    repeated: int = 0
-    discarded: int = 0
-    undecodable: int = 0
+    received: Count = 0
+    relayed: Count = 0
+    repeated: Count = 0
+    discarded: Count = 0
+    undecodable: Count = 0
 
     @property
-    def dropped(self) -> int:
+    @derived()
+    def dropped(self) -> Count:
         """Messages that came and were not relayed."""
         return self.received - (self.relayed - self.repeated)
 
@@ -160,30 +168,32 @@ class TopicStatus:
     """
 
     output: str
-    type_name: str | None
+    type_name: Annotated[str | None, Entry(name="type")]
     reason: Reason
     rule: str | None
     line: int | None
-    target_hz: float
-    source_hz: float | None
-    expected_hz: float | None
-    actual_hz: float | None
-    error_percent: float | None
+    target_hz: Annotated[float, Mark.NULL_IS_INFINITE]
+    source_hz: Measured | None
+    expected_hz: Measured | None
+    actual_hz: Measured | None
+    error_percent: Measured | None
     keeps_rate: bool
-    stamped_hz: float | None
-    delay_ms: float | None
-    in_kb_per_s: float
-    out_kb_per_s: float
+    stamped_hz: Measured | None
+    delay_ms: Measured | None
+    in_kb_per_s: Measured
+    out_kb_per_s: Measured
     publishers: int
     subscribers: int
     incompatible: tuple[str, ...]
     problem: str | None
-    silence: Silence | None
-    counts: TopicCounts
-    frames: int | None = None
-    on_link: TopicOnLink | None = None
-    within: Mapping[str, float] = field(default_factory=dict)
-    bound_reasons: Mapping[str, BoundReason] = field(default_factory=dict)
+    silence: Annotated[Silence | None, Entry(name="silent")]
+    counts: Annotated[TopicCounts, Entry(is_merged=True)]
+    frames: Annotated[int | None, Entry(omits_default=True)] = None
+    on_link: Annotated[TopicOnLink | None, Entry(name="link", omits_default=True)] = None
+    within: Annotated[Mapping[str, float], Entry(omits_default=True)] = field(default_factory=dict)
+    bound_reasons: Annotated[Mapping[str, BoundReason], Entry(omits_default=True)] = field(
+        default_factory=dict
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -196,23 +206,23 @@ class RuntimeStatus:
     ``blocks`` has the states of the conditions.
     """
 
+    robot: Annotated[str, Entry(omits_default=True)] = ""
     node: str
     stamp_ns: int
-    uptime_s: float
+    uptime_s: Measured
+    status_hz: Annotated[float, Decimals(3)] = STATUS_HZ
     rules: RulesInForce
     budget_kb_per_s: float | None
     floors_break_budget: bool
-    cpu_percent: float | None
-    memory_mb: float | None
+    cpu_percent: Measured | None
+    memory_mb: Measured | None
     topics: Mapping[str, TopicStatus]
-    status_hz: float = 1.0
-    blocks: tuple[BlockStatus, ...] = ()
-    link: LinkState | None = None
+    blocks: Annotated[tuple[BlockStatus, ...], Entry(is_lenient=True)] = ()
+    link: Annotated[LinkState | None, Entry(omits_default=True)] = None
     """The link to an operator's end, if there is one."""
-    robot: str = ""
-    accepted: tuple[AcceptedTopic, ...] = ()
+    accepted: Annotated[tuple[AcceptedTopic, ...], Entry(keyed_by="topic", omits_default=True)] = ()
     """The topics that are accepted of operators."""
-    incidents: IncidentState | None = None
+    incidents: Annotated[IncidentState | None, Entry(omits_default=True)] = None
     """What rules record, if that is carried out."""
 
     @property
@@ -221,16 +231,19 @@ class RuntimeStatus:
         return f"{self.robot}:{self.node}" if self.robot else self.node
 
     @property
-    def in_kb_per_s(self) -> float:
+    @derived()
+    def in_kb_per_s(self) -> Measured:
         """What comes in of all relayed topics."""
         return sum(topic.in_kb_per_s for topic in self.topics.values())
 
     @property
-    def out_kb_per_s(self) -> float:
+    @derived()
+    def out_kb_per_s(self) -> Measured:
         """The bandwidth of all output topics."""
         return sum(topic.out_kb_per_s for topic in self.topics.values())
 
     @property
+    @derived("fallback")
     def is_fallback(self) -> bool:
         """Whether everything is relayed because there are no valid rules."""
         return any(topic.reason is Reason.FALLBACK for topic in self.topics.values())

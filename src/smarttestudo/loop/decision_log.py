@@ -75,7 +75,7 @@ def read_decisions(path: Path) -> list[Decision]:
 def _parsed(line: str, place: str) -> Decision:
     try:
         return Decision.from_json(json.loads(line))
-    except (ValueError, TypeError, LookupError, AttributeError, RecursionError) as error:
+    except (ValueError, RecursionError) as error:
         remedy = "give a file that --decisions wrote"
         raise DecisionLogError("not a decision", place=place, remedy=remedy) from error
 

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from base64 import b64decode, b64encode
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 from smarttestudo.domain.observation import (
@@ -15,6 +15,7 @@ from smarttestudo.domain.observation import (
     SourceChanged,
     Undecodable,
 )
+from smarttestudo.domain.record import from_json, to_json
 from smarttestudo.loop.inputs import (
     ChangeInput,
     MessageInput,
@@ -22,7 +23,15 @@ from smarttestudo.loop.inputs import (
     RuleTextsInput,
     WakeInput,
 )
-from smarttestudo.pacing.sample import WhenSlow
+
+_CHANGES: Mapping[str, type[SourceChanged | ListenersChanged | LinkBudget | ReceiversReckon]] = {
+    "source": SourceChanged,
+    "listeners": ListenersChanged,
+    "budget": LinkBudget,
+    "reckoned": ReceiversReckon,
+}
+_OTHERS: Mapping[str, type[WakeInput | RuleTextsInput]] = {"wake": WakeInput, "rules": RuleTextsInput}
+_EVENTS: Mapping[type, str] = {kind: event for event, kind in (*_CHANGES.items(), *_OTHERS.items())}
 
 
 def input_to_json(given: RecordedInput) -> dict[str, object]:
@@ -30,43 +39,10 @@ def input_to_json(given: RecordedInput) -> dict[str, object]:
     match given:
         case MessageInput():
             return {"event": "message", "stamp_ns": given.stamp_ns, **_message(given)}
-        case WakeInput():
-            return {"event": "wake", "stamp_ns": given.stamp_ns}
-        case ChangeInput():
-            return _change(given)
-        case RuleTextsInput():
-            return {
-                "event": "rules",
-                "stamp_ns": given.stamp_ns,
-                "rules": dict(given.rule_texts),
-                "profile": given.profile_text,
-                "names": dict(given.names),
-                "when_slow": given.when_slow.value,
-                "budget_kb_per_s": given.budget_kb_per_s,
-                "relay_all": given.relay_all,
-            }
-
-
-def _change(given: ChangeInput) -> dict[str, object]:
-    stamp_ns = given.stamp_ns
-    match given.change:
-        case SourceChanged() as source:
-            return {
-                "event": "source",
-                "stamp_ns": stamp_ns,
-                "topic": source.topic,
-                "publishers": source.publishers,
-                "transient_local": source.transient_local,
-                "type": source.type_name,
-            }
-        case ListenersChanged(topic=topic, are_there=are_there):
-            return {"event": "listeners", "stamp_ns": stamp_ns, "topic": topic, "are_there": are_there}
-        case LinkBudget(link_kb_per_s=budget_kb_per_s, is_measured=is_measured):
-            record: dict[str, object] = {"event": "budget", "stamp_ns": stamp_ns}
-            record["budget_kb_per_s"] = budget_kb_per_s
-            return record | {"measured": True} if is_measured else record
-        case ReceiversReckon(topics=topics):
-            return {"event": "reckoned", "stamp_ns": stamp_ns, "topics": sorted(topics)}
+        case ChangeInput(stamp_ns=stamp_ns, change=change):
+            return {"event": _EVENTS[type(change)], "stamp_ns": stamp_ns, **to_json(change)}
+        case _:
+            return {"event": _EVENTS[type(given)], **to_json(given)}
 
 
 def _message(given: MessageInput) -> dict[str, object]:
@@ -82,16 +58,13 @@ def _message(given: MessageInput) -> dict[str, object]:
 
 def input_from_json(record: Mapping[str, Any]) -> RecordedInput:
     """The input of one line. Raises ``ValueError``, ``TypeError`` or ``LookupError`` where it is none."""
-    readers: dict[str, Callable[[Mapping[str, Any]], RecordedInput]] = {
-        "message": _read_message,
-        "wake": lambda record: WakeInput(stamp_ns=int(record["stamp_ns"])),
-        "source": _read_source,
-        "listeners": _read_listeners,
-        "budget": _read_budget,
-        "reckoned": _read_reckoned,
-        "rules": _read_rules,
-    }
-    return readers[record["event"]](record)
+    event = record["event"]
+    if event == "message":
+        return _read_message(record)
+    if event in _CHANGES:
+        change = from_json(_CHANGES[event], record)
+        return ChangeInput(stamp_ns=int(record["stamp_ns"]), change=change)
+    return from_json(_OTHERS[event], record)
 
 
 def _read_message(record: Mapping[str, Any]) -> MessageInput:
@@ -102,44 +75,4 @@ def _read_message(record: Mapping[str, Any]) -> MessageInput:
         payload=b64decode(record.get("payload", ""), validate=True),
         message=None if record.get("decodable", True) else Undecodable(),
         publisher=record.get("publisher"),
-    )
-
-
-def _read_source(record: Mapping[str, Any]) -> ChangeInput:
-    change = SourceChanged(
-        topic=str(record["topic"]),
-        publishers=int(record["publishers"]),
-        transient_local=bool(record["transient_local"]),
-        type_name=str(record["type"]),
-    )
-    return ChangeInput(stamp_ns=int(record["stamp_ns"]), change=change)
-
-
-def _read_listeners(record: Mapping[str, Any]) -> ChangeInput:
-    change = ListenersChanged(topic=str(record["topic"]), are_there=bool(record["are_there"]))
-    return ChangeInput(stamp_ns=int(record["stamp_ns"]), change=change)
-
-
-def _read_budget(record: Mapping[str, Any]) -> ChangeInput:
-    budget = LinkBudget(
-        link_kb_per_s=float(record["budget_kb_per_s"]), is_measured=bool(record.get("measured", False))
-    )
-    return ChangeInput(stamp_ns=int(record["stamp_ns"]), change=budget)
-
-
-def _read_reckoned(record: Mapping[str, Any]) -> ChangeInput:
-    change = ReceiversReckon(topics=frozenset(map(str, record["topics"])))
-    return ChangeInput(stamp_ns=int(record["stamp_ns"]), change=change)
-
-
-def _read_rules(record: Mapping[str, Any]) -> RuleTextsInput:
-    budget_kb_per_s, relay_all = record["budget_kb_per_s"], record["relay_all"]
-    return RuleTextsInput(
-        stamp_ns=int(record["stamp_ns"]),
-        rule_texts={str(path): str(text) for path, text in record["rules"].items()},
-        profile_text=record["profile"],
-        names={str(name): str(full) for name, full in record["names"].items()},
-        when_slow=WhenSlow(record["when_slow"]),
-        budget_kb_per_s=None if budget_kb_per_s is None else float(budget_kb_per_s),
-        relay_all=None if relay_all is None else tuple(map(str, relay_all)),
     )

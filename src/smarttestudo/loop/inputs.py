@@ -6,10 +6,12 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field
+from typing import Annotated
 
 from smarttestudo.domain.observation import LinkBudget, ListenersChanged, ReceiversReckon, SourceChanged
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.profile import Profile
+from smarttestudo.domain.record import Entry
 from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.pacing.sample import WhenSlow
 
@@ -64,8 +66,8 @@ class RuleTextsInput:
     """
 
     stamp_ns: int
-    rule_texts: Mapping[str, str]
-    profile_text: str | None = None
+    rule_texts: Annotated[Mapping[str, str], Entry(name="rules")]
+    profile_text: Annotated[str | None, Entry(name="profile")] = None
     names: Mapping[str, str] = field(default_factory=dict)
     when_slow: WhenSlow = WhenSlow.PASS
     budget_kb_per_s: float | None = None

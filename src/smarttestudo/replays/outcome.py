@@ -7,9 +7,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from statistics import fmean
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 from smarttestudo.domain.rate_meter import Flow
+from smarttestudo.domain.record import Entry, to_json
 from smarttestudo.domain.units import BYTES_PER_KB
 from smarttestudo.loop.statistics import RelayStatistics, TargetRate
 from smarttestudo.pacing.bound import BoundRecord
@@ -29,9 +30,9 @@ class TopicOutcome:
     is ``None``.
     """
 
-    output_topic: str
-    messages_in: int
-    messages_out: int
+    output_topic: Annotated[str, Entry(name="monitored_topic")]
+    messages_in: Annotated[int, Entry(name="in")]
+    messages_out: Annotated[int, Entry(name="out")]
     repeated: int
     source_hz: float | None
     target_hz: float | None
@@ -41,36 +42,8 @@ class TopicOutcome:
     out_kb: float
     declared: bool = False
     frames: int | None = None
-    bounds: Mapping[str, BoundRecord] = field(default_factory=dict)
-    unreadable: int = 0
-
-    def to_json(self) -> dict[str, object]:
-        """The topic's entry in ``--json``."""
-        return {
-            "monitored_topic": self.output_topic,
-            "in": self.messages_in,
-            "out": self.messages_out,
-            "repeated": self.repeated,
-            "source_hz": self.source_hz,
-            "target_hz": self.target_hz,
-            "mean_hz": self.mean_hz,
-            "error_percent": self.error_percent,
-            "in_kb": self.in_kb,
-            "out_kb": self.out_kb,
-            "declared": self.declared,
-            "frames": self.frames,
-            **self._bounds_json(),
-        }
-
-    def _bounds_json(self) -> dict[str, object]:
-        """Nothing for a topic without bounds."""
-        if not self.bounds:
-            return {}
-        bounds = {
-            name: {"bound": one.bound, "worst": one.worst, "broken": one.broken}
-            for name, one in self.bounds.items()
-        }
-        return {"bounds": bounds}
+    bounds: Annotated[Mapping[str, BoundRecord], Entry(omits_default=True)] = field(default_factory=dict)
+    unreadable: Annotated[int, Entry(is_absent=True)] = 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -90,12 +63,12 @@ class ReplayOutcome:
     def rows(self) -> Iterator[dict[str, object]]:
         """One row for each topic."""
         for name, topic in self.topics.items():
-            yield {"topic": name, **topic.to_json()}
+            yield {"topic": name, **to_json(topic)}
 
     def to_json(self) -> dict[str, object]:
         """The object that ``testudo replay --json`` prints."""
         return {
-            "topics": {name: topic.to_json() for name, topic in self.topics.items()},
+            "topics": {name: to_json(topic) for name, topic in self.topics.items()},
             "total": {
                 "in": sum(topic.messages_in for topic in self.topics.values()),
                 "out": sum(topic.messages_out for topic in self.topics.values()),

@@ -15,10 +15,10 @@ from smarttestudo.domain.incident import DEFAULT_INCIDENT_MEMORY_MB, DEFAULT_INC
 from smarttestudo.domain.names import is_topic_prefix
 from smarttestudo.domain.parameter import Accept, Access, Parameter, ParameterValue
 from smarttestudo.domain.robot import Robot
+from smarttestudo.domain.status import STATUS_HZ
 from smarttestudo.pacing.sample import WhenSlow
 from smarttestudo.robot.incidents import IncidentOptions
 from smarttestudo.robot.output_topics import DEFAULT_OUTPUT_TOPIC
-from smarttestudo.robot.status import STATUS_HZ
 
 MAX_STATUS_HZ = 20.0
 PARAMETERS = (

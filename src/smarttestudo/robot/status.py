@@ -13,6 +13,7 @@ from smarttestudo.domain.decision import PlannedRate
 from smarttestudo.domain.profile import TopicProfile
 from smarttestudo.domain.rate_meter import FlowMeter, RateWindow
 from smarttestudo.domain.status import (
+    STATUS_HZ,
     ProcessReading,
     RulesInForce,
     RuntimeStatus,
@@ -29,8 +30,6 @@ from smarttestudo.pacing.sample import StreamKind
 from smarttestudo.robot.topic import TopicLink
 
 TOLERANCE_PERCENT = 5.0
-STATUS_HZ = 1.0
-"""How often the status is published unless a subscriber requests more."""
 _CPU_OVER_NS = NS_PER_S * 9 // 10
 _ERROR_AFTER_NS = 5 * NS_PER_S
 # What a pacer's credit and the edges of a window may add or take.

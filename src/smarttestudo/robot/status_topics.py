@@ -10,12 +10,11 @@ from smarttestudo.domain.errors import RosError, said
 from smarttestudo.domain.json_text import json_text
 from smarttestudo.domain.link import OutgoingLink
 from smarttestudo.domain.names import STATUS_TOPIC
+from smarttestudo.domain.record import to_json
 from smarttestudo.domain.robot import Qos, Robot
-from smarttestudo.domain.status import RuntimeStatus
-from smarttestudo.domain.status_json import status_to_json
+from smarttestudo.domain.status import STATUS_HZ, RuntimeStatus
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.robot.diagnostics import diagnostics
-from smarttestudo.robot.status import STATUS_HZ
 
 STATUS_QOS = Qos(reliable=True, transient_local=True, depth=1)
 DIAGNOSTICS_TOPIC = "/diagnostics"
@@ -62,7 +61,7 @@ class StatusPublisher:
 
 def _as_text(robot: Robot) -> _Announce:
     publish = robot.text_publisher(STATUS_TOPIC, STATUS_QOS, goes_over_link=False)
-    return lambda status: publish(json_text(status_to_json(status), ascii_only=False))
+    return lambda status: publish(json_text(to_json(status), ascii_only=False))
 
 
 def _as_diagnostics(robot: Robot) -> _Announce:

@@ -17,8 +17,8 @@ from robot.status.statuses import RELAYED, STATUS
 from smarttestudo.domain.json_text import json_text
 from smarttestudo.domain.link import ReceivedMessage
 from smarttestudo.domain.names import STATUS_TOPIC
+from smarttestudo.domain.record import to_json
 from smarttestudo.domain.status import TopicCounts
-from smarttestudo.domain.status_json import status_to_json
 from smarttestudo.link.protocol.receiver import ReceiverCounts
 from smarttestudo.link.receive.reception import Reception
 from smarttestudo.link.receive.reception_metrics import MAX_TOPICS, ReceptionMetrics
@@ -98,7 +98,7 @@ def test_a_robots_own_status_is_told_under_the_names_that_it_has_there() -> None
     statuses = StatusSink(STATUS_TOPIC)
     reception = Reception([statuses])
     reception.take(status_message("{"), 0)
-    reception.take(status_message(json_text(status_to_json(STATUS))), 0)
+    reception.take(status_message(json_text(to_json(STATUS))), 0)
     reception.take(message(), 0)
     found = numbers(reception, statuses)
     assert found["testudo_topic_target_hertz", "ada", "/imu"] == 50.0
@@ -116,9 +116,9 @@ def test_a_robots_own_status_is_told_under_the_names_that_it_has_there() -> None
 )
 def test_a_status_that_no_robot_has_costs_itself_and_is_counted(status: Any) -> None:
     statuses = StatusSink(STATUS_TOPIC)
-    statuses.take(status_message(json_text(status_to_json(STATUS))))
+    statuses.take(status_message(json_text(to_json(STATUS))))
     assert statuses.statuses() == {"ada": STATUS}
-    statuses.take(status_message(json_text(status_to_json(status))))
+    statuses.take(status_message(json_text(to_json(status))))
     assert statuses.statuses() == {"ada": STATUS}
     assert statuses.unreadable == 1
 

@@ -14,9 +14,10 @@ from pacing.test_frame_reader import tf_message
 from robot.status.status_driver import StatusDriver
 from smarttestudo.domain.decision import Reason
 from smarttestudo.domain.profile import Profile, TopicProfile
+from smarttestudo.domain.record import to_json
 from smarttestudo.domain.robot import Endpoint, Qos
 from smarttestudo.domain.status import Silence
-from smarttestudo.domain.status_json import status_from_text, status_to_json
+from smarttestudo.domain.status_json import status_from_text
 from smarttestudo.loop.inputs import MessageInput
 from smarttestudo.robot.topic import not_offered
 
@@ -199,4 +200,4 @@ def test_the_rates_of_transforms_are_those_of_each_frame() -> None:
     assert tf.actual_hz == pytest.approx(10, rel=0.01)
     assert tf.error_percent == pytest.approx(0, abs=1)
     assert tf.keeps_rate
-    assert status_from_text(json.dumps(status_to_json(driver.look()))).topics["/tf"].frames == 3
+    assert status_from_text(json.dumps(to_json(driver.look()))).topics["/tf"].frames == 3

@@ -18,9 +18,10 @@ from robot.status.virtual_robot import VirtualRobot
 from smarttestudo.cli.top_table import Look, SortKey, summary_lines, topic_lines
 from smarttestudo.domain.decision import Reason
 from smarttestudo.domain.names import STATUS_TOPIC
+from smarttestudo.domain.record import to_json
 from smarttestudo.domain.signal import Truth
 from smarttestudo.domain.status import RulesOrigin, Silence
-from smarttestudo.domain.status_json import status_from_text, status_to_json
+from smarttestudo.domain.status_json import status_from_text
 from smarttestudo.robot.ros.graph_robots import GraphRobots
 from smarttestudo.ruler.answers.live_view import Live, live_model, robot_summaries
 from smarttestudo.ruler.answers.robot_watch import RobotWatch
@@ -43,7 +44,7 @@ def live() -> Live:
 
 
 def test_nothing_that_it_said_is_lost() -> None:
-    assert status_to_json(STATUS) == json.loads(TEXT)
+    assert to_json(STATUS) == json.loads(TEXT)
 
 
 def test_its_words_mean_what_they_meant() -> None:

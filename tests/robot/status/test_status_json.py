@@ -18,10 +18,11 @@ from robot.status.statuses import RELAYED, STATUS
 from smarttestudo.domain.decision import BoundReason, Reason
 from smarttestudo.domain.incident import IncidentState
 from smarttestudo.domain.link_state import AcceptedTopic
+from smarttestudo.domain.record import to_json
 from smarttestudo.domain.status import RulesOrigin, Silence, TopicStatus
-from smarttestudo.domain.status_json import status_from_text, status_to_json
+from smarttestudo.domain.status_json import status_from_text
 
-TEXT = json.dumps(status_to_json(STATUS))
+TEXT = json.dumps(to_json(STATUS))
 RECORD = json.loads(TEXT)
 json_values = st.recursive(
     st.none()
@@ -126,7 +127,7 @@ ACCEPTED = (
 
 def test_what_is_accepted_of_operators_is_read_and_left_out_where_nothing_is() -> None:
     status = replace(STATUS, accepted=ACCEPTED)
-    assert status_from_text(json.dumps(status_to_json(status))) == status
+    assert status_from_text(json.dumps(to_json(status))) == status
     assert "accepted" not in RECORD
 
 
@@ -137,7 +138,7 @@ def test_bounds_and_what_decided_them_are_read_and_left_out_where_there_are_none
     }
     topics = {"/imu": replace(RELAYED, within={"position": 0.05}, bound_reasons=reasons)}
     status = replace(STATUS, topics=topics)
-    assert status_from_text(json.dumps(status_to_json(status))) == status
+    assert status_from_text(json.dumps(to_json(status))) == status
     assert not {"within", "bound_reasons"} & RECORD["topics"]["/imu"].keys()
 
 
@@ -156,7 +157,7 @@ def test_what_recording_costs_is_read_and_left_out_where_nothing_is_recorded() -
     with_ring = replace(state, ring_bytes=40_120_000, ring_max_bytes=5_000_000_000)
     for incidents in (state, replace(state, problem=None), with_ring):
         status = replace(STATUS, incidents=incidents)
-        assert status_from_text(json.dumps(status_to_json(status))) == status
+        assert status_from_text(json.dumps(to_json(status))) == status
     assert "incidents" not in RECORD
 
 

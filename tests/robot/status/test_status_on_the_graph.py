@@ -11,11 +11,11 @@ from robot.memory_link import MemoryLink
 from robot.status.statuses import STATUS
 from robot.status.virtual_robot import Source, VirtualRobot
 from smarttestudo.domain.names import STATUS_TOPIC
-from smarttestudo.domain.status_json import status_to_json
+from smarttestudo.domain.record import to_json
 from smarttestudo.robot.ros.graph_robots import GraphRobots
 from smarttestudo.robot.status_topics import StatusPublisher
 
-TEXT = json.dumps(status_to_json(STATUS))
+TEXT = json.dumps(to_json(STATUS))
 DIAGNOSTICS = "diagnostic_msgs/msg/DiagnosticArray"
 
 
@@ -55,7 +55,7 @@ def test_several_smarttestudos_are_told_apart() -> None:
     watch = GraphRobots(robot, robot.steady_s)
     assert not watch.has_heard_all
     for node in both:
-        robot.say(STATUS_TOPIC, json.dumps(status_to_json(replace(STATUS, node=node))))
+        robot.say(STATUS_TOPIC, json.dumps(to_json(replace(STATUS, node=node))))
         assert watch.has_heard_all == (node == both[-1])
     assert [heard.status.node for heard in watch.heard.values()] == list(both)
 
@@ -65,7 +65,7 @@ def test_nodes_of_one_name_are_told_apart_by_the_robots_names() -> None:
     robot = VirtualRobot(sources={STATUS_TOPIC: Source(nodes=(node, node))})
     robots = GraphRobots(robot, robot.steady_s)
     for name in ("ada", "bob"):
-        robot.say(STATUS_TOPIC, json.dumps(status_to_json(replace(STATUS, robot=name))))
+        robot.say(STATUS_TOPIC, json.dumps(to_json(replace(STATUS, robot=name))))
         assert robots.has_heard_all == (name == "bob")
     assert robots.heard.keys() == {"ada:/smarttestudo", "bob:/smarttestudo"}
 

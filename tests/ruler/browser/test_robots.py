@@ -24,8 +24,8 @@ from ruler.browser.ruler_page import RulerPage
 from smarttestudo.domain.decision import Reason
 from smarttestudo.domain.json_text import json_text
 from smarttestudo.domain.link_state import LinkState, StreamCounts, TopicOnLink
+from smarttestudo.domain.record import to_json
 from smarttestudo.domain.status import RulesInForce, RulesOrigin, RuntimeStatus
-from smarttestudo.domain.status_json import status_to_json
 from smarttestudo.rules.profile_file import load_profile
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ def status(number: int, age_ms: float | None = None) -> RuntimeStatus:
 
 
 def publish(fleet: Process, statuses: Sequence[RuntimeStatus]) -> None:
-    fleet.say(json.dumps([json_text(status_to_json(one)) for one in statuses]))
+    fleet.say(json.dumps([json_text(to_json(one)) for one in statuses]))
 
 
 @pytest.fixture

@@ -9,9 +9,9 @@ from collections.abc import Callable
 
 import zenoh
 
-from smarttestudo.domain.compact_status import compact_status, is_measured
 from smarttestudo.domain.errors import LinkError
 from smarttestudo.domain.status import RuntimeStatus
+from smarttestudo.domain.status_json import compact_status, is_measured
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.link.protocol.status_stream import StatusSender
 from smarttestudo.link.zenoh.compression import packed

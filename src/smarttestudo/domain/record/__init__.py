@@ -1,0 +1,29 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Records: dataclasses as JSON and back, as the types of their fields say."""
+
+from smarttestudo.domain.record.codec import from_json, measured_names, to_json
+from smarttestudo.domain.record.entry import (
+    AtMost,
+    Count,
+    Decimals,
+    Entry,
+    Mark,
+    Measured,
+    Significant,
+    derived,
+)
+
+__all__ = [
+    "AtMost",
+    "Count",
+    "Decimals",
+    "Entry",
+    "Mark",
+    "Measured",
+    "Significant",
+    "derived",
+    "from_json",
+    "measured_names",
+    "to_json",
+]

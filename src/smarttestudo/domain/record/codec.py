@@ -1,0 +1,386 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Records: dataclasses as JSON and back, as the types of their fields say.
+
+A field is an entry of the object under its own name, unless ``Entry`` says otherwise. Enums stand by their
+values, those of numbers by their names in lower case; tuples are lists, mappings are objects; a class with
+``to_json`` and ``from_json`` writes itself.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import MISSING, Field, dataclass, fields, is_dataclass
+from enum import Enum
+from functools import cache
+from types import UnionType
+from typing import Annotated, Any, TypeVar, Union, cast, get_args, get_origin, get_type_hints
+
+from smarttestudo.domain.record.entry import AtMost, Decimals, Entry, Mark, Significant
+
+_Value = TypeVar("_Value")
+_Encode = Callable[[Any], object]
+_Decode = Callable[[Any], Any]
+
+
+def to_json(record: object) -> dict[str, Any]:
+    """The object that ``record``, a dataclass, is in JSON."""
+    kind: Any = type(record)
+    return _class_of(kind).encode(record)
+
+
+def from_json(kind: type[_Value], value: object) -> _Value:
+    """The ``kind`` that a stranger's JSON ``value`` holds; raises ``ValueError`` where it holds none.
+
+    What is absent has the field's default, or is ``None`` if the type allows it. What ``kind`` does not know
+    is left out.
+    """
+    return cast("_Value", _class_of(cast("Any", kind)).decode(value))
+
+
+_ALWAYS = object()
+"""The default of an entry that is always written: equal to no value."""
+
+
+@cache
+def measured_names(kind: type) -> frozenset[str]:
+    """The keys in the JSON of ``kind``, and of what it holds, under which measurements stand."""
+    return frozenset(_class_of(kind).measured())
+
+
+@cache
+def _class_of(kind: type) -> _RecordClass:
+    return _RecordClass(kind)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _EntryOf:
+    """One field: the ways of its value, and where it stands."""
+
+    field: Field[Any]
+    entry: Entry
+    value: _Ways
+
+    @property
+    def key(self) -> str:
+        return self.entry.name or self.field.name
+
+    @property
+    def default(self) -> object:
+        """The value where there is no entry; raises ``ValueError`` if one is needed."""
+        if self.field.default is not MISSING:
+            return self.field.default
+        if self.field.default_factory is not MISSING:
+            return self.field.default_factory()
+        for null in self.value.null:
+            return null
+        raise ValueError(f"{self.key} is missing")
+
+
+class _RecordClass:
+    """The plan of one dataclass, made once."""
+
+    def __init__(self, kind: type) -> None:
+        self._kind = kind
+        hints = get_type_hints(kind, include_extras=True)
+        self._entries = [
+            _EntryOf(field=field, entry=entry, value=_ways(hint, entry))
+            for field in fields(kind)
+            for hint, entry in [(hints[field.name], _entry(hints[field.name]))]
+        ]
+        self._plan = [
+            (one.field.name, one.key, one.value.encode, one.default if one.entry.omits_default else _ALWAYS)
+            for one in self._entries
+            if not (one.entry.is_absent or one.entry.is_merged)
+        ]
+        self._merged = [
+            (one.field.name, cast("Callable[[Any], dict[str, Any]]", one.value.encode))
+            for one in self._entries
+            if one.entry.is_merged
+        ]
+        self._derived: list[tuple[str, str, _Encode | None]] = []
+        self._derived_measured: list[str] = []
+        for attribute, getter in _getters(kind):
+            if name := vars(getter).get("record_entry"):
+                ways = _ways(get_type_hints(getter, include_extras=True)["return"], Entry())
+                self._derived.append((name, attribute, ways.encode))
+                self._derived_measured += [name] * ways.is_measured
+
+    def encode(self, record: object) -> dict[str, Any]:
+        written: dict[str, Any] = {}
+        for field, key, encode, default in self._plan:
+            value = getattr(record, field)
+            if value is not None and value != default:
+                written[key] = value if encode is None else encode(value)
+            elif default is _ALWAYS:
+                written[key] = None
+        for field, encode in self._merged:
+            written.update(encode(getattr(record, field)))
+        for name, attribute, encode in self._derived:
+            value = getattr(record, attribute)
+            written[name] = value if value is None or encode is None else encode(value)
+        return written
+
+    def row(self, record: object) -> list[object]:
+        return [
+            value if (value := getattr(record, field)) is None or encode is None else encode(value)
+            for field, _, encode, _ in self._plan
+        ]
+
+    def decode(self, value: object) -> object:
+        if not isinstance(value, dict):
+            raise ValueError(f"not an object: {str(value)[:40]}")  # noqa: TRY004 - a stranger's text
+        return self._kind(**{one.field.name: self._read(one, value) for one in self._entries})
+
+    def decode_row(self, value: object) -> object:
+        if not isinstance(value, list) or len(value) < len(self._plan):
+            raise ValueError(f"not a list of {len(self._plan)}")
+        return self.decode({key: found for (_, key, _, _), found in zip(self._plan, value, strict=False)})
+
+    def _read(self, one: _EntryOf, value: Mapping[str, object]) -> object:
+        if one.entry.is_absent:
+            return one.default
+        if one.key not in value and not one.entry.is_merged:
+            return one.default
+        found = value if one.entry.is_merged else value[one.key]
+        if found is None and one.value.null:
+            return one.value.null[0]
+        try:
+            return one.value.decode(found)
+        except ValueError as error:
+            if one.entry.is_lenient:
+                return one.default
+            raise ValueError(f"{one.key}: {error}") from error
+
+    def measured(self) -> Iterator[str]:
+        for one in self._entries:
+            if one.value.is_measured:
+                yield one.key
+            if one.value.record not in (None, self._kind):
+                yield from _class_of(one.value.record).measured()
+        yield from self._derived_measured
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Ways:
+    """How a value is written and read; ``null`` holds what an absent one means, ``record`` is its class.
+
+    Without ``encode`` it is written as it is, and ``None`` is written as null in any case.
+    """
+
+    encode: _Encode | None
+    decode: _Decode
+    null: tuple[object, ...] = ()
+    is_measured: bool = False
+    record: type | None = None
+
+
+def _getters(kind: type) -> Iterator[tuple[str, Callable[..., object]]]:
+    for name, member in vars(kind).items():
+        if isinstance(member, property) and member.fget is not None:
+            yield name, member.fget
+
+
+def _entry(hint: Any) -> Entry:
+    extras = get_args(hint)[1:] if get_origin(hint) is Annotated else ()
+    return next((one for one in extras if isinstance(one, Entry)), Entry())
+
+
+def _ways(hint: Any, entry: Entry) -> _Ways:
+    origin, parts = get_origin(hint), get_args(hint)
+    if origin is Annotated:
+        return _annotated(_ways(parts[0], entry), parts[1:])
+    if origin in (Union, UnionType):
+        return _optional(next(part for part in parts if part is not type(None)), entry)
+    if origin in (tuple, frozenset):
+        return _several(origin, parts[0], entry)
+    if origin is not None and issubclass(origin, Mapping):
+        return _mapping(parts[1])
+    if isinstance(hint, type) and hasattr(hint, "from_json"):
+        return _Ways(encode=lambda value: value.to_json(), decode=hint.from_json, null=_null_of(hint))
+    if isinstance(hint, type) and issubclass(hint, Enum):
+        return _enum(hint)
+    if is_dataclass(hint):
+        return _record(cast("type", hint))
+    return _Ways(encode=None, decode=_READ[hint])
+
+
+def _enum(kind: type[Enum]) -> _Ways:
+    names = {one: one.value if isinstance(one.value, str) else one.name.lower() for one in kind}
+    members = {name: one for one, name in names.items()}
+
+    def read(value: object) -> object:
+        if not isinstance(value, str) or value not in members:
+            raise ValueError(f"none of {', '.join(members)}: {str(value)[:40]}")
+        return members[value]
+
+    return _Ways(encode=names.__getitem__, decode=read)
+
+
+def _null_of(kind: Any) -> tuple[object, ...]:
+    try:
+        return (kind.from_json(None),)
+    except ValueError:
+        return ()
+
+
+def _record(kind: type) -> _Ways:
+    # Looked up when it is needed: a record may hold its own kind.
+    return _Ways(encode=to_json, decode=lambda value: _class_of(kind).decode(value), record=kind)
+
+
+def _optional(hint: Any, entry: Entry) -> _Ways:
+    one = _ways(hint, entry)
+    return _Ways(
+        encode=one.encode,
+        decode=lambda value: None if value is None else one.decode(value),
+        null=(None,),
+        is_measured=one.is_measured,
+        record=one.record,
+    )
+
+
+def _annotated(one: _Ways, extras: tuple[object, ...]) -> _Ways:
+    encode, decode, null = one.encode, one.decode, one.null
+    for extra in extras:
+        if isinstance(extra, Decimals):
+            encode = _rounded(extra.digits)
+        elif isinstance(extra, Significant):
+            encode = _significant(extra.digits)
+        elif isinstance(extra, AtMost):
+            decode = _limited(decode, extra.most)
+        elif extra is Mark.NULL_IS_INFINITE:
+            encode, null = _or_null, (math.inf,)
+    is_measured = one.is_measured or Mark.MEASURED in extras
+    return _Ways(encode=encode, decode=decode, null=null, is_measured=is_measured, record=one.record)
+
+
+def _rounded(digits: int) -> _Encode:
+    return lambda value: round(value, digits)
+
+
+def _significant(digits: int) -> _Encode:
+    return lambda value: float(f"{value:.{digits}g}") if math.isfinite(value) else None
+
+
+def _limited(decode: _Decode, most: float) -> _Decode:
+    def read(value: object) -> object:
+        number = decode(value)
+        if not -most <= number <= most:
+            raise ValueError(f"{number:.6g} is out of range")
+        return number
+
+    return read
+
+
+def _or_null(value: float) -> float | None:
+    return None if math.isinf(value) else value
+
+
+def _several(origin: type, hint: Any, entry: Entry) -> _Ways:
+    one = _ways(hint, Entry())
+    encode, decode = one.encode, one.decode
+    if entry.keyed_by:
+        return _keyed(hint, entry.keyed_by)
+    if entry.are_rows:
+        encode, decode = _class_of(hint).row, _class_of(hint).decode_row
+
+    def read(value: object) -> object:
+        if not isinstance(value, list):
+            raise ValueError("not a list")  # noqa: TRY004 - a stranger's text
+        return origin(_understood(decode, value) if entry.is_lenient else map(decode, value))
+
+    return _Ways(
+        # A set has no order that would be the same tomorrow.
+        encode=_each(encode, sorted if origin is frozenset else list),
+        decode=read,
+        is_measured=one.is_measured,
+        record=one.record,
+    )
+
+
+def _each(encode: _Encode | None, ordered: Callable[[Any], list[Any]]) -> _Encode:
+    if encode is None:
+        return ordered
+    return lambda value: [encode(item) for item in ordered(value)]
+
+
+def _understood(decode: _Decode, values: list[object]) -> Iterator[object]:
+    for value in values:
+        try:
+            yield decode(value)
+        except ValueError:  # noqa: PERF203 - each item by itself
+            continue
+
+
+def _keyed(kind: type, field: str) -> _Ways:
+    """A tuple of records as an object, without the field that is the key."""
+
+    def encode(value: Any) -> object:
+        return {
+            getattr(one, field): {key: found for key, found in to_json(one).items() if key != field}
+            for one in value
+        }
+
+    def decode(value: object) -> object:
+        if not isinstance(value, dict):
+            raise ValueError("not an object")  # noqa: TRY004 - a stranger's text
+        return tuple(
+            _class_of(kind).decode({**one, field: name} if isinstance(one, dict) else one)
+            for name, one in value.items()
+        )
+
+    return _Ways(encode=encode, decode=decode, record=kind)
+
+
+def _mapping(hint: Any) -> _Ways:
+    one = _ways(hint, Entry())
+
+    def read(value: object) -> object:
+        if not isinstance(value, dict):
+            raise ValueError("not an object")  # noqa: TRY004 - a stranger's text
+        return {name: one.decode(found) for name, found in value.items()}
+
+    encode = one.encode
+    return _Ways(
+        encode=dict
+        if encode is None
+        else lambda value: {name: None if found is None else encode(found) for name, found in value.items()},
+        decode=read,
+        is_measured=one.is_measured,
+        record=one.record,
+    )
+
+
+def _number(value: object) -> float:
+    if not isinstance(value, int | float) or isinstance(value, bool):
+        raise ValueError(f"not a number: {str(value)[:40]}")  # noqa: TRY004 - a stranger's text
+    try:
+        float(value)
+    except OverflowError as error:
+        raise ValueError("too large a number") from error
+    return value
+
+
+def _whole(value: object) -> int:
+    if not isinstance(value, int) or isinstance(value, bool):
+        raise ValueError(f"not a whole number: {str(value)[:40]}")  # noqa: TRY004 - a stranger's text
+    return value
+
+
+def _exactly(kind: type) -> _Decode:
+    def read(value: object) -> object:
+        if not isinstance(value, kind):
+            raise ValueError(f"not a {kind.__name__}: {str(value)[:40]}")  # noqa: TRY004 - a stranger's text
+        return value
+
+    return read
+
+
+_READ: Mapping[Any, _Decode] = {
+    float: _number,
+    int: _whole,
+    str: _exactly(str),
+    bool: _exactly(bool),
+}

@@ -1,0 +1,81 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""How a field of a record stands in JSON, as its type says."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import Enum
+from typing import Annotated, TypeVar
+
+_Method = TypeVar("_Method", bound=Callable[..., object])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Entry:
+    """How a field stands in its object.
+
+    ``name`` is its key, where that is not the field's name. ``keyed_by`` makes an object of a tuple of
+    records, by that field of each; with ``is_merged`` the entries of the record stand in the outer object;
+    ``are_rows``: each record of the tuple is the list of its fields. ``omits_default``: while it has its
+    default it has no entry. ``is_absent``: it never has one. ``is_lenient``: of a text that is read, what
+    is not understood is left out, in place of an error.
+    """
+
+    name: str = ""
+    keyed_by: str = ""
+    is_merged: bool = False
+    are_rows: bool = False
+    omits_default: bool = False
+    is_absent: bool = False
+    is_lenient: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Decimals:
+    """So many decimals of a number are written."""
+
+    digits: int
+
+
+@dataclass(frozen=True, slots=True)
+class Significant:
+    """So many significant digits of a number are written, and infinite ones as null."""
+
+    digits: int
+
+
+@dataclass(frozen=True, slots=True)
+class AtMost:
+    """A number that is read is between this and its negative."""
+
+    most: float
+
+
+class Mark(Enum):
+    """What else the type of a field may say."""
+
+    MEASURED = "measured"
+    """A measurement or a count, which changes all the time."""
+    NULL_IS_INFINITE = "null is infinite"
+
+
+Measured = Annotated[float, Decimals(3), Mark.MEASURED]
+"""A measured number, with three decimals."""
+
+Count = Annotated[int, Mark.MEASURED]
+"""A number that is counted up."""
+
+
+def derived(name: str = "") -> Callable[[_Method], _Method]:
+    """Write the property as an entry, too; ``name`` is its key, where that is not the property's name.
+
+    Goes below ``@property``. What is read ignores the entry.
+    """
+
+    def marked(method: _Method) -> _Method:
+        vars(method)["record_entry"] = name or method.__name__
+        return method
+
+    return marked
