@@ -21,7 +21,7 @@ from made_demos import made_demo, run_testudo_in
 from smarttestudo.domain.errors import ProfileError
 from smarttestudo.language.formatter import format_rules
 from smarttestudo.language.parser import parse
-from smarttestudo.robot.run_parameters import PARAMETERS
+from smarttestudo.robot.run import options_of
 from smarttestudo.rules.profile_file import load_profile
 
 ROOT = Path(__file__).parents[2]
@@ -176,4 +176,4 @@ def test_the_page_of_files_has_every_key_of_a_profile(tmp_path: Path) -> None:
 
 def test_the_page_of_parameters_has_every_parameter() -> None:
     page = (ROOT / "docs" / "reference" / "parameters.md").read_text(encoding="utf-8")
-    assert re.findall(r"^\| `(\w+)` \|", page, re.MULTILINE) == [one.name for one in PARAMETERS]
+    assert re.findall(r"^\| `(\w+)` \|", page, re.MULTILINE) == [one.name for one in options_of() if one.name]

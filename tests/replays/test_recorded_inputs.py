@@ -26,8 +26,8 @@ from smarttestudo.loop.inputs import (
     WakeInput,
 )
 from smarttestudo.robot.input_recorder import InputRecorder, Note
+from smarttestudo.robot.option import Settings
 from smarttestudo.robot.rules import LiveRules
-from smarttestudo.robot.run_parameters import RunRequest
 from smarttestudo.rules.rule_sets import check_texts
 
 MS = 1_000_000
@@ -58,7 +58,7 @@ def live_rules(text: str) -> LiveRules:
 
 def drive(note: Note) -> list[Decision]:
     """Ten seconds with a walk across a threshold, silence, a bad message, budgets and other rules."""
-    recorder, rules = InputRecorder(VirtualRobot(), RunRequest(), note), live_rules(RULES)
+    recorder, rules = InputRecorder(VirtualRobot(), Settings(), note), live_rules(RULES)
     loop = recorder.loop(rules, 0)
 
     def take(given: LoopInput) -> None:

@@ -11,13 +11,17 @@ import pytest
 
 from bags.bag_factory import BagMessage
 from bags.bag_reading import read_bag, read_with_rosbags
+from loop.loop_driver import rule_set_of
 from robot.memory_link import MemoryLink
 from robot.status.virtual_robot import SECOND, VirtualRobot
 from smarttestudo.domain.link import MessageOrigin, MissedMessage
+from smarttestudo.domain.link_state import LinkState
 from smarttestudo.domain.robot import Qos
+from smarttestudo.domain.status import RulesInForce
 from smarttestudo.loop.relay import Relayed
-from smarttestudo.robot.incidents import IncidentOptions
+from smarttestudo.robot.option import Settings
 from smarttestudo.robot.outages import FOLDER_NS, MAX_FOLDERS, LiveOutages
+from smarttestudo.robot.rules import LiveRules
 from smarttestudo.robot.topic import LiveSource
 
 QOS = Qos(reliable=True, transient_local=False, depth=5)
@@ -36,9 +40,15 @@ class Run:
         self.robot = Robot(sources={})
         self.link = MemoryLink()
         self.folder = folder
-        self.outages = LiveOutages(self.robot, self.link, IncidentOptions(folder=folder))
+        self.outages = LiveOutages(self.robot, self.link, folder, Settings())
+        rules = LiveRules(
+            rule_set=rule_set_of("begin SetFrequency /imu 10 end"),
+            output_topics={},
+            in_force=RulesInForce(sha256="abc"),
+        )
+        self.outages.follow(rules, 0)
         for topic in ("/imu", "/count"):
-            self.outages.hear(topic, LiveSource(type_name=IMU, publishers=1, qos=QOS))
+            self.outages.on_source(topic, LiveSource(type_name=IMU, publishers=1, qos=QOS), 0)
 
     def miss(self, *numbers: int, topic: str = "/imu") -> None:
         """A message each, of so many seconds after the start."""
@@ -51,7 +61,8 @@ class Run:
 
     def look(self, *, is_connected: bool) -> None:
         self.robot.elapsed_ns += SECOND // 4
-        self.outages.look("abc", is_connected=is_connected)
+        self.link.state = LinkState(is_connected=is_connected)
+        self.outages.poll()
 
     def found(self) -> list[Path]:
         return sorted(self.folder.iterdir()) if self.folder.exists() else []
@@ -106,7 +117,9 @@ def test_a_message_is_of_its_source_while_it_is_sent_and_a_repeated_one_of_none(
     seen: list[MessageOrigin | None] = []
     for repeated in (False, True):
         relayed = Relayed("/imu", stamp_ns=1, payload=b"", size_bytes=0, repeated=repeated)
-        run.outages.publish(relayed, lambda _: seen.append(run.link.origin()))
+        run.outages.before_publish(relayed)
+        seen.append(run.link.origin())
+        run.outages.after_publish()
     assert seen == [MessageOrigin(topic="/imu", stamp_ns=run.robot.now_ns()), None]
     assert run.link.origin() is None
 

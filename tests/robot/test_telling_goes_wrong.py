@@ -20,8 +20,8 @@ from smarttestudo.domain.status import TopicStatus
 from smarttestudo.loop.inputs import MessageInput, RecordedInput
 from smarttestudo.robot.decisions import LiveDecisions
 from smarttestudo.robot.input_recorder import InputRecorder
+from smarttestudo.robot.option import Settings
 from smarttestudo.robot.rules import LiveRules
-from smarttestudo.robot.run_parameters import RunRequest
 from smarttestudo.robot.status_topics import StatusPublisher
 
 NO_RETURN = Decision(
@@ -89,7 +89,7 @@ def test_inputs_that_cannot_be_recorded_are_said_once_and_the_loop_goes_on() -> 
         broken(given)
 
     rules = LiveRules(rule_set=rule_set_of("begin SetFrequency /scan 10 end"), output_topics={})
-    recorder = InputRecorder(robot, RunRequest(), note)
+    recorder = InputRecorder(robot, Settings(), note)
     loop = recorder.loop(rules, 0)
     for at_ns in (0, 100_000_000):
         given = MessageInput(at_ns, "/scan", b"", 100)

@@ -163,12 +163,16 @@ class SmallRobot:
 
     def runtime(self, rules: str, *arguments: str) -> Process:
         """``testudo run`` by the rules given as text."""
-        return self.testudo("run", "--rules", self._rule_file(rules), *arguments)
+        return self.testudo("run", "--rules", self.rule_file(rules), *arguments)
 
     def runtime_lacking(self, lack: str, rules: str, *arguments: str) -> Process:
         """``testudo run`` on an rclpy that lacks something; see ``other_rclpy.py``."""
-        path = self._rule_file(rules)
+        path = self.rule_file(rules)
         return self._start([str(FOLDER / "other_rclpy.py"), lack, "run", "--rules", path, *arguments])
+
+    def runtime_with_own_part(self, *arguments: str) -> Process:
+        """``testudo run`` with a part of a test; see ``own_part.py``."""
+        return self._start([str(FOLDER / "own_part.py"), *arguments])
 
     def receiver(self, endpoint: str, *arguments: str) -> Process:
         """``testudo receive`` that listens at ``endpoint``."""
@@ -200,7 +204,7 @@ class SmallRobot:
         for process in self._processes:
             process.end()
 
-    def _rule_file(self, rules: str) -> str:
+    def rule_file(self, rules: str) -> str:
         path = self.folder / f"rules{len(self._processes)}.adirf"
         path.write_text(rules, encoding="utf-8")
         return str(path)

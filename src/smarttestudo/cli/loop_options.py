@@ -104,7 +104,6 @@ def seconds(text: str) -> float:
 
 
 _MAX_MEMORY_MB = 1_000_000.0
-_MAX_DISK_GB = 1e6
 
 
 def memory_mb(text: str) -> float:
@@ -115,17 +114,6 @@ def memory_mb(text: str) -> float:
         number = 0.0
     if not 1 <= number <= _MAX_MEMORY_MB:
         raise argparse.ArgumentTypeError(f"{text!r} is not a number of MB from 1 to {_MAX_MEMORY_MB:.0f}")
-    return number
-
-
-def max_gb(text: str) -> float:
-    """Disk from the command line; ``ArgumentTypeError`` for anything but 1 MB to 1 PB."""
-    try:
-        number = float(text)
-    except ValueError:
-        number = 0.0
-    if not 0.001 <= number <= _MAX_DISK_GB:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number of GB from 0.001 to {_MAX_DISK_GB:.0f}")
     return number
 
 

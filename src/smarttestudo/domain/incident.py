@@ -13,6 +13,7 @@ from datetime import datetime, timedelta, timezone
 from enum import Enum
 from typing import Annotated
 
+from smarttestudo.domain.metric import Metered, MetricKind
 from smarttestudo.domain.record import AtMost, Entry
 from smarttestudo.domain.units import LAST_STAMP_NS, NS_PER_MS
 
@@ -141,12 +142,21 @@ class IncidentState:
     the last one could not be written, until the next one can.
     """
 
-    held_bytes: int
+    held_bytes: Annotated[
+        int, Metered("incident_memory", "bytes", "Memory that is held for what may happen.")
+    ]
     memory_bytes: int
     topics: int
-    open: int = 0
-    recorded: int = 0
-    failed: int = 0
+    open: Annotated[int, Metered("open", "incidents", "Incidents that are being recorded.")] = 0
+    recorded: Annotated[
+        int, Metered("recorded", "incidents", "Incidents that were recorded whole.", MetricKind.COUNTER)
+    ] = 0
+    failed: Annotated[
+        int,
+        Metered("failed", "incidents", "Incidents that were not recorded, or end early.", MetricKind.COUNTER),
+    ] = 0
     problem: str | None = None
-    ring_bytes: int = 0
+    ring_bytes: Annotated[
+        int, Metered("incident_ring", "bytes", "Disk that is held for what may happen.")
+    ] = 0
     ring_max_bytes: int | None = None

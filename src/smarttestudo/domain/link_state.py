@@ -7,6 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated
 
+from smarttestudo.domain.metric import Metered, MetricKind
 from smarttestudo.domain.record import Count, Entry, Measured
 
 
@@ -19,10 +20,33 @@ class StreamCounts:
     there; where it ``is_losing``, some of these within the last minute. ``queued_bytes`` wait now.
     """
 
-    sent: Count = 0
-    replaced: Count = 0
-    overflowed: Count = 0
-    queued_bytes: Count = 0
+    sent: Annotated[
+        Count,
+        Metered(
+            "topic_link_sent", "messages", "Messages that went out whole over the link.", MetricKind.COUNTER
+        ),
+    ] = 0
+    replaced: Annotated[
+        Count,
+        Metered(
+            "topic_link_replaced",
+            "messages",
+            "Messages that gave way to newer ones before the link.",
+            MetricKind.COUNTER,
+        ),
+    ] = 0
+    overflowed: Annotated[
+        Count,
+        Metered(
+            "topic_link_overflowed",
+            "messages",
+            "Messages lost because the topic's queue was full.",
+            MetricKind.COUNTER,
+        ),
+    ] = 0
+    queued_bytes: Annotated[
+        Count, Metered("topic_link_queued", "bytes", "What waits for the link of the topic.")
+    ] = 0
     is_losing: Annotated[bool, Entry(name="losing")] = False
 
 
@@ -36,10 +60,28 @@ class LinkState:
     there reckon the topics in ``predicted`` where they are told how.
     """
 
-    is_connected: Annotated[bool, Entry(name="connected")] = False
-    capacity_kb_per_s: Measured | None = None
-    round_trip_ms: Measured | None = None
-    outages: int = 0
+    is_connected: Annotated[
+        bool,
+        Entry(name="connected"),
+        Metered("link_connected", "", "1 if an operator is connected over the link, else 0."),
+    ] = False
+    capacity_kb_per_s: Annotated[
+        Measured | None,
+        Metered("link_capacity", "bytes_per_second", "What the link carries, where it is the limit."),
+    ] = None
+    round_trip_ms: Annotated[
+        Measured | None,
+        Metered("link_round_trip", "seconds", "The least round trip of the last seconds on the link."),
+    ] = None
+    outages: Annotated[
+        int,
+        Metered(
+            "link",
+            "outages",
+            "How often the operator's end was silent while something was under way.",
+            MetricKind.COUNTER,
+        ),
+    ] = 0
     sessions: Annotated[int, Entry(is_absent=True)] = 0
     predicted: Annotated[frozenset[str], Entry(is_absent=True)] = frozenset()
 
@@ -52,7 +94,10 @@ class TopicOnLink:
     """
 
     counts: Annotated[StreamCounts, Entry(is_merged=True)]
-    age_ms: Measured | None = None
+    age_ms: Annotated[
+        Measured | None,
+        Metered("topic_link_age", "seconds", "Age of the last message when it arrived at the operator."),
+    ] = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -39,6 +39,20 @@ class MetricName:
         return f"{self.name}{unit}{_SUFFIXES[self.kind]}"
 
 
+@dataclass(frozen=True, slots=True)
+class Metered:
+    """What the type of a field of a record says: the number is a metric, too.
+
+    Its ``name`` follows ``testudo_``. Where the field's name ends in another unit, as in ``age_ms``, the
+    number is converted to ``unit``.
+    """
+
+    name: str
+    unit: str
+    help: str
+    kind: MetricKind = MetricKind.GAUGE
+
+
 Sample = tuple[tuple[str, ...], float]
 """The values of the labels, and the number that they have."""
 

@@ -12,6 +12,7 @@ from typing import Annotated
 from smarttestudo.domain.decision import BoundReason, Reason
 from smarttestudo.domain.incident import IncidentState
 from smarttestudo.domain.link_state import AcceptedTopic, LinkState, TopicOnLink
+from smarttestudo.domain.metric import Metered, MetricKind
 from smarttestudo.domain.record import Count, Decimals, Entry, Mark, Measured, Significant, derived
 from smarttestudo.domain.signal import Truth
 
@@ -139,15 +140,33 @@ class TopicCounts:
     not be read by a check.
     """
 
-    received: Count = 0
-    relayed: Count = 0
-    repeated: Count = 0
+    received: Annotated[
+        Count, Metered("topic_received", "messages", "Messages that came.", MetricKind.COUNTER)
+    ] = 0
+    relayed: Annotated[
+        Count,
+        Metered(
+            "topic_relayed", "messages", "Messages that went out, repeated ones included.", MetricKind.COUNTER
+        ),
+    ] = 0
+    repeated: Annotated[
+        Count,
+        Metered("topic_repeated", "messages", "Messages that went out for another time.", MetricKind.COUNTER),
+    ] = 0
     discarded: Count = 0
-    undecodable: Count = 0
+    undecodable: Annotated[
+        Count,
+        Metered("topic_undecodable", "messages", "Messages that a check could not read.", MetricKind.COUNTER),
+    ] = 0
 
     @property
     @derived()
-    def dropped(self) -> Count:
+    def dropped(
+        self,
+    ) -> Annotated[
+        Count,
+        Metered("topic_dropped", "messages", "Messages held back so far; the last of them may still go out."),
+    ]:
         """Messages that came and were not relayed."""
         return self.received - (self.relayed - self.repeated)
 
@@ -172,16 +191,33 @@ class TopicStatus:
     reason: Reason
     rule: str | None
     line: int | None
-    target_hz: Annotated[float, Mark.NULL_IS_INFINITE]
-    source_hz: Measured | None
-    expected_hz: Measured | None
-    actual_hz: Measured | None
+    target_hz: Annotated[
+        float,
+        Mark.NULL_IS_INFINITE,
+        Metered("topic_target", "hertz", "The planned rate of the topic; +Inf for Full, 0 for Off."),
+    ]
+    source_hz: Annotated[
+        Measured | None, Metered("topic_source", "hertz", "Messages a second that come of the topic.")
+    ]
+    expected_hz: Annotated[
+        Measured | None, Metered("topic_expected", "hertz", "The lesser of target and source.")
+    ]
+    actual_hz: Annotated[
+        Measured | None, Metered("topic_actual", "hertz", "Messages a second that are relayed.")
+    ]
     error_percent: Measured | None
-    keeps_rate: bool
+    keeps_rate: Annotated[
+        bool, Metered("topic_keeps_rate", "", "0 if the rate is off by more than pacing explains, else 1.")
+    ]
     stamped_hz: Measured | None
-    delay_ms: Measured | None
-    in_kb_per_s: Measured
-    out_kb_per_s: Measured
+    delay_ms: Annotated[
+        Measured | None,
+        Metered("topic_delay", "seconds", "Age of the last message by its own stamp when it was relayed."),
+    ]
+    in_kb_per_s: Annotated[Measured, Metered("topic_input", "bytes_per_second", "What comes of the topic.")]
+    out_kb_per_s: Annotated[
+        Measured, Metered("topic_output", "bytes_per_second", "What is relayed of the topic.")
+    ]
     publishers: int
     subscribers: int
     incompatible: tuple[str, ...]
@@ -209,13 +245,21 @@ class RuntimeStatus:
     robot: Annotated[str, Entry(omits_default=True)] = ""
     node: str
     stamp_ns: int
-    uptime_s: Measured
+    uptime_s: Annotated[Measured, Metered("uptime", "seconds", "Time since the start of the run.")]
     status_hz: Annotated[float, Decimals(3)] = STATUS_HZ
     rules: RulesInForce
-    budget_kb_per_s: float | None
-    floors_break_budget: bool
-    cpu_percent: Measured | None
-    memory_mb: Measured | None
+    budget_kb_per_s: Annotated[
+        float | None,
+        Metered("budget", "bytes_per_second", "What relayed topics may take together, if limited."),
+    ]
+    floors_break_budget: Annotated[
+        bool, Metered("floors_break_budget", "", "1 if the floors alone are more than the budget, else 0.")
+    ]
+    cpu_percent: Annotated[
+        Measured | None,
+        Metered("cpu", "ratio", "CPU time of the run over the last second, as a share of one core."),
+    ]
+    memory_mb: Annotated[Measured | None, Metered("memory", "bytes", "Resident memory of the run.")]
     topics: Mapping[str, TopicStatus]
     blocks: Annotated[tuple[BlockStatus, ...], Entry(is_lenient=True)] = ()
     link: Annotated[LinkState | None, Entry(omits_default=True)] = None
@@ -224,6 +268,8 @@ class RuntimeStatus:
     """The topics that are accepted of operators."""
     incidents: Annotated[IncidentState | None, Entry(omits_default=True)] = None
     """What rules record, if that is carried out."""
+    sections: Annotated[Mapping[str, object], Entry(is_rest=True)] = field(default_factory=dict)
+    """What other parts tell of themselves: a record each, by its name; read from JSON, an object each."""
 
     @property
     def robot_id(self) -> str:
@@ -244,6 +290,10 @@ class RuntimeStatus:
 
     @property
     @derived("fallback")
-    def is_fallback(self) -> bool:
+    def is_fallback(
+        self,
+    ) -> Annotated[
+        bool, Metered("fallback", "", "1 if everything is relayed because there are no valid rules, else 0.")
+    ]:
         """Whether everything is relayed because there are no valid rules."""
         return any(topic.reason is Reason.FALLBACK for topic in self.topics.values())

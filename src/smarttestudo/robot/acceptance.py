@@ -5,14 +5,17 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from smarttestudo.domain.command import IncomingCommands, TooOld
 from smarttestudo.domain.errors import RosError
-from smarttestudo.domain.link_state import AcceptedTopic
+from smarttestudo.domain.link import OutgoingLink
 from smarttestudo.domain.robot import Publisher, Qos, Robot
+from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.robot.output_topics import OWN_TOPICS
+from smarttestudo.robot.part import Part, PartContext, PartKind
+from smarttestudo.robot.rules import LiveRules
 
 QOS = Qos(reliable=True, transient_local=False, depth=1)
 """It serves subscribers of any reliability; who comes late gets nothing old, and who is slow the newest."""
@@ -29,21 +32,31 @@ class _Served:
     publisher: Publisher | None = None
 
 
-class Acceptance:
+class Acceptance(Part):
     """Publishes accepted topics among the robot's own nodes, with the type that they subscribe with."""
 
-    def __init__(self, robot: Robot, commands: IncomingCommands) -> None:
+    def __init__(self, robot: Robot, commands: IncomingCommands, link: OutgoingLink | None = None) -> None:
         self._robot = robot
+        self._link = link
+        self._relayed: frozenset[str] = frozenset()
         self._commands = commands
         self._served = {topic.topic: _Served() for topic in commands.topics}
         self._too_old = TooOld()
         self._said: set[str] = set()
         self._without_ns: dict[str, int] = {}
 
-    @property
-    def topics(self) -> tuple[AcceptedTopic, ...]:
-        """What is known of each topic."""
-        return tuple(self._commands.topics)
+    def follow(self, rules: LiveRules, now_ns: int) -> None:  # noqa: ARG002 - a part's
+        """Know the names of what goes to operators."""
+        self._relayed = frozenset(rules.output_topics.values())
+
+    def on_graph(self) -> None:
+        """Follow the graph."""
+        is_connected = self._link is not None and self._link.state.is_connected
+        self.look(self._relayed, is_connected=is_connected)
+
+    def added_to(self, status: RuntimeStatus) -> RuntimeStatus:
+        """``status`` with what is known of each topic."""
+        return replace(status, accepted=tuple(self._commands.topics))
 
     def look(self, relayed: Collection[str], *, is_connected: bool) -> None:
         """Follow the graph; ``relayed`` are the names of what goes to operators."""
@@ -57,6 +70,7 @@ class Acceptance:
 
     def close(self) -> None:
         """Publish nothing more."""
+        # What operators send is published by another thread, which must not outlive the node.
         for topic, served in self._served.items():
             self._serve(topic, served, None, None)
 
@@ -110,3 +124,12 @@ class Acceptance:
         if sentence not in self._said:
             self._said.add(sentence)
             self._robot.log.warning(sentence)
+
+
+def _acceptance(context: PartContext) -> Acceptance | None:
+    if context.commands is None:
+        return None
+    return Acceptance(context.robot, context.commands, context.link)
+
+
+ACCEPTANCE_PART = PartKind(make=_acceptance)

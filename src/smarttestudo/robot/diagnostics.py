@@ -8,8 +8,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from smarttestudo.domain.incident import IncidentState
-from smarttestudo.domain.link_state import LinkState, TopicOnLink
+from smarttestudo.domain.link_state import TopicOnLink
 from smarttestudo.domain.rate import Rate
+from smarttestudo.domain.record import to_json
 from smarttestudo.domain.status import Diagnostic, DiagnosticLevel, RuntimeStatus, Silence, TopicStatus
 from smarttestudo.domain.units import BYTES_PER_MB, counted
 from smarttestudo.robot.status import TOLERANCE_PERCENT
@@ -61,8 +62,13 @@ def _of_node(status: RuntimeStatus) -> Diagnostic:
             "budget_kb_per_s": "none" if status.budget_kb_per_s is None else _number(status.budget_kb_per_s),
             "cpu_percent": _number(status.cpu_percent),
             "memory_mb": _number(status.memory_mb),
-            **({} if status.link is None else _link_values(status.link)),
+            **({} if status.link is None else _section_values("link", status.link)),
             **({} if status.incidents is None else _incident_values(status.incidents)),
+            **{
+                key: value
+                for name, section in status.sections.items()
+                for key, value in _section_values(name, section).items()
+            },
         },
     )
 
@@ -84,13 +90,15 @@ def _ring_values(state: IncidentState) -> Mapping[str, str]:
     return {"incident_ring_mb": _number(state.ring_bytes / BYTES_PER_MB)}
 
 
-def _link_values(link: LinkState) -> Mapping[str, str]:
-    return {
-        "link_connected": str(link.is_connected).lower(),
-        "link_capacity_kb_per_s": _number(link.capacity_kb_per_s),
-        "link_round_trip_ms": _number(link.round_trip_ms),
-        "link_outages": str(link.outages),
-    }
+def _section_values(name: str, section: object) -> Mapping[str, str]:
+    """The entries of a record, each under the section's name and its own."""
+    return {f"{name}_{key}": _said(value) for key, value in to_json(section).items()}
+
+
+def _said(value: object) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    return _number(value) if value is None or isinstance(value, float) else str(value)
 
 
 def node_health(status: RuntimeStatus) -> Health:

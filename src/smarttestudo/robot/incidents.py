@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import replace
 from pathlib import Path
 
 from smarttestudo.domain.errors import TestudoError
@@ -17,6 +17,7 @@ from smarttestudo.domain.incident import (
 )
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Robot, Subscription
+from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.domain.units import BYTES_PER_GB, BYTES_PER_MB
 from smarttestudo.incidents.background import BackgroundSink
 from smarttestudo.incidents.folder_lock import FolderLock
@@ -25,8 +26,9 @@ from smarttestudo.incidents.recorder import MAX_OPEN_INCIDENTS, IncidentRecorder
 from smarttestudo.incidents.recovery import complete_incidents
 from smarttestudo.incidents.ring_files import RingFiles
 from smarttestudo.incidents.space import make_room
-from smarttestudo.loop.relay_loop import RelayLoop
 from smarttestudo.robot.heard_channels import HeardChannels
+from smarttestudo.robot.option import Option, Settings, number, optional, path
+from smarttestudo.robot.part import Part, PartContext, PartKind, RunView
 from smarttestudo.robot.rules import LiveRules
 from smarttestudo.robot.topic import LiveSource
 
@@ -35,44 +37,73 @@ WAITING_SHARE = 0.25
 _WITHOUT_FOLDER = "the rules have a Record, and no folder is named to record into: --incidents DIR does"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class IncidentOptions:
-    """The folder of the incidents, none if nothing is recorded, and the memory for what came before.
+MAX_MEMORY_MB = 1e6
+MAX_DISK_GB = 1e6
+LEAST_DISK_GB = 0.001
 
-    What memory has no room for goes to the folder ``ring``, if there is one, at most ``ring_max_gb`` of it.
-    Where all incidents would take more than ``max_gb`` of disk, old ones are deleted.
-    """
+INCIDENTS = Option(
+    name="incidents",
+    flag="--incidents",
+    metavar="DIR",
+    help="folder to write what the rules record (Record) into, a folder for each incident",
+    read=path,
+)
+INCIDENT_MEMORY = Option(
+    name="incident_memory_mb",
+    flag="--incident-memory",
+    metavar="MB",
+    help="memory in MB for what came before an incident",
+    is_number=True,
+    read=number("MB", 1, MAX_MEMORY_MB),
+    default=float(DEFAULT_INCIDENT_MEMORY_MB),
+    is_typed=False,
+)
+INCIDENT_RING = Option(
+    name="incident_ring",
+    flag="--incident-ring",
+    metavar="DIR",
+    help="folder on disk for what came before an incident and does not fit into memory",
+    read=path,
+)
+INCIDENT_RING_MAX = Option(
+    name="incident_ring_max_gb",
+    flag="--incident-ring-max-gb",
+    metavar="GB",
+    help="GB of disk that --incident-ring may take",
+    is_number=True,
+    read=number("GB", LEAST_DISK_GB, MAX_DISK_GB),
+    default=float(DEFAULT_INCIDENT_RING_MAX_GB),
+    is_typed=False,
+)
+INCIDENTS_MAX = Option(
+    name="incidents_max_gb",
+    flag="--incidents-max-gb",
+    metavar="GB",
+    help="GB of disk that all incidents may take: old ones are deleted, those that were read first",
+    is_number=True,
+    read=optional(number("GB", LEAST_DISK_GB, MAX_DISK_GB)),
+    default=None,
+    is_typed=False,
+)
 
-    folder: Path | None = None
-    memory_mb: float = DEFAULT_INCIDENT_MEMORY_MB
-    ring: Path | None = None
-    ring_max_gb: float = DEFAULT_INCIDENT_RING_MAX_GB
-    max_gb: float | None = None
 
-    @property
-    def max_bytes(self) -> int | None:
-        """``max_gb`` in bytes."""
-        return None if self.max_gb is None else round(self.max_gb * BYTES_PER_GB)
-
-
-class LiveIncidents:
-    """Keeps the topics that rules record, and writes the incidents; nothing of it stops the relays.
-
-    ``static_topic`` is the robot's ``/tf_static``.
+class LiveIncidents(Part):
+    """Keeps the topics that rules record, and writes the incidents.
 
     Raises ``OutputFileError`` where the folder cannot be made, or another run records into it.
     """
 
-    def __init__(self, robot: Robot, options: IncidentOptions, static_topic: str) -> None:
+    def __init__(self, context: PartContext) -> None:
+        robot, settings, folder = context.robot, context.settings, context.settings[INCIDENTS]
         self._robot = robot
-        self._options = options
-        self._memory_bytes = round(options.memory_mb * BYTES_PER_MB)
-        self._static_topic = static_topic
+        self._settings = settings
+        self._memory_bytes = round(settings[INCIDENT_MEMORY] * BYTES_PER_MB)
+        self._static_topic = context.resolve("/tf_static")
         self._channels = HeardChannels(robot)
         self._recorder: IncidentRecorder | None = None
         self._background: BackgroundSink | None = None
         self._ring: RingFiles | None = None
-        self._ring_max_bytes = round(options.ring_max_gb * BYTES_PER_GB)
+        self._ring_max_bytes = round(settings[INCIDENT_RING_MAX] * BYTES_PER_GB)
         self._locks: list[FolderLock] = []
         # Of each topic: what it came over, how much that had lost, and the stamp of its last message.
         self._taken: dict[str, tuple[Subscription, int, int]] = {}
@@ -81,15 +112,17 @@ class LiveIncidents:
         # The thread that writes changes these.
         self._recorded = self._lost = 0
         self._problem: str | None = None
-        if options.folder is not None:
-            self._locks.append(FolderLock(options.folder, "--incidents"))
-            if options.ring is not None:
-                self._ring = self._opened_ring(options.ring)
-            for found in complete_incidents(options.folder):
+        if folder is not None:
+            self._locks.append(FolderLock(folder, "--incidents"))
+            if (ring := settings[INCIDENT_RING]) is not None:
+                self._ring = self._opened_ring(ring)
+            for found in complete_incidents(folder):
                 robot.log.warning(f"incident {found}")
-            delete_for_room(robot, options)
+            delete_for_room(robot, settings)
+            if context.link is not None:
+                context.link.offer_incidents(folder)
             folders = IncidentFolders(
-                options.folder,
+                folder,
                 self._channels.by_topic,
                 ring=self._ring,
                 failed=self._failed,
@@ -101,8 +134,6 @@ class LiveIncidents:
                 failed=self._failed,
                 ring=self._ring,
             )
-        self.topics: frozenset[str] = frozenset()
-        """The topics that are to be heard because of recordings."""
 
     @contextmanager
     def running(self) -> Iterator[None]:
@@ -145,19 +176,19 @@ class LiveIncidents:
         recorded = rule_set.recorded
         self.topics = recorded | {self._static_topic} if recorded else frozenset()
 
-    def watch(self, loop: RelayLoop) -> None:
+    def begin(self, run: RunView) -> None:
         """Begin an incident when a block of the loop does."""
         if self._recorder is not None:
-            loop.triggered = self._recorder.begin
+            run.loop.triggered = self._recorder.begin
 
-    def hear(self, topic: str, source: LiveSource, now_ns: int) -> None:
-        """Messages of ``source`` are received from now on, if they were not before."""
+    def on_source(self, topic: str, source: LiveSource, now_ns: int) -> None:
+        """Have the topic's type, and know from when on it is heard."""
         if self._recorder is None:
             return
         self._recorder.hear(topic, now_ns, transient_local=source.qos.transient_local)
         self._channels.hear(topic, source)
 
-    def take(
+    def on_message(
         self,
         topic: str,
         payload: Payload,
@@ -165,7 +196,7 @@ class LiveIncidents:
         now_ns: int,
         subscription: Subscription | None,
     ) -> None:
-        """A message came over ``subscription``, before the loop is given it."""
+        """Keep the message, and what its subscription lost before it."""
         recorder = self._recorder
         if recorder is None or not recorder.keeps(topic):
             return
@@ -181,8 +212,8 @@ class LiveIncidents:
         """When, on the clock, the next window is over."""
         return None if self._recorder is None else self._recorder.next_wake_ns
 
-    def advance(self, now_ns: int) -> None:
-        """Time passed."""
+    def on_wake(self, now_ns: int) -> None:
+        """End the windows that are over."""
         if self._recorder is None:
             return
         self._recorder.advance(now_ns)
@@ -192,12 +223,12 @@ class LiveIncidents:
                 f"incidents not recorded because {MAX_OPEN_INCIDENTS} were open: {self._refused} so far"
             )
 
-    def state(self) -> IncidentState | None:
-        """What recording costs now; ``None`` where nothing is recorded."""
+    def added_to(self, status: RuntimeStatus) -> RuntimeStatus:
+        """``status`` with what recording costs now, if anything is recorded."""
         recorder, ring = self._recorder, self._ring
         if recorder is None:
-            return None
-        return IncidentState(
+            return status
+        state = IncidentState(
             held_bytes=recorder.held_bytes,
             memory_bytes=self._memory_bytes,
             topics=recorder.topics,
@@ -208,6 +239,7 @@ class LiveIncidents:
             ring_bytes=0 if ring is None else ring.size_bytes,
             ring_max_bytes=None if ring is None else self._ring_max_bytes,
         )
+        return replace(status, incidents=state)
 
     def _opened_ring(self, folder: Path) -> RingFiles:
         self._locks.append(FolderLock(folder, "--incident-ring"))
@@ -221,7 +253,7 @@ class LiveIncidents:
         self._recorded += 1
         self._problem = None
         self._robot.log.info(f"incident {path.name}")
-        delete_for_room(self._robot, self._options)
+        delete_for_room(self._robot, self._settings)
 
     def _failed(self, name: str, error: TestudoError) -> None:
         self._lost += 1
@@ -229,13 +261,13 @@ class LiveIncidents:
         self._robot.log.warning(f"incident {name}: ends early: {error}")
 
 
-def delete_for_room(robot: Robot, options: IncidentOptions) -> None:
+def delete_for_room(robot: Robot, settings: Settings) -> None:
     """Delete old incidents where all would take more disk than they may; ``robot`` logs what was deleted."""
-    folder, max_bytes = options.folder, options.max_bytes
-    if folder is None or max_bytes is None or not folder.is_dir():
+    folder, max_gb = settings[INCIDENTS], settings[INCIDENTS_MAX]
+    if folder is None or max_gb is None or not folder.is_dir():
         return
     try:
-        for one in make_room(folder, max_bytes):
+        for one in make_room(folder, round(max_gb * BYTES_PER_GB)):
             if one.problem is not None:
                 robot.log.warning(f"incident {one.name}: stays, though room is needed: {one.problem}")
                 continue
@@ -243,3 +275,9 @@ def delete_for_room(robot: Robot, options: IncidentOptions) -> None:
             robot.log.warning(f"incident {one.name}: deleted to make room, {read}")
     except TestudoError as error:
         robot.log.warning(str(error))
+
+
+INCIDENTS_PART = PartKind(
+    make=LiveIncidents,
+    options=(INCIDENTS, INCIDENT_MEMORY, INCIDENT_RING, INCIDENT_RING_MAX, INCIDENTS_MAX),
+)

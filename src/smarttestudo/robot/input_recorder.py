@@ -18,8 +18,9 @@ from smarttestudo.loop.inputs import (
     RuleTextsInput,
 )
 from smarttestudo.loop.relay_loop import RelayLoop
+from smarttestudo.robot.option import Settings
 from smarttestudo.robot.rules import LiveRules
-from smarttestudo.robot.run_parameters import RunRequest
+from smarttestudo.robot.run_options import BUDGET, WHEN_SLOW
 
 Note = Callable[[RecordedInput], None]
 """Keeps an input; may raise ``TestudoError``."""
@@ -28,9 +29,9 @@ Note = Callable[[RecordedInput], None]
 class InputRecorder:
     """Makes the loop of a run, and passes its inputs to ``note``, if there is one, until that fails."""
 
-    def __init__(self, robot: Robot, request: RunRequest, note: Note | None) -> None:
+    def __init__(self, robot: Robot, settings: Settings, note: Note | None) -> None:
         self._robot = robot
-        self._request = request
+        self._settings = settings
         self._note = note
         self._publishers: dict[Hashable, int] = {}
 
@@ -41,9 +42,9 @@ class InputRecorder:
 
     def loop(self, rules: LiveRules, start_ns: int) -> RelayLoop:
         """A loop that starts with ``rules``."""
-        request, rule_set, profile = self._request, rules.rule_set, rules.profile
+        settings, rule_set, profile = self._settings, rules.rule_set, rules.profile
         self.record(RulesInput(stamp_ns=start_ns, rule_set=rule_set, profile=profile), rules)
-        return RelayLoop(rule_set, profile, start_ns, request.when_slow, request.budget_kb_per_s)
+        return RelayLoop(rule_set, profile, start_ns, settings[WHEN_SLOW], settings[BUDGET])
 
     def record(self, given: LoopInput, rules: LiveRules) -> None:
         """Keep an input that the loop is about to take; ``rules`` are those in force with it."""
@@ -83,8 +84,8 @@ class InputRecorder:
             rule_texts=rules.texts,
             profile_text=rules.profile_text,
             names=rules.names,
-            when_slow=self._request.when_slow,
-            budget_kb_per_s=self._request.budget_kb_per_s,
+            when_slow=self._settings[WHEN_SLOW],
+            budget_kb_per_s=self._settings[BUDGET],
             relay_all=rules.rule_set.relayed if is_fallback else None,
         )
 

@@ -12,9 +12,13 @@ from smarttestudo.domain.decision import PlannedRate
 from smarttestudo.domain.link import LinkNeeds, OutgoingLink, Prediction
 from smarttestudo.domain.link_state import LinkState, StreamCounts, TopicOnLink
 from smarttestudo.domain.observation import LinkBudget, ListenersChanged, ReceiversReckon
+from smarttestudo.domain.robot import Robot
 from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.loop.inputs import ChangeInput
 from smarttestudo.loop.relay import ReckonedPicture
+from smarttestudo.robot.link_questions import LinkQuestions
+from smarttestudo.robot.part import Part, PartContext, PartKind, RunView
 from smarttestudo.robot.rules import LiveRules
 
 LINK_PERIOD_S = 0.25
@@ -150,3 +154,53 @@ class LinkWatch:
             return False
         self._has_risen = True
         return True
+
+
+class LinkPart(Part):
+    """Carries what is relayed over a link, and what is asked over it to the node."""
+
+    poll_s = LINK_PERIOD_S
+
+    def __init__(self, robot: Robot, link: OutgoingLink) -> None:
+        self._robot = robot
+        self._watch = LinkWatch(link)
+        self._run: RunView | None = None
+
+    def begin(self, run: RunView) -> None:
+        """Know the loop."""
+        self._run = run
+
+    def poll(self) -> None:
+        """Tell the loop what changed on the link, and the link what the loop plans."""
+        run = self._run
+        if run is None:
+            return
+        now_ns, rules = self._robot.now_ns(), run.rules
+        plan = run.loop.knowledge.plan
+        for change in self._watch.changed_receivers(rules, plan, run.heard_here()):
+            run.give(ChangeInput(stamp_ns=now_ns, change=change))
+        self._watch.tell_pictures(rules, plan, run.loop.relays.pictures)
+        self._watch.follow(rules, plan)
+        budget = self._watch.changed_budget(self._robot.steady_ns())
+        if budget is not None:
+            run.give(ChangeInput(stamp_ns=self._robot.now_ns(), change=budget))
+
+    def before_relays(self) -> None:
+        """Have receivers reckon what is about to go out."""
+        if self._run is not None:
+            loop = self._run.loop
+            self._watch.tell_pictures(self._run.rules, loop.knowledge.plan, loop.relays.pictures)
+
+    def added_to(self, status: RuntimeStatus) -> RuntimeStatus:
+        """``status`` with the state of the link and of each topic on it."""
+        return self._watch.added_to(status)
+
+
+def _link(context: PartContext) -> LinkPart | None:
+    if context.link is None:
+        return None
+    LinkQuestions(context.robot, context.link)
+    return LinkPart(context.robot, context.link)
+
+
+LINK_PART = PartKind(make=_link)

@@ -4,40 +4,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable
-from dataclasses import replace
+from collections.abc import Callable, Collection, Hashable, Sequence
+from functools import partial
 
-from smarttestudo.domain.command import IncomingCommands
 from smarttestudo.domain.errors import said
 from smarttestudo.domain.link import OutgoingLink
 from smarttestudo.domain.observation import LinkBudget
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Robot
-from smarttestudo.domain.status import RulesInForce, RuntimeStatus
+from smarttestudo.domain.status import RulesInForce
 from smarttestudo.files.own_process import read_own_process
 from smarttestudo.loop.inputs import ChangeInput, LoopInput, MessageInput, RulesInput, WakeInput
-from smarttestudo.robot.acceptance import Acceptance
+from smarttestudo.loop.relay import Relayed
 from smarttestudo.robot.decisions import LiveDecisions
-from smarttestudo.robot.incidents import LiveIncidents
 from smarttestudo.robot.input_recorder import InputRecorder
-from smarttestudo.robot.link_watch import LINK_PERIOD_S, LinkWatch
 from smarttestudo.robot.losses import LiveLosses
-from smarttestudo.robot.outages import LiveOutages
+from smarttestudo.robot.part import Part
 from smarttestudo.robot.rules import LiveRules
 from smarttestudo.robot.sampling import LiveSampling
 from smarttestudo.robot.status import LiveStatus
 from smarttestudo.robot.status_topics import StatusPublisher, StatusTimer
 from smarttestudo.robot.topics import LiveTopics
 
-Told = Callable[[RuntimeStatus], None]
-"""Takes each status; it may not fail."""
-
 LOOK_PERIOD_S = 0.2
 """How often to check whether to stop, and whether rules changed."""
 
 
 class LiveRun:
-    """Drives a loop, which follows ``rules``, in the node's time."""
+    """Drives a loop, which follows ``rules``, in the node's time, with ``parts`` beside it."""
 
     def __init__(
         self,
@@ -45,44 +39,41 @@ class LiveRun:
         inputs: InputRecorder,
         rules: LiveRules,
         decisions: LiveDecisions,
-        link: OutgoingLink | None = None,
         *,
-        incidents: LiveIncidents,
-        outages: LiveOutages | None = None,
-        commands: IncomingCommands | None = None,
-        told: Told | None = None,
+        parts: Sequence[Part] = (),
+        link: OutgoingLink | None = None,
     ) -> None:
         self._robot = robot
         self._inputs = inputs
         now_ns = robot.now_ns()
-        self._loop = loop = inputs.loop(rules, now_ns)
-        self._incidents = incidents
-        incidents.follow(rules, now_ns)
-        incidents.watch(loop)
+        self.loop = loop = inputs.loop(rules, now_ns)
+        self._parts = parts
+        self._on_message = [part.on_message for part in parts if _does(part, "on_message")]
+        self._publishing = [part for part in parts if _does(part, "before_publish")]
         self._decisions = decisions
-        self._rules = rules
-        self._outages = outages
-        is_lazy = not inputs.is_recording and outages is None
+        self.rules = rules
+        self._follow_parts(now_ns)
+        for part in parts:
+            part.begin(self)
+        is_lazy = not inputs.is_recording and not any(part.needs_every_message for part in parts)
         self._topics = LiveTopics(robot, self._receive, self._priority_of, is_lazy=is_lazy)
         self._follow(rules)
         robot.log.info(f"Data path: {robot.data_path.description}")
-        self._link = None if link is None else LinkWatch(link)
-        self._acceptance = None if commands is None else Acceptance(robot, commands)
         self._losses = LiveLosses(robot.log)
         self._sampling = LiveSampling(loop, may_rest=not inputs.is_recording)
         self._status = LiveStatus(robot.name, read_own_process())
         self._publisher = StatusPublisher(robot, link)
         self._timer = StatusTimer(robot, link)
-        self._also_told = told
         self._has_failed_to_tell = False
-        self._standing: Callable[[], RulesInForce] = lambda: self._rules.in_force
+        self._standing: Callable[[], RulesInForce] = lambda: self.rules.in_force
 
     def drive(self, stopped: Callable[[], bool]) -> None:
         """Until ``stopped``."""
         self._robot.look_at_graph(self._look)
         self._robot.every(self._timer.period_s, self._tell)
-        if self._link is not None:
-            self._robot.every(LINK_PERIOD_S, self._look_at_link)
+        for part in self._parts:
+            if part.poll_s is not None:
+                self._robot.every(part.poll_s, partial(self._poll, part))
         try:
             while not stopped():
                 self._report()
@@ -90,17 +81,16 @@ class LiveRun:
                 self._wake()
             self._report()
         finally:
-            if self._acceptance is not None:
-                # What operators send is published by another thread, which must not outlive the node.
-                self._acceptance.close()
+            for part in self._parts:
+                part.close()
 
     def reload(self, rules: LiveRules) -> None:
         """Put other rules in force; to be called between two messages, that is, within ``Robot.wait``."""
         now_ns = self._robot.now_ns()
         # What is due by the rules before this is theirs.
         self._take(WakeInput(stamp_ns=now_ns))
-        self._rules = rules
-        self._incidents.follow(rules, now_ns)
+        self.rules = rules
+        self._follow_parts(now_ns)
         self._take(RulesInput(stamp_ns=now_ns, rule_set=rules.rule_set, profile=rules.profile))
         self._follow(rules)
         self._look(has_changed=True)
@@ -118,37 +108,53 @@ class LiveRun:
         """Have ``standing`` called for the origin of the rules in force."""
         self._standing = standing
 
+    def heard_here(self) -> Collection[str]:
+        """The topics whose output has a subscriber on the robot's own graph."""
+        return self._topics.heard_here()
+
+    def give(self, change: ChangeInput) -> None:
+        """Give the loop a change, and relay what comes of it."""
+        self._take(change)
+
+    def _follow_parts(self, now_ns: int) -> None:
+        for part in self._parts:
+            part.follow(self.rules, now_ns)
+
     def _follow(self, rules: LiveRules) -> None:
-        loop, recorded = self._loop, self._incidents.topics
+        loop = self.loop
+        recorded = frozenset().union(*(part.topics for part in self._parts))
         self._given = frozenset((*rules.output_topics, *loop.knowledge.watched))
         self._topics.follow(
             rules.output_topics, loop.knowledge.watched, loop.relays.leaders, recorded=recorded
         )
 
     def _priority_of(self, topic: str) -> float:
-        return self._loop.knowledge.profile.topic(topic).priority
+        return self.loop.knowledge.profile.topic(topic).priority
 
     @property
     def _wake_ns(self) -> int | None:
-        wakes_ns = (self._loop.next_wake_ns, self._sampling.wake_ns, self._incidents.wake_ns)
+        parts_ns = [part.wake_ns for part in self._parts]
+        wakes_ns = (self.loop.next_wake_ns, self._sampling.wake_ns, *parts_ns)
         return min((wake_ns for wake_ns in wakes_ns if wake_ns is not None), default=None)
 
     def _wake(self) -> None:
         now_ns = self._robot.now_ns()
-        wake_ns = self._loop.next_wake_ns
+        wake_ns = self.loop.next_wake_ns
         if wake_ns is not None and wake_ns <= now_ns:
             self._take(WakeInput(stamp_ns=now_ns))
         wake_ns = self._sampling.wake_ns
         if wake_ns is not None and wake_ns <= now_ns:
             self._sampling.on_wake(now_ns)
-        self._incidents.advance(now_ns)
+        for part in self._parts:
+            part.on_wake(now_ns)
 
     def _receive(self, topic: str, payload: Payload, publisher: Hashable) -> None:
         now_ns = self._robot.now_ns()
-        self._incidents.take(topic, payload, publisher, now_ns, self._topics.subscription(topic))
+        for on_message in self._on_message:
+            on_message(topic, payload, publisher, now_ns, self._topics.subscription(topic))
         if topic not in self._given:
             return
-        message = self._topics.decoded(topic, payload) if self._loop.needs_decoded(topic) else None
+        message = self._topics.decoded(topic, payload) if self.loop.needs_decoded(topic) else None
         self._sampling.received(topic, len(payload))
         self._take(MessageInput(now_ns, topic, payload, len(payload), message, publisher))
 
@@ -160,45 +166,38 @@ class LiveRun:
             if change.topic in self._given:
                 self._take(ChangeInput(stamp_ns=now_ns, change=change))
         for topic, source in self._topics.heard():
-            self._incidents.hear(topic, source, now_ns)
-            if self._outages is not None:
-                self._outages.hear(topic, source)
+            for part in self._parts:
+                part.on_source(topic, source, now_ns)
         for heard in self._topics.listeners():
             self._take(ChangeInput(stamp_ns=now_ns, change=heard))
         self._sampling.look(self._topics.pausable(), now_ns)
         self._losses.look(self._topics.subscriptions(), now_ns)
-        if self._acceptance is not None:
-            is_connected = self._link is not None and self._link.state.is_connected
-            self._acceptance.look(set(self._rules.output_topics.values()), is_connected=is_connected)
+        for part in self._parts:
+            part.on_graph()
 
-    def _look_at_link(self) -> None:
-        assert self._link is not None
-        if self._outages is not None:
-            self._outages.look(self._rules.rules_hash, is_connected=self._link.state.is_connected)
-        now_ns = self._robot.now_ns()
+    def _poll(self, part: Part) -> None:
         # What is due goes out before a picture begins anew, of which it is no part.
-        self._take(WakeInput(stamp_ns=now_ns))
-        plan = self._loop.knowledge.plan
-        for change in self._link.changed_receivers(self._rules, plan, self._topics.heard_here()):
-            self._take(ChangeInput(stamp_ns=now_ns, change=change))
-        self._link.tell_pictures(self._rules, plan, self._loop.relays.pictures)
-        self._link.follow(self._rules, plan)
-        budget = self._link.changed_budget(self._robot.steady_ns())
-        if budget is not None:
-            self._take(ChangeInput(stamp_ns=self._robot.now_ns(), change=budget))
+        self._take(WakeInput(stamp_ns=self._robot.now_ns()))
+        part.poll()
 
     def _take(self, given: LoopInput) -> None:
-        self._inputs.record(given, self._rules)
-        relayed = self._loop.take(given)
-        if relayed and self._link is not None:
-            loop = self._loop
-            self._link.tell_pictures(self._rules, loop.knowledge.plan, loop.relays.pictures)
+        self._inputs.record(given, self.rules)
+        relayed = self.loop.take(given)
+        if relayed:
+            for part in self._parts:
+                part.before_relays()
         for one in relayed:
-            if self._outages is None:
-                self._topics.publish(one)
-            else:
-                self._outages.publish(one, self._topics.publish)
+            self._publish(one)
             self._status.note(one)
+
+    def _publish(self, relayed: Relayed) -> None:
+        for part in self._publishing:
+            part.before_publish(relayed)
+        try:
+            self._topics.publish(relayed)
+        finally:
+            for part in self._publishing:
+                part.after_publish()
 
     def _tell(self) -> float:
         self._take(WakeInput(stamp_ns=self._robot.now_ns()))
@@ -214,25 +213,27 @@ class LiveRun:
         """Publish the status; returns in how many seconds to do so again."""
         process, now_ns = read_own_process(), self._robot.now_ns()
         status = self._status.look(
-            self._loop,
+            self.loop,
             self._topics.links(),
             self._standing(),
             process,
             now_ns,
             status_hz=self._timer.status_hz,
         )
-        status = replace(status, incidents=self._incidents.state())
-        if self._link is not None:
-            status = self._link.added_to(status)
-        if self._acceptance is not None:
-            status = replace(status, accepted=self._acceptance.topics)
-        if self._also_told is not None:
-            self._also_told(status)
+        for part in self._parts:
+            status = part.added_to(status)
+        for part in self._parts:
+            part.on_status(status)
         self._publisher.announce(status, diagnostics_too=self._timer.is_diagnosis_due(process.steady_ns))
         return self._timer.next_s(read_own_process().cpu_ns - process.cpu_ns)
 
     def _report(self) -> None:
-        decisions = self._loop.take_decisions()
+        decisions = self.loop.take_decisions()
         if decisions:
             self._decisions.report(decisions)
             self._sampling.look(self._topics.pausable(), self._robot.now_ns())
+
+
+def _does(part: Part, method: str) -> bool:
+    """Whether ``part`` has a method of its own: those are called for every message."""
+    return getattr(type(part), method) is not getattr(Part, method)

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
@@ -17,7 +17,11 @@ from smarttestudo.incidents.outage_folder import OutageFolder
 from smarttestudo.incidents.task_thread import TaskThread
 from smarttestudo.loop.relay import Relayed
 from smarttestudo.robot.heard_channels import HeardChannels
-from smarttestudo.robot.incidents import IncidentOptions, delete_for_room
+from smarttestudo.robot.incidents import INCIDENTS, delete_for_room
+from smarttestudo.robot.link_watch import LINK_PERIOD_S
+from smarttestudo.robot.option import Option, Settings, is_true
+from smarttestudo.robot.part import Part, PartContext, PartKind
+from smarttestudo.robot.rules import LiveRules
 from smarttestudo.robot.topic import LiveSource
 
 FOLDER_NS = 600 * NS_PER_S
@@ -25,18 +29,26 @@ MAX_FOLDERS = 6
 """An outage of more than so many folders is kept no further."""
 
 
-class LiveOutages:
-    """Has ``link`` keep what is missed, and a thread of its own write it below ``options``.
+CATCH_UP = Option(
+    flag="--catch-up",
+    help="with --link and --incidents: keep there, too, what operators miss in outages of the link, for "
+    "'testudo receive --catch-up'",
+    read=is_true,
+    default=False,
+)
 
-    Nothing of it stops the relays.
-    """
 
-    def __init__(self, robot: Robot, link: OutgoingLink, options: IncidentOptions) -> None:
-        assert options.folder is not None
+class LiveOutages(Part):
+    """Has ``link`` keep what is missed, and a thread of its own write it below ``folder``."""
+
+    poll_s = LINK_PERIOD_S
+    needs_every_message = True
+
+    def __init__(self, robot: Robot, link: OutgoingLink, folder: Path, settings: Settings) -> None:
         self._robot = robot
         self._link = link
-        self._folder: Path = options.folder
-        self._options = options
+        self._folder = folder
+        self._settings = settings
         self._channels = HeardChannels(robot)
         self._origin: MessageOrigin | None = None
         self._rules_hash = ""
@@ -57,24 +69,27 @@ class LiveOutages:
                 self._keep(self._link.take_missed(is_last=True))
                 self._end()
 
-    def hear(self, topic: str, source: LiveSource) -> None:
-        """Messages of ``source`` are relayed from now on, if they were not before."""
+    def follow(self, rules: LiveRules, now_ns: int) -> None:  # noqa: ARG002 - a part's
+        """Name these rules in what is kept from now on."""
+        self._rules_hash = rules.rules_hash
+
+    def on_source(self, topic: str, source: LiveSource, now_ns: int) -> None:  # noqa: ARG002 - a part's
+        """Know the topic's type."""
         self._channels.hear(topic, source)
 
-    def publish(self, relayed: Relayed, publish: Callable[[Relayed], None]) -> None:
-        """Have a message sent, and kept under the name of its source where it is missed."""
+    def before_publish(self, relayed: Relayed) -> None:
+        """Know the source, under whose name the message is kept if it is missed."""
         if not relayed.repeated:
             self._origin = MessageOrigin(topic=relayed.topic, stamp_ns=self._robot.now_ns())
-        try:
-            publish(relayed)
-        finally:
-            self._origin = None
 
-    def look(self, rules_hash: str, *, is_connected: bool) -> None:
-        """Keep what was missed; to be called a few times a second."""
-        self._rules_hash = rules_hash
+    def after_publish(self) -> None:
+        """What is published from now on is none of the robot's messages."""
+        self._origin = None
+
+    def poll(self) -> None:
+        """Keep what was missed."""
         self._keep(self._link.take_missed())
-        if is_connected:
+        if self._link.state.is_connected:
             self._end()
             self._folders = 0
         elif self._begun_ns is not None and self._robot.now_ns() - self._begun_ns > FOLDER_NS:
@@ -112,9 +127,19 @@ class LiveOutages:
             return
         path = folder.end()
         self._robot.log.info(f"outage {path.name}: kept for who asks with 'testudo receive --catch-up'")
-        delete_for_room(self._robot, self._options)
+        delete_for_room(self._robot, self._settings)
 
     def _failed(self, error: Exception) -> None:
         # The next outage is tried.
         self._open = None
         self._robot.log.warning(f"an outage is not kept any further: {said(error)}")
+
+
+def _outages(context: PartContext) -> LiveOutages | None:
+    folder, link = context.settings[INCIDENTS], context.link
+    if not context.settings[CATCH_UP] or folder is None or link is None:
+        return None
+    return LiveOutages(context.robot, link, folder, context.settings)
+
+
+OUTAGES_PART = PartKind(make=_outages, options=(CATCH_UP,))

@@ -18,7 +18,7 @@ from smarttestudo.robot.fallback import Fallback
 from smarttestudo.robot.live_run import LOOK_PERIOD_S, LiveRun
 from smarttestudo.robot.rule_writing import RuleFileWriter
 from smarttestudo.robot.rules import PUSHED, LiveRuleFiles, LiveRules, Reading, RuleWatch
-from smarttestudo.robot.run_parameters import budget_parameter, status_hz_parameter
+from smarttestudo.robot.run_options import BUDGET, STATUS_RATE
 
 CONFIRM_WITHIN_S = 10
 
@@ -162,7 +162,7 @@ class RuleManager:
             return
         pushed = self._checked_text(str(changes["rules_text"])) if "rules_text" in changes else None
         budget_kb_per_s = _budget(changes)
-        status_hz = status_hz_parameter(changes["status_hz"]) if "status_hz" in changes else None
+        status_hz = STATUS_RATE.value(changes["status_hz"]) if "status_hz" in changes else None
         confirmed = str(changes.get("confirm_hash", "")).strip().lower()
         if confirmed and not self._is_confirmable(confirmed, pushed):
             cause = "no pushed rules with this hash wait to be confirmed"
@@ -287,7 +287,7 @@ def _texts_of_files(reading: Reading) -> Mapping[str, str]:
 def _budget(changes: Mapping[str, ParameterValue]) -> float | None:
     if "budget_kb_per_s" not in changes:
         return None
-    number = budget_parameter(changes["budget_kb_per_s"])
+    number = BUDGET.value(changes["budget_kb_per_s"])
     if number is None:
         raise UsageError("a budget cannot be unset", place="budget_kb_per_s", remedy="set a large one")
     return number

@@ -5,90 +5,105 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from contextlib import nullcontext
+from contextlib import ExitStack
 from functools import partial
 
 from smarttestudo.domain.command import IncomingCommands
 from smarttestudo.domain.link import OutgoingLink
 from smarttestudo.domain.robot import Robot
+from smarttestudo.robot.acceptance import ACCEPTANCE_PART
 from smarttestudo.robot.decisions import Decided, LiveDecisions
 from smarttestudo.robot.fallback import Fallback
-from smarttestudo.robot.incidents import LiveIncidents
+from smarttestudo.robot.incidents import INCIDENTS_PART
 from smarttestudo.robot.input_recorder import InputRecorder, Note
-from smarttestudo.robot.link_questions import LinkQuestions
-from smarttestudo.robot.live_run import LOOK_PERIOD_S, LiveRun, Told
-from smarttestudo.robot.outages import LiveOutages
+from smarttestudo.robot.link_watch import LINK_PART
+from smarttestudo.robot.live_run import LOOK_PERIOD_S, LiveRun
+from smarttestudo.robot.option import AnyOption
+from smarttestudo.robot.outages import OUTAGES_PART
 from smarttestudo.robot.output_topics import OutputTopic
+from smarttestudo.robot.part import PartContext, PartKind
 from smarttestudo.robot.rule_manager import RuleManager, first_rules
 from smarttestudo.robot.rule_writing import RuleFileWriter
 from smarttestudo.robot.rules import LiveRuleFiles
-from smarttestudo.robot.run_parameters import RunParameters
+from smarttestudo.robot.run_options import (
+    ALLOW_WRITING_RULES,
+    OUTPUT_TOPIC,
+    PROFILE,
+    RULES,
+    RULES_TEXT,
+    RUN_OPTIONS,
+    STATUS_RATE,
+    TOPIC_PREFIX,
+    RunParameters,
+)
+
+PART_KINDS = (INCIDENTS_PART, OUTAGES_PART, LINK_PART, ACCEPTANCE_PART)
+"""What stands beside the loop of every run."""
+
+
+def options_of(kinds: Sequence[PartKind] = PART_KINDS) -> tuple[AnyOption, ...]:
+    """The options of a run with parts of these ``kinds``."""
+    return (*RUN_OPTIONS, *(option for kind in kinds for option in kind.options))
 
 
 def run_live(
     parameters: RunParameters,
     robot: Robot,
     stopped: Callable[[], bool],
+    kinds: Sequence[PartKind] = PART_KINDS,
     decided: Sequence[Decided] = (),
     *,
     note: Note | None = None,
     link: OutgoingLink | None = None,
     commands: IncomingCommands | None = None,
-    told: Told | None = None,
-    catches_up: bool = False,
 ) -> None:
-    """Relay until ``stopped``; ``decided`` are given the decisions, ``note`` what the loop is given.
+    """Relay until ``stopped``, with parts of these ``kinds``.
 
-    ``told`` is given each status. What ``link`` carries is the budget, and what ``robot`` publishes goes
-    over it. Where it ``catches_up``, what the other end misses in outages is kept beside the
-    incidents. What comes as ``commands`` is published among the robot's own nodes.
+    ``decided`` are given the decisions, ``note`` what the loop is given. What ``link`` carries is the budget,
+    and what ``robot`` publishes goes over it. What comes as ``commands`` is published among the robot's own
+    nodes.
 
     Raises:
         OutputFileError: incidents are recorded, and their folder cannot be made.
         RosError: decisions cannot be published at all.
         UsageError: names of output topics are invalid or taken by other topics.
     """
-    request = parameters.request
-    resolve = partial(_resolved, robot.resolve, request.topic_prefix)
-    output_topic = OutputTopic(pattern=request.output_topic, is_elsewhere=robot.has_output_domain)
-    files = LiveRuleFiles(request.rules, request.profile, resolve=resolve, output_topic=output_topic)
-    fallback = Fallback(robot, output_topic=output_topic, topic_prefix=request.topic_prefix)
-    first = first_rules(robot, files, request.rules_text)
-    decisions = LiveDecisions(robot, decided)
-    if robot.now_ns() == 0:
-        robot.log.info("Waiting for simulated time on /clock")
-    while robot.now_ns() == 0 and not stopped():
-        robot.wait(None, LOOK_PERIOD_S)
-    if stopped():
+    settings = parameters.settings
+    prefix = settings[TOPIC_PREFIX]
+    resolve = partial(_resolved, robot.resolve, prefix)
+    output_topic = OutputTopic(pattern=settings[OUTPUT_TOPIC], is_elsewhere=robot.has_output_domain)
+    files = LiveRuleFiles(settings[RULES], settings[PROFILE], resolve=resolve, output_topic=output_topic)
+    fallback = Fallback(robot, output_topic=output_topic, topic_prefix=prefix)
+    first = first_rules(robot, files, settings[RULES_TEXT])
+    context = PartContext(robot=robot, settings=settings, resolve=resolve, link=link, commands=commands)
+    if not _clock_runs(robot, stopped):
         return
     if first.rules is None:
         fallback.look()
     rules = first.rules or fallback.rules()
-    inputs = InputRecorder(robot, request, note)
-    incidents = LiveIncidents(robot, request.incidents, resolve("/tf_static"))
-    outages = LiveOutages(robot, link, request.incidents) if catches_up and link is not None else None
-    live = LiveRun(
-        robot,
-        inputs,
-        rules,
-        decisions,
-        link,
-        incidents=incidents,
-        outages=outages,
-        commands=commands,
-        told=told,
-    )
-    live.set_status_hz(request.status_hz)
-    writer = RuleFileWriter(request.rules, is_allowed=request.allow_writing_rules)
+    inputs = InputRecorder(robot, settings, note)
+    parts = [part for kind in kinds if (part := kind.make(context)) is not None]
+    decisions = LiveDecisions(robot, [*decided, *(part.on_decisions for part in parts)])
+    live = LiveRun(robot, inputs, rules, decisions, parts=parts, link=link)
+    live.set_status_hz(settings[STATUS_RATE])
+    writer = RuleFileWriter(settings[RULES], is_allowed=settings[ALLOW_WRITING_RULES])
     keeper = RuleManager(robot, live, files, fallback, first, writer=writer)
-    with incidents.running(), nullcontext() if outages is None else outages.running(), keeper.keep():
+    with ExitStack() as running:
+        for part in parts:
+            running.enter_context(part.running())
+        running.enter_context(keeper.keep())
         parameters.serve(keeper.accept)
-        if link is not None:
-            LinkQuestions(robot, link)
-            if request.incidents.folder is not None:
-                link.offer_incidents(request.incidents.folder)
-        robot.log.info(f"Relaying {len(rules.output_topics)} topics as {request.output_topic}")
+        robot.log.info(f"Relaying {len(rules.output_topics)} topics as {settings[OUTPUT_TOPIC]}")
         live.drive(stopped)
+
+
+def _clock_runs(robot: Robot, stopped: Callable[[], bool]) -> bool:
+    """Wait for simulated time, where that is used; whether it came before ``stopped``."""
+    if robot.now_ns() == 0:
+        robot.log.info("Waiting for simulated time on /clock")
+    while robot.now_ns() == 0 and not stopped():
+        robot.wait(None, LOOK_PERIOD_S)
+    return not stopped()
 
 
 def _resolved(resolve: Callable[[str], str], prefix: str, topic: str) -> str:

@@ -10,6 +10,7 @@ from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.metric import Metric, MetricKind, MetricName
 from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.link.openmetrics.status import status_metrics
+from smarttestudo.robot.part import Part
 
 DECISIONS = MetricName(
     name="testudo",
@@ -20,7 +21,7 @@ DECISIONS = MetricName(
 )
 
 
-class RunMetrics:
+class RunMetrics(Part):
     """The metrics of the last status, under the name ``robot``. Any thread may ask for them."""
 
     def __init__(self, robot: str) -> None:
@@ -28,12 +29,12 @@ class RunMetrics:
         self._status: RuntimeStatus | None = None
         self._decisions = 0
 
-    def note_status(self, status: RuntimeStatus) -> None:
-        """A status was made."""
+    def on_status(self, status: RuntimeStatus) -> None:
+        """Serve this status from now on."""
         self._status = status
 
-    def note_decisions(self, decisions: Sequence[Decision]) -> None:
-        """Decisions were taken."""
+    def on_decisions(self, decisions: Sequence[Decision]) -> None:
+        """Count decisions."""
         self._decisions += len(decisions)
 
     def metrics(self) -> list[Metric]:

@@ -90,5 +90,5 @@ def test_full_is_infinite_and_what_is_not_known_has_no_number() -> None:
 def test_a_run_has_its_decisions_before_it_has_a_status() -> None:
     metrics = RunMetrics("ada")
     assert [(metric.name, metric.samples) for metric in metrics.metrics()] == [(DECISIONS, [(("ada",), 0.0)])]
-    metrics.note_status(LINKED)
+    metrics.on_status(LINKED)
     assert {metric.name for metric in metrics.metrics()} == {DECISIONS, *STATUS_METRICS}

@@ -9,7 +9,7 @@ import pytest
 from robot.memory_link import MemoryLink
 from robot.status.virtual_robot import SECOND, VirtualRobot
 from smarttestudo.domain.errors import UsageError
-from smarttestudo.robot.run_parameters import status_hz_parameter
+from smarttestudo.robot.run_options import STATUS_RATE
 from smarttestudo.robot.status_topics import StatusTimer
 
 
@@ -55,10 +55,10 @@ def test_diagnostics_come_once_a_second_however_often_a_status_does() -> None:
 
 @pytest.mark.parametrize("value", [1, 1.0, 5, 20.0])
 def test_any_rate_up_to_twenty_can_be_asked_for(value: float) -> None:
-    assert status_hz_parameter(value) == value
+    assert STATUS_RATE.value(value) == value
 
 
 @pytest.mark.parametrize("value", [0, 0.5, 20.1, -1, float("nan"), float("inf"), True, None, "5", ("5",)])
 def test_nothing_else_can(value: object) -> None:
     with pytest.raises(UsageError, match="from 1 to 20"):
-        status_hz_parameter(value)  # type: ignore[arg-type]
+        STATUS_RATE.value(value)  # type: ignore[arg-type]

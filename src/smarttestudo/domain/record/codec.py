@@ -92,12 +92,12 @@ class _RecordClass:
         self._plan = [
             (one.field.name, one.key, one.value.encode, one.default if one.entry.omits_default else _ALWAYS)
             for one in self._entries
-            if not (one.entry.is_absent or one.entry.is_merged)
+            if not (one.entry.is_absent or one.entry.is_merged or one.entry.is_rest)
         ]
         self._merged = [
             (one.field.name, cast("Callable[[Any], dict[str, Any]]", one.value.encode))
             for one in self._entries
-            if one.entry.is_merged
+            if one.entry.is_merged or one.entry.is_rest
         ]
         self._derived: list[tuple[str, str, _Encode | None]] = []
         self._derived_measured: list[str] = []
@@ -106,6 +106,15 @@ class _RecordClass:
                 ways = _ways(get_type_hints(getter, include_extras=True)["return"], Entry())
                 self._derived.append((name, attribute, ways.encode))
                 self._derived_measured += [name] * ways.is_measured
+
+        self.keys = frozenset((*self._own_keys(), *(name for name, _, _ in self._derived)))
+
+    def _own_keys(self) -> Iterator[str]:
+        for one in self._entries:
+            if one.entry.is_merged and one.value.record is not None:
+                yield from _class_of(one.value.record).keys
+            elif not one.entry.is_rest:
+                yield one.key
 
     def encode(self, record: object) -> dict[str, Any]:
         written: dict[str, Any] = {}
@@ -141,6 +150,9 @@ class _RecordClass:
     def _read(self, one: _EntryOf, value: Mapping[str, object]) -> object:
         if one.entry.is_absent:
             return one.default
+        if one.entry.is_rest:
+            others = value.keys() - self.keys
+            return {key: value[key] for key in sorted(others) if isinstance(value[key], dict)}
         if one.key not in value and not one.entry.is_merged:
             return one.default
         found = value if one.entry.is_merged else value[one.key]
@@ -201,9 +213,15 @@ def _ways(hint: Any, entry: Entry) -> _Ways:
         return _Ways(encode=lambda value: value.to_json(), decode=hint.from_json, null=_null_of(hint))
     if isinstance(hint, type) and issubclass(hint, Enum):
         return _enum(hint)
+    if hint is object:
+        return _Ways(encode=_any, decode=lambda value: value)
     if is_dataclass(hint):
         return _record(cast("type", hint))
     return _Ways(encode=None, decode=_READ[hint])
+
+
+def _any(value: object) -> object:
+    return to_json(value) if is_dataclass(value) else value
 
 
 def _enum(kind: type[Enum]) -> _Ways:
@@ -251,7 +269,7 @@ def _annotated(one: _Ways, extras: tuple[object, ...]) -> _Ways:
         elif isinstance(extra, AtMost):
             decode = _limited(decode, extra.most)
         elif extra is Mark.NULL_IS_INFINITE:
-            encode, null = _or_null, (math.inf,)
+            encode, null = _finite_or_null, (math.inf,)
     is_measured = one.is_measured or Mark.MEASURED in extras
     return _Ways(encode=encode, decode=decode, null=null, is_measured=is_measured, record=one.record)
 
@@ -261,7 +279,11 @@ def _rounded(digits: int) -> _Encode:
 
 
 def _significant(digits: int) -> _Encode:
-    return lambda value: float(f"{value:.{digits}g}") if math.isfinite(value) else None
+    return lambda value: _finite_or_null(float(f"{value:.{digits}g}"))
+
+
+def _finite_or_null(value: float) -> float | None:
+    return value if math.isfinite(value) else None
 
 
 def _limited(decode: _Decode, most: float) -> _Decode:
@@ -272,10 +294,6 @@ def _limited(decode: _Decode, most: float) -> _Decode:
         return number
 
     return read
-
-
-def _or_null(value: float) -> float | None:
-    return None if math.isinf(value) else value
 
 
 def _several(origin: type, hint: Any, entry: Entry) -> _Ways:

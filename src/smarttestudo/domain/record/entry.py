@@ -18,7 +18,8 @@ class Entry:
 
     ``name`` is its key, where that is not the field's name. ``keyed_by`` makes an object of a tuple of
     records, by that field of each; with ``is_merged`` the entries of the record stand in the outer object;
-    ``are_rows``: each record of the tuple is the list of its fields. ``omits_default``: while it has its
+    with ``is_rest`` those of a mapping of records do, and it is read from all objects that no other field
+    has; ``are_rows``: each record of the tuple is the list of its fields. ``omits_default``: while it has its
     default it has no entry. ``is_absent``: it never has one. ``is_lenient``: of a text that is read, what
     is not understood is left out, in place of an error.
     """
@@ -26,6 +27,7 @@ class Entry:
     name: str = ""
     keyed_by: str = ""
     is_merged: bool = False
+    is_rest: bool = False
     are_rows: bool = False
     omits_default: bool = False
     is_absent: bool = False

@@ -5,154 +5,87 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import replace
-from typing import TypeVar
+import types
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, is_dataclass
+from functools import cache
+from operator import attrgetter
+from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
 
-from smarttestudo.domain.link_state import LinkState, StreamCounts
-from smarttestudo.domain.metric import Metric, MetricKind, MetricName, Sample
+from smarttestudo.domain.metric import Metered, Metric, MetricKind, MetricName, Sample
 from smarttestudo.domain.status import RuntimeStatus, TopicStatus
 from smarttestudo.domain.units import BYTES_PER_KB, BYTES_PER_MB
 
 _ROBOT = ("robot",)
 _TOPIC = ("robot", "topic")
-_MS_PER_S = 1000
-_PERCENT = 100
-_Of = TypeVar("_Of")
+_IN_BASE_UNITS = {"_kb_per_s": BYTES_PER_KB, "_mb": BYTES_PER_MB, "_ms": 1 / 1000, "_percent": 1 / 100}
+"""By how much to multiply a number whose name ends so."""
 
 
-_Reads = tuple[tuple[MetricName, Callable[[_Of], float | None]], ...]
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Reading:
+    """A metric of a record, and how to read it; ``None`` where it is not known."""
+
+    name: MetricName
+    read: Callable[[Any], float | None]
 
 
-def _gauge(name: str, unit: str, help_text: str) -> MetricName:
-    labels = _TOPIC if name.startswith("topic_") else _ROBOT
-    return MetricName(name=f"testudo_{name}", unit=unit, help=help_text, labels=labels)
+@cache
+def _readings(kind: Any, labels: tuple[str, ...]) -> tuple[_Reading, ...]:
+    """The metrics of a record of ``kind`` and of the records in it, as the types of its fields say."""
+    return tuple(_found(kind, labels))
 
 
-def _counter(name: str, unit: str, help_text: str) -> MetricName:
-    return replace(_gauge(name, unit, help_text), kind=MetricKind.COUNTER)
+def _found(kind: Any, labels: tuple[str, ...]) -> Iterator[_Reading]:
+    for name, hint in _typed_names(kind):
+        metered = next((extra for extra in _extras(hint) if isinstance(extra, Metered)), None)
+        if metered is not None:
+            factor = next((by for end, by in _IN_BASE_UNITS.items() if name.endswith(end)), 1)
+            named = MetricName(
+                name=f"testudo_{metered.name}",
+                unit=metered.unit,
+                help=metered.help,
+                kind=metered.kind,
+                labels=labels,
+            )
+            yield _Reading(name=named, read=_number(name, factor))
+        inner = _record_in(hint)
+        if inner is not None:
+            yield from (
+                _Reading(name=one.name, read=_within(name, one.read)) for one in _readings(inner, labels)
+            )
 
 
-def _scaled(number: float | None, factor: float) -> float | None:
-    return None if number is None else number * factor
+def _typed_names(kind: Any) -> Iterator[tuple[str, Any]]:
+    """The fields and properties of a class with their types."""
+    yield from get_type_hints(kind, include_extras=True).items()
+    for name, member in vars(kind).items():
+        if isinstance(member, property):
+            yield name, get_type_hints(member.fget, include_extras=True).get("return")
 
 
-def _link(read: Callable[[LinkState], float | None]) -> Callable[[RuntimeStatus], float | None]:
-    return lambda status: None if status.link is None else read(status.link)
+def _extras(hint: Any) -> tuple[Any, ...]:
+    return get_args(hint)[1:] if get_origin(hint) is Annotated else ()
 
 
-def _on_link(read: Callable[[StreamCounts], int]) -> Callable[[TopicStatus], float | None]:
-    return lambda topic: None if topic.on_link is None else read(topic.on_link.counts)
+def _record_in(hint: Any) -> Any:
+    """The record that a field holds, or may hold."""
+    plain = get_args(hint)[0] if get_origin(hint) is Annotated else hint
+    if get_origin(plain) in (Union, types.UnionType):
+        plain = get_args(plain)[0]
+    return plain if is_dataclass(plain) else None
 
 
-def _age_s(topic: TopicStatus) -> float | None:
-    return None if topic.on_link is None else _scaled(topic.on_link.age_ms, 1 / _MS_PER_S)
+def _number(field: str, factor: float) -> Callable[[Any], float | None]:
+    get = attrgetter(field)
+    return lambda record: None if (value := get(record)) is None else float(value * factor)
 
 
-_OF_ROBOTS: _Reads[RuntimeStatus] = (
-    (_gauge("uptime", "seconds", "Time since the start of the run."), lambda status: status.uptime_s),
-    (
-        _gauge("cpu", "ratio", "CPU time of the run over the last second, as a share of one core."),
-        lambda status: _scaled(status.cpu_percent, 1 / _PERCENT),
-    ),
-    (
-        _gauge("memory", "bytes", "Resident memory of the run."),
-        lambda status: _scaled(status.memory_mb, BYTES_PER_MB),
-    ),
-    (
-        _gauge("budget", "bytes_per_second", "What relayed topics may take together, if limited."),
-        lambda status: _scaled(status.budget_kb_per_s, BYTES_PER_KB),
-    ),
-    (
-        _gauge("floors_break_budget", "", "1 if the floors alone are more than the budget, else 0."),
-        lambda status: float(status.floors_break_budget),
-    ),
-    (
-        _gauge("fallback", "", "1 if everything is relayed because there are no valid rules, else 0."),
-        lambda status: float(status.is_fallback),
-    ),
-    (
-        _gauge("link_connected", "", "1 if an operator is connected over the link, else 0."),
-        _link(lambda link: float(link.is_connected)),
-    ),
-    (
-        _gauge("link_capacity", "bytes_per_second", "What the link carries, where it is the limit."),
-        _link(lambda link: _scaled(link.capacity_kb_per_s, BYTES_PER_KB)),
-    ),
-    (
-        _gauge("link_round_trip", "seconds", "The least round trip of the last seconds on the link."),
-        _link(lambda link: _scaled(link.round_trip_ms, 1 / _MS_PER_S)),
-    ),
-    (
-        _counter("link", "outages", "How often the operator's end was silent while something was under way."),
-        _link(lambda link: link.outages),
-    ),
-)
-_OF_TOPICS: _Reads[TopicStatus] = (
-    (
-        _gauge("topic_source", "hertz", "Messages a second that come of the topic."),
-        lambda topic: topic.source_hz,
-    ),
-    (
-        _gauge("topic_target", "hertz", "The planned rate of the topic; +Inf for Full, 0 for Off."),
-        lambda topic: topic.target_hz,
-    ),
-    (_gauge("topic_expected", "hertz", "The lesser of target and source."), lambda topic: topic.expected_hz),
-    (_gauge("topic_actual", "hertz", "Messages a second that are relayed."), lambda topic: topic.actual_hz),
-    (
-        _gauge("topic_keeps_rate", "", "0 if the rate is off by more than pacing explains, else 1."),
-        lambda topic: float(topic.keeps_rate),
-    ),
-    (
-        _gauge("topic_delay", "seconds", "Age of the last message by its own stamp when it was relayed."),
-        lambda topic: _scaled(topic.delay_ms, 1 / _MS_PER_S),
-    ),
-    (
-        _gauge("topic_input", "bytes_per_second", "What comes of the topic."),
-        lambda topic: topic.in_kb_per_s * BYTES_PER_KB,
-    ),
-    (
-        _gauge("topic_output", "bytes_per_second", "What is relayed of the topic."),
-        lambda topic: topic.out_kb_per_s * BYTES_PER_KB,
-    ),
-    (_counter("topic_received", "messages", "Messages that came."), lambda topic: topic.counts.received),
-    (
-        _counter("topic_relayed", "messages", "Messages that went out, repeated ones included."),
-        lambda topic: topic.counts.relayed,
-    ),
-    (
-        _counter("topic_repeated", "messages", "Messages that went out for another time."),
-        lambda topic: topic.counts.repeated,
-    ),
-    (
-        _gauge("topic_dropped", "messages", "Messages held back so far; the last of them may still go out."),
-        lambda topic: topic.counts.dropped,
-    ),
-    (
-        _counter("topic_undecodable", "messages", "Messages that a check could not read."),
-        lambda topic: topic.counts.undecodable,
-    ),
-    (
-        _gauge("topic_link_age", "seconds", "Age of the last message when it arrived at the operator."),
-        _age_s,
-    ),
-    (
-        _counter("topic_link_sent", "messages", "Messages that went out whole over the link."),
-        _on_link(lambda counts: counts.sent),
-    ),
-    (
-        _counter("topic_link_replaced", "messages", "Messages that gave way to newer ones before the link."),
-        _on_link(lambda counts: counts.replaced),
-    ),
-    (
-        _counter("topic_link_overflowed", "messages", "Messages lost because the topic's queue was full."),
-        _on_link(lambda counts: counts.overflowed),
-    ),
-    (
-        _gauge("topic_link_queued", "bytes", "What waits for the link of the topic."),
-        _on_link(lambda counts: counts.queued_bytes),
-    ),
-)
+def _within(field: str, read: Callable[[Any], float | None]) -> Callable[[Any], float | None]:
+    get = attrgetter(field)
+    return lambda record: None if (inner := get(record)) is None else read(inner)
+
+
 _RULES = MetricName(
     name="testudo_rules",
     help="The rules in force: node, SHA-256 of their text, and where they come from.",
@@ -166,8 +99,8 @@ _SILENT = MetricName(
 )
 STATUS_METRICS = (
     _RULES,
-    *(name for name, _ in _OF_ROBOTS),
-    *(name for name, _ in _OF_TOPICS),
+    *(one.name for one in _readings(RuntimeStatus, _ROBOT)),
+    *(one.name for one in _readings(TopicStatus, _TOPIC)),
     _SILENT,
 )
 """All that ``status_metrics`` may give."""
@@ -183,16 +116,30 @@ def status_metrics(statuses: Mapping[str, RuntimeStatus]) -> list[Metric]:
     silent = [((*labels, topic.silence.value), 1.0) for labels, topic in topics if topic.silence is not None]
     return [
         Metric(name=_RULES, samples=[_rules(robot, status) for robot, status in robots]),
-        *(
-            Metric(name=name, samples=_known(((robot,), read(status)) for robot, status in robots))
-            for name, read in _OF_ROBOTS
-        ),
-        *(
-            Metric(name=name, samples=_known((labels, read(topic)) for labels, topic in topics))
-            for name, read in _OF_TOPICS
-        ),
+        *_metrics(RuntimeStatus, _ROBOT, [((robot,), status) for robot, status in robots]),
+        *_metrics(TopicStatus, _TOPIC, topics),
+        *_of_sections(statuses),
         Metric(name=_SILENT, samples=silent),
     ]
+
+
+def _metrics(
+    kind: type, labels: tuple[str, ...], records: Iterable[tuple[tuple[str, ...], object]]
+) -> Iterator[Metric]:
+    read = list(records)
+    for one in _readings(kind, labels):
+        yield Metric(name=one.name, samples=_known((of, one.read(record)) for of, record in read))
+
+
+def _of_sections(statuses: Mapping[str, RuntimeStatus]) -> Iterator[Metric]:
+    """Those of parts that have records of their own."""
+    by_kind: dict[type, list[tuple[tuple[str, ...], object]]] = {}
+    for robot, status in statuses.items():
+        for section in status.sections.values():
+            if is_dataclass(section):
+                by_kind.setdefault(type(section), []).append(((robot,), section))
+    for kind, records in by_kind.items():
+        yield from _metrics(kind, _ROBOT, records)
 
 
 def _rules(robot: str, status: RuntimeStatus) -> Sample:
