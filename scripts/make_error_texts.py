@@ -83,7 +83,8 @@ def error_classes() -> frozenset[str]:
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
         if isinstance(node, ast.ClassDef) and node.name.endswith("Error")
     }
-    known = {"TestudoError"}
+    # What an option cannot be ends as a line with the option as its place.
+    known = {"TestudoError", "OptionValueError"}
     while more := {name for name, above in bases.items() if above & known} - known:
         known |= more
     return frozenset(known)

@@ -20,6 +20,10 @@ Read = Callable[[ParameterValue], _Value]
 """Gives the value that a parameter or the command line holds; ``ValueError`` says what it is no value of."""
 
 
+class OptionValueError(ValueError):
+    """A value that an option cannot have; its text says what the option is."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Option(Generic[_Value_co]):
     """A setting: ``name`` is the parameter, ``flag`` the option of the command line, if there are such.
@@ -53,7 +57,7 @@ class Option(Generic[_Value_co]):
     def from_text(self, given: str) -> _Value_co:
         """The value that a text on the command line says; ``ValueError`` where that is none."""
         if not given:
-            raise ValueError("it is not empty")
+            raise OptionValueError("it is not empty")
         return self.read(_number_in(given) if self.is_number else given)
 
     @property
@@ -127,7 +131,7 @@ def paths(value: ParameterValue) -> tuple[Path, ...]:
     """Files and folders, one or a list of them."""
     names = value if isinstance(value, tuple) else (value,)
     if not all(isinstance(name, str) for name in names):
-        raise ValueError("it is a name or a list of names")
+        raise OptionValueError("it is a name or a list of names")
     return tuple(Path(str(name)) for name in names if name)
 
 
@@ -138,7 +142,7 @@ def number(unit: str, least: float, most: float) -> Read[float]:
         is_number = isinstance(value, int | float) and not isinstance(value, bool)
         if not is_number or not least <= float(cast("float", value)) <= most:
             limits = f"from {_plain(least)} to {_plain(most)}"
-            raise ValueError(f"{str(value)[:40]!r} is not a number of {unit} {limits}")
+            raise OptionValueError(f"{str(value)[:40]!r} is not a number of {unit} {limits}")
         return float(cast("float", value))
 
     return read
@@ -167,6 +171,6 @@ def choice(kind: type[_Chosen]) -> Read[_Chosen]:
         for member in kind:
             if member.value == value:
                 return member
-        raise ValueError(f"it is {' or '.join(str(one.value) for one in kind)}, not {value!r}")
+        raise OptionValueError(f"it is {' or '.join(str(one.value) for one in kind)}, not {value!r}")
 
     return read

@@ -17,6 +17,7 @@ from smarttestudo.pacing.sample import WhenSlow
 from smarttestudo.robot.option import (
     AnyOption,
     Option,
+    OptionValueError,
     Settings,
     choice,
     is_true,
@@ -34,7 +35,7 @@ MAX_STATUS_HZ = 20.0
 def _topic_prefix(value: ParameterValue) -> str:
     found = str(value)
     if not is_topic_prefix(found):
-        raise ValueError(f"a prefix is written as in /tb3_0, not {found!r}")
+        raise OptionValueError(f"a prefix is written as in /tb3_0, not {found!r}")
     return found
 
 

@@ -20,7 +20,7 @@ from smarttestudo.link.receive.reception_metrics import RECEPTION_METRICS
 from smarttestudo.robot.run_metrics import DECISIONS, RunMetrics
 
 UNITS = {"seconds", "bytes", "bytes_per_second", "hertz", "ratio"}
-COUNTED = {"messages", "chunks", "events", "statuses", "topics", "outages", "decisions"}
+COUNTED = {"messages", "chunks", "events", "statuses", "topics", "outages", "decisions", "incidents"}
 ALL = (*STATUS_METRICS, *RECEPTION_METRICS, DECISIONS)
 ON_LINK = TopicOnLink(
     counts=StreamCounts(sent=480, replaced=20, overflowed=3, queued_bytes=1200), age_ms=41.25

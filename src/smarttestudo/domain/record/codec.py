@@ -101,12 +101,12 @@ class _RecordClass:
         ]
         self._derived: list[tuple[str, str, _Encode | None]] = []
         self._derived_measured: list[str] = []
-        for attribute, getter in _getters(kind):
-            if name := vars(getter).get("record_entry"):
+        for attribute, member in vars(kind).items():
+            getter = member.fget if isinstance(member, property) else None
+            if getter is not None and (name := vars(getter).get("record_entry")):
                 ways = _ways(get_type_hints(getter, include_extras=True)["return"], Entry())
                 self._derived.append((name, attribute, ways.encode))
                 self._derived_measured += [name] * ways.is_measured
-
         self.keys = frozenset((*self._own_keys(), *(name for name, _, _ in self._derived)))
 
     def _own_keys(self) -> Iterator[str]:
@@ -186,12 +186,6 @@ class _Ways:
     null: tuple[object, ...] = ()
     is_measured: bool = False
     record: type | None = None
-
-
-def _getters(kind: type) -> Iterator[tuple[str, Callable[..., object]]]:
-    for name, member in vars(kind).items():
-        if isinstance(member, property) and member.fget is not None:
-            yield name, member.fget
 
 
 def _entry(hint: Any) -> Entry:
