@@ -18,6 +18,7 @@ from pathlib import Path
 import pytest
 
 from made_demos import made_demo, run_testudo_in
+from smarttestudo.cli.run import PART_KINDS
 from smarttestudo.domain.errors import ProfileError
 from smarttestudo.language.formatter import format_rules
 from smarttestudo.language.parser import parse
@@ -176,4 +177,6 @@ def test_the_page_of_files_has_every_key_of_a_profile(tmp_path: Path) -> None:
 
 def test_the_page_of_parameters_has_every_parameter() -> None:
     page = (ROOT / "docs" / "reference" / "parameters.md").read_text(encoding="utf-8")
-    assert re.findall(r"^\| `(\w+)` \|", page, re.MULTILINE) == [one.name for one in options_of() if one.name]
+    assert re.findall(r"^\| `(\w+)` \|", page, re.MULTILINE) == [
+        one.name for one in options_of(PART_KINDS) if one.name
+    ]

@@ -22,17 +22,19 @@ from smarttestudo.domain.names import TOPIC_PLACEHOLDER
 from smarttestudo.domain.parameter import ParameterValue
 from smarttestudo.domain.robot import DataPathKind
 from smarttestudo.files.outputs import require_separate
+from smarttestudo.incidents.live_incidents import INCIDENT_RING, INCIDENTS, INCIDENTS_PART
+from smarttestudo.incidents.live_outages import CATCH_UP, OUTAGES_PART
+from smarttestudo.link.openmetrics.run_metrics import RunMetrics
 from smarttestudo.link.zenoh import open_robot_end
 from smarttestudo.loop.decision_log import growing_decision_log
 from smarttestudo.loop.input_log import INPUTS_FILE, input_log
+from smarttestudo.robot.acceptance import ACCEPTANCE_PART
 from smarttestudo.robot.decisions import Decided
-from smarttestudo.robot.incidents import INCIDENT_RING, INCIDENTS
+from smarttestudo.robot.link_watch import LINK_PART
 from smarttestudo.robot.option import AnyOption, Settings, given_as
-from smarttestudo.robot.outages import CATCH_UP
 from smarttestudo.robot.part import PartKind
 from smarttestudo.robot.ros import open_robot
-from smarttestudo.robot.run import PART_KINDS, options_of, run_live
-from smarttestudo.robot.run_metrics import RunMetrics
+from smarttestudo.robot.run import options_of, run_live
 from smarttestudo.robot.run_options import (
     DECISIONS,
     OUTPUT_TOPIC,
@@ -42,6 +44,9 @@ from smarttestudo.robot.run_options import (
     RunParameters,
 )
 from smarttestudo.rules.rule_files import rule_files_named
+
+PART_KINDS = (INCIDENTS_PART, OUTAGES_PART, LINK_PART, ACCEPTANCE_PART)
+"""What stands beside the loop of every run."""
 
 
 def add_arguments(parser: CommandParser, kinds: Sequence[PartKind] = PART_KINDS) -> None:

@@ -11,15 +11,11 @@ from functools import partial
 from smarttestudo.domain.command import IncomingCommands
 from smarttestudo.domain.link import OutgoingLink
 from smarttestudo.domain.robot import Robot
-from smarttestudo.robot.acceptance import ACCEPTANCE_PART
 from smarttestudo.robot.decisions import Decided, LiveDecisions
 from smarttestudo.robot.fallback import Fallback
-from smarttestudo.robot.incidents import INCIDENTS_PART
 from smarttestudo.robot.input_recorder import InputRecorder, Note
-from smarttestudo.robot.link_watch import LINK_PART
 from smarttestudo.robot.live_run import LOOK_PERIOD_S, LiveRun
 from smarttestudo.robot.option import AnyOption
-from smarttestudo.robot.outages import OUTAGES_PART
 from smarttestudo.robot.output_topics import OutputTopic
 from smarttestudo.robot.part import PartContext, PartKind
 from smarttestudo.robot.rule_manager import RuleManager, first_rules
@@ -37,11 +33,8 @@ from smarttestudo.robot.run_options import (
     RunParameters,
 )
 
-PART_KINDS = (INCIDENTS_PART, OUTAGES_PART, LINK_PART, ACCEPTANCE_PART)
-"""What stands beside the loop of every run."""
 
-
-def options_of(kinds: Sequence[PartKind] = PART_KINDS) -> tuple[AnyOption, ...]:
+def options_of(kinds: Sequence[PartKind]) -> tuple[AnyOption, ...]:
     """The options of a run with parts of these ``kinds``."""
     return (*RUN_OPTIONS, *(option for kind in kinds for option in kind.options))
 
@@ -50,7 +43,7 @@ def run_live(
     parameters: RunParameters,
     robot: Robot,
     stopped: Callable[[], bool],
-    kinds: Sequence[PartKind] = PART_KINDS,
+    kinds: Sequence[PartKind],
     decided: Sequence[Decided] = (),
     *,
     note: Note | None = None,

@@ -15,9 +15,9 @@ from robot.status.statuses import RELAYED, STATUS
 from smarttestudo.domain.link_state import LinkState, StreamCounts, TopicOnLink
 from smarttestudo.domain.metric import MetricKind, MetricName
 from smarttestudo.domain.status import RuntimeStatus
+from smarttestudo.link.openmetrics.run_metrics import DECISIONS, RunMetrics
 from smarttestudo.link.openmetrics.status import STATUS_METRICS, status_metrics
 from smarttestudo.link.receive.reception_metrics import RECEPTION_METRICS
-from smarttestudo.robot.run_metrics import DECISIONS, RunMetrics
 
 UNITS = {"seconds", "bytes", "bytes_per_second", "hertz", "ratio"}
 COUNTED = {"messages", "chunks", "events", "statuses", "topics", "outages", "decisions", "incidents"}

@@ -18,9 +18,9 @@ from smarttestudo.domain.link import MessageOrigin, MissedMessage
 from smarttestudo.domain.link_state import LinkState
 from smarttestudo.domain.robot import Qos
 from smarttestudo.domain.status import RulesInForce
+from smarttestudo.incidents.live_outages import FOLDER_NS, MAX_FOLDERS, LiveOutages
 from smarttestudo.loop.relay import Relayed
 from smarttestudo.robot.option import Settings
-from smarttestudo.robot.outages import FOLDER_NS, MAX_FOLDERS, LiveOutages
 from smarttestudo.robot.rules import LiveRules
 from smarttestudo.robot.topic import LiveSource
 
