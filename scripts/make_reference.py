@@ -24,9 +24,9 @@ from smarttestudo.language.properties import (
     properties_for_bounds,
     properties_of,
 )
+from smarttestudo.link.openmetrics.run_metrics import DECISIONS
 from smarttestudo.link.openmetrics.status import STATUS_METRICS
 from smarttestudo.link.receive.reception_metrics import RECEPTION_METRICS
-from smarttestudo.link.openmetrics.run_metrics import DECISIONS
 
 REFERENCE = Path(__file__).resolve().parent.parent / "docs" / "reference"
 NOTE = "<!-- Written by scripts/make_reference.py; change the code instead. -->"
