@@ -5,12 +5,15 @@
 from __future__ import annotations
 
 import argparse
+from functools import partial
 
 from smarttestudo.cli.paths import file_path
 from smarttestudo.domain import budget
 from smarttestudo.domain.errors import UsageError
+from smarttestudo.domain.parameter import ParameterValue
 from smarttestudo.domain.robot import DiscoveryRange, OutputDomain
 from smarttestudo.pacing.sample import WhenSlow
+from smarttestudo.robot.option import AnyOption, given_as
 
 
 def add_rules(parser: argparse.ArgumentParser, *, required: bool = True) -> None:
@@ -44,6 +47,30 @@ def add_when_slow(parser: argparse.ArgumentParser) -> None:
         default=WhenSlow.PASS.value,
         help="what to do where a target is above its source: pass what comes (default), or repeat the newest",
     )
+
+
+def add_option(parser: argparse.ArgumentParser, flag: str, option: AnyOption) -> None:
+    """Add ``option`` of a run under ``flag``; what is not given is ``None``."""
+    default = option.default
+    if default is False:
+        parser.add_argument(flag, action="store_const", const=True, dest=option.key, help=option.help)
+        return
+    shown = f" (default: {f'{default:g}' if isinstance(default, float) else default})" if default else ""
+    parser.add_argument(
+        flag,
+        metavar=option.metavar,
+        dest=option.key,
+        type=partial(_given, option),
+        help=f"{option.help}{shown}",
+    )
+
+
+def _given(option: AnyOption, text: str) -> ParameterValue:
+    """What a parameter would hold; ``ArgumentTypeError`` for a text that the option cannot have."""
+    try:
+        return given_as(option.from_text(text))
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from error
 
 
 def add_ros_arguments(parser: argparse.ArgumentParser) -> None:

@@ -13,7 +13,13 @@ from functools import partial
 
 from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.link_options import add_link, link_options, warn
-from smarttestudo.cli.loop_options import add_output_domain, add_ros_arguments, add_rules, output_domain
+from smarttestudo.cli.loop_options import (
+    add_option,
+    add_output_domain,
+    add_ros_arguments,
+    add_rules,
+    output_domain,
+)
 from smarttestudo.cli.metrics_options import add_openmetrics, served_metrics
 from smarttestudo.cli.terminal import stop_signals
 from smarttestudo.domain.command import command_topics
@@ -31,7 +37,7 @@ from smarttestudo.loop.input_log import INPUTS_FILE, input_log
 from smarttestudo.robot.acceptance import ACCEPTANCE_PART
 from smarttestudo.robot.decisions import Decided
 from smarttestudo.robot.link_watch import LINK_PART
-from smarttestudo.robot.option import AnyOption, Settings, given_as
+from smarttestudo.robot.option import Settings, given_as
 from smarttestudo.robot.part import PartKind
 from smarttestudo.robot.ros import open_robot
 from smarttestudo.robot.run import options_of, run_live
@@ -58,7 +64,7 @@ def add_arguments(parser: CommandParser, kinds: Sequence[PartKind] = PART_KINDS)
     add_rules(parser, required=False)
     for option in options_of(kinds):
         if option.flag is not None and not option.is_shared:
-            _add(parser, option.flag, option)
+            add_option(parser, option.flag, option)
     add_output_domain(parser)
     parser.add_argument(
         "--data-path",
@@ -72,29 +78,6 @@ def add_arguments(parser: CommandParser, kinds: Sequence[PartKind] = PART_KINDS)
     add_ros_arguments(parser)
     # What is not given here may be a parameter of the node.
     parser.set_defaults(run=partial(run, kinds=kinds), when_slow=None)
-
-
-def _add(parser: argparse.ArgumentParser, flag: str, option: AnyOption) -> None:
-    default = option.default
-    if default is False:
-        parser.add_argument(flag, action="store_const", const=True, dest=option.key, help=option.help)
-        return
-    shown = f" (default: {f'{default:g}' if isinstance(default, float) else default})" if default else ""
-    parser.add_argument(
-        flag,
-        metavar=option.metavar,
-        dest=option.key,
-        type=partial(_given, option),
-        help=f"{option.help}{shown}",
-    )
-
-
-def _given(option: AnyOption, text: str) -> ParameterValue:
-    """What a parameter would hold; ``ArgumentTypeError`` for a text that the option cannot have."""
-    try:
-        return given_as(option.from_text(text))
-    except ValueError as error:
-        raise argparse.ArgumentTypeError(str(error)) from error
 
 
 def run(arguments: argparse.Namespace, kinds: Sequence[PartKind] = PART_KINDS) -> int:

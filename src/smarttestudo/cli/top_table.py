@@ -14,7 +14,8 @@ from enum import Enum
 from pathlib import Path
 
 from smarttestudo.cli.tables import is_unicode, write_text
-from smarttestudo.domain.decision import Reason, bound_texts
+from smarttestudo.domain.bound_texts import bound_texts
+from smarttestudo.domain.decision import Reason
 from smarttestudo.domain.incident import IncidentState
 from smarttestudo.domain.link_state import AcceptedTopic, LinkState
 from smarttestudo.domain.status import DiagnosticLevel, RuntimeStatus, Silence, TopicStatus

@@ -39,24 +39,6 @@ class BoundReason:
     line: int | None = None
 
 
-def bound_texts(within: Mapping[str, float], reasons: Mapping[str, BoundReason]) -> tuple[str, ...]:
-    """What bounds each property, and what decided it, as people read it.
-
-    ``position 0.05: Docking``, ``position 0.05, in doubt: Docking`` and, where a doubt lets everything pass,
-    ``position not bound, in doubt: Docking``.
-    """
-    return tuple(
-        f"{name} {f'{within[name]:g}' if name in within else 'not bound'}{_decider(reasons.get(name))}"
-        for name in dict.fromkeys([*within, *reasons])
-    )
-
-
-def _decider(decided: BoundReason | None) -> str:
-    if decided is None:
-        return ""
-    return f"{', in doubt' * (decided.reason is Reason.UNKNOWN)}: {decided.rule or decided.reason.value}"
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PlannedRate:
     """The rate of one topic in a plan, with its reason.

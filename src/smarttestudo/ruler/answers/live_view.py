@@ -14,7 +14,8 @@ from collections.abc import Iterable, Iterator
 
 from msgspec import Struct
 
-from smarttestudo.domain.decision import Reason, bound_texts
+from smarttestudo.domain.bound_texts import bound_texts
+from smarttestudo.domain.decision import Reason
 from smarttestudo.domain.link_state import LinkState, TopicOnLink
 from smarttestudo.domain.status import BlockStatus, RulesOrigin, RuntimeStatus, Silence, TopicStatus
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
