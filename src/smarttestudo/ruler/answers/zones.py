@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from msgspec import Struct
 
-from smarttestudo.checks.blocks_clash import CHECK as BLOCKS_CLASH
+from smarttestudo.checks.blocks import BLOCKS_CLASH
 from smarttestudo.checks.wording import check_text
 from smarttestudo.checks.written import rate_of
 from smarttestudo.domain.names import resolve_topic
