@@ -18,7 +18,7 @@ from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
 from smarttestudo.language.comments import COMMENT_START
 from smarttestudo.language.formatter.conditions import write_condition
 from smarttestudo.language.formatter.text import LineWriter
-from smarttestudo.language.normal_form import Every, Within
+from smarttestudo.language.normal_form import Every, InRegion
 from smarttestudo.language.properties import PropertySpec
 from smarttestudo.language.region import Region
 from smarttestudo.language.syntax import And, Operator, Or, Timed, checks_in, records_in
@@ -88,7 +88,7 @@ def _impossible_signals(block: BlockSite, rules: RuleModel) -> str:
     names = [
         str(part.signal)
         for part in parts
-        if isinstance(part, Within) and part.region.intersection(rules.context.domain(part.signal)).is_empty
+        if isinstance(part, InRegion) and part.region.intersection(rules.context.domain(part.signal)).is_empty
     ]
     return wording.listed(names) if names else ""
 

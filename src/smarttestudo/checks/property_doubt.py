@@ -19,9 +19,9 @@ from smarttestudo.language.parser.suggestions import closest, did_you_mean
 from smarttestudo.language.properties import (
     ARRIVAL_PROPERTIES,
     PropertySpec,
+    conventional_types,
     known_types,
     properties_of,
-    usual_types,
 )
 from smarttestudo.language.properties.field_path import MESSAGE_PREFIX, is_field_path
 
@@ -112,7 +112,7 @@ def doubt_about(signal: Signal, context: CheckContext, named: Named = properties
             close=None,
         )
     type_name = context.known_type(topic)
-    types = (type_name,) if type_name else usual_types(topic)
+    types = (type_name,) if type_name else conventional_types(topic)
     if name in ARRIVAL_PROPERTIES or any(_may_have(one, name, named) for one in types):
         return None
     if type_name:

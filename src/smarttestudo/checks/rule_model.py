@@ -26,8 +26,8 @@ from smarttestudo.checks.written import (
 from smarttestudo.domain.signal import Signal, Truth
 from smarttestudo.domain.source import Span
 from smarttestudo.language.normal_form import (
+    InRegion,
     LastSeen,
-    Within,
     check_form,
     merged,
     negation,
@@ -246,8 +246,8 @@ class _Reader:
         return topic
 
 
-def _truth(check: Within, values: Region) -> Truth:
-    """What every value makes of ``check``; with an ``Until``, of whatever was before."""
+def _truth(check: InRegion, values: Region) -> Truth:
+    """The truth of ``check`` for every value; with an ``Until``, whatever was before."""
     latch = check.signal
     region = latch.on if isinstance(latch, LastSeen) else check.region
     if region.intersection(values).is_empty:

@@ -52,7 +52,7 @@ def state(values: Mapping[Signal, float]) -> str:
 
 
 def _past(signal: Signal, value: float) -> str:
-    """What was before: ``/odom speed < 1 for 5 s``."""
+    """The value of a past: ``/odom speed < 1 for 5 s``."""
     if signal.property == HELD:
         return f"{signal.topic} for {number(value)} s"
     return f"{signal.topic} {'holds' if value else 'has ended'}"

@@ -57,7 +57,7 @@ class WrittenBound:
 
     @property
     def signal(self) -> Signal:
-        """What it bounds."""
+        """The property that it bounds."""
         return Signal(self.topic, self.statement.property)
 
 

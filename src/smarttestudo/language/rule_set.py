@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What one or more rule files mean together, ready for the evaluator."""
+"""The meaning of one or more rule files together, ready for the evaluator."""
 
 from __future__ import annotations
 
@@ -48,8 +48,8 @@ from smarttestudo.language.syntax import (
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Recording:
-    """What a ``Record`` asks for: topics by full name, from ``before_ns`` before to ``after_ns`` after."""
+class RecordRequest:
+    """The request of a ``Record``: topics by full name, from ``before_ns`` before to ``after_ns`` after."""
 
     name: str
     line: int
@@ -74,7 +74,7 @@ class RuleBlock:
     form: Form
     rates: Mapping[str, Rate]
     bounds: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
-    recordings: tuple[Recording, ...] = ()
+    recordings: tuple[RecordRequest, ...] = ()
 
     @property
     def topics(self) -> tuple[str, ...]:
@@ -172,7 +172,7 @@ class RuleSet:
 
 
 def fallback_rules(topics: Iterable[str]) -> RuleSet:
-    """What holds while there are no rules: every message of ``topics`` passes."""
+    """The rules in force while there are none: every message of ``topics`` passes."""
     return RuleSet(
         defaults={topic: Rate.full() for topic in topics},
         default_lines={},
@@ -183,7 +183,7 @@ def fallback_rules(topics: Iterable[str]) -> RuleSet:
 
 
 class TierValues(Protocol):
-    """What the optimizer gave the tiers of some rule files; statements come with their file's path."""
+    """The values that the optimizer gave tiers of rule files; statements come with their file's path."""
 
     def tier_rate(self, statement: SetFrequency, path: str, /) -> Rate:
         """The rate of a statement that names a tier."""
@@ -327,8 +327,8 @@ class _Compiler:
         of_topic = bounds.setdefault(topic, {})
         of_topic[one.property] = min(bound, of_topic.get(one.property, math.inf))
 
-    def _recording(self, record: RecordIncident) -> Recording:
-        return Recording(
+    def _recording(self, record: RecordIncident) -> RecordRequest:
+        return RecordRequest(
             name=record.name,
             line=record.span.line,
             topics=tuple(dict.fromkeys(self._resolve(topic.text) for topic in record.topics)),

@@ -211,7 +211,7 @@ class KeepWithin:
 
 
 Action = SetFrequency | KeepWithin | RecordIncident
-"""What stands in a Then or Else."""
+"""A statement in a Then or Else."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

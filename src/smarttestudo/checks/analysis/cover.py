@@ -65,7 +65,7 @@ class Covers:
     def _needed(
         self, covering: Sequence[Branch], covered: Branch | None, effort: Effort
     ) -> tuple[Branch, ...]:
-        """Those of few ``covering`` branches that cover by themselves."""
+        """The branches among few ``covering`` ones that cover by themselves."""
         needed = list(covering)
         if len(covering) <= MAX_BRANCHES_THINNED_OUT:
             for branch in covering:

@@ -34,19 +34,19 @@ def analyse(
     floors: Mapping[str, WrittenRate],
     context: CheckContext,
 ) -> Analysis:
-    """What the conditions of ``blocks`` mean; ``defaults`` and ``floors`` are by topic.
+    """The analysis of the conditions of ``blocks``; ``defaults`` and ``floors`` are by topic.
 
-    Of each branch the first clashes with branches before it are found, or else the first shared.
+    Of each branch the first clashes with branches before it are found, or else the first shared border.
     """
-    analyst = _Analyst(blocks, domain=cache(context.domain), wavers=cache(context.wavers))
+    analyst = _Analyst(blocks, domain=cache(context.domain), is_noisy=cache(context.is_noisy))
     where_true = {block.order: analyst.boxes(block.form) for block in blocks}
     truths = {block.order: analyst.truth(block, where_true[block.order]) for block in blocks}
-    boxes_by_block = {
+    boxes_by_branch = {
         branch.order: analyst.boxes(branch.form) if branch.is_else else where_true[branch.block.order]
         for branch in branches
     }
-    possible = [branch for branch in branches if boxes_by_block[branch.order].boxes]
-    index = BranchIndex(branches, boxes_by_block)
+    possible = [branch for branch in branches if boxes_by_branch[branch.order].boxes]
+    index = BranchIndex(branches, boxes_by_branch)
     covers = Covers(index, analyst.domain)
     without_default = {topic for branch in branches for topic in branch.settings}.difference(defaults)
     gaps = (analyst.gap(topic, covers) for topic in sorted(without_default))
@@ -69,11 +69,11 @@ class _Analyst:
     """Asks one question at a time, and notes the blocks about which one was given up."""
 
     def __init__(
-        self, blocks: Sequence[BlockSite], *, domain: Domain, wavers: Callable[[Signal], bool]
+        self, blocks: Sequence[BlockSite], *, domain: Domain, is_noisy: Callable[[Signal], bool]
     ) -> None:
         self._blocks = blocks
         self.domain = domain
-        self._wavers = wavers
+        self._is_noisy = is_noisy
         self._effort = Effort(LOOKS_IN_ALL)
         self._unfinished: set[int] = set()
 
@@ -96,7 +96,9 @@ class _Analyst:
         return boxes_of(form, self.domain, self._question())
 
     def conflicts(self, branch: Branch, index: BranchIndex) -> Iterator[Clash | SharedBorder]:
-        conflicts = ConflictFinder(index, domain=self.domain, wavers=self._wavers, effort=self._question())
+        conflicts = ConflictFinder(
+            index, domain=self.domain, is_noisy=self._is_noisy, effort=self._question()
+        )
         for count, found in enumerate(self._until_too_complex(branch, conflicts.of(branch)), start=1):
             yield found
             if isinstance(found, SharedBorder) or count == MAX_CLASHES_SHOWN:

@@ -10,7 +10,7 @@ from smarttestudo.checks.analysis.results import RedundantRate
 from smarttestudo.checks.written import Branch, WrittenRate
 from smarttestudo.domain.rate import Rate
 from smarttestudo.language.boxes import Effort, TooComplexError
-from smarttestudo.language.normal_form import Every, Form, Some, Within
+from smarttestudo.language.normal_form import Every, Form, InRegion, Some
 
 
 def redundant_rates(
@@ -82,5 +82,5 @@ def excludes(first: Form, second: Form, effort: Effort) -> bool:
     return _are_apart(first, second)
 
 
-def _are_apart(first: Within, second: Within) -> bool:
+def _are_apart(first: InRegion, second: InRegion) -> bool:
     return first.signal == second.signal and first.region.intersection(second.region).is_empty

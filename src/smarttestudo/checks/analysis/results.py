@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the interval analysis finds out."""
+"""The results of the interval analysis."""
 
 from __future__ import annotations
 

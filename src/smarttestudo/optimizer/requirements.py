@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What rule files ask of the optimizer: the defaults, then each block's topics."""
+"""The requirements of rule files on the optimizer: the defaults, then each block's topics."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ from smarttestudo.language.syntax import (
     bounds_in,
     sets_in,
 )
-from smarttestudo.optimizer.model import Ask, BoundNeeds, TopicNeeds, accuracy_of, needs_of
+from smarttestudo.optimizer.model import BoundNeeds, Requirement, TopicNeeds, accuracy_of, needs_of
 
 StatementKey = tuple[str, Span]
 """A file's path and where its rate or bound is written: what a statement is known by."""
 
 
-class Undecided(Enum):
-    """What becomes of topics for which the files have no default."""
+class TopicsWithoutDefault(Enum):
+    """The treatment of topics for which the files have no default."""
 
     APPENDED = "every one in the profile gets Unacceptable, as a default"
     COUNTED = "the same, but only where the profile has what that needs"
@@ -41,22 +41,23 @@ class Undecided(Enum):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Part:
+class Subproblem:
     """Topics that are solved in one go: the defaults (``label`` is ``None``) or one side of a block.
 
-    ``asks`` are by topic, those of bounds by topic and property. ``tier_statements`` are the statements that
-    name a level, with their ask. ``path`` and ``span`` say where the block, or the first default, is.
+    ``requirements`` are by topic, those of bounds by topic and property. ``tier_statements`` are the
+    statements that name a level, with the name of their requirement. ``path`` and ``span`` say where the
+    block, or the first default, is.
 
     A topic takes what its bounds need where that was measured of all of them; its rate is its ceiling then.
     ``ceilings_hz`` are ceilings that are written as levels, ``unmeasured_bounds`` bounds of topics that count
-    by their rate. ``kept`` are the asks of the defaults for topics that a block sets, which go on below the
-    ceiling in Hz that it sets.
+    by their rate. ``kept`` are the requirements of the defaults for topics that a block sets, which go on
+    below the ceiling in Hz that it sets.
     """
 
     label: str | None
     path: str
     span: Span
-    asks: Mapping[str, Ask]
+    requirements: Mapping[str, Requirement]
     tier_statements: tuple[tuple[StatementKey, str], ...]
     ceilings_hz: tuple[tuple[StatementKey, float], ...] = ()
     unmeasured_bounds: tuple[tuple[StatementKey, float], ...] = ()
@@ -69,34 +70,36 @@ class Part:
 
     def without_its_topics(self, defaults_hz: Mapping[str, float]) -> dict[str, float]:
         """``defaults_hz`` of other topics, and of what is kept, as far as the ceiling lets it."""
-        topics = {topic_of(name) for name in (*self.asks, *self.kept)}
+        topics = {topic_of(name) for name in (*self.requirements, *self.kept)}
         others = {name: hz for name, hz in defaults_hz.items() if topic_of(name) not in topics}
         kept = {name: min(defaults_hz[name], limit_hz) for name, limit_hz in self.kept.items()}
         return {**others, **kept}
 
 
 def topic_of(name: str) -> str:
-    """The topic of an ask, whose name is the topic, or the topic and a property."""
+    """The topic of a requirement, whose name is the topic, or the topic and a property."""
     return name.partition(" ")[0]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class RuleAsks:
+class RuleRequirements:
     """Everything that is asked. ``appended`` are the profile's topics that no default names."""
 
-    defaults: Part
-    blocks: tuple[Part, ...]
+    defaults: Subproblem
+    blocks: tuple[Subproblem, ...]
     appended: tuple[str, ...]
 
 
-def collect_asks(
-    files: Sequence[RuleFile], profile: Profile, resolve: Resolve, undecided: Undecided
-) -> RuleAsks:
-    """What ``files``, which have no errors, ask of the topics in ``profile``.
+def collect_requirements(
+    files: Sequence[RuleFile], profile: Profile, resolve: Resolve, without_default: TopicsWithoutDefault
+) -> RuleRequirements:
+    """The requirements of ``files``, which have no errors, on the topics in ``profile``.
 
     Raises ``ProfileError`` where the profile lacks a topic of the rules or an entry that is needed.
     """
-    return _Collector(files=files, profile=profile, resolve=resolve, undecided=undecided).asks()
+    return _Collector(
+        files=files, profile=profile, resolve=resolve, without_default=without_default
+    ).requirements()
 
 
 _WrittenRate = float | Tier | RateWord
@@ -106,21 +109,26 @@ _Bounds = Mapping[str, float | Tier]
 
 @dataclass(frozen=True, slots=True)
 class _Draft:
-    """The asks of a part so far, and the topics that count by their bounds."""
+    """The requirements of a subproblem so far, and the topics that count by their bounds."""
 
-    asks: dict[str, Ask] = field(default_factory=dict)
+    requirements: dict[str, Requirement] = field(default_factory=dict)
     kept: dict[str, float] = field(default_factory=dict)
     bound_topics: set[str] = field(default_factory=set)
 
 
 class _Collector:
     def __init__(
-        self, *, files: Sequence[RuleFile], profile: Profile, resolve: Resolve, undecided: Undecided
+        self,
+        *,
+        files: Sequence[RuleFile],
+        profile: Profile,
+        resolve: Resolve,
+        without_default: TopicsWithoutDefault,
     ) -> None:
         self._files = files
         self._profile = profile
         self._resolve = resolve
-        self._undecided = undecided
+        self._without_default = without_default
         self._floors_hz: dict[str, float] = {}
         for _, statement in self._statements():
             if isinstance(statement, KeepAtLeast) and isinstance(statement.rate.value, int | float):
@@ -130,15 +138,15 @@ class _Collector:
         self._bounds = self._by_topic(one for _, one in self._statements() if isinstance(one, KeepWithin))
         self._rates = self._default_rates()
 
-    def asks(self) -> RuleAsks:
+    def requirements(self) -> RuleRequirements:
         defaults, appended = self._defaults()
         blocks = tuple(
-            part
+            subproblem
             for path, statement in self._statements()
             if isinstance(statement, Block)
-            for part in self._sides(path, statement, defaults)
+            for subproblem in self._sides(path, statement, defaults)
         )
-        return RuleAsks(defaults=defaults, blocks=blocks, appended=appended)
+        return RuleRequirements(defaults=defaults, blocks=blocks, appended=appended)
 
     def _statements(self) -> Iterator[tuple[str, Statement]]:
         return ((file.path, statement) for file in self._files for statement in file.enabled_statements)
@@ -155,7 +163,7 @@ class _Collector:
             rates.setdefault(topic, RateWord.FULL)
         return rates
 
-    def _defaults(self) -> tuple[Part, tuple[str, ...]]:
+    def _defaults(self) -> tuple[Subproblem, tuple[str, ...]]:
         written = [
             (path, one) for path, one in self._statements() if isinstance(one, SetFrequency | KeepWithin)
         ]
@@ -174,19 +182,19 @@ class _Collector:
             if topic not in named and topic not in appended:
                 self._add(draft, topic, rate, self._bounds.get(topic, {}))
         path, span = next(((path, one.span) for path, one in sets), self._start())
-        return self._part(draft, None, path, span, written), appended
+        return self._subproblem(draft, None, path, span, written), appended
 
     def _appends(self, topic: str) -> bool:
-        if self._undecided is Undecided.COUNTED:
+        if self._without_default is TopicsWithoutDefault.COUNTED:
             entry = self._profile.topic(topic)
             return entry.message_kb is not None and entry.tiers_hz is not None
-        return self._undecided is Undecided.APPENDED
+        return self._without_default is TopicsWithoutDefault.APPENDED
 
     def _start(self) -> tuple[str, Span]:
         first = self._files[0]
         return first.path, first.collections[0].span
 
-    def _sides(self, path: str, block: Block, defaults: Part) -> Iterator[Part]:
+    def _sides(self, path: str, block: Block, defaults: Subproblem) -> Iterator[Subproblem]:
         for label, side in ((block.label, block.then), (f"{block.label} (Else)", block.otherwise)):
             sets, bounds = sets_in(side), bounds_in(side)
             rates = {self._resolve(one.topic.text): one.rate.value for one in sets}
@@ -194,33 +202,44 @@ class _Collector:
             draft = _Draft()
             for topic in dict.fromkeys([*rates, *own]):
                 self._add_in_block(draft, topic, rates.get(topic), own.get(topic, {}), defaults)
-            if draft.asks or draft.kept or any(isinstance(one.bound, Tier) for one in bounds):
+            if draft.requirements or draft.kept or any(isinstance(one.bound, Tier) for one in bounds):
                 written: list[SetFrequency | KeepWithin] = [*sets, *bounds]
-                yield self._part(draft, label, path, block.span, ((path, one) for one in written))
+                yield self._subproblem(draft, label, path, block.span, ((path, one) for one in written))
 
     def _add_in_block(
-        self, draft: _Draft, topic: str, own_rate: _WrittenRate | None, own_bounds: _Bounds, defaults: Part
+        self,
+        draft: _Draft,
+        topic: str,
+        own_rate: _WrittenRate | None,
+        own_bounds: _Bounds,
+        defaults: Subproblem,
     ) -> None:
-        """What the rate and bounds that a block sets ask for, beside those that it leaves as they are."""
+        """Add what the rate and bounds that a block sets require, beside those that it leaves as they are."""
         rate = self._rates[topic] if own_rate is None else own_rate
         bounds = {**self._bounds.get(topic, {}), **own_bounds}
         if self._is_measured(topic, bounds):
             limit_hz = self._ceiling_hz(topic, rate)
-            kept = [name for name in bounds if name not in own_bounds and f"{topic} {name}" in defaults.asks]
+            kept = [
+                name
+                for name in bounds
+                if name not in own_bounds and f"{topic} {name}" in defaults.requirements
+            ]
             draft.kept.update((f"{topic} {name}", limit_hz) for name in kept)
             self._add_bounds(draft, topic, limit_hz, {n: b for n, b in bounds.items() if n not in kept})
         elif own_rate is not None:
-            draft.asks[topic] = self._ask_for(topic, rate)
-        elif topic not in defaults.asks:
+            draft.requirements[topic] = self._required(topic, rate)
+        elif topic not in defaults.requirements:
             # The defaults count bounds that are no longer all.
-            draft.asks[topic] = Ask(needs=self._needs_of(topic), wanted=self._ceiling_hz(topic, rate))
+            draft.requirements[topic] = Requirement(
+                needs=self._needs_of(topic), wanted=self._ceiling_hz(topic, rate)
+            )
 
     def _add(self, draft: _Draft, topic: str, rate: _WrittenRate, bounds: _Bounds) -> None:
-        """What a topic asks for: its bounds where it is known what they need, else its rate."""
+        """Add what a topic requires: its bounds where it is known what they need, else its rate."""
         if self._is_measured(topic, bounds):
             self._add_bounds(draft, topic, self._ceiling_hz(topic, rate), bounds)
         else:
-            draft.asks[topic] = self._ask_for(topic, rate)
+            draft.requirements[topic] = self._required(topic, rate)
 
     def _add_bounds(self, draft: _Draft, topic: str, limit_hz: float, bounds: _Bounds) -> None:
         draft.bound_topics.add(topic)
@@ -229,10 +248,10 @@ class _Collector:
             accuracy = accuracy_of(of_topic, name)
             needs = BoundNeeds(of_topic=of_topic, property_name=name, accuracy=accuracy, limit_hz=limit_hz)
             if isinstance(bound, Tier):
-                draft.asks[needs.name] = Ask(needs=needs, wanted=bound)
+                draft.requirements[needs.name] = Requirement(needs=needs, wanted=bound)
             else:
                 needed_hz = max(accuracy.needed_hz(bound), of_topic.floor_hz)
-                draft.asks[needs.name] = Ask(needs=needs, wanted=min(needed_hz, limit_hz))
+                draft.requirements[needs.name] = Requirement(needs=needs, wanted=min(needed_hz, limit_hz))
 
     def _is_measured(self, topic: str, bounds: _Bounds) -> bool:
         """Whether it is known of all bounds, and there are any, what they need."""
@@ -247,14 +266,14 @@ class _Collector:
             of_topic[one.property] = min(one.bound, of_topic.get(one.property, math.inf), key=_tightness)
         return found
 
-    def _part(
+    def _subproblem(
         self,
         draft: _Draft,
         label: str | None,
         path: str,
         span: Span,
         written: Iterable[tuple[str, SetFrequency | KeepWithin]],
-    ) -> Part:
+    ) -> Subproblem:
         tier_statements: list[tuple[StatementKey, str]] = []
         ceilings_hz: list[tuple[StatementKey, float]] = []
         unmeasured: list[tuple[StatementKey, float]] = []
@@ -268,16 +287,16 @@ class _Collector:
                     tier_statements.append((key, topic))
             elif isinstance(one, KeepWithin) and isinstance(one.bound, Tier):
                 key, name = (of_path, bound_span(one)), f"{topic} {one.property}"
-                if name in draft.asks:
+                if name in draft.requirements:
                     tier_statements.append((key, name))
                 else:
                     accuracy = accuracy_of(self._needs_of(topic), one.property)
                     unmeasured.append((key, accuracy.interval(one.bound)[1]))
-        return Part(
+        return Subproblem(
             label=label,
             path=path,
             span=span,
-            asks=draft.asks,
+            requirements=draft.requirements,
             tier_statements=tuple(tier_statements),
             ceilings_hz=tuple(ceilings_hz),
             unmeasured_bounds=tuple(unmeasured),
@@ -296,13 +315,13 @@ class _Collector:
         rate = Rate.off() if isinstance(value, RateWord) else Rate(value)
         return rate.at_least(self._floors_hz.get(topic, 0.0)).hz
 
-    def _ask_for(self, topic: str, value: _WrittenRate) -> Ask:
+    def _required(self, topic: str, value: _WrittenRate) -> Requirement:
         needs = self._needs_of(topic)
         if isinstance(value, Tier):
-            return Ask(needs=needs, wanted=value)
+            return Requirement(needs=needs, wanted=value)
         if value is RateWord.FULL:
-            return Ask(needs=needs, wanted=needs.source_hz)
-        return Ask(needs=needs, wanted=self._written_hz(topic, value))
+            return Requirement(needs=needs, wanted=needs.source_hz)
+        return Requirement(needs=needs, wanted=self._written_hz(topic, value))
 
     def _needs_of(self, topic: str) -> TopicNeeds:
         if topic not in self._needs:
