@@ -11,8 +11,8 @@ from collections.abc import Callable, Iterator, Mapping
 from hypothesis import strategies as st
 
 from smarttestudo.checks.rule_model import RuleModel
-from smarttestudo.checks.written import Branch
 from smarttestudo.domain.signal import Signal
+from smarttestudo.language.resolved_rules import Branch
 from smarttestudo.language.syntax import And, Check, Condition, Group, Not, Operator, Or, Timed
 
 State = dict[Signal, float]

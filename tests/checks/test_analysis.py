@@ -20,9 +20,9 @@ from checks.naive_rules import (
 from smarttestudo.checks import CheckContext
 from smarttestudo.checks.analysis.interval_analysis import MAX_CLASHES_SHOWN
 from smarttestudo.checks.rule_model import RuleModel, read_rule_model
-from smarttestudo.checks.written import Branch
 from smarttestudo.domain.signal import Truth
 from smarttestudo.language.parser import parse
+from smarttestudo.language.resolved_rules import Branch
 
 EXAMPLES = 150
 

@@ -13,8 +13,8 @@ from language.evaluator.naive_time import Sample, random_condition, truths
 from language.evaluator.random_rules import block, rule_file, set_frequency
 from smarttestudo.checks import CheckContext
 from smarttestudo.checks.rule_model import RuleModel, read_rule_model
-from smarttestudo.checks.written import Branch
 from smarttestudo.domain.signal import Signal, Truth
+from smarttestudo.language.resolved_rules import Branch
 from smarttestudo.language.syntax import RuleFile
 
 X, LEVEL = Signal("/odom", "pose_x"), Signal("/battery_state", "level")

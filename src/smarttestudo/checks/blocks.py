@@ -11,25 +11,25 @@ from smarttestudo.checks import wording
 from smarttestudo.checks.analysis import Clash, RedundantRate, Shadow, SharedBorder, wins_over
 from smarttestudo.checks.rule_check import Found, RuleCheck
 from smarttestudo.checks.rule_model import RuleModel
-from smarttestudo.checks.written import WrittenRate
 from smarttestudo.domain.finding import Fix, Severity
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.source import Span
 from smarttestudo.language.boxes import Border
 from smarttestudo.language.parser.tokens import TokenKind
+from smarttestudo.language.resolved_rules import ResolvedRate
 
 
 def _topic_twice(rules: RuleModel) -> Iterator[Found]:
     """A topic twice in one Then or Else."""
     for branch in rules.branches:
-        first: dict[str, WrittenRate] = {}
+        first: dict[str, ResolvedRate] = {}
         for one in branch.written:
             earlier = first.setdefault(one.topic, one)
             if earlier is not one:
                 yield _repeated(one, earlier, "Else" if branch.is_else else "Then")
 
 
-def _repeated(one: WrittenRate, earlier: WrittenRate, side: str) -> Found:
+def _repeated(one: ResolvedRate, earlier: ResolvedRate, side: str) -> Found:
     is_same = one.rate is not None and one.rate == earlier.rate
     return Found(
         path=one.path,

@@ -11,11 +11,11 @@ from smarttestudo.checks import wording
 from smarttestudo.checks.property_doubt import Doubt, doubt_about, found_in
 from smarttestudo.checks.rule_check import Found, RuleCheck
 from smarttestudo.checks.rule_model import RuleModel
-from smarttestudo.checks.written import WrittenBound
 from smarttestudo.domain.finding import Fix, ProfileFix, Severity
 from smarttestudo.domain.rate import Tier
 from smarttestudo.domain.signal import Signal
 from smarttestudo.language.properties import ARRIVAL_PROPERTIES, accuracy_properties_of
+from smarttestudo.language.resolved_rules import ResolvedBound
 
 
 def _unknown_bound(rules: RuleModel) -> Iterator[Found]:
@@ -39,7 +39,7 @@ def _no_picture(signal: Signal) -> Doubt | None:
 
 def _bound_in_rules_only(rules: RuleModel) -> Iterator[Found]:
     """Topics that only rules bound."""
-    first: dict[str, WrittenBound] = {}
+    first: dict[str, ResolvedBound] = {}
     for one in rules.bounds:
         first.setdefault(one.topic, one)
     for topic in rules.bound_in_rules_only:
@@ -48,7 +48,7 @@ def _bound_in_rules_only(rules: RuleModel) -> Iterator[Found]:
             yield _not_bound_in_doubt(first[topic], rules)
 
 
-def _not_bound_in_doubt(bound: WrittenBound, rules: RuleModel) -> Found:
+def _not_bound_in_doubt(bound: ResolvedBound, rules: RuleModel) -> Found:
     statement, rate = bound.statement, rules.defaults[bound.topic].rate
     passes = "every message" if rate is not None and rate.is_full else "what its rate lets through"
     return Found(
@@ -81,7 +81,7 @@ def _bound_despite_off(rules: RuleModel) -> Iterator[Found]:
 
 def _bound_twice(rules: RuleModel) -> Iterator[Found]:
     """Two bounds of one property at one place."""
-    first: dict[object, WrittenBound] = {}
+    first: dict[object, ResolvedBound] = {}
     for one in rules.bounds:
         earlier = first.setdefault((one.signal, one.branch), one)
         if earlier is not one:
@@ -95,7 +95,7 @@ def _bound_twice(rules: RuleModel) -> Iterator[Found]:
             )
 
 
-def _remove_the_looser(earlier: WrittenBound, later: WrittenBound) -> Fix | None:
+def _remove_the_looser(earlier: ResolvedBound, later: ResolvedBound) -> Fix | None:
     """Remove the looser one, as far as numbers say which that is."""
     first, second = earlier.statement.bound, later.statement.bound
     if isinstance(first, Tier) or isinstance(second, Tier):
@@ -106,7 +106,7 @@ def _remove_the_looser(earlier: WrittenBound, later: WrittenBound) -> Fix | None
     )
 
 
-def _tightest(*bounds: WrittenBound) -> str:
+def _tightest(*bounds: ResolvedBound) -> str:
     """The text of the tightest, as far as numbers say which that is."""
     numbers = [(one.statement.bound, one.statement.text) for one in bounds]
     known = [(bound, text) for bound, text in numbers if not isinstance(bound, Tier)]

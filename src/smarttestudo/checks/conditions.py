@@ -9,8 +9,7 @@ from collections.abc import Iterator
 
 from smarttestudo.checks import wording
 from smarttestudo.checks.rule_check import Found, RuleCheck
-from smarttestudo.checks.rule_model import RuleModel
-from smarttestudo.checks.written import BlockSite, CheckSite, conditions_in, times_in
+from smarttestudo.checks.rule_model import CheckSite, RuleModel
 from smarttestudo.domain.finding import Fix, Severity
 from smarttestudo.domain.signal import ArrivalProperty, Truth
 from smarttestudo.domain.source import Span
@@ -21,7 +20,17 @@ from smarttestudo.language.formatter.text import LineWriter
 from smarttestudo.language.normal_form import Every, InRegion
 from smarttestudo.language.properties import PropertySpec
 from smarttestudo.language.region import Region
-from smarttestudo.language.syntax import And, Operator, Or, Timed, checks_in, records_in
+from smarttestudo.language.resolved_rules import ResolvedBlock
+from smarttestudo.language.syntax import (
+    And,
+    Operator,
+    Or,
+    Timed,
+    checks_in,
+    conditions_in,
+    records_in,
+    times_in,
+)
 
 _EQUALITY_HOLDS = {Operator.EQUAL: "hardly ever", Operator.NOT_EQUAL: "nearly always"}
 _ZERO_WHEN_SILENT = (ArrivalProperty.RATE, ArrivalProperty.BANDWIDTH)
@@ -71,7 +80,7 @@ def _condition_never_holds(rules: RuleModel) -> Iterator[Found]:
     """Conditions that can never hold."""
     for block in rules.blocks:
         records = bool(records_in(block.block.otherwise))
-        if rules.analysis.truths[block.order] is Truth.FALSE and (records or not block.is_one_check):
+        if rules.analysis.truths[block.order] is Truth.FALSE and (records or not _is_one_check(block)):
             impossible = _impossible_signals(block, rules)
             reason = f": no value of {impossible} passes all its checks" if impossible else ""
             effect = ", so that the Record of its Else begins once and never again" if records else ""
@@ -83,7 +92,11 @@ def _condition_never_holds(rules: RuleModel) -> Iterator[Found]:
             )
 
 
-def _impossible_signals(block: BlockSite, rules: RuleModel) -> str:
+def _is_one_check(block: ResolvedBlock) -> bool:
+    return sum(1 for _ in checks_in(block.block.condition)) == 1
+
+
+def _impossible_signals(block: ResolvedBlock, rules: RuleModel) -> str:
     parts = block.form.parts if isinstance(block.form, Every) else (block.form,)
     names = [
         str(part.signal)
@@ -97,7 +110,7 @@ def _condition_always_holds(rules: RuleModel) -> Iterator[Found]:
     """Conditions that always hold."""
     for block in rules.blocks:
         records = bool(records_in(block.block.then))
-        if rules.analysis.truths[block.order] is Truth.TRUE and (records or not block.is_one_check):
+        if rules.analysis.truths[block.order] is Truth.TRUE and (records or not _is_one_check(block)):
             effect = "its Else never applies" if block.block.otherwise else "the block never ends"
             if records:
                 effect = "its Record begins once and never again"
@@ -156,9 +169,14 @@ def _is_continuous(one: CheckSite, rules: RuleModel) -> bool:
     return rules.context.is_measured(one.signal) or not one.check.value.is_integer()
 
 
+def _times(rules: RuleModel) -> Iterator[tuple[ResolvedBlock, Timed]]:
+    """Every For and Within, with its block."""
+    return ((block, timed) for block in rules.blocks for timed in times_in(block.block.condition))
+
+
 def _duration_zero(rules: RuleModel) -> Iterator[Found]:
     """For or Within no time."""
-    for block, timed in times_in(rules.blocks):
+    for block, timed in _times(rules):
         if timed.duration.ns == 0:
             yield Found(
                 path=block.path,
@@ -170,7 +188,7 @@ def _duration_zero(rules: RuleModel) -> Iterator[Found]:
 
 def _duration_too_short(rules: RuleModel) -> Iterator[Found]:
     """Durations shorter than the time between two messages."""
-    for block, timed in times_in(rules.blocks):
+    for block, timed in _times(rules):
         fastest = _fastest_source(timed, rules)
         if fastest is None or timed.duration.ns == 0:
             continue

@@ -95,7 +95,7 @@ def _rate_below_floor(rules: RuleModel) -> Iterator[Found]:
     """Rates below a floor."""
     for one in rules.settings:
         floor = rules.floors.get(one.topic)
-        if floor is None or floor.rate is None or one.rate is None or not one.rate.yields_to_floor:
+        if floor is None or one.rate is None or not one.rate.yields_to_floor:
             continue
         if one.rate.hz < floor.rate.hz:
             where = wording.place(floor.path, floor.span, seen_from=one.path)

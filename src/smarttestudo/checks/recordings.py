@@ -9,10 +9,10 @@ from collections.abc import Iterator
 from smarttestudo.checks.fixes import close_topic, write_topic
 from smarttestudo.checks.rule_check import Found, RuleCheck
 from smarttestudo.checks.rule_model import RuleModel
-from smarttestudo.checks.written import WrittenRecord
 from smarttestudo.domain.finding import Severity
 from smarttestudo.domain.incident import DEFAULT_INCIDENT_MEMORY_MB
 from smarttestudo.domain.units import BYTES_PER_KB, BYTES_PER_MB, NS_PER_S
+from smarttestudo.language.resolved_rules import ResolvedRecord
 
 _KB_PER_MB = BYTES_PER_MB / BYTES_PER_KB
 
@@ -21,13 +21,13 @@ def _record_too_large(rules: RuleModel) -> Iterator[Found]:
     """Recordings whose time before the event does not fit into memory."""
     for one in rules.recordings:
         kb_per_s = _kb_per_s(rules, one)
-        needed_mb = kb_per_s * one.record.before.ns / NS_PER_S / _KB_PER_MB
+        needed_mb = kb_per_s * one.statement.before.ns / NS_PER_S / _KB_PER_MB
         if needed_mb > DEFAULT_INCIDENT_MEMORY_MB:
             fits_ms = int(1000 * DEFAULT_INCIDENT_MEMORY_MB * _KB_PER_MB / kb_per_s)
             fits = f"{fits_ms // 1000} s" if fits_ms >= 1000 else f"{fits_ms} ms"
             yield Found(
-                path=one.block.path,
-                span=one.record.before.span,
+                path=one.path,
+                span=one.statement.before.span,
                 message=f"so much before takes {needed_mb:.0f} MB of the {DEFAULT_INCIDENT_MEMORY_MB} MB "
                 "that are kept in memory",
                 hint=f"Before {fits} would fit, or name fewer topics; --incident-memory gives more, "
@@ -35,7 +35,7 @@ def _record_too_large(rules: RuleModel) -> Iterator[Found]:
             )
 
 
-def _kb_per_s(rules: RuleModel, one: WrittenRecord) -> float:
+def _kb_per_s(rules: RuleModel, one: ResolvedRecord) -> float:
     """The KB that its topics bring in a second, as far as the profile knows."""
     known = (rules.context.topic(topic) for topic in one.topics or rules.mentions)
     return sum((topic.message_kb or 0.0) * (topic.source_hz or 0.0) for topic in known)
@@ -48,10 +48,10 @@ def _record_unpublished(rules: RuleModel) -> Iterator[Found]:
         # Topics that a recording lacks are told all at once, see absent-from-bag.
         return
     for one in rules.recordings:
-        for name, topic in zip(one.record.topics, one.topics, strict=True):
+        for name, topic in zip(one.statement.topics, one.topics, strict=True):
             if topic not in profile.topics:
                 yield Found(
-                    path=one.block.path,
+                    path=one.path,
                     span=name.span,
                     message=f"the profile has no {topic}, so that its recordings may lack it",
                     hint="is the name misspelt? else measure the profile again",

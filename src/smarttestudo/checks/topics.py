@@ -12,11 +12,11 @@ from smarttestudo.checks.fixes import close_topic, new_default, write_topic
 from smarttestudo.checks.property_doubt import doubt_about, found_in
 from smarttestudo.checks.rule_check import Found, RuleCheck
 from smarttestudo.checks.rule_model import RuleModel
-from smarttestudo.checks.written import WrittenRate
 from smarttestudo.domain.finding import ProfileFix, Severity
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.source import Span
 from smarttestudo.language.parser.suggestions import did_you_mean
+from smarttestudo.language.resolved_rules import ResolvedRate
 
 _START = Span(line=1, column=1, end_line=1, end_column=1)
 _CAMERA_INFO = "/camera_info"
@@ -26,7 +26,7 @@ _IMAGE_TYPES = frozenset({"sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedIm
 def _unknown_property(rules: RuleModel) -> Iterator[Found]:
     """Properties that a topic's type does not have."""
     doubt_of = cache(partial(doubt_about, context=rules.context))
-    for one in (*rules.checks, *rules.disabled.checks):
+    for one in (*rules.checks, *rules.disabled_checks):
         doubt = doubt_of(one.signal)
         if doubt is not None:
             yield found_in(one.path, one.check.property_span, doubt)
@@ -72,16 +72,16 @@ def _first_difference(info: str, images: list[str], rules: RuleModel) -> Iterato
                 return
 
 
-def _statement(topic: str, settings: Mapping[str, WrittenRate], rules: RuleModel) -> WrittenRate | None:
+def _statement(topic: str, settings: Mapping[str, ResolvedRate], rules: RuleModel) -> ResolvedRate | None:
     return settings.get(topic) if settings else rules.defaults.get(topic)
 
 
-def _rate(topic: str, settings: Mapping[str, WrittenRate], rules: RuleModel) -> Rate | None:
+def _rate(topic: str, settings: Mapping[str, ResolvedRate], rules: RuleModel) -> Rate | None:
     setting = settings.get(topic) or rules.defaults.get(topic)
     return Rate.full() if setting is None else setting.rate
 
 
-def _off_grid(info: str, image: str, rates: tuple[Rate | None, Rate | None], here: WrittenRate) -> Found:
+def _off_grid(info: str, image: str, rates: tuple[Rate | None, Rate | None], here: ResolvedRate) -> Found:
     return Found(
         path=here.path,
         span=here.span,

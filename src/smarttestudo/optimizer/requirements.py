@@ -5,27 +5,23 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
+from functools import cache
 
 from smarttestudo.domain.accuracy import AccuracyTiers
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.rate import Rate, Tier
 from smarttestudo.domain.source import Span
 from smarttestudo.language.normal_form import Resolve
-from smarttestudo.language.syntax import (
-    Block,
-    KeepAtLeast,
-    KeepWithin,
-    RateWord,
-    RuleFile,
-    SetFrequency,
-    Statement,
-    bound_span,
-    bounds_in,
-    sets_in,
+from smarttestudo.language.resolved_rules import (
+    Branch,
+    ResolvedBound,
+    ResolvedRate,
+    resolve_rules,
 )
+from smarttestudo.language.syntax import RateWord, RuleFile, bound_span
 from smarttestudo.optimizer.model import BoundNeeds, Requirement, TopicNeeds, accuracy_of, needs_of
 
 StatementKey = tuple[str, Span]
@@ -97,9 +93,7 @@ def collect_requirements(
 
     Raises ``ProfileError`` where the profile lacks a topic of the rules or an entry that is needed.
     """
-    return _Collector(
-        files=files, profile=profile, resolve=resolve, without_default=without_default
-    ).requirements()
+    return _Collector(files, profile, resolve, without_default).requirements()
 
 
 _WrittenRate = float | Tier | RateWord
@@ -109,8 +103,11 @@ _Bounds = Mapping[str, float | Tier]
 
 @dataclass(frozen=True, slots=True)
 class _Draft:
-    """The requirements of a subproblem so far, and the topics that count by their bounds."""
+    """A subproblem so far: its requirements, and the topics that count by their bounds."""
 
+    label: str | None
+    path: str
+    span: Span
     requirements: dict[str, Requirement] = field(default_factory=dict)
     kept: dict[str, float] = field(default_factory=dict)
     bound_topics: set[str] = field(default_factory=set)
@@ -119,61 +116,45 @@ class _Draft:
 class _Collector:
     def __init__(
         self,
-        *,
         files: Sequence[RuleFile],
         profile: Profile,
         resolve: Resolve,
         without_default: TopicsWithoutDefault,
     ) -> None:
-        self._files = files
+        self._start = files[0].path, files[0].collections[0].span
+        self._rules = resolve_rules(files, cache(resolve))
         self._profile = profile
-        self._resolve = resolve
         self._without_default = without_default
-        self._floors_hz: dict[str, float] = {}
-        for _, statement in self._statements():
-            if isinstance(statement, KeepAtLeast) and isinstance(statement.rate.value, int | float):
-                topic = resolve(statement.topic.text)
-                self._floors_hz[topic] = max(self._floors_hz.get(topic, 0.0), statement.rate.value)
+        self._floors_hz = self._rules.floors_hz
         self._needs: dict[str, TopicNeeds] = {}
-        self._bounds = self._by_topic(one for _, one in self._statements() if isinstance(one, KeepWithin))
+        self._bounds = _tightest(self._rules.always_bounds)
         self._rates = self._default_rates()
 
     def requirements(self) -> RuleRequirements:
         defaults, appended = self._defaults()
-        blocks = tuple(
-            subproblem
-            for path, statement in self._statements()
-            if isinstance(statement, Block)
-            for subproblem in self._sides(path, statement, defaults)
+        blocks = (self._side(branch, defaults) for branch in self._rules.branches)
+        return RuleRequirements(
+            defaults=defaults, blocks=tuple(one for one in blocks if one is not None), appended=appended
         )
-        return RuleRequirements(defaults=defaults, blocks=blocks, appended=appended)
-
-    def _statements(self) -> Iterator[tuple[str, Statement]]:
-        return ((file.path, statement) for file in self._files for statement in file.enabled_statements)
 
     def _default_rates(self) -> dict[str, _WrittenRate]:
         """The defaults of all relayed topics, those that are written first."""
-        statements = [statement for _, statement in self._statements()]
-        written = [one for one in statements if isinstance(one, SetFrequency)]
-        rates = {self._resolve(one.topic.text): one.rate.value for one in written}
-        blocks = [one for one in statements if isinstance(one, Block)]
-        actions = [one for block in blocks for one in (*block.then, *block.otherwise)]
-        named = [one.topic.text for one in sets_in(actions)] + [one.topic.text for one in bounds_in(actions)]
-        for topic in (*self._floors_hz, *self._bounds, *map(self._resolve, named)):
+        rates = {one.topic: one.statement.rate.value for one in self._rules.written_defaults}
+        named = [topic for branch in self._rules.branches for topic in branch.settings]
+        named += [one.topic for branch in self._rules.branches for one in branch.bounds]
+        for topic in (*self._floors_hz, *self._bounds, *named):
             rates.setdefault(topic, RateWord.FULL)
         return rates
 
     def _defaults(self) -> tuple[Subproblem, tuple[str, ...]]:
-        written = [
-            (path, one) for path, one in self._statements() if isinstance(one, SetFrequency | KeepWithin)
-        ]
-        sets = [(path, one) for path, one in written if isinstance(one, SetFrequency)]
-        named = dict.fromkeys(self._resolve(one.topic.text) for _, one in sets)
+        written = self._rules.written_defaults
+        named = self._rules.defaults
         decided = {*named, *self._bounds}
         appended = tuple(
             topic for topic in self._profile.topics if topic not in decided and self._appends(topic)
         )
-        draft = _Draft()
+        path, span = (written[0].path, written[0].span) if written else self._start
+        draft = _Draft(None, path, span)
         for topic in named:
             self._add(draft, topic, self._rates[topic], self._bounds.get(topic, {}))
         for topic in appended:
@@ -181,8 +162,7 @@ class _Collector:
         for topic, rate in self._rates.items():
             if topic not in named and topic not in appended:
                 self._add(draft, topic, rate, self._bounds.get(topic, {}))
-        path, span = next(((path, one.span) for path, one in sets), self._start())
-        return self._subproblem(draft, None, path, span, written), appended
+        return self._subproblem(draft, written, self._rules.always_bounds), appended
 
     def _appends(self, topic: str) -> bool:
         if self._without_default is TopicsWithoutDefault.COUNTED:
@@ -190,21 +170,17 @@ class _Collector:
             return entry.message_kb is not None and entry.tiers_hz is not None
         return self._without_default is TopicsWithoutDefault.APPENDED
 
-    def _start(self) -> tuple[str, Span]:
-        first = self._files[0]
-        return first.path, first.collections[0].span
-
-    def _sides(self, path: str, block: Block, defaults: Subproblem) -> Iterator[Subproblem]:
-        for label, side in ((block.label, block.then), (f"{block.label} (Else)", block.otherwise)):
-            sets, bounds = sets_in(side), bounds_in(side)
-            rates = {self._resolve(one.topic.text): one.rate.value for one in sets}
-            own = self._by_topic(bounds)
-            draft = _Draft()
-            for topic in dict.fromkeys([*rates, *own]):
-                self._add_in_block(draft, topic, rates.get(topic), own.get(topic, {}), defaults)
-            if draft.requirements or draft.kept or any(isinstance(one.bound, Tier) for one in bounds):
-                written: list[SetFrequency | KeepWithin] = [*sets, *bounds]
-                yield self._subproblem(draft, label, path, block.span, ((path, one) for one in written))
+    def _side(self, branch: Branch, defaults: Subproblem) -> Subproblem | None:
+        """The subproblem of one side of a block; ``None`` where it requires nothing."""
+        rates = {topic: one.statement.rate.value for topic, one in branch.settings.items()}
+        own = _tightest(branch.bounds)
+        draft = _Draft(branch.label, branch.block.path, branch.block.block.span)
+        for topic in dict.fromkeys([*rates, *own]):
+            self._add_in_block(draft, topic, rates.get(topic), own.get(topic, {}), defaults)
+        has_tier = any(isinstance(one.statement.bound, Tier) for one in branch.bounds)
+        if not (draft.requirements or draft.kept or has_tier):
+            return None
+        return self._subproblem(draft, branch.written, branch.bounds)
 
     def _add_in_block(
         self,
@@ -258,44 +234,32 @@ class _Collector:
         entry = self._profile.topic(topic)
         return bool(bounds) and all(_is_known(entry.accuracy(name), bound) for name, bound in bounds.items())
 
-    def _by_topic(self, bounds: Iterable[KeepWithin]) -> dict[str, dict[str, float | Tier]]:
-        """The bounds by topic and property: the tightest, where a level comes before numbers."""
-        found: dict[str, dict[str, float | Tier]] = {}
-        for one in bounds:
-            of_topic = found.setdefault(self._resolve(one.topic.text), {})
-            of_topic[one.property] = min(one.bound, of_topic.get(one.property, math.inf), key=_tightness)
-        return found
-
     def _subproblem(
-        self,
-        draft: _Draft,
-        label: str | None,
-        path: str,
-        span: Span,
-        written: Iterable[tuple[str, SetFrequency | KeepWithin]],
+        self, draft: _Draft, rates: Iterable[ResolvedRate], bounds: Iterable[ResolvedBound]
     ) -> Subproblem:
         tier_statements: list[tuple[StatementKey, str]] = []
         ceilings_hz: list[tuple[StatementKey, float]] = []
         unmeasured: list[tuple[StatementKey, float]] = []
-        for of_path, one in written:
-            topic = self._resolve(one.topic.text)
-            if isinstance(one, SetFrequency) and isinstance(one.rate.value, Tier):
-                key = (of_path, one.rate.span)
-                if topic in draft.bound_topics:
-                    ceilings_hz.append((key, self._ceiling_hz(topic, one.rate.value)))
+        for rate in rates:
+            tier, key = rate.statement.rate.value, (rate.path, rate.statement.rate.span)
+            if isinstance(tier, Tier):
+                if rate.topic in draft.bound_topics:
+                    ceilings_hz.append((key, self._ceiling_hz(rate.topic, tier)))
                 else:
-                    tier_statements.append((key, topic))
-            elif isinstance(one, KeepWithin) and isinstance(one.bound, Tier):
-                key, name = (of_path, bound_span(one)), f"{topic} {one.property}"
+                    tier_statements.append((key, rate.topic))
+        for one in bounds:
+            tier, name = one.statement.bound, f"{one.topic} {one.statement.property}"
+            if isinstance(tier, Tier):
+                key = (one.path, bound_span(one.statement))
                 if name in draft.requirements:
                     tier_statements.append((key, name))
                 else:
-                    accuracy = accuracy_of(self._needs_of(topic), one.property)
-                    unmeasured.append((key, accuracy.interval(one.bound)[1]))
+                    accuracy = accuracy_of(self._needs_of(one.topic), one.statement.property)
+                    unmeasured.append((key, accuracy.interval(tier)[1]))
         return Subproblem(
-            label=label,
-            path=path,
-            span=span,
+            label=draft.label,
+            path=draft.path,
+            span=draft.span,
             requirements=draft.requirements,
             tier_statements=tuple(tier_statements),
             ceilings_hz=tuple(ceilings_hz),
@@ -334,6 +298,15 @@ def _is_known(accuracy: AccuracyTiers | None, bound: float | Tier) -> bool:
     if accuracy is None or accuracy.needs_hz is None:
         return False
     return isinstance(bound, Tier) or accuracy.needed_hz(bound) < math.inf
+
+
+def _tightest(bounds: Iterable[ResolvedBound]) -> dict[str, dict[str, float | Tier]]:
+    """The bounds by topic and property: the tightest, where a level comes before numbers."""
+    found: dict[str, dict[str, float | Tier]] = {}
+    for one in bounds:
+        of_topic, name = found.setdefault(one.topic, {}), one.statement.property
+        of_topic[name] = min(one.statement.bound, of_topic.get(name, math.inf), key=_tightness)
+    return found
 
 
 def _tightness(bound: float | Tier) -> tuple[bool, float]:

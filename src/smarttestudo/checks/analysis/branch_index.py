@@ -8,7 +8,6 @@ import itertools
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from smarttestudo.checks.written import Branch
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.signal import Signal
 from smarttestudo.language.boxes import (
@@ -25,6 +24,7 @@ from smarttestudo.language.boxes import (
 from smarttestudo.language.boxes.index import Interval
 from smarttestudo.language.normal_form import Every, Form, InRegion
 from smarttestudo.language.region import Region
+from smarttestudo.language.resolved_rules import Branch
 
 MAX_BOXES = 64
 
@@ -87,7 +87,7 @@ class BranchIndex:
     """The boxes of all branches; topics that are set by the same branches share one index."""
 
     def __init__(self, branches: Sequence[Branch], boxes_by_branch: Mapping[int, ConditionBoxes]) -> None:
-        self._branches = branches
+        self._branches = {branch.order: branch for branch in branches}
         self._boxes = boxes_by_branch
         setters: dict[str, list[int]] = {}
         for branch in branches:

@@ -8,7 +8,6 @@ from collections.abc import Callable, Iterable, Iterator
 
 from smarttestudo.checks.analysis.branch_index import BranchIndex
 from smarttestudo.checks.analysis.results import Clash, SharedBorder, State
-from smarttestudo.checks.written import Branch
 from smarttestudo.domain.signal import Signal
 from smarttestudo.language.boxes import (
     Border,
@@ -20,6 +19,7 @@ from smarttestudo.language.boxes import (
     find_box,
 )
 from smarttestudo.language.normal_form import is_derived
+from smarttestudo.language.resolved_rules import Branch
 
 
 class ConflictFinder:

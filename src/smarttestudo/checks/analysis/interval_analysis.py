@@ -14,10 +14,10 @@ from smarttestudo.checks.analysis.cover import Covers
 from smarttestudo.checks.analysis.redundant_rates import redundant_rates
 from smarttestudo.checks.analysis.results import Analysis, Clash, Gap, Shadow, SharedBorder
 from smarttestudo.checks.context import CheckContext
-from smarttestudo.checks.written import BlockSite, Branch, WrittenRate
 from smarttestudo.domain.signal import Signal, Truth
 from smarttestudo.language.boxes import Domain, Effort, TooComplexError, find_box
 from smarttestudo.language.normal_form import Form, negation
+from smarttestudo.language.resolved_rules import Branch, ResolvedBlock, ResolvedFloor, ResolvedRate
 
 _T = TypeVar("_T")
 
@@ -28,10 +28,10 @@ MAX_CLASHES_SHOWN = 3
 
 
 def analyse(
-    blocks: Sequence[BlockSite],
+    blocks: Sequence[ResolvedBlock],
     branches: Sequence[Branch],
-    defaults: Mapping[str, WrittenRate],
-    floors: Mapping[str, WrittenRate],
+    defaults: Mapping[str, ResolvedRate],
+    floors: Mapping[str, ResolvedFloor],
     context: CheckContext,
 ) -> Analysis:
     """The analysis of the conditions of ``blocks``; ``defaults`` and ``floors`` are by topic.
@@ -69,7 +69,7 @@ class _Analyst:
     """Asks one question at a time, and notes the blocks about which one was given up."""
 
     def __init__(
-        self, blocks: Sequence[BlockSite], *, domain: Domain, is_noisy: Callable[[Signal], bool]
+        self, blocks: Sequence[ResolvedBlock], *, domain: Domain, is_noisy: Callable[[Signal], bool]
     ) -> None:
         self._blocks = blocks
         self.domain = domain
@@ -78,10 +78,10 @@ class _Analyst:
         self._unfinished: set[int] = set()
 
     @property
-    def unfinished(self) -> tuple[BlockSite, ...]:
+    def unfinished(self) -> tuple[ResolvedBlock, ...]:
         return tuple(self._blocks[order] for order in sorted(self._unfinished))
 
-    def truth(self, block: BlockSite, where_true: ConditionBoxes) -> Truth:
+    def truth(self, block: ResolvedBlock, where_true: ConditionBoxes) -> Truth:
         if where_true.is_exact and not where_true.boxes:
             return Truth.FALSE
         try:
@@ -114,7 +114,7 @@ class _Analyst:
             return Gap(topic=topic, state=None)
         return None if cover.gap is None else Gap(topic=topic, state=dict(sorted(cover.gap.items())))
 
-    def _is_everywhere(self, where_true: ConditionBoxes, block: BlockSite) -> bool:
+    def _is_everywhere(self, where_true: ConditionBoxes, block: ResolvedBlock) -> bool:
         if where_true.is_exact and len(where_true.boxes) == 1:
             return all(
                 self.domain(signal).is_within(region) for signal, region in where_true.boxes[0].items()
