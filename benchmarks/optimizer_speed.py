@@ -20,7 +20,7 @@ from smarttestudo.optimizer.greedy import GreedySolver
 from smarttestudo.optimizer.model import Model, Requirement, needs_of
 from smarttestudo.optimizer.requirements import RuleRequirements, Subproblem
 from smarttestudo.optimizer.rule_rates import solve_requirements
-from smarttestudo.optimizer.run_time import TopicLoad, plan_within
+from smarttestudo.optimizer.run_time import TopicRequest, plan_within
 
 TOPICS = 1000
 BLOCKS = 1000
@@ -125,7 +125,7 @@ def main() -> None:
         print(f"PuLP, one solve a block: {theirs:.1f} s ({PULP_BLOCKS} solved, scaled)")
         print(f"PuLP takes {theirs / ours:.0f} times as long")
     loads = [
-        TopicLoad(
+        TopicRequest(
             topic=f"/topic_{index}",
             requested_hz=generator.uniform(1, 50),
             floor_hz=generator.choice((0.0, 1.0)),

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The interval analysis of a rule book, bounded in time and memory."""
+"""The interval analysis of a rule set, bounded in time and memory."""
 
 from __future__ import annotations
 
