@@ -17,10 +17,10 @@ from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.domain.rate import Tier
 from smarttestudo.domain.source import Span
 from smarttestudo.optimizer.greedy import GreedySolver
-from smarttestudo.optimizer.model import Ask, Model, needs_of
-from smarttestudo.optimizer.rule_asks import Part, RuleAsks
-from smarttestudo.optimizer.rule_rates import solve_asks
-from smarttestudo.optimizer.run_time import TopicLoad, plan_within
+from smarttestudo.optimizer.model import Model, Requirement, needs_of
+from smarttestudo.optimizer.requirements import RuleRequirements, Subproblem
+from smarttestudo.optimizer.rule_rates import solve_requirements
+from smarttestudo.optimizer.run_time import TopicRequest, plan_within
 
 TOPICS = 1000
 BLOCKS = 1000
@@ -42,29 +42,33 @@ def profile_of(generator: random.Random) -> Profile:
     return Profile(topics=topics)
 
 
-def asks_of(profile: Profile, generator: random.Random) -> RuleAsks:
+def requirements_of(profile: Profile, generator: random.Random) -> RuleRequirements:
     """Every topic Unacceptable by default, and blocks that ask more of ten each."""
     needs = {topic: needs_of(topic, profile) for topic in profile.topics}
-    defaults = {topic: Ask(needs=needs[topic], wanted=Tier.UNACCEPTABLE) for topic in needs}
+    defaults = {topic: Requirement(needs=needs[topic], wanted=Tier.UNACCEPTABLE) for topic in needs}
     blocks = [
         {
-            topic: Ask(needs=needs[topic], wanted=generator.choice(list(Tier)))
+            topic: Requirement(needs=needs[topic], wanted=generator.choice(list(Tier)))
             for topic in generator.sample(list(needs), TOPICS_A_BLOCK)
         }
         for _ in range(BLOCKS)
     ]
-    return RuleAsks(
-        defaults=_part(None, defaults),
-        blocks=tuple(_part(f"block {index}", asks) for index, asks in enumerate(blocks)),
+    return RuleRequirements(
+        defaults=_subproblem(None, defaults),
+        blocks=tuple(
+            _subproblem(f"block {index}", requirements) for index, requirements in enumerate(blocks)
+        ),
         appended=(),
     )
 
 
-def _part(label: str | None, asks: dict[str, Ask]) -> Part:
-    return Part(label=label, path="benchmark.adirf", span=_HERE, asks=asks, tier_statements=())
+def _subproblem(label: str | None, requirements: dict[str, Requirement]) -> Subproblem:
+    return Subproblem(
+        label=label, path="benchmark.adirf", span=_HERE, requirements=requirements, tier_statements=()
+    )
 
 
-def pulp_seconds(asks: RuleAsks, budget_kb_per_s: float) -> float | None:
+def pulp_seconds(requirements: RuleRequirements, budget_kb_per_s: float) -> float | None:
     """Seconds for one PuLP solve a block; ``None`` where PuLP is not installed."""
     try:
         import pulp  # noqa: PLC0415  a benchmark's guest
@@ -73,19 +77,24 @@ def pulp_seconds(asks: RuleAsks, budget_kb_per_s: float) -> float | None:
     warnings.simplefilter("ignore", DeprecationWarning)
     solver = pulp.PULP_CBC_CMD(msg=False)
     started = time.perf_counter()
-    for block in asks.blocks[:PULP_BLOCKS]:
+    for block in requirements.blocks[:PULP_BLOCKS]:
         problem = pulp.LpProblem("block", pulp.LpMaximize)
-        bounds = {topic: ask.bounds_hz(Model.QUPER) for topic, ask in block.asks.items()}
+        bounds = {
+            topic: requirement.bounds_hz(Model.QUPER) for topic, requirement in block.requirements.items()
+        }
         rates = {
-            topic: pulp.LpVariable(f"f{index}", *bounds[topic]) for index, topic in enumerate(block.asks)
+            topic: pulp.LpVariable(f"f{index}", *bounds[topic])
+            for index, topic in enumerate(block.requirements)
         }
         problem += pulp.lpSum(rates.values())
         problem += (
-            pulp.lpSum(ask.needs.size_kb * rates[topic] for topic, ask in block.asks.items())
+            pulp.lpSum(
+                requirement.needs.size_kb * rates[topic] for topic, requirement in block.requirements.items()
+            )
             <= budget_kb_per_s
         )
         problem.solve(solver)
-    return (time.perf_counter() - started) * len(asks.blocks) / PULP_BLOCKS
+    return (time.perf_counter() - started) * len(requirements.blocks) / PULP_BLOCKS
 
 
 def best_seconds(run: Callable[[], object], *, number: int, repeats: int = 5) -> float:
@@ -103,10 +112,12 @@ def main() -> None:
     """Print the times and the ratio."""
     generator = random.Random(1)
     profile = profile_of(generator)
-    asks = asks_of(profile, generator)
+    requirements = requirements_of(profile, generator)
     budget = 2 * sum((one.message_kb or 0) * (one.tiers_hz or (0,))[0] for one in profile.topics.values())
-    ours = best_seconds(lambda: solve_asks(asks, budget, model=Model.QUPER, solver=GreedySolver()), number=1)
-    theirs = pulp_seconds(asks, budget)
+    ours = best_seconds(
+        lambda: solve_requirements(requirements, budget, model=Model.QUPER, solver=GreedySolver()), number=1
+    )
+    theirs = pulp_seconds(requirements, budget)
     print(f"{TOPICS} topics, {BLOCKS} blocks of {TOPICS_A_BLOCK}: {ours:.3f} s")
     if theirs is None:
         print("PuLP is not installed: no ratio")
@@ -114,7 +125,7 @@ def main() -> None:
         print(f"PuLP, one solve a block: {theirs:.1f} s ({PULP_BLOCKS} solved, scaled)")
         print(f"PuLP takes {theirs / ours:.0f} times as long")
     loads = [
-        TopicLoad(
+        TopicRequest(
             topic=f"/topic_{index}",
             requested_hz=generator.uniform(1, 50),
             floor_hz=generator.choice((0.0, 1.0)),

@@ -11,12 +11,12 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from smarttestudo.checks import CHECKS, Example, RuleCheck
+from smarttestudo.checks import CHECKS
+from smarttestudo.checks.cases import CheckCases, Example, read_cases
 from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.commands import command_parser
 from smarttestudo.domain.finding import Severity
 from smarttestudo.domain.metric import MetricName
-from smarttestudo.domain.profile import Profile
 from smarttestudo.language.properties import (
     ARRIVAL_PROPERTIES,
     PropertySpec,
@@ -34,83 +34,30 @@ LINES_SHOWN = 12
 NO_BREAK = "\N{NO-BREAK SPACE}"
 
 
+SEVERITY = {check.code: check.severity for check in CHECKS}
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Theme:
-    """A page of findings."""
+class FindingsPage:
+    """A page of findings, those of some themes of the checker."""
 
     title: str
     file_name: str
-    codes: frozenset[str]
+    themes: tuple[str, ...]
+
+    @property
+    def cases(self) -> Sequence[CheckCases]:
+        """The cases of all its checks, by severity."""
+        return by_severity(case for theme in self.themes for case in read_cases(theme))
 
 
-THEMES = (
-    Theme(
-        title="rates and blocks",
-        file_name="checks-rates.md",
-        codes=frozenset(
-            {
-                "topic-twice",
-                "tier-without-rate",
-                "blocks-clash",
-                "block-shadowed",
-                "two-defaults",
-                "missing-default",
-                "rate-below-floor",
-                "off-despite-floor",
-                "no-margin",
-                "rate-without-effect",
-                "block-disabled",
-            }
-        ),
+FINDINGS_PAGES = (
+    FindingsPage(title="rates and blocks", file_name="checks-rates.md", themes=("blocks", "rates")),
+    FindingsPage(
+        title="bounds and recordings", file_name="checks-bounds.md", themes=("bounds", "recordings")
     ),
-    Theme(
-        title="conditions",
-        file_name="checks-conditions.md",
-        codes=frozenset(
-            {
-                "check-never-holds",
-                "check-always-holds",
-                "condition-never-holds",
-                "condition-always-holds",
-                "and-or-mixed",
-                "equals-measured",
-                "duration-zero",
-                "duration-too-short",
-                "until-overlaps",
-                "until-never-ends",
-                "missing-blank",
-                "not-analysed",
-            }
-        ),
-    ),
-    Theme(
-        title="topics and properties",
-        file_name="checks-topics.md",
-        codes=frozenset(
-            {
-                "unknown-property",
-                "tf-without-tf-static",
-                "camera-info-off-grid",
-                "unnamed-in-profile",
-                "absent-from-bag",
-            }
-        ),
-    ),
-    Theme(
-        title="bounds and recordings",
-        file_name="checks-bounds.md",
-        codes=frozenset(
-            {
-                "unknown-bound",
-                "bound-in-rules-only",
-                "bound-despite-off",
-                "bound-twice",
-                "bound-on-follower",
-                "record-too-large",
-                "record-unpublished",
-            }
-        ),
-    ),
+    FindingsPage(title="topics and properties", file_name="checks-topics.md", themes=("topics",)),
+    FindingsPage(title="conditions", file_name="checks-conditions.md", themes=("conditions",)),
 )
 
 
@@ -118,7 +65,7 @@ def pages() -> Mapping[Path, str]:
     """The text of each page by its path."""
     return {
         REFERENCE / "checks.md": "\n".join(checks_page()),
-        **{REFERENCE / theme.file_name: "\n".join(theme_page(theme)) for theme in THEMES},
+        **{REFERENCE / page.file_name: "\n".join(findings_page(page)) for page in FINDINGS_PAGES},
         REFERENCE / "commands.md": "\n".join(commands_page(command_parser())),
         REFERENCE / "properties.md": "\n".join(properties_page()),
         REFERENCE / "metrics.md": "\n".join(metrics_page()),
@@ -132,31 +79,35 @@ def checks_page() -> Iterator[str]:
     yield "An *error* stops a file from being used; a *warning* is most likely not what you meant; an *info*"
     yield "is worth knowing. Each finding has an example that gives it, and one that does not."
     yield from ("", "| code | severity | |", "|---|---|---|")
-    for check in by_severity(CHECKS):
-        page = next(theme.file_name for theme in THEMES if check.code in theme.codes)
-        yield f"| [{check.code}]({page}#{check.code}) | {check.severity.value} | {check.meaning} |"
+    place = {case.code: page.file_name for page in FINDINGS_PAGES for case in page.cases}
+    for case in by_severity(case for page in FINDINGS_PAGES for case in page.cases):
+        severity = SEVERITY[case.code].value
+        yield f"| [{case.code}]({place[case.code]}#{case.code}) | {severity} | {case.meaning} |"
     yield ""
 
 
-def theme_page(theme: Theme) -> Iterator[str]:
-    """What the checker finds of one theme, by severity."""
-    yield from (NOTE, f"# Findings: {theme.title}", "")
+def findings_page(page: FindingsPage) -> Iterator[str]:
+    """The findings of one page, with their examples."""
+    yield from (NOTE, f"# Findings: {page.title}", "")
     yield from ("[All findings](checks.md)", "")
-    for check in by_severity(check for check in CHECKS if check.code in theme.codes):
-        yield from check_section(check)
+    for case in page.cases:
+        yield from check_section(case)
 
 
-def by_severity(checks: Iterable[RuleCheck]) -> Sequence[RuleCheck]:
-    """Errors first, else as the registry has them."""
+def by_severity(cases: Iterable[CheckCases]) -> Sequence[CheckCases]:
+    """Errors first, else as they are."""
     order = list(Severity)
-    return sorted(checks, key=lambda check: order.index(check.severity))
+    return sorted(cases, key=lambda case: order.index(SEVERITY[case.code]))
 
 
-def check_section(check: RuleCheck) -> Iterator[str]:
+def check_section(case: CheckCases) -> Iterator[str]:
     """One check with its examples."""
-    yield from (f"## {check.code}", "", f"*{check.severity.value}.* {check.meaning}", "", check.why, "")
-    yield from ("This gives the finding:", "", *example_text(check.bad), "")
-    yield from ("This does not:", "", *example_text(check.good), "")
+    severity = SEVERITY[case.code].value
+    yield from (f"## {case.code}", "", f"*{severity}.* {case.meaning}", "", case.why, "")
+    for example in case.bad:
+        yield from ("This gives the finding:", "", *example_text(example), "")
+    for example in case.good:
+        yield from ("This does not:", "", *example_text(example), "")
 
 
 def example_text(example: Example) -> Iterator[str]:
@@ -166,17 +117,11 @@ def example_text(example: Example) -> Iterator[str]:
         half = LINES_SHOWN // 2
         lines = [*lines[:half], f"    // … {len(lines) - LINES_SHOWN} lines like these …", *lines[-half:]]
     yield from ("```", *lines, "```")
-    if example.profile is not None:
-        yield from ("", "with the profile", "", "```toml", *profile_text(example.profile), "```")
+    if example.profile:
+        yield from ("", "with the profile", "", "```toml", *example.profile.splitlines(), "```")
     if example.bag_topics is not None:
         topics = ", ".join(f"`{topic}` ({type_name})" for topic, type_name in example.bag_topics.items())
         yield from ("", f"with a recording that holds {topics}")
-
-
-def profile_text(profile: Profile) -> Iterator[str]:
-    """The topics of a profile as TOML."""
-    for name in profile.topics:
-        yield f'[topics."{name}"]'
 
 
 def properties_page() -> Iterator[str]:

@@ -11,8 +11,8 @@ from collections.abc import Callable, Iterator, Mapping
 from hypothesis import strategies as st
 
 from smarttestudo.checks.rule_model import RuleModel
-from smarttestudo.checks.written import Branch
 from smarttestudo.domain.signal import Signal
+from smarttestudo.language.resolved_rules import Branch
 from smarttestudo.language.syntax import And, Check, Condition, Group, Not, Operator, Or, Timed
 
 State = dict[Signal, float]
@@ -111,9 +111,9 @@ def completions(part: Mapping[Signal, float]) -> Iterator[State]:
         yield {**part, **dict(zip(open_values, values, strict=True))}
 
 
-def decider(book: RuleModel, topic: str, state: Mapping[Signal, float]) -> Branch | None:
+def decider(model: RuleModel, topic: str, state: Mapping[Signal, float]) -> Branch | None:
     """The branch that decides ``topic``: the highest priority, then the highest rate, then the first."""
-    setting = [branch for branch in book.branches if topic in branch.settings and applies(branch, state)]
+    setting = [branch for branch in model.branches if topic in branch.settings and applies(branch, state)]
     return max(
         setting,
         key=lambda branch: (branch.block.priority, branch.settings[topic].rate, -branch.order),

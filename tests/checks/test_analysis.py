@@ -20,9 +20,9 @@ from checks.naive_rules import (
 from smarttestudo.checks import CheckContext
 from smarttestudo.checks.analysis.interval_analysis import MAX_CLASHES_SHOWN
 from smarttestudo.checks.rule_model import RuleModel, read_rule_model
-from smarttestudo.checks.written import Branch
 from smarttestudo.domain.signal import Truth
 from smarttestudo.language.parser import parse
+from smarttestudo.language.resolved_rules import Branch
 
 EXAMPLES = 150
 
@@ -41,29 +41,29 @@ def differ(first: Branch, second: Branch) -> bool:
 @given(rule_files)
 @settings(max_examples=EXAMPLES)
 def test_a_condition_is_said_to_hold_never_or_always_exactly_when_it_does(text: str) -> None:
-    book = book_of(text)
+    model = book_of(text)
     states = list(all_states())
-    for block in book.blocks:
+    for block in model.blocks:
         outcomes = {holds(block.block.condition, state) for state in states}
         expected = {frozenset({True}): Truth.TRUE, frozenset({False}): Truth.FALSE}
-        assert book.analysis.truths[block.order] is expected.get(frozenset(outcomes), Truth.UNKNOWN)
+        assert model.analysis.truths[block.order] is expected.get(frozenset(outcomes), Truth.UNKNOWN)
 
 
 @given(rule_files)
 @settings(max_examples=EXAMPLES)
 def test_two_blocks_clash_exactly_when_some_state_has_both_at_different_rates(text: str) -> None:
-    book = book_of(text)
+    model = book_of(text)
     states = list(all_states())
     expected = {
         (first.order, second.order)
-        for second in book.branches
-        for first in book.branches[: second.order]
+        for second in model.branches
+        for first in model.branches[: second.order]
         if first.block is not second.block
         and first.block.priority == second.block.priority
         and differ(first, second)
         and any(applies(first, state) and applies(second, state) for state in states)
     }
-    found = {(clash.first.order, clash.second.order) for clash in book.analysis.clashes}
+    found = {(clash.first.order, clash.second.order) for clash in model.analysis.clashes}
     shown = Counter(second for _, second in found)
     assert found <= expected
     assert all(shown[second] == MAX_CLASHES_SHOWN for _, second in expected - found)
@@ -81,32 +81,32 @@ def test_in_the_state_that_a_clash_shows_both_blocks_hold_whatever_else_is(text:
 @given(rule_files)
 @settings(max_examples=EXAMPLES)
 def test_a_block_is_called_shadowed_exactly_when_it_never_decides_a_topic(text: str) -> None:
-    book = book_of(text)
+    model = book_of(text)
     deciding = {
         branch.order
         for state in all_states()
         for topic in ("/a", "/b")
-        if (branch := decider(book, topic, state)) is not None
+        if (branch := decider(model, topic, state)) is not None
     }
     possible = {
-        branch.order for branch in book.branches if any(applies(branch, state) for state in all_states())
+        branch.order for branch in model.branches if any(applies(branch, state) for state in all_states())
     }
-    assert {shadow.branch.order for shadow in book.analysis.shadows} == possible - deciding
+    assert {shadow.branch.order for shadow in model.analysis.shadows} == possible - deciding
 
 
 @given(rule_files)
 @settings(max_examples=EXAMPLES)
 def test_a_topic_has_a_gap_exactly_when_no_block_sets_it_in_some_state(text: str) -> None:
-    book = book_of(text)
-    topics = {topic for branch in book.branches for topic in branch.settings}
+    model = book_of(text)
+    topics = {topic for branch in model.branches for topic in branch.settings}
     expected = {
-        topic for topic in topics if any(decider(book, topic, state) is None for state in all_states())
+        topic for topic in topics if any(decider(model, topic, state) is None for state in all_states())
     }
-    gaps = {gap.topic: gap.state for gap in book.analysis.gaps}
+    gaps = {gap.topic: gap.state for gap in model.analysis.gaps}
     assert gaps.keys() == expected
     for topic, part in gaps.items():
         assert part is not None
-        assert all(decider(book, topic, state) is None for state in completions(part))
+        assert all(decider(model, topic, state) is None for state in completions(part))
 
 
 @given(rule_files)

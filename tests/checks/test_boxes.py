@@ -24,7 +24,7 @@ from smarttestudo.language.boxes import (
     find_box,
     hull_of,
 )
-from smarttestudo.language.normal_form import Every, Form, Some, Within, holds, merged, negation
+from smarttestudo.language.normal_form import Every, Form, InRegion, Some, holds, merged, negation
 from smarttestudo.language.region import Region
 from smarttestudo.language.syntax import Operator
 
@@ -33,7 +33,7 @@ VALUES = [value / 2 for value in range(-1, 8)]
 STATES = [dict(zip(SIGNALS, values, strict=True)) for values in itertools.product(VALUES, repeat=3)]
 
 withins = st.builds(
-    lambda signal, operator, value: Within(signal, Region.where(operator, value)),
+    lambda signal, operator, value: InRegion(signal, Region.where(operator, value)),
     st.sampled_from(SIGNALS),
     st.sampled_from(list(Operator)),
     st.sampled_from([0.0, 1.0, 2.0, 3.0]),
@@ -96,7 +96,8 @@ def test_a_question_spends_what_all_questions_share() -> None:
 def test_a_condition_with_a_thousand_million_cases_is_answered_at_once() -> None:
     above = Region.where(Operator.GREATER, 0)
     clauses = [
-        Some((Within(Signal(f"/a{i}", "x"), above), Within(Signal(f"/b{i}", "x"), above))) for i in range(30)
+        Some((InRegion(Signal(f"/a{i}", "x"), above), InRegion(Signal(f"/b{i}", "x"), above)))
+        for i in range(30)
     ]
     assert find_box([Every(tuple(clauses))], everything, Effort(50_000)) is not None
 

@@ -4,38 +4,64 @@
 
 from __future__ import annotations
 
+import importlib
 import re
+from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
 from checks.rule_findings import ONE_BLOCK, applied, codes_of, covered, findings_of
-from smarttestudo.checks import CHECKS, CheckContext, Example, RuleCheck
+from smarttestudo import checks
+from smarttestudo.checks import CHECKS, CheckContext
+from smarttestudo.checks.cases import CheckCases, Example, read_cases
 from smarttestudo.domain.finding import Finding
 from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.language.formatter import format_rules
+from smarttestudo.rules.profile_file import parse_profile
 
-BY_CODE = pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.code)
+THEMES = sorted(path.stem for path in Path(checks.__file__).parent.glob("*.adirf"))
+CASES = {case.code: case for theme in THEMES for case in read_cases(theme)}
+SEVERITY = {check.code: check.severity for check in CHECKS}
+BY_CODE = pytest.mark.parametrize("case", CASES.values(), ids=CASES)
 
 
 def of_example(example: Example) -> list[Finding]:
-    return findings_of(
-        example.rules, context=CheckContext(profile=example.profile, bag_topics=example.bag_topics)
-    )
+    profile = parse_profile(example.profile, Path("profile.toml")) if example.profile else None
+    return findings_of(example.rules, context=CheckContext(profile=profile, bag_topics=example.bag_topics))
+
+
+@pytest.mark.parametrize("theme", THEMES)
+def test_a_theme_and_its_case_file_have_the_same_checks(theme: str) -> None:
+    module = importlib.import_module(f"smarttestudo.checks.{theme}")
+    cases = read_cases(theme)
+    assert [case.code for case in cases] == [check.code for check in module.CHECKS]
+    assert all(case.meaning.endswith(".") and case.why and case.bad and case.good for case in cases)
+
+
+def test_every_check_is_one_of_a_theme() -> None:
+    assert set(CASES) == set(SEVERITY)
 
 
 @BY_CODE
-def test_the_bad_example_gives_this_finding_and_no_other(check: RuleCheck) -> None:
-    assert {(one.code, one.severity) for one in of_example(check.bad)} == {(check.code, check.severity)}
+def test_a_bad_example_gives_its_findings_and_no_other(case: CheckCases) -> None:
+    for example in case.bad:
+        found = of_example(example)
+        assert {(one.code, one.severity) for one in found} == {(case.code, SEVERITY[case.code])}
+        said = tuple(f"{one.span.line}:{one.span.column} {one.message}" for one in found)
+        assert said == example.findings
 
 
 @BY_CODE
-def test_the_good_example_gives_no_finding(check: RuleCheck) -> None:
-    assert of_example(check.good) == []
+def test_a_good_example_gives_no_finding(case: CheckCases) -> None:
+    for example in case.good:
+        assert example.findings == ()
+        assert of_example(example) == []
 
 
 @BY_CODE
-def test_messages_and_hints_are_one_line_without_a_full_stop(check: RuleCheck) -> None:
-    for finding in of_example(check.bad):
+def test_messages_and_hints_are_one_line_without_a_full_stop(case: CheckCases) -> None:
+    for finding in (finding for example in case.bad for finding in of_example(example)):
         for text in (finding.message, finding.hint):
             assert "\n" not in text
             assert not text.endswith(".")
@@ -43,15 +69,11 @@ def test_messages_and_hints_are_one_line_without_a_full_stop(check: RuleCheck) -
 
 
 @BY_CODE
-def test_a_fix_removes_its_finding(check: RuleCheck) -> None:
-    for finding in of_example(check.bad):
-        if finding.fix is not None:
-            mended = Example(
-                rules=applied(check.bad.rules, finding),
-                profile=check.bad.profile,
-                bag_topics=check.bad.bag_topics,
-            )
-            assert of_example(mended) == []
+def test_a_fix_removes_its_finding(case: CheckCases) -> None:
+    for example in case.bad:
+        for finding in of_example(example):
+            if finding.fix is not None:
+                assert of_example(replace(example, rules=applied(example.rules, finding))) == []
 
 
 def test_parentheses_are_offered_around_the_and_and_keep_its_meaning() -> None:

@@ -13,8 +13,8 @@ from language.evaluator.naive_time import Sample, random_condition, truths
 from language.evaluator.random_rules import block, rule_file, set_frequency
 from smarttestudo.checks import CheckContext
 from smarttestudo.checks.rule_model import RuleModel, read_rule_model
-from smarttestudo.checks.written import Branch
 from smarttestudo.domain.signal import Signal, Truth
+from smarttestudo.language.resolved_rules import Branch
 from smarttestudo.language.syntax import RuleFile
 
 X, LEVEL = Signal("/odom", "pose_x"), Signal("/battery_state", "level")
@@ -56,33 +56,33 @@ def applying(branches: tuple[Branch, ...], history: list[Sample]) -> list[dict[i
     return found
 
 
-def assert_sound(book: RuleModel, history: list[Sample]) -> None:
+def assert_sound(model: RuleModel, history: list[Sample]) -> None:
     """Never and always, shadows and missing defaults; what is left out is allowed, what is wrong is not."""
-    for one in book.blocks:
+    for one in model.blocks:
         seen = set(truths(one.block.condition, history))
-        said = book.analysis.truths[one.order]
+        said = model.analysis.truths[one.order]
         assert said is not Truth.FALSE or True not in seen
         assert said is not Truth.TRUE or False not in seen
-    gaps = {gap.topic for gap in book.analysis.gaps}
-    for state in applying(book.branches, history):
-        for shadow in book.analysis.shadows:
+    gaps = {gap.topic for gap in model.analysis.gaps}
+    for state in applying(model.branches, history):
+        for shadow in model.analysis.shadows:
             if state[shadow.branch.order]:
                 assert any(state[rival.order] is not False for rival in shadow.rivals)
-        for topic in {topic for branch in book.branches for topic in branch.settings} - gaps:
-            setting = [state[branch.order] for branch in book.branches if topic in branch.settings]
+        for topic in {topic for branch in model.branches for topic in branch.settings} - gaps:
+            setting = [state[branch.order] for branch in model.branches if topic in branch.settings]
             assert True in setting or None in setting
-    for check in book.checks:
+    for check in model.checks:
         seen = set(truths(check.check, history))
         assert check.truth is not Truth.FALSE or True not in seen
         assert check.truth is not Truth.TRUE or False not in seen
 
 
-def assert_clashes_are_found(book: RuleModel, history: list[Sample]) -> None:
+def assert_clashes_are_found(model: RuleModel, history: list[Sample]) -> None:
     """Where two branches of one priority apply together and differ, some clash of the later one is named."""
-    clashing = {clash.second.order for clash in book.analysis.clashes}
-    unfinished = {one.order for one in book.analysis.unfinished}
-    for state in applying(book.branches, history):
-        on = [branch for branch in book.branches if state[branch.order]]
+    clashing = {clash.second.order for clash in model.analysis.clashes}
+    unfinished = {one.order for one in model.analysis.unfinished}
+    for state in applying(model.branches, history):
+        on = [branch for branch in model.branches if state[branch.order]]
         for second in on:
             for first in on:
                 differ = any(
@@ -97,8 +97,8 @@ def assert_clashes_are_found(book: RuleModel, history: list[Sample]) -> None:
 @settings(max_examples=200, deadline=None)
 def test_no_history_contradicts_what_the_checker_says(seed: int) -> None:
     random = Random(seed)
-    book = read_rule_model([random_file(random)], CheckContext())
+    model = read_rule_model([random_file(random)], CheckContext())
     for _ in range(5):
         history = random_history(random)
-        assert_sound(book, history)
-        assert_clashes_are_found(book, history)
+        assert_sound(model, history)
+        assert_clashes_are_found(model, history)

@@ -12,20 +12,20 @@ from hypothesis import strategies as st
 from smarttestudo.domain.accuracy import AccuracyTiers
 from smarttestudo.domain.profile import TopicProfile
 from smarttestudo.domain.rate import Tier
-from smarttestudo.optimizer.model import Ask, Model, TopicNeeds
+from smarttestudo.optimizer.model import Model, Requirement, TopicNeeds
 from smarttestudo.optimizer.problem import Demand, Piece, used_kb_per_s
 
-Instance = tuple[list[Ask], float]
+Instance = tuple[list[Requirement], float]
 
 
-def ask(topic: str, entry: TopicProfile, wanted: Tier | float) -> Ask:
+def requirement(topic: str, entry: TopicProfile, wanted: Tier | float) -> Requirement:
     needs = TopicNeeds(topic=topic, entry=entry, floor_hz=entry.min_hz or 0.0, profile_path="profile.toml")
-    return Ask(needs=needs, wanted=wanted)
+    return Requirement(needs=needs, wanted=wanted)
 
 
-def least_and_most(asks: list[Ask], model: Model) -> tuple[float, float]:
+def least_and_most(requirements: list[Requirement], model: Model) -> tuple[float, float]:
     """What all asks take at their lowest and at their highest rates, in KB/s."""
-    bounds = [(one.needs.size_kb, one.bounds_hz(model)) for one in asks]
+    bounds = [(one.needs.size_kb, one.bounds_hz(model)) for one in requirements]
     return used_kb_per_s((kb, low) for kb, (low, _) in bounds), used_kb_per_s(
         (kb, hi) for kb, (_, hi) in bounds
     )
@@ -36,14 +36,16 @@ def random_instances(model: Model, count: int, *, seed: int) -> Iterator[Instanc
     generator = random.Random(seed)
     for number in range(count):
         topics = 500 if number % 200 == 199 else 1 if number % 10 == 3 else generator.randint(1, 30)
-        asks = [_random_ask(generator, f"/t{index}", equal=number % 10 == 0) for index in range(topics)]
-        least, most = least_and_most(asks, model)
+        requirements = [
+            _random_requirement(generator, f"/t{index}", equal=number % 10 == 0) for index in range(topics)
+        ]
+        least, most = least_and_most(requirements, model)
         budget = least + generator.uniform(-0.1, 1.2) * (most - least)
         exact = {1: least, 2: most, 4: 0.0}
-        yield asks, max(0.0, exact.get(number % 10, budget))
+        yield requirements, max(0.0, exact.get(number % 10, budget))
 
 
-def _random_ask(generator: random.Random, topic: str, *, equal: bool) -> Ask:
+def _random_requirement(generator: random.Random, topic: str, *, equal: bool) -> Requirement:
     tiers = sorted(round(generator.uniform(0, 100), generator.choice((0, 1, 3))) for _ in Tier)
     entry = TopicProfile(
         message_kb=generator.choice((0.052, 0.1, 0.72, 3.0, 420.0, round(generator.uniform(0.001, 7000), 3))),
@@ -52,7 +54,7 @@ def _random_ask(generator: random.Random, topic: str, *, equal: bool) -> Ask:
         min_hz=generator.choice((None, None, 0.1, 1.0)),
         max_hz=generator.choice((5.0, 25.5, 200.0)),
     )
-    return ask(topic, entry, generator.choice(list(Tier)))
+    return requirement(topic, entry, generator.choice(list(Tier)))
 
 
 sizes_kb = st.sampled_from([0.052, 0.1, 0.3, 0.72, 1.0, 420.0, 6220.0]) | st.floats(0.001, 1e4)
@@ -110,7 +112,7 @@ def instances(draw: st.DrawFn, model: Model, *, has_solution: bool = False) -> I
     """
     tiers = st.sampled_from(list(Tier))
     wanted = [draw(tiers), *draw(st.lists(tiers | st.sampled_from([0.0, 0.3, 10.0]), max_size=5))]
-    asks = [ask(f"/t{index}", draw(entries()), one) for index, one in enumerate(wanted)]
-    least, most = least_and_most(asks, model)
+    requirements = [requirement(f"/t{index}", draw(entries()), one) for index, one in enumerate(wanted)]
+    least, most = least_and_most(requirements, model)
     share = draw(st.sampled_from([0.0, 0.5, 1.0]) | st.floats(0.0 if has_solution else -0.2, 1.2))
-    return asks, max(0.0, least + share * (most - least))
+    return requirements, max(0.0, least + share * (most - least))

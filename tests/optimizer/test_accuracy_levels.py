@@ -22,7 +22,7 @@ from smarttestudo.domain.rate import Tier
 from smarttestudo.language.parser import parse
 from smarttestudo.optimizer.greedy import GreedySolver
 from smarttestudo.optimizer.model import Model
-from smarttestudo.optimizer.rule_asks import Undecided
+from smarttestudo.optimizer.requirements import TopicsWithoutDefault
 from smarttestudo.optimizer.rule_rates import Optimization, optimize_rules
 
 PROFILE = """\
@@ -194,9 +194,16 @@ def optimized(
     file = parse("begin\n" + "\n".join(lines) + "\nend", "rules.adirf").file
     profile = Profile(budget_kb_per_s=budget, topics={f"/t{n}": topic for n, topic in enumerate(topics)})
     done = optimize_rules(
-        [file], profile, resolve_topic, model=Model.QUPER, solver=GreedySolver(), undecided=Undecided.LEFT_OUT
+        [file],
+        profile,
+        resolve_topic,
+        model=Model.QUPER,
+        solver=GreedySolver(),
+        without_default=TopicsWithoutDefault.LEFT_OUT,
     )
-    return done, [done.tier_bounds[key] for key, _ in done.defaults.part.tier_statements if done.feasible]
+    return done, [
+        done.tier_bounds[key] for key, _ in done.defaults.subproblem.tier_statements if done.feasible
+    ]
 
 
 def greatest_sum_hz(ends: list[tuple[float, float, float]], budget: float) -> float | None:

@@ -9,7 +9,7 @@ import itertools
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from optimizer.instances import ask
+from optimizer.instances import requirement
 from smarttestudo.domain.profile import TopicProfile
 from smarttestudo.domain.rate import Tier
 from smarttestudo.domain.source import Span
@@ -17,8 +17,8 @@ from smarttestudo.optimizer.changes import Change, Reduction, smallest_changes
 from smarttestudo.optimizer.greedy import GreedySolver
 from smarttestudo.optimizer.model import Model
 from smarttestudo.optimizer.problem import fits
-from smarttestudo.optimizer.rule_asks import Part
-from smarttestudo.optimizer.rule_rates import SolvedPart, solve_part
+from smarttestudo.optimizer.requirements import Subproblem
+from smarttestudo.optimizer.rule_rates import SolvedSubproblem, solve_subproblem
 from smarttestudo.optimizer.solver.highs_solver import HighsChangeFinder
 
 HERE = Span(line=1, column=1, end_line=1, end_column=2)
@@ -70,14 +70,16 @@ def test_the_changes_found_are_the_smallest_ones_in_order(options: list[Reductio
 
 def changes_for(wanted: dict[str, Tier | float], budget: float) -> list[Change]:
     entry = TopicProfile(message_kb=1.0, tiers_hz=(10, 20, 30, 40, 50, 60))
-    part = Part(
+    subproblem = Subproblem(
         label="block",
         path="rules.adirf",
         span=HERE,
-        asks={topic: ask(topic, entry, one) for topic, one in wanted.items()},
+        requirements={topic: requirement(topic, entry, one) for topic, one in wanted.items()},
         tier_statements=(),
     )
-    solved: SolvedPart = solve_part(part, 0.0, budget, model=Model.QUPER, solver=GreedySolver())
+    solved: SolvedSubproblem = solve_subproblem(
+        subproblem, 0.0, budget, model=Model.QUPER, solver=GreedySolver()
+    )
     return smallest_changes(solved, budget, model=Model.QUPER, finder=HighsChangeFinder())
 
 
@@ -99,8 +101,12 @@ def test_several_topics_are_lowered_where_one_is_not_enough() -> None:
 
 def test_nothing_is_proposed_where_nothing_fits() -> None:
     entry = TopicProfile(message_kb=1.0, tiers_hz=(10, 20, 30, 40, 50, 60), min_hz=5.0)
-    part = Part(
-        label="block", path="", span=HERE, asks={"/a": ask("/a", entry, Tier.MARGINAL)}, tier_statements=()
+    subproblem = Subproblem(
+        label="block",
+        path="",
+        span=HERE,
+        requirements={"/a": requirement("/a", entry, Tier.MARGINAL)},
+        tier_statements=(),
     )
-    solved = solve_part(part, 0.0, 4.0, model=Model.QUPER, solver=GreedySolver())
+    solved = solve_subproblem(subproblem, 0.0, 4.0, model=Model.QUPER, solver=GreedySolver())
     assert smallest_changes(solved, 4.0, model=Model.QUPER, finder=HighsChangeFinder()) == []

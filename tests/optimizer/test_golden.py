@@ -10,27 +10,30 @@ from optimizer import golden
 from smarttestudo.domain.rate import Tier
 from smarttestudo.domain.source import Span
 from smarttestudo.optimizer.greedy import GreedySolver
-from smarttestudo.optimizer.model import Ask, Model, needs_of
-from smarttestudo.optimizer.rule_asks import Part, RuleAsks
-from smarttestudo.optimizer.rule_rates import Optimization, solve_asks
+from smarttestudo.optimizer.model import Model, Requirement, needs_of
+from smarttestudo.optimizer.requirements import RuleRequirements, Subproblem
+from smarttestudo.optimizer.rule_rates import Optimization, solve_requirements
 
 HERE = Span(line=1, column=1, end_line=1, end_column=2)
 
 
-def part(label: str | None, levels: dict[str, Tier]) -> Part:
-    asks = {
-        topic: Ask(needs=needs_of(topic, golden.profile()), wanted=tier) for topic, tier in levels.items()
+def subproblem(label: str | None, levels: dict[str, Tier]) -> Subproblem:
+    requirements = {
+        topic: Requirement(needs=needs_of(topic, golden.profile()), wanted=tier)
+        for topic, tier in levels.items()
     }
-    return Part(label=label, path="rules.adirf", span=HERE, asks=asks, tier_statements=())
+    return Subproblem(
+        label=label, path="rules.adirf", span=HERE, requirements=requirements, tier_statements=()
+    )
 
 
 def solved(budget_kb_per_s: float, block: dict[str, Tier]) -> Optimization:
-    asks = RuleAsks(
-        defaults=part(None, dict.fromkeys(golden.DEFAULTS_HZ, Tier.UNACCEPTABLE)),
-        blocks=(part("block", block),),
+    requirements = RuleRequirements(
+        defaults=subproblem(None, dict.fromkeys(golden.DEFAULTS_HZ, Tier.UNACCEPTABLE)),
+        blocks=(subproblem("block", block),),
         appended=(),
     )
-    return solve_asks(asks, budget_kb_per_s, model=Model.QUPER, solver=GreedySolver())
+    return solve_requirements(requirements, budget_kb_per_s, model=Model.QUPER, solver=GreedySolver())
 
 
 def test_topics_without_a_level_get_the_top_of_unacceptable() -> None:

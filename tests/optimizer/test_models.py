@@ -11,12 +11,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from optimizer.instances import Instance, ask, instances
+from optimizer.instances import Instance, instances, requirement
 from smarttestudo.domain.profile import TopicProfile
 from smarttestudo.domain.rate import Tier
 from smarttestudo.optimizer.allocation import Ladder, best_rates, round_down, rounded_down
 from smarttestudo.optimizer.greedy import GreedySolver
-from smarttestudo.optimizer.model import Ask, Model
+from smarttestudo.optimizer.model import Model, Requirement
 from smarttestudo.optimizer.problem import Allocation, fits, used_kb_per_s
 from smarttestudo.optimizer.quality import quality_points, skipped_thresholds, tier_of, upper_envelope
 
@@ -26,22 +26,22 @@ models_and_solvable_instances = st.sampled_from(list(Model)).flatmap(
 )
 
 
-def solved(model: Model, asks: list[Ask], budget: float) -> Allocation | None:
-    return best_rates(model, asks, budget, GreedySolver())
+def solved(model: Model, requirements: list[Requirement], budget: float) -> Allocation | None:
+    return best_rates(model, requirements, budget, GreedySolver())
 
 
 @given(drawn=models_and_instances)
 @settings(max_examples=300)
 def test_no_floor_is_broken_and_the_budget_is_never_exceeded(drawn: tuple[Model, Instance]) -> None:
-    model, (asks, budget) = drawn
-    found = solved(model, asks, budget)
-    least = {one.needs.topic: one.bounds_hz(model)[0] for one in asks}
+    model, (requirements, budget) = drawn
+    found = solved(model, requirements, budget)
+    least = {one.needs.topic: one.bounds_hz(model)[0] for one in requirements}
     if found is None:
-        assert used_kb_per_s((one.needs.size_kb, least[one.needs.topic]) for one in asks) > budget
+        assert used_kb_per_s((one.needs.size_kb, least[one.needs.topic]) for one in requirements) > budget
         return
     rates = rounded_down(found.rates_hz, least)
-    assert fits(used_kb_per_s((one.needs.size_kb, rates[one.needs.topic]) for one in asks), budget)
-    for one in asks:
+    assert fits(used_kb_per_s((one.needs.size_kb, rates[one.needs.topic]) for one in requirements), budget)
+    for one in requirements:
         low, high = one.bounds_hz(model)
         assert low <= rates[one.needs.topic] <= high + 1e-9
         if isinstance(one.wanted, Tier):
@@ -51,8 +51,8 @@ def test_no_floor_is_broken_and_the_budget_is_never_exceeded(drawn: tuple[Model,
 @given(drawn=models_and_solvable_instances, more=st.floats(0, 1e5))
 @settings(max_examples=200)
 def test_a_larger_budget_never_lowers_the_objective(drawn: tuple[Model, Instance], more: float) -> None:
-    model, (asks, budget) = drawn
-    found, richer = solved(model, asks, budget), solved(model, asks, budget + more)
+    model, (requirements, budget) = drawn
+    found, richer = solved(model, requirements, budget), solved(model, requirements, budget + more)
     assert found is not None
     assert richer is not None
     assert richer.gain >= found.gain - 1e-9 * max(1.0, found.gain)
@@ -61,10 +61,10 @@ def test_a_larger_budget_never_lowers_the_objective(drawn: tuple[Model, Instance
 @given(drawn=models_and_solvable_instances, random=st.randoms(use_true_random=False))
 @settings(max_examples=200)
 def test_the_order_of_topics_does_not_matter(drawn: tuple[Model, Instance], random: Random) -> None:
-    model, (asks, budget) = drawn
-    shuffled = list(asks)
+    model, (requirements, budget) = drawn
+    shuffled = list(requirements)
     random.shuffle(shuffled)
-    found, again = solved(model, asks, budget), solved(model, shuffled, budget)
+    found, again = solved(model, requirements, budget), solved(model, shuffled, budget)
     assert found is not None
     assert again is not None
     assert found.rates_hz == dict(again.rates_hz)
@@ -73,10 +73,10 @@ def test_the_order_of_topics_does_not_matter(drawn: tuple[Model, Instance], rand
 @given(instance=instances(Model.MAXMIN, has_solution=True))
 @settings(max_examples=200)
 def test_maxmin_raises_nobody_at_the_cost_of_someone_worse_off(instance: Instance) -> None:
-    asks, budget = instance
-    found = solved(Model.MAXMIN, asks, budget)
+    requirements, budget = instance
+    found = solved(Model.MAXMIN, requirements, budget)
     assert found is not None
-    for one in asks:
+    for one in requirements:
         if not isinstance(one.wanted, Tier):
             continue
         low, high = one.bounds_hz(Model.MAXMIN)
@@ -85,7 +85,7 @@ def test_maxmin_raises_nobody_at_the_cost_of_someone_worse_off(instance: Instanc
         quality = ladder.quality(rate)
         assert rate == pytest.approx(low) or rate == pytest.approx(high) or quality >= found.gain - 1e-6
         assert rate == pytest.approx(low) or rate <= ladder.rate_hz(found.gain) + 1e-6
-    used = used_kb_per_s((one.needs.size_kb, found.rates_hz[one.needs.topic]) for one in asks)
+    used = used_kb_per_s((one.needs.size_kb, found.rates_hz[one.needs.topic]) for one in requirements)
     assert found.gain >= 5 or used == pytest.approx(budget, rel=1e-6, abs=1e-6)
 
 
@@ -127,14 +127,14 @@ ODOM = TopicProfile(message_kb=1.0, source_hz=25.5, tiers_hz=(10, 15, 20, 25, 30
 def test_each_model_keeps_its_own_bounds_and_the_floor(
     model: Model, tier: Tier, bounds: tuple[float, float]
 ) -> None:
-    assert ask("/odom", ODOM, tier).bounds_hz(model) == bounds
+    assert requirement("/odom", ODOM, tier).bounds_hz(model) == bounds
 
 
 def test_a_tiny_topic_does_not_buy_out_useful_images_under_benefit() -> None:
     imu = TopicProfile(message_kb=0.3, source_hz=200, tiers_hz=(50, 75, 100, 150, 200, 250))
     image = TopicProfile(message_kb=1.0, source_hz=30, tiers_hz=(2, 4, 6, 8, 10, 15))
-    asks = [ask("/imu", imu, Tier.MARGINAL), ask("/image", image, Tier.MARGINAL)]
-    by_hertz, by_benefit = solved(Model.QUPER, asks, 19.0), solved(Model.BENEFIT, asks, 19.0)
+    requirements = [requirement("/imu", imu, Tier.MARGINAL), requirement("/image", image, Tier.MARGINAL)]
+    by_hertz, by_benefit = solved(Model.QUPER, requirements, 19.0), solved(Model.BENEFIT, requirements, 19.0)
     assert by_hertz is not None
     assert by_benefit is not None
     assert by_hertz.rates_hz == pytest.approx({"/imu": 56.6666667, "/image": 2})

@@ -787,7 +787,7 @@ export interface MissingMessages {
 export type MissingReason = "memory" | "late" | "unpublished" | "ended" | "lost" | "disk" | "killed";
 
 /**
- * What OBI maximises; the value is its name on the command line.
+ * The goal that OBI maximises; the value is its name on the command line.
  *
  * The first three are those of the thesis (Riccardi 2025): the sum of all rates within the intervals of the
  * levels (quper) or within [min_hz, max_hz] (budget), and that sum weighted by priority. `benefit` sums

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from smarttestudo.domain.floor_plan import FloorZone, Rectangle
-from smarttestudo.language.normal_form import Every, Form, Some, Within, merged, over_states
+from smarttestudo.language.normal_form import Every, Form, InRegion, Some, merged, over_states
 from smarttestudo.language.region import Region
 from smarttestudo.language.rule_set import RuleSet
 
@@ -54,7 +54,7 @@ def _areas(form: Form) -> Iterator[Rectangle]:
 def _bounds(form: Form, names: Sequence[str]) -> tuple[float, float] | None:
     """From where to where ``form`` lets the properties of ``names`` be; ``None`` where it says no stretch."""
     parts = form.parts if isinstance(form, Every) else (form,)
-    regions = [part.region for part in parts if isinstance(part, Within) and part.signal.property in names]
+    regions = [part.region for part in parts if isinstance(part, InRegion) and part.signal.property in names]
     common = Region.intersection_of(regions)
     if not regions or len(common.pieces) != 1:
         return None

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the checker knows beside the rule files."""
+"""The knowledge of the checker beside the rule files."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.domain.signal import ArrivalProperty, Signal
 from smarttestudo.language.normal_form import Resolve, derived_values, is_derived
-from smarttestudo.language.properties import PropertySpec, property_spec, usual_types
+from smarttestudo.language.properties import PropertySpec, conventional_types, property_spec
 from smarttestudo.language.region import Region
 
 COMMAND_TYPES = frozenset({"geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"})
@@ -42,7 +42,7 @@ class CheckContext:
     way_to_profile: str = "give a profile with --profile"
 
     def topic(self, topic: str) -> TopicProfile:
-        """What the profile says about ``topic``, nothing without a profile."""
+        """The profile's entry of ``topic``, an empty one without a profile."""
         return TopicProfile() if self.profile is None else self.profile.topic(topic)
 
     def known_type(self, topic: str) -> str | None:
@@ -51,10 +51,10 @@ class CheckContext:
 
     def type_of(self, topic: str) -> str | None:
         """The known type of ``topic``, else the one that a topic of its name usually has."""
-        return self.known_type(topic) or next(iter(usual_types(topic)), None)
+        return self.known_type(topic) or next(iter(conventional_types(topic)), None)
 
     def spec_of(self, signal: Signal) -> PropertySpec | None:
-        """What is known about a property; ``None`` for a plain field."""
+        """The description of a property; ``None`` for a plain field."""
         return property_spec(self.type_of(signal.topic), signal.property)
 
     def domain(self, signal: Signal) -> Region:
@@ -65,7 +65,7 @@ class CheckContext:
         """Whether ``signal`` is known to be a measurement, which varies continuously and has noise."""
         return self.spec_of(signal) is not None and self.type_of(signal.topic) not in COMMAND_TYPES
 
-    def wavers(self, signal: Signal) -> bool:
+    def is_noisy(self, signal: Signal) -> bool:
         """Whether ``signal`` can go back and forth across a border while the robot hardly moves."""
         return (
             not is_derived(signal)

@@ -1,25 +1,15 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a check of the checker is made of."""
+"""A check of the checker, and what it finds."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
 from smarttestudo.checks.rule_model import RuleModel
 from smarttestudo.domain.finding import Finding, Fix, ProfileFix, Severity
-from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.source import Span
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Example:
-    """A rule file to show, with the profile and the topics of a recording that it is checked with."""
-
-    rules: str
-    profile: Profile | None = None
-    bag_topics: Mapping[str, str] | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -37,25 +27,20 @@ class Found:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RuleCheck:
-    """One thing that the checker looks for.
+    """One thing that the checker looks for; the case file of its theme explains it.
 
-    ``meaning`` is one sentence, ``why`` what happens on a robot that runs such a file. ``bad`` gives this
-    finding and no other, ``good`` none at all. A check that ``needs_all_statements`` is left out while a file
-    cannot be read or has errors of syntax, because what it misses may stand there.
+    A check that ``needs_all_statements`` is left out while a file cannot be read or has errors of syntax,
+    because what it misses may stand there.
     """
 
     code: str
     severity: Severity
-    meaning: str
-    why: str
-    bad: Example
-    good: Example
     find: Callable[[RuleModel], Iterable[Found]]
     needs_all_statements: bool = False
 
-    def findings(self, book: RuleModel) -> Iterator[Finding]:
-        """What this check has to say about ``book``."""
-        for found in self.find(book):
+    def findings(self, rules: RuleModel) -> Iterator[Finding]:
+        """The findings of this check in ``rules``."""
+        for found in self.find(rules):
             yield Finding(
                 code=self.code,
                 severity=self.severity,

@@ -6,11 +6,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from smarttestudo.checks.written import Branch
 from smarttestudo.domain.signal import Signal
 from smarttestudo.domain.source import Span
 from smarttestudo.language.formatter.text import duration_text
 from smarttestudo.language.normal_form import HELD, is_derived
+from smarttestudo.language.resolved_rules import Branch
 from smarttestudo.language.syntax import Block, Check, Timed
 
 _LISTED = 5
@@ -52,7 +52,7 @@ def state(values: Mapping[Signal, float]) -> str:
 
 
 def _past(signal: Signal, value: float) -> str:
-    """What was before: ``/odom speed < 1 for 5 s``."""
+    """The value of a past: ``/odom speed < 1 for 5 s``."""
     if signal.property == HELD:
         return f"{signal.topic} for {number(value)} s"
     return f"{signal.topic} {'holds' if value else 'has ended'}"

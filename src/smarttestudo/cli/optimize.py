@@ -16,9 +16,9 @@ from smarttestudo.domain.finding import Finding
 from smarttestudo.domain.json_text import json_text
 from smarttestudo.files.outputs import require_separate
 from smarttestudo.language.formatter import number_text
-from smarttestudo.optimizer.explanation import PartExplanation
+from smarttestudo.optimizer.explanation import SubproblemExplanation
 from smarttestudo.optimizer.model import Model
-from smarttestudo.optimizer.rule_rates import SolvedPart
+from smarttestudo.optimizer.rule_rates import SolvedSubproblem
 from smarttestudo.optimizer.wording import kb_text, wanted_text
 from smarttestudo.report.table import Align, Cell, Column, Number, Row, Table, Text
 from smarttestudo.rules.optimize import (
@@ -102,7 +102,7 @@ def _print_explanations(outcome: OptimizeOutcome, stream: TextIO) -> None:
         print(file=stream)
 
 
-def _table(solved: SolvedPart, explanation: PartExplanation, budget_kb_per_s: float) -> Table:
+def _table(solved: SolvedSubproblem, explanation: SubproblemExplanation, budget_kb_per_s: float) -> Table:
     has_bounds = any(row.bound is not None for row in explanation.rows)
     rows = [
         Row(
@@ -120,10 +120,14 @@ def _table(solved: SolvedPart, explanation: PartExplanation, budget_kb_per_s: fl
         for row in explanation.rows
     ]
     used = solved.used_kb_per_s
-    if solved.part.label is not None:
+    if solved.subproblem.label is not None:
         rows.append(_sum_row("other topics", solved.others_kb_per_s, budget_kb_per_s, blanks=3 + has_bounds))
     rows.append(_sum_row("all topics", used, budget_kb_per_s, blanks=3 + has_bounds))
-    title = "Defaults" if solved.part.label is None else f'"{solved.part.label}" ({solved.part.place})'
+    title = (
+        "Defaults"
+        if solved.subproblem.label is None
+        else f'"{solved.subproblem.label}" ({solved.subproblem.place})'
+    )
     return Table(
         title=f"{title}: {kb_text(used)} of {kb_text(budget_kb_per_s)} KB/s",
         columns=(

@@ -36,7 +36,7 @@ def condition_edits(old: Condition, new: Condition, words: TokenRange) -> list[T
 
 
 def changed_words(first: int, changes: Iterable[tuple[int, bool, str]], words: TokenRange) -> list[TextEdit]:
-    """Each word, counted from ``first``, that differs, replaced."""
+    """Replacements of the words, counted from ``first``, that differ."""
     return [
         TextEdit(words.offsets[first + word], words[first + word].end, text)
         for word, differs, text in changes
@@ -134,7 +134,7 @@ def _time_changes(old: Timed, new: Timed, words: TokenRange) -> list[TextEdit]:
 
 
 def _added_times(old: _Changed, new: Sequence[Timed], words: TokenRange) -> list[TextEdit] | None:
-    """What is written behind the times that stay, which are in both in the same order."""
+    """The text behind the times that stay, which are in both in the same order."""
     start, end = words.places.range(old.core.span)
     needs_group = isinstance(old.core, Not | And | Or)
     found = [TextEdit(start, start, "("), TextEdit(end, end, ")")] if needs_group else []

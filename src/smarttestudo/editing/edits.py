@@ -43,7 +43,7 @@ class EditError(RuleFileError):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NewStatement:
-    """What to write: a statement or raw text; ``comments`` go above it, ``None`` leaves those there are."""
+    """A statement or raw text to write; ``comments`` go above it, ``None`` leaves those there are."""
 
     content: Statement | str
     comments: Sequence[str] | None = None
@@ -122,7 +122,7 @@ def duplicated(document: Document, name: str) -> str:
 
 
 def _copied(document: Document, entry: Entry) -> str:
-    """What a copy of ``entry`` says, with its own comments."""
+    """The content of a copy of ``entry``, with its own comments."""
     words, statement = entry.token_range, entry.statement
     text = document.text[words.own_start : words.own_end]
     if not isinstance(statement, Block) or statement.name is None:

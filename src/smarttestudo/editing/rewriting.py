@@ -102,7 +102,7 @@ def _with_comments(new: Action, known: Mapping[Meaning, Trivia], written: Mappin
 
 
 def _subject(action: Action) -> Meaning:
-    """What an action is about, whatever it says of it."""
+    """The subject of an action, whatever it says of it."""
     match action:
         case SetFrequency():
             return (SetFrequency, action.topic.text)

@@ -51,7 +51,7 @@ def comment_lines(comments: Iterable[str]) -> list[str]:
 
 
 def comment_texts(comments: Iterable[Comment]) -> list[str]:
-    """What ``comments`` say, without their slashes."""
+    """The words of ``comments``, without their slashes."""
     return [comment.text.lstrip("/").removeprefix(" ") for comment in comments]
 
 

@@ -72,12 +72,12 @@ class TokenRange:
 
     @property
     def before(self) -> str:
-        """What stands on the line before it."""
+        """The text on the line before it."""
         return self.text[self.places.line_range(self.own_start)[0] : self.own_start]
 
     @property
     def after(self) -> str:
-        """What stands on the line behind it."""
+        """The text on the line behind it."""
         return self.text[self.own_end : self.places.line_range(self.own_end)[1]]
 
     @property

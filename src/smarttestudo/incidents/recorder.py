@@ -21,7 +21,7 @@ from smarttestudo.incidents.topic_ring import (
     SourceMessage,
     TopicRing,
 )
-from smarttestudo.language.rule_set import Recording, RuleSet
+from smarttestudo.language.rule_set import RecordRequest, RuleSet
 from smarttestudo.loop.knowledge.knowledge import SteadyTime
 from smarttestudo.loop.triggers import Trigger
 
@@ -48,7 +48,7 @@ class Incident:
     """
 
     trigger: Trigger
-    recording: Recording
+    recording: RecordRequest
     from_ns: int
     to_ns: int
     rules_sha256: str
@@ -261,7 +261,7 @@ class IncidentRecorder:
             self._sink.end(one.incident, (*one.missing, *(ended if one.end_ns > self._time.now_ns else ())))
         self._open = []
 
-    def _begin(self, trigger: Trigger, recording: Recording) -> None:
+    def _begin(self, trigger: Trigger, recording: RecordRequest) -> None:
         now_ns = self._time.now_ns
         from_ns = now_ns - recording.before_ns
         rings = [(topic, self._rings[topic]) for topic in recording.topics if topic in self._rings]

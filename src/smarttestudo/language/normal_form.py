@@ -30,7 +30,7 @@ from smarttestudo.language.syntax import (
 
 
 @dataclass(frozen=True, slots=True)
-class Within:
+class InRegion:
     """True while the signal's value lies in the region, unknown while the signal is unknown."""
 
     signal: Signal
@@ -51,7 +51,7 @@ class Some:
     parts: tuple[Form, ...]
 
 
-Form = Within | Every | Some
+Form = InRegion | Every | Some
 Resolve = Callable[[str], str]
 
 HELD = "held_s"
@@ -73,7 +73,7 @@ class HeldTime(Signal):
         return signal
 
     def __getnewargs__(self) -> tuple[Form]:
-        """What it is made from, for copies."""
+        """The arguments that it is made from, for copies."""
         return (self.form,)
 
 
@@ -94,7 +94,7 @@ class LastSeen(Signal):
         return signal
 
     def __getnewargs__(self) -> tuple[Signal, Region, Region]:
-        """What it is made from, for copies."""
+        """The arguments that it is made from, for copies."""
         return self.source, self.on, self.off
 
 
@@ -121,7 +121,7 @@ def normal_form(condition: Condition, resolve: Resolve, *, negated: bool = False
         case Check():
             signal = Signal(resolve(condition.topic.text), condition.property)
             within = check_form(condition, signal)
-            return Within(within.signal, within.region.complement()) if negated else within
+            return InRegion(within.signal, within.region.complement()) if negated else within
         case Group():
             return normal_form(condition.operand, resolve, negated=negated)
         case Not():
@@ -130,7 +130,7 @@ def normal_form(condition: Condition, resolve: Resolve, *, negated: bool = False
             is_for = condition.word is TimeWord.FOR
             held = held_time(condition, resolve)
             enough = Region.where(Operator.GREATER_EQUAL, condition.duration.ns / NS_PER_S)
-            return Within(held, enough if is_for != negated else enough.complement())
+            return InRegion(held, enough if is_for != negated else enough.complement())
         case And() | Or():
             parts = tuple(normal_form(part, resolve, negated=negated) for part in condition.operands)
             joined = Every if isinstance(condition, And) != negated else Some
@@ -143,17 +143,17 @@ def held_time(condition: Timed, resolve: Resolve) -> HeldTime:
     return HeldTime(normal_form(condition.operand, resolve, negated=negated))
 
 
-def check_form(check: Check, signal: Signal) -> Within:
+def check_form(check: Check, signal: Signal) -> InRegion:
     """Where ``check`` of ``signal`` holds."""
     region = Region.where(check.operator, check.value)
-    return Within(signal, region) if check.until is None else _latched(signal, region, check.until)
+    return InRegion(signal, region) if check.until is None else _latched(signal, region, check.until)
 
 
-def _latched(signal: Signal, region: Region, until: Until) -> Within:
+def _latched(signal: Signal, region: Region, until: Until) -> InRegion:
     """Where both comparisons hold, that of the ``Until`` counts."""
     off = Region.where(until.operator, until.value)
     last_seen = LastSeen(signal, region.intersection(off.complement()), off)
-    return Within(last_seen, Region.where(Operator.GREATER_EQUAL, 1.0))
+    return InRegion(last_seen, Region.where(Operator.GREATER_EQUAL, 1.0))
 
 
 def _flat(joined: type[Every] | type[Some], parts: tuple[Form, ...]) -> Form:
@@ -163,17 +163,19 @@ def _flat(joined: type[Every] | type[Some], parts: tuple[Form, ...]) -> Form:
     return joined(tuple(flat))
 
 
-def reads(form: Form) -> Iterator[Within]:
+def reads(form: Form) -> Iterator[InRegion]:
     """Every region of a signal that messages give, also where ``form`` asks for its past."""
     pending = [form]
     while pending:
         part = pending.pop()
-        if not isinstance(part, Within):
+        if not isinstance(part, InRegion):
             pending.extend(reversed(part.parts))
         elif isinstance(part.signal, HeldTime):
             pending.append(part.signal.form)
         elif isinstance(part.signal, LastSeen):
-            pending.extend(Within(part.signal.source, region) for region in (part.signal.off, part.signal.on))
+            pending.extend(
+                InRegion(part.signal.source, region) for region in (part.signal.off, part.signal.on)
+            )
         else:
             yield part
 
@@ -190,9 +192,9 @@ def over_states(form: Form) -> Form:
     ``form`` must: ``C For d`` only where C does, ``C Within d`` wherever C does, an ``Until`` on one side of
     its thresholds always, on the other never.
     """
-    if not isinstance(form, Within):
+    if not isinstance(form, InRegion):
         return _flat(type(form), tuple(map(over_states, form.parts)))
-    signal, plain = form.signal, Within(Signal(*form.signal), form.region)
+    signal, plain = form.signal, InRegion(Signal(*form.signal), form.region)
     if isinstance(signal, HeldTime):
         is_for = not form.region.contains(-1.0)
         now = over_states(signal.form)
@@ -200,40 +202,40 @@ def over_states(form: Form) -> Form:
     if isinstance(signal, LastSeen):
         is_on = form.region.contains(1.0)
         if signal.on.is_empty:
-            return Within(signal.source, Region.nothing() if is_on else Region.everything())
+            return InRegion(signal.source, Region.nothing() if is_on else Region.everything())
         sure, never = (signal.on, signal.off) if is_on else (signal.off, signal.on)
-        between = Within(signal.source, never.complement())
-        return Some((Within(signal.source, sure), Every((between, plain))))
+        between = InRegion(signal.source, never.complement())
+        return Some((InRegion(signal.source, sure), Every((between, plain))))
     return form
 
 
 def negation(form: Form) -> Form:
     """The form that is false where ``form`` is true, true where it is false, and unknown where it is."""
-    if isinstance(form, Within):
-        return Within(form.signal, form.region.complement())
+    if isinstance(form, InRegion):
+        return InRegion(form.signal, form.region.complement())
     joined = Some if isinstance(form, Every) else Every
     return joined(tuple(negation(part) for part in form.parts))
 
 
 def merged(form: Form) -> Form:
     """``form`` with the regions of one signal under one AND or OR made one; its truth stays the same."""
-    if isinstance(form, Within):
+    if isinstance(form, InRegion):
         return form
     regions: dict[Signal, list[Region]] = {}
     nested: list[Form] = []
     for part in map(merged, form.parts):
-        if isinstance(part, Within):
+        if isinstance(part, InRegion):
             regions.setdefault(part.signal, []).append(part.region)
         else:
             nested.append(part)
     join = Region.intersection_of if isinstance(form, Every) else Region.union_of
-    parts = (*(Within(signal, join(alike)) for signal, alike in regions.items()), *nested)
+    parts = (*(InRegion(signal, join(alike)) for signal, alike in regions.items()), *nested)
     return parts[0] if len(parts) == 1 else type(form)(parts)
 
 
 def holds(form: Form, values: Mapping[Signal, float]) -> bool:
     """Whether ``form`` holds where every signal that it reads has the value in ``values``."""
-    if isinstance(form, Within):
+    if isinstance(form, InRegion):
         return form.region.contains(values[form.signal])
     results = (holds(part, values) for part in form.parts)
     return all(results) if isinstance(form, Every) else any(results)
@@ -241,7 +243,7 @@ def holds(form: Form, values: Mapping[Signal, float]) -> bool:
 
 def form_text(form: Form) -> str:
     """``form`` for reading, a text of its own for each."""
-    if not isinstance(form, Within):
+    if not isinstance(form, InRegion):
         word = " AND " if isinstance(form, Every) else " OR "
         return f"({word.join(map(form_text, form.parts))})"
     if isinstance(form.signal, HeldTime):

@@ -69,12 +69,12 @@ class Region:
 
     @staticmethod
     def union_of(regions: Iterable[Region]) -> Region:
-        """What is in any of ``regions``."""
+        """The values in any of ``regions``."""
         return _joined(piece for region in regions for piece in region.pieces)
 
     @staticmethod
     def intersection_of(regions: Iterable[Region]) -> Region:
-        """What is in all of ``regions``; everything if there are none."""
+        """The values in all of ``regions``; everything if there are none."""
         given = [*regions]
         if all(len(region.pieces) == 1 for region in given):
             return reduce(Region.intersection, given, Region.everything())
@@ -116,7 +116,7 @@ class Region:
         )
 
     def intersection(self, other: Region) -> Region:
-        """What is in both, in one walk over the pieces."""
+        """The values in both, in one walk over the pieces."""
         if len(self.pieces) != 1 or len(other.pieces) != 1:
             return Region(tuple(_common_pieces(self.pieces, other.pieces)))
         ((my_low, my_high),) = self.pieces
@@ -130,7 +130,7 @@ class Region:
         return Region(((low, high),) if _holds_a_number(low, high) else ())
 
     def complement(self) -> Region:
-        """What is not in it."""
+        """The values outside it."""
         pieces: list[Piece] = []
         start = _LOWEST
         for low, high in self.pieces:
@@ -142,7 +142,7 @@ class Region:
         return Region(tuple(pieces))
 
     def union(self, other: Region) -> Region:
-        """What is in either."""
+        """The values in either."""
         return Region.union_of((self, other))
 
     def sample(self) -> float:

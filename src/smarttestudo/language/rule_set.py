@@ -1,12 +1,13 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What one or more rule files mean together, ready for the evaluator."""
+"""The meaning of one or more rule files together, ready for the evaluator."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cache
 from typing import Protocol
 
 from smarttestudo.domain.decision import Reason
@@ -21,35 +22,34 @@ from smarttestudo.language.normal_form import (
     Resolve,
     check_form,
     held_time,
-    normal_form,
     over_states,
     signals_of,
 )
 from smarttestudo.language.region import Region
+from smarttestudo.language.resolved_rules import (
+    Branch,
+    ResolvedBlock,
+    ResolvedBound,
+    ResolvedRate,
+    ResolvedRecord,
+    resolve_rules,
+)
 from smarttestudo.language.syntax import (
-    Action,
-    Block,
     Check,
-    KeepAtLeast,
     KeepWithin,
-    RateExpression,
     RateWord,
-    RecordIncident,
     RuleFile,
     SetFrequency,
     Timed,
     TimeWord,
-    bounds_in,
     checks_in,
-    records_in,
-    sets_in,
     times_in,
 )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Recording:
-    """What a ``Record`` asks for: topics by full name, from ``before_ns`` before to ``after_ns`` after."""
+class RecordRequest:
+    """The request of a ``Record``: topics by full name, from ``before_ns`` before to ``after_ns`` after."""
 
     name: str
     line: int
@@ -74,7 +74,7 @@ class RuleBlock:
     form: Form
     rates: Mapping[str, Rate]
     bounds: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
-    recordings: tuple[Recording, ...] = ()
+    recordings: tuple[RecordRequest, ...] = ()
 
     @property
     def topics(self) -> tuple[str, ...]:
@@ -172,7 +172,7 @@ class RuleSet:
 
 
 def fallback_rules(topics: Iterable[str]) -> RuleSet:
-    """What holds while there are no rules: every message of ``topics`` passes."""
+    """The rules in force while there are none: every message of ``topics`` passes."""
     return RuleSet(
         defaults={topic: Rate.full() for topic in topics},
         default_lines={},
@@ -183,7 +183,7 @@ def fallback_rules(topics: Iterable[str]) -> RuleSet:
 
 
 class TierValues(Protocol):
-    """What the optimizer gave the tiers of some rule files; statements come with their file's path."""
+    """The values that the optimizer gave tiers of rule files; statements come with their file's path."""
 
     def tier_rate(self, statement: SetFrequency, path: str, /) -> Rate:
         """The rate of a statement that names a tier."""
@@ -214,68 +214,40 @@ def _no_profile(value: float | Tier | RateWord, what: str, span: Span, path: str
 
 def compile_rules(files: Sequence[RuleFile], resolve: Resolve, tiers: TierValues | None = None) -> RuleSet:
     """The meaning of ``files``, which have no errors, as one set; tiers in them need ``tiers``."""
-    compiler = _Compiler(resolve=resolve, tiers=RefusedTiers() if tiers is None else tiers)
-    for file in files:
-        compiler.add(file)
-    return compiler.rule_set()
+    compiler = _Compiler(resolve=cache(resolve), tiers=RefusedTiers() if tiers is None else tiers)
+    return compiler.rule_set(files)
 
 
 class _Compiler:
     def __init__(self, *, resolve: Resolve, tiers: TierValues) -> None:
         self._resolve = resolve
         self._tiers = tiers
-        self._defaults: dict[str, Rate] = {}
-        self._default_lines: dict[str, int] = {}
-        self._floors_hz: dict[str, float] = {}
-        self._bounds: dict[str, dict[str, float]] = {}
-        self._blocks: list[RuleBlock] = []
-        self._written: list[WrittenBlock] = []
-        self._files = 0
 
-    def add(self, file: RuleFile) -> None:
-        self._files += 1
-        for statement in file.enabled_statements:
-            topic = "" if isinstance(statement, Block) else self._resolve(statement.topic.text)
-            match statement:
-                case SetFrequency():
-                    self._defaults[topic] = self._rate(statement, file.path)
-                    self._default_lines[topic] = statement.span.line
-                case KeepAtLeast():
-                    floor_hz = _number(statement.rate)
-                    self._floors_hz[topic] = max(floor_hz, self._floors_hz.get(topic, 0.0))
-                case KeepWithin():
-                    self._tighten(self._bounds, topic, statement, file.path)
-                case Block():
-                    self._written.append(self._as_written(statement))
-                    self._blocks.extend(self._blocks_of(statement, file.path))
-
-    def rule_set(self) -> RuleSet:
-        rules = self._without_topics()
+    def rule_set(self, files: Sequence[RuleFile]) -> RuleSet:
+        resolved = resolve_rules(files, self._resolve)
+        first = {branch.block.order: branch.order for branch in reversed(resolved.branches)}
+        rules = RuleSet(
+            defaults={one.topic: self._rate(one) for one in resolved.written_defaults},
+            default_lines={topic: one.span.line for topic, one in resolved.defaults.items()},
+            floors_hz=resolved.floors_hz,
+            blocks=tuple(map(self._block, resolved.branches)),
+            written=tuple(self._as_written(one, first[one.order]) for one in resolved.blocks),
+            bounds=self._tightest(resolved.always_bounds),
+        )
         if not rules.has_recordings:
             return rules
         names = (*rules.relayed, *sorted(signal.topic for signal in rules.signals), *sorted(rules.recorded))
         named = tuple(dict.fromkeys(names))
         return replace(rules, blocks=tuple(_recording_all(block, named) for block in rules.blocks))
 
-    def _without_topics(self) -> RuleSet:
-        """The rule set in which recordings of all topics have none yet."""
-        return RuleSet(
-            defaults=self._defaults,
-            default_lines=self._default_lines,
-            floors_hz=self._floors_hz,
-            blocks=tuple(self._blocks),
-            written=tuple(self._written),
-            bounds=self._bounds,
-        )
-
-    def _as_written(self, block: Block) -> WrittenBlock:
+    def _as_written(self, one: ResolvedBlock, order: int) -> WrittenBlock:
         return WrittenBlock(
-            file=self._files - 1,
-            line=block.span.line,
-            column=block.span.column,
-            order=len(self._blocks),
-            checks=tuple(map(self._check_as_written, checks_in(block.condition))),
-            times=tuple(map(self._time_as_written, times_in(block.condition))),
+            file=one.file,
+            line=one.block.span.line,
+            column=one.block.span.column,
+            order=order,
+            checks=tuple(map(self._check_as_written, checks_in(one.block.condition))),
+            times=tuple(map(self._time_as_written, times_in(one.block.condition))),
         )
 
     def _time_as_written(self, timed: Timed) -> WrittenTime:
@@ -298,58 +270,44 @@ class _Compiler:
             latch=found if isinstance(found, LastSeen) else None,
         )
 
-    def _blocks_of(self, block: Block, path: str) -> Iterator[RuleBlock]:
-        order = len(self._blocks)
-        sides = ((block.then, False, block.label), (block.otherwise, True, f"{block.label} (Else)"))
-        for offset, (actions, negated, label) in enumerate(sides):
-            if actions:
-                yield RuleBlock(
-                    order=order + offset,
-                    label=label,
-                    line=block.span.line,
-                    path=path,
-                    priority=block.priority or 0,
-                    form=normal_form(block.condition, self._resolve, negated=negated),
-                    rates={self._resolve(one.topic.text): self._rate(one, path) for one in sets_in(actions)},
-                    bounds=self._bounds_of(actions, path),
-                    recordings=tuple(map(self._recording, records_in(actions))),
-                )
-
-    def _bounds_of(self, actions: Iterable[Action], path: str) -> Mapping[str, Mapping[str, float]]:
-        bounds: dict[str, dict[str, float]] = {}
-        for one in bounds_in(actions):
-            self._tighten(bounds, self._resolve(one.topic.text), one, path)
-        return bounds
-
-    def _tighten(self, bounds: dict[str, dict[str, float]], topic: str, one: KeepWithin, path: str) -> None:
-        """Of several bounds of one property the tightest counts."""
-        bound = self._tiers.tier_bound(one, path) if isinstance(one.bound, Tier) else one.bound
-        of_topic = bounds.setdefault(topic, {})
-        of_topic[one.property] = min(bound, of_topic.get(one.property, math.inf))
-
-    def _recording(self, record: RecordIncident) -> Recording:
-        return Recording(
-            name=record.name,
-            line=record.span.line,
-            topics=tuple(dict.fromkeys(self._resolve(topic.text) for topic in record.topics)),
-            before_ns=record.before.ns,
-            after_ns=record.after.ns,
+    def _block(self, branch: Branch) -> RuleBlock:
+        return RuleBlock(
+            order=branch.order,
+            label=branch.label,
+            line=branch.block.block.span.line,
+            path=branch.block.path,
+            priority=branch.block.priority,
+            form=branch.form,
+            rates={topic: self._rate(one) for topic, one in branch.settings.items()},
+            bounds=self._tightest(branch.bounds),
+            recordings=tuple(map(_record_request, branch.records)),
         )
 
-    def _rate(self, statement: SetFrequency, path: str) -> Rate:
-        value = statement.rate.value
-        if isinstance(value, Tier):
-            return self._tiers.tier_rate(statement, path)
-        if isinstance(value, RateWord):
-            return Rate.full() if value is RateWord.FULL else Rate.off()
-        return Rate(value)
+    def _tightest(self, bounds: Iterable[ResolvedBound]) -> Mapping[str, Mapping[str, float]]:
+        """Of several bounds of one property the tightest counts."""
+        found: dict[str, dict[str, float]] = {}
+        for one in bounds:
+            written = one.statement.bound
+            bound = self._tiers.tier_bound(one.statement, one.path) if isinstance(written, Tier) else written
+            of_topic = found.setdefault(one.topic, {})
+            of_topic[one.signal.property] = min(bound, of_topic.get(one.signal.property, math.inf))
+        return found
+
+    def _rate(self, one: ResolvedRate) -> Rate:
+        return self._tiers.tier_rate(one.statement, one.path) if one.rate is None else one.rate
+
+
+def _record_request(one: ResolvedRecord) -> RecordRequest:
+    return RecordRequest(
+        name=one.statement.name,
+        line=one.statement.span.line,
+        topics=tuple(dict.fromkeys(one.topics)),
+        before_ns=one.statement.before.ns,
+        after_ns=one.statement.after.ns,
+    )
 
 
 def _recording_all(block: RuleBlock, topics: tuple[str, ...]) -> RuleBlock:
     """``block`` whose recordings keep ``topics`` where they name none."""
     recordings = tuple(one if one.topics else replace(one, topics=topics) for one in block.recordings)
     return replace(block, recordings=recordings)
-
-
-def _number(rate: RateExpression) -> float:
-    return float(rate.value) if isinstance(rate.value, int | float) else math.nan

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from enum import Enum
 
-from smarttestudo.domain.rate import Tier
+from smarttestudo.domain.rate import Rate, Tier
 from smarttestudo.domain.source import Span
 from smarttestudo.language.comments import NO_TRIVIA, Comment, Trivia
 
@@ -53,6 +53,15 @@ class RateExpression:
     text: str
     span: Span
     has_unit: bool = False
+
+    @property
+    def rate(self) -> Rate | None:
+        """The rate as written, ``None`` for a tier."""
+        if isinstance(self.value, Tier):
+            return None
+        if isinstance(self.value, RateWord):
+            return Rate.full() if self.value is RateWord.FULL else Rate.off()
+        return Rate(self.value)
 
 
 class TimeWord(Enum):
@@ -211,7 +220,7 @@ class KeepWithin:
 
 
 Action = SetFrequency | KeepWithin | RecordIncident
-"""What stands in a Then or Else."""
+"""A statement in a Then or Else."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -316,6 +325,21 @@ def tiers_in(statement: Statement) -> Iterator[tuple[Span, Tier]]:
                 pass
 
 
+def conditions_in(condition: Condition) -> Iterator[Condition]:
+    """``condition`` and every condition inside it, in the order of the text."""
+    pending = [condition]
+    while pending:
+        current = pending.pop()
+        yield current
+        match current:
+            case And() | Or():
+                pending.extend(reversed(current.operands))
+            case Not() | Group() | Timed():
+                pending.append(current.operand)
+            case Check():
+                pass
+
+
 def times_in(condition: Condition) -> Iterator[Timed]:
     """The times of a condition, in the order in which they end."""
     match condition:
@@ -333,11 +357,4 @@ def times_in(condition: Condition) -> Iterator[Timed]:
 
 def checks_in(condition: Condition) -> Iterator[Check]:
     """The checks of a condition, in their order."""
-    match condition:
-        case Check():
-            yield condition
-        case Group() | Not() | Timed():
-            yield from checks_in(condition.operand)
-        case And() | Or():
-            for operand in condition.operands:
-                yield from checks_in(operand)
+    return (one for one in conditions_in(condition) if isinstance(one, Check))

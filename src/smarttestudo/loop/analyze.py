@@ -47,7 +47,7 @@ def _block(
         column=block.column,
         state=knowledge.evaluator.truth(block.order),
         checks=tuple(_check(check, knowledge, values[check.signal]) for check in block.checks),
-        held_s=(now_ns - knowledge.evaluator.turned_ns(block.order)) / NS_PER_S,
+        held_s=(now_ns - knowledge.evaluator.changed_ns(block.order)) / NS_PER_S,
         times=tuple(_time(time, knowledge, now_ns) for time in block.times),
     )
 

@@ -28,7 +28,7 @@ PROPOSED_BOUNDS: Mapping[LevelledProperty, tuple[float, ...]] = MappingProxyType
 
 
 def levelled_properties(type_name: str) -> tuple[LevelledProperty, ...]:
-    """Those of messages of ``type_name``."""
+    """The levelled properties of messages of ``type_name``."""
     names = {spec.name for spec in properties_for_bounds().get(type_name, ())}
     return tuple(one for one in LevelledProperty if one.value in names)
 

@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from smarttestudo.domain.rate import Tier
-from smarttestudo.optimizer.model import Ask, Model
+from smarttestudo.optimizer.model import Model, Requirement
 from smarttestudo.optimizer.problem import Allocation, Budget, Solver, fits
 
 _LEVELS = 5
@@ -77,12 +77,12 @@ STEPS_PER_HZ = 1000
 
 
 def best_rates(
-    model: Model, asks: Sequence[Ask], budget_kb_per_s: float, solver: Solver
+    model: Model, requirements: Sequence[Requirement], budget_kb_per_s: float, solver: Solver
 ) -> Allocation | None:
-    """The best rates in Hz under ``model``, not yet rounded; ``None`` where the asks do not fit together."""
+    """The best rates in Hz under ``model``, not yet rounded; ``None`` where they do not fit together."""
     if model is Model.MAXMIN:
-        return level_out([_ladder(ask) for ask in asks], budget_kb_per_s)
-    demands = [ask.demand(model) for ask in asks]
+        return level_out([_ladder(requirement) for requirement in requirements], budget_kb_per_s)
+    demands = [requirement.demand(model) for requirement in requirements]
     return solver.allocate(demands, [Budget(limit_kb_per_s=budget_kb_per_s)])
 
 
@@ -99,13 +99,13 @@ def round_down(rate_hz: float) -> float:
     return whole / STEPS_PER_HZ
 
 
-def _ladder(ask: Ask) -> Ladder:
-    least_hz, most_hz = ask.bounds_hz(Model.MAXMIN)
+def _ladder(requirement: Requirement) -> Ladder:
+    least_hz, most_hz = requirement.bounds_hz(Model.MAXMIN)
     # A topic with a written rate stands on one rung, whatever its tiers.
-    tiers_hz = ask.needs.tiers_hz if isinstance(ask.wanted, Tier) else (least_hz,) * len(Tier)
+    tiers_hz = requirement.needs.tiers_hz if isinstance(requirement.wanted, Tier) else (least_hz,) * len(Tier)
     return Ladder(
-        topic=ask.needs.name,
-        size_kb=ask.needs.size_kb,
+        topic=requirement.needs.name,
+        size_kb=requirement.needs.size_kb,
         least_hz=least_hz,
         most_hz=most_hz,
         tiers_hz=tiers_hz,

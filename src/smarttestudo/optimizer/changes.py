@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What to ask less of, where not everything fits: the smallest changes, ranked."""
+"""The smallest changes that make everything fit, ranked."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from typing import Protocol
 
 from smarttestudo.domain.rate import Tier
 from smarttestudo.optimizer.allocation import round_down
-from smarttestudo.optimizer.model import Ask, BoundNeeds, Model
-from smarttestudo.optimizer.rule_rates import SolvedPart
+from smarttestudo.optimizer.model import BoundNeeds, Model, Requirement
+from smarttestudo.optimizer.rule_rates import SolvedSubproblem
 
 CHANGES_SHOWN = 3
 _NUMBER_STEPS = 5
@@ -50,14 +50,14 @@ class ChangeFinder(Protocol):
 
 
 def smallest_changes(
-    solved: SolvedPart, budget_kb_per_s: float, *, model: Model, finder: ChangeFinder
+    solved: SolvedSubproblem, budget_kb_per_s: float, *, model: Model, finder: ChangeFinder
 ) -> list[Change]:
-    """The smallest changes of what one part asks for that make it fit, best first; none where none do."""
+    """The smallest changes of requirements that make one subproblem fit, best first; none where none do."""
     excess = solved.needs_kb_per_s - budget_kb_per_s
     reductions = [
         reduction
-        for topic in sorted(solved.part.asks)
-        for reduction in _reductions(solved.part.asks[topic], excess, model)
+        for topic in sorted(solved.subproblem.requirements)
+        for reduction in _reductions(solved.subproblem.requirements[topic], excess, model)
     ]
     return [
         Change(
@@ -68,17 +68,17 @@ def smallest_changes(
     ]
 
 
-def _reductions(ask: Ask, excess_kb_per_s: float, model: Model) -> Iterator[Reduction]:
-    """The ways to ask less of one topic that save anything, the smallest first; a written bound has none."""
-    if isinstance(ask.needs, BoundNeeds) and not isinstance(ask.wanted, Tier):
+def _reductions(requirement: Requirement, excess_kb_per_s: float, model: Model) -> Iterator[Reduction]:
+    """Lower requirements of one topic that save anything, the smallest first; none of a written bound."""
+    if isinstance(requirement.needs, BoundNeeds) and not isinstance(requirement.wanted, Tier):
         return
-    size_kb = ask.needs.size_kb
-    asked_hz = ask.bounds_hz(model)[0]
-    for steps, wanted in enumerate(_lower(ask.wanted, excess_kb_per_s / size_kb), start=1):
-        lower_hz = Ask(needs=ask.needs, wanted=wanted).bounds_hz(model)[0]
-        if ask.needs.floor_hz <= lower_hz < asked_hz:
+    size_kb = requirement.needs.size_kb
+    asked_hz = requirement.bounds_hz(model)[0]
+    for steps, wanted in enumerate(_lower(requirement.wanted, excess_kb_per_s / size_kb), start=1):
+        lower_hz = Requirement(needs=requirement.needs, wanted=wanted).bounds_hz(model)[0]
+        if requirement.needs.floor_hz <= lower_hz < asked_hz:
             saved = size_kb * (asked_hz - lower_hz)
-            yield Reduction(topic=ask.needs.name, wanted=wanted, steps=steps, saved_kb_per_s=saved)
+            yield Reduction(topic=requirement.needs.name, wanted=wanted, steps=steps, saved_kb_per_s=saved)
 
 
 def _lower(wanted: Tier | float, excess_hz: float) -> Iterator[Tier | float]:

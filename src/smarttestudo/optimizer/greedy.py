@@ -68,7 +68,7 @@ def fill(rates_hz: list[float], segments: list[Segment], left_kb_per_s: float) -
 
 
 def _gain(demand: Demand, rate_hz: float) -> float:
-    """What ``rate_hz`` is worth above the lowest rate."""
+    """The worth of ``rate_hz`` above the lowest rate."""
     gain, above_hz = 0.0, rate_hz - demand.least_hz
     for piece in demand.pieces:
         gain += piece.gain_per_hz * min(piece.width_hz, above_hz)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What is said of a part that does not fit."""
+"""Messages about a subproblem that does not fit."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 from smarttestudo.domain.finding import Finding, Severity
 from smarttestudo.optimizer.changes import Change
-from smarttestudo.optimizer.model import Ask, Model
-from smarttestudo.optimizer.rule_rates import SolvedPart
+from smarttestudo.optimizer.model import Model, Requirement
+from smarttestudo.optimizer.rule_rates import SolvedSubproblem
 from smarttestudo.optimizer.wording import kb_text, listed, wanted_text
 
 CODE = "infeasible"
@@ -19,9 +19,9 @@ _TOPICS_NAMED = 4
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Infeasibility:
-    """A part that does not fit: what it lacks, in a sentence, and what would do, in sentences."""
+    """A subproblem that does not fit: what it lacks, in a sentence, and what would do, in sentences."""
 
-    solved: SolvedPart
+    solved: SolvedSubproblem
     changes: Sequence[Change]
     message: str
     remedies: tuple[str, ...]
@@ -32,20 +32,22 @@ class Infeasibility:
             code=CODE,
             severity=Severity.ERROR,
             message=self.message,
-            path=self.solved.part.path,
-            span=self.solved.part.span,
+            path=self.solved.subproblem.path,
+            span=self.solved.subproblem.span,
             hint="; ".join(self.remedies),
         )
 
 
 def infeasibility(
-    solved: SolvedPart, budget_kb_per_s: float, changes: Sequence[Change] | None, *, model: Model
+    solved: SolvedSubproblem, budget_kb_per_s: float, changes: Sequence[Change] | None, *, model: Model
 ) -> Infeasibility:
-    """What to say of ``solved``, which does not fit, and of the ``changes`` that would make it fit.
+    """The words on ``solved``, which does not fit, and on the ``changes`` that would make it fit.
 
     ``changes`` are ``None`` where they were not looked for.
     """
-    name = f'"{solved.part.label}" needs' if solved.part.label is not None else "the defaults need"
+    name = (
+        f'"{solved.subproblem.label}" needs' if solved.subproblem.label is not None else "the defaults need"
+    )
     over = solved.needs_kb_per_s - budget_kb_per_s
     message = (
         f"{name} at least {kb_text(solved.needs_kb_per_s)} KB/s, {kb_text(over)} more than the budget of "
@@ -58,12 +60,15 @@ def infeasibility(
     return Infeasibility(solved=solved, changes=changes or (), message=message, remedies=tuple(remedies))
 
 
-def _takers(solved: SolvedPart, model: Model) -> str:
-    """What takes how much, the largest first."""
-    takes = {topic: _least_kb_per_s(ask, model) for topic, ask in solved.part.asks.items()}
+def _takers(solved: SolvedSubproblem, model: Model) -> str:
+    """The KB/s that each topic takes, the largest first."""
+    takes = {
+        topic: _least_kb_per_s(requirement, model)
+        for topic, requirement in solved.subproblem.requirements.items()
+    }
     named = sorted((topic for topic in takes if takes[topic] > 0), key=lambda topic: (-takes[topic], topic))
     parts = [
-        f"{topic} {wanted_text(solved.part.asks[topic].wanted)} takes {kb_text(takes[topic])}"
+        f"{topic} {wanted_text(solved.subproblem.requirements[topic].wanted)} takes {kb_text(takes[topic])}"
         for topic in named[:_TOPICS_NAMED]
     ]
     unnamed = sum(takes[topic] for topic in named[_TOPICS_NAMED:])
@@ -74,8 +79,8 @@ def _takers(solved: SolvedPart, model: Model) -> str:
     return listed(parts) if parts else "nothing is asked for"
 
 
-def _least_kb_per_s(ask: Ask, model: Model) -> float:
-    return ask.needs.size_kb * ask.bounds_hz(model)[0]
+def _least_kb_per_s(requirement: Requirement, model: Model) -> float:
+    return requirement.needs.size_kb * requirement.bounds_hz(model)[0]
 
 
 def change_text(change: Change, *, named: int | None = None) -> str:

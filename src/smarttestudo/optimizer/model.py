@@ -18,7 +18,7 @@ from smarttestudo.optimizer.quality import envelope_pieces, interval_hz
 
 
 class Model(Enum):
-    """What OBI maximises; the value is its name on the command line.
+    """The goal that OBI maximises; the value is its name on the command line.
 
     The first three are those of the thesis (Riccardi 2025): the sum of all rates within the intervals of the
     levels (quper) or within [min_hz, max_hz] (budget), and that sum weighted by priority. ``benefit`` sums
@@ -43,7 +43,7 @@ class MissingEntryError(ProfileError):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TopicNeeds:
-    """What the optimizer knows of one topic: its profile, and the floor of KeepAtLeast and min_hz in Hz.
+    """The optimizer's knowledge of one topic: its profile, and the floor of KeepAtLeast and min_hz in Hz.
 
     Asking for an entry that the profile lacks raises ``MissingEntryError``.
     """
@@ -55,7 +55,7 @@ class TopicNeeds:
 
     @property
     def name(self) -> str:
-        """What messages and tables call it."""
+        """Its name in messages and tables."""
         return self.topic
 
     @property
@@ -113,7 +113,7 @@ class TopicNeeds:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BoundNeeds:
-    """What the optimizer knows of a bound of one property: its levels, as the rates that they need.
+    """The optimizer's knowledge of a bound of one property: its levels, as the rates that they need.
 
     ``limit_hz`` is the topic's ceiling, which no bound costs more than.
     """
@@ -155,12 +155,12 @@ class BoundNeeds:
 
     @property
     def floor_hz(self) -> float:
-        """What α0 needs, or the topic's floor: no bound is looser than that of Unacceptable."""
+        """The rate that α0 needs, or the topic's floor: no bound is looser than that of Unacceptable."""
         return min(max(self.of_topic.floor_hz, self.tiers_hz[0]), self.limit_hz)
 
     @property
     def most_hz(self) -> float:
-        """What α5 needs: nothing is known of tighter bounds."""
+        """The rate that α5 needs: nothing is known of tighter bounds."""
         return max(self.tiers_hz[-1], self.floor_hz)
 
     @property
@@ -183,7 +183,7 @@ Needs = TopicNeeds | BoundNeeds
 
 
 def needs_of(topic: str, profile: Profile, *, keep_at_least_hz: float = 0.0) -> TopicNeeds:
-    """What ``profile`` says of ``topic``; ``MissingEntryError`` where it does not know the topic."""
+    """The entry of ``profile`` on ``topic``; ``MissingEntryError`` where it does not know the topic."""
     entry = profile.topics.get(topic)
     if entry is None:
         raise MissingEntryError(
@@ -234,8 +234,8 @@ def bounds_hz(model: Model, needs: Needs, tier: Tier) -> tuple[float, float]:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Ask:
-    """What a rule file asks for a topic, or a bound of it: a quality level, or a rate in Hz that is fixed."""
+class Requirement:
+    """The need of a rule file for a topic or a bound of it: a quality level, or a fixed rate in Hz."""
 
     needs: Needs
     wanted: Tier | float
@@ -253,7 +253,7 @@ class Ask:
         return None
 
     def demand(self, model: Model) -> Demand:
-        """The ask in the terms of a solver; maxmin has no worths that add up, so no pieces."""
+        """The requirement in the terms of a solver; maxmin has no worths that add up, so no pieces."""
         least_hz, most_hz = self.bounds_hz(model)
         pieces = _pieces(model, self.needs, least_hz, most_hz) if most_hz > least_hz else ()
         return Demand(topic=self.needs.name, size_kb=self.needs.size_kb, least_hz=least_hz, pieces=pieces)

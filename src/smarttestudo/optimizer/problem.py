@@ -22,7 +22,7 @@ class Piece:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Demand:
-    """What one topic asks for: at least ``least_hz``, and what more is worth.
+    """The demand of one topic: at least ``least_hz``, and what more is worth.
 
     ``pieces`` follow each other from ``least_hz`` up to the highest rate that may be given; their gain never
     rises (a concave worth). ``size_kb`` is the mean message size in KB.
@@ -40,7 +40,7 @@ class Demand:
 
     @property
     def least_kb_per_s(self) -> float:
-        """What the topic takes at its lowest rate."""
+        """The KB/s that the topic takes at its lowest rate."""
         return self.size_kb * self.least_hz
 
 

@@ -11,7 +11,7 @@ from itertools import accumulate
 from smarttestudo.domain.source import Span
 from smarttestudo.language.formatter import number_text
 from smarttestudo.language.syntax import RuleFile, SetFrequency, tiers_in
-from smarttestudo.optimizer.rule_asks import StatementKey
+from smarttestudo.optimizer.requirements import StatementKey
 from smarttestudo.optimizer.rule_rates import Optimization
 from smarttestudo.optimizer.wording import hz_text
 

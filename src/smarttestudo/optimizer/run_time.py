@@ -18,7 +18,7 @@ LOWEST_USE = 0.9
 
 @dataclass(slots=True)
 class TopicRequest:
-    """What one topic would take: the rate that the rules ask for, and what was measured.
+    """The load of one topic: the rate that the rules ask for, and what was measured.
 
     ``requested_hz`` is infinite for Full. No cut goes below ``floor_hz``. ``source_hz`` is the source's rate,
     beyond which a request costs nothing; ``size_kb`` the mean message size in KB.

@@ -74,6 +74,6 @@ def _least_factor(entry: TopicProfile, within: Within, rate_hz: float) -> float:
 
 
 def _factor(bound: float, wider: float) -> float:
-    """What brings ``bound`` to ``wider``, and not to less by float noise: that may need infinitely more."""
+    """The factor from ``bound`` to ``wider``, or no less by float noise: that may need infinitely more."""
     factor = wider / bound
     return factor if factor * bound >= wider else math.nextafter(factor, math.inf)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""How the optimizer's answers spell numbers and asks."""
+"""Numbers and requirements in the words of the optimizer's answers."""
 
 from __future__ import annotations
 

@@ -34,14 +34,14 @@ from smarttestudo.optimizer.joint.repair import Setting
 from smarttestudo.optimizer.problem import fits
 from smarttestudo.optimizer.rule_rates import budget_of
 from smarttestudo.optimizer.wording import hz_text, kb_text
-from smarttestudo.rules.optimize import infeasible_parts, lowered_where_too_much
+from smarttestudo.rules.optimize import infeasible_subproblems, lowered_where_too_much
 from smarttestudo.rules.rule_sets import has_tiers, optimize_tiers
 
 _MISSING_NAMED = 3
 
 
 def all_findings(results: Sequence[ParseResult], context: CheckContext) -> list[Finding]:
-    """Findings of the checker on files that were read, and where they have no errors, on the budget."""
+    """The findings on files that were read, and where they have no errors, on the budget."""
     findings = check_rules(results, context)
     has_error = any(finding.severity is Severity.ERROR for finding in findings)
     if results and context.profile is not None and context.has_all_files and not has_error:
@@ -68,7 +68,7 @@ def budget_findings(
         except ProfileError as error:
             return [reporter.incomplete(error)]
         if not done.feasible:
-            return [one.finding() for one in infeasible_parts(done)]
+            return [one.finding() for one in infeasible_subproblems(done)]
         tiers = done
     rule_set = compile_rules(files, resolve, tiers).over_states()
     loads = loads_of(rule_set, profile)

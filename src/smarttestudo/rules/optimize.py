@@ -18,15 +18,21 @@ from smarttestudo.language.parser import parse
 from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.language.syntax import RuleFile
 from smarttestudo.optimizer.changes import Change, smallest_changes
-from smarttestudo.optimizer.explanation import PartExplanation, explain_part
+from smarttestudo.optimizer.explanation import SubproblemExplanation, explain_subproblem
 from smarttestudo.optimizer.greedy import GreedySolver
 from smarttestudo.optimizer.infeasibility import Infeasibility, infeasibility
 from smarttestudo.optimizer.joint.check import JointCheck, Loads
 from smarttestudo.optimizer.joint.repair import Setting, lowered_rates
-from smarttestudo.optimizer.model import Ask, Model
+from smarttestudo.optimizer.model import Model, Requirement
+from smarttestudo.optimizer.requirements import TopicsWithoutDefault
 from smarttestudo.optimizer.rewriting import rewrite
-from smarttestudo.optimizer.rule_asks import Undecided
-from smarttestudo.optimizer.rule_rates import Optimization, SolvedPart, budget_of, optimize_rules, solve_part
+from smarttestudo.optimizer.rule_rates import (
+    Optimization,
+    SolvedSubproblem,
+    budget_of,
+    optimize_rules,
+    solve_subproblem,
+)
 from smarttestudo.optimizer.wording import kb_text
 from smarttestudo.rules.profile_file import load_profile
 from smarttestudo.rules.rule_files import read_rule_text, sha256_of
@@ -50,20 +56,20 @@ class OptimizeOutcome:
     infeasible: tuple[Infeasibility, ...]
     rewritten: str | None
 
-    def explained(self) -> list[tuple[SolvedPart, PartExplanation]]:
-        """Every part that fits, with its explanation."""
+    def explained(self) -> list[tuple[SolvedSubproblem, SubproblemExplanation]]:
+        """Every subproblem that fits, with its explanation."""
         done = self.optimization
         return [
             (
                 solved,
-                explain_part(
+                explain_subproblem(
                     solved,
                     done.budget_kb_per_s,
                     model=done.model,
                     solve_again=partial(_solve_again, solved, done),
                 ),
             )
-            for solved in done.parts
+            for solved in done.subproblems
             if solved.feasible
         ]
 
@@ -119,7 +125,7 @@ def optimize_text(
         resolve_topic,
         model=model,
         solver=GreedySolver(),
-        undecided=Undecided.LEFT_OUT if only_named else Undecided.APPENDED,
+        without_default=TopicsWithoutDefault.LEFT_OUT if only_named else TopicsWithoutDefault.APPENDED,
     )
     rewritten = None
     if done.feasible:
@@ -128,26 +134,28 @@ def optimize_text(
             f"profile {Path(profile.path).name} (sha256 {profile_sha256})"
         )
         rewritten = rewrite(rules.text, rules.file, done, provenance=provenance)
-    return OptimizeOutcome(optimization=done, infeasible=infeasible_parts(done), rewritten=rewritten)
+    return OptimizeOutcome(optimization=done, infeasible=infeasible_subproblems(done), rewritten=rewritten)
 
 
 def _solve_again(
-    solved: SolvedPart, done: Optimization, changed: dict[str, Ask], more_kb_per_s: float
-) -> SolvedPart:
-    part = replace(solved.part, asks={**solved.part.asks, **changed})
+    solved: SolvedSubproblem, done: Optimization, changed: dict[str, Requirement], more_kb_per_s: float
+) -> SolvedSubproblem:
+    subproblem = replace(solved.subproblem, requirements={**solved.subproblem.requirements, **changed})
     budget = done.budget_kb_per_s + more_kb_per_s
-    return solve_part(part, solved.others_kb_per_s, budget, model=done.model, solver=GreedySolver())
+    return solve_subproblem(
+        subproblem, solved.others_kb_per_s, budget, model=done.model, solver=GreedySolver()
+    )
 
 
-def infeasible_parts(done: Optimization) -> tuple[Infeasibility, ...]:
-    """Parts that do not fit, each with the smallest changes with which it would.
+def infeasible_subproblems(done: Optimization) -> tuple[Infeasibility, ...]:
+    """The subproblems that do not fit, each with the smallest changes that would.
 
     If the defaults do not fit, they must be changed first, and only they are named.
     """
-    parts = done.blocks if done.defaults.feasible else (done.defaults,)
+    subproblems = done.blocks if done.defaults.feasible else (done.defaults,)
     return tuple(
         infeasibility(solved, done.budget_kb_per_s, _changes(solved, done), model=done.model)
-        for solved in parts
+        for solved in subproblems
         if not solved.feasible
     )
 
@@ -175,7 +183,7 @@ def lowered_where_too_much(
     return lowered or {}
 
 
-def _changes(solved: SolvedPart, done: Optimization) -> list[Change] | None:
+def _changes(solved: SolvedSubproblem, done: Optimization) -> list[Change] | None:
     # A robot has no HiGHS; that something does not fit, and by how much, is known without it.
     try:
         from smarttestudo.optimizer.solver.highs_solver import HighsChangeFinder  # noqa: PLC0415

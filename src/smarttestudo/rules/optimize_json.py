@@ -6,9 +6,9 @@ from __future__ import annotations
 
 from smarttestudo.domain.rate import Tier
 from smarttestudo.optimizer.changes import Change
-from smarttestudo.optimizer.explanation import PartExplanation, TopicRow
+from smarttestudo.optimizer.explanation import SubproblemExplanation, TopicRow
 from smarttestudo.optimizer.infeasibility import Infeasibility
-from smarttestudo.optimizer.rule_rates import SolvedPart
+from smarttestudo.optimizer.rule_rates import SolvedSubproblem
 from smarttestudo.rules.optimize import OptimizeOutcome
 
 _DECIMALS = 6
@@ -20,7 +20,7 @@ def optimize_json(outcome: OptimizeOutcome) -> dict[str, object]:
     explained = {id(solved): explanation for solved, explanation in outcome.explained()}
     refused = {id(one.solved): one for one in outcome.infeasible}
     defaults, *blocks = (
-        _part(solved, explained.get(id(solved)), refused.get(id(solved))) for solved in done.parts
+        _subproblem(solved, explained.get(id(solved)), refused.get(id(solved))) for solved in done.subproblems
     )
     return {
         "model": done.model.value,
@@ -30,14 +30,14 @@ def optimize_json(outcome: OptimizeOutcome) -> dict[str, object]:
         "appended": list(done.appended),
         "defaults_part": defaults,
         "blocks": [
-            {"rule": solved.part.label, "line": solved.part.span.line, **block}
+            {"rule": solved.subproblem.label, "line": solved.subproblem.span.line, **block}
             for solved, block in zip(done.blocks, blocks, strict=True)
         ],
     }
 
 
-def _part(
-    solved: SolvedPart, explanation: PartExplanation | None, refused: Infeasibility | None
+def _subproblem(
+    solved: SolvedSubproblem, explanation: SubproblemExplanation | None, refused: Infeasibility | None
 ) -> dict[str, object]:
     record: dict[str, object] = {
         "rates": None if solved.rates_hz is None else solved.topic_rates_hz,

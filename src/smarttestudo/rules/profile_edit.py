@@ -15,7 +15,7 @@ from smarttestudo.domain.errors import ProfileError
 from smarttestudo.files.toml_text import KeyPath, parse_toml
 
 Value = str | float | Sequence[float] | None
-"""What a key is set to; ``None`` takes it out."""
+"""The new value of a key; ``None`` takes it out."""
 
 _Body = list[tuple[Key | None, Item]]
 _TOPICS = "topics"
@@ -79,7 +79,7 @@ class _Entry(NamedTuple):
 
     @property
     def item(self) -> Item:
-        """Item at this place."""
+        """The value that stands there."""
         return self.body[self.at][1]
 
     def replace(self, item: Item) -> None:

@@ -22,7 +22,7 @@ from smarttestudo.language.syntax import RuleFile, tiers_in
 from smarttestudo.optimizer.greedy import GreedySolver
 from smarttestudo.optimizer.infeasibility import infeasibility
 from smarttestudo.optimizer.model import Model
-from smarttestudo.optimizer.rule_asks import Undecided
+from smarttestudo.optimizer.requirements import TopicsWithoutDefault
 from smarttestudo.optimizer.rule_rates import Optimization, optimize_rules
 from smarttestudo.rules.rule_files import find_rule_files, read_rule_text
 
@@ -38,7 +38,12 @@ def optimize_tiers(files: Sequence[RuleFile], profile: Profile, resolve: Resolve
     Topics of the profile that the files do not name count, too, as far as the profile has what that needs.
     """
     return optimize_rules(
-        files, profile, resolve, model=Model.QUPER, solver=GreedySolver(), undecided=Undecided.COUNTED
+        files,
+        profile,
+        resolve,
+        model=Model.QUPER,
+        solver=GreedySolver(),
+        without_default=TopicsWithoutDefault.COUNTED,
     )
 
 
@@ -50,12 +55,12 @@ def tier_values_for(files: Sequence[RuleFile], profile: Profile | None, resolve:
     if profile is None or not has_tiers(files):
         return RefusedTiers()
     done = optimize_tiers(files, profile, resolve)
-    for part in done.parts:
-        if not part.feasible:
-            refused = infeasibility(part, done.budget_kb_per_s, None, model=done.model)
+    for solved in done.subproblems:
+        if not solved.feasible:
+            refused = infeasibility(solved, done.budget_kb_per_s, None, model=done.model)
             raise RuleFileError(
                 refused.message,
-                place=part.part.place,
+                place=solved.subproblem.place,
                 remedy="testudo optimize says which changes would fit",
             )
     return done
@@ -63,7 +68,7 @@ def tier_values_for(files: Sequence[RuleFile], profile: Profile | None, resolve:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LoadedRules:
-    """Findings on rule files, and the rules that they form together; ``texts`` are the files by path.
+    """Rule files with their findings and what they mean together; ``texts`` are the files by path.
 
     ``rule_set`` is empty where a finding is an error.
     """

@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 
 from smarttestudo.domain.profile import LevelUnit
 from smarttestudo.language.properties import (
+    conventional_types,
     is_field_path,
     property_spec,
-    usual_types,
     value_reader,
 )
 
@@ -74,10 +74,10 @@ def test_a_pose_gives_position_and_heading(type_name: str) -> None:
         ("/wheel_odom", ()),
     ],
 )
-def test_topics_of_the_usual_names_have_usual_types_in_any_namespace(
+def test_topics_of_the_usual_names_have_conventional_types_in_any_namespace(
     topic: str, types: tuple[str, ...]
 ) -> None:
-    assert usual_types(topic) == types
+    assert conventional_types(topic) == types
 
 
 @given(st.floats(-20, 20))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the conditions of all blocks mean beside each other."""
+"""The conditions of all blocks beside each other."""
 
 from smarttestudo.checks.analysis.interval_analysis import analyse, wins_over
 from smarttestudo.checks.analysis.results import (

@@ -8,7 +8,6 @@ import itertools
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from smarttestudo.checks.written import Branch
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.signal import Signal
 from smarttestudo.language.boxes import (
@@ -23,8 +22,9 @@ from smarttestudo.language.boxes import (
     hull_of,
 )
 from smarttestudo.language.boxes.index import Interval
-from smarttestudo.language.normal_form import Every, Form, Within
+from smarttestudo.language.normal_form import Every, Form, InRegion
 from smarttestudo.language.region import Region
+from smarttestudo.language.resolved_rules import Branch
 
 MAX_BOXES = 64
 
@@ -66,7 +66,7 @@ def _box_around(form: Form, domain: Domain) -> Box:
     parts = form.parts if isinstance(form, Every) else (form,)
     around: dict[Signal, Region] = {}
     for part in parts:
-        if isinstance(part, Within):
+        if isinstance(part, InRegion):
             region = around.get(part.signal, domain(part.signal)).intersection(part.region)
             around[part.signal] = region
     return {signal: region for signal, region in around.items() if not region.is_empty}
@@ -84,11 +84,11 @@ class TopicBranches:
 
 
 class BranchIndex:
-    """The boxes_by_block of all branches; topics that are set by the same branches share a near."""
+    """The boxes of all branches; topics that are set by the same branches share one index."""
 
-    def __init__(self, branches: Sequence[Branch], boxes_by_block: Mapping[int, ConditionBoxes]) -> None:
-        self._branches = branches
-        self._boxes = boxes_by_block
+    def __init__(self, branches: Sequence[Branch], boxes_by_branch: Mapping[int, ConditionBoxes]) -> None:
+        self._branches = {branch.order: branch for branch in branches}
+        self._boxes = boxes_by_branch
         setters: dict[str, list[int]] = {}
         for branch in branches:
             for topic in branch.settings:
@@ -106,7 +106,7 @@ class BranchIndex:
         return self._boxes[branch.order]
 
     def topic_branches(self, branch: Branch) -> tuple[TopicBranches, ...]:
-        """Those of the topics that ``branch`` sets."""
+        """The branches that set the topics of ``branch``, once for topics that are set alike."""
         found = {id(one): one for one in (self._by_topic[topic] for topic in branch.settings)}
         return tuple(found.values())
 

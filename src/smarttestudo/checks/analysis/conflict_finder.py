@@ -8,7 +8,6 @@ from collections.abc import Callable, Iterable, Iterator
 
 from smarttestudo.checks.analysis.branch_index import BranchIndex
 from smarttestudo.checks.analysis.results import Clash, SharedBorder, State
-from smarttestudo.checks.written import Branch
 from smarttestudo.domain.signal import Signal
 from smarttestudo.language.boxes import (
     Border,
@@ -20,25 +19,26 @@ from smarttestudo.language.boxes import (
     find_box,
 )
 from smarttestudo.language.normal_form import is_derived
+from smarttestudo.language.resolved_rules import Branch
 
 
 class ConflictFinder:
-    """Finds what a branch has to do with the branches before it in the file.
+    """Finder of conflicts of a branch with the branches before it in the file.
 
-    ``wavers`` says of a signal whether it is noisy at a border. What is found is found when it is asked for,
-    and ``TooComplexError`` is raised when ``effort`` is spent.
+    ``is_noisy`` is whether a signal goes back and forth across a border. A conflict is searched for when it
+    is asked for; ``TooComplexError`` is raised when ``effort`` is spent.
     """
 
     def __init__(
-        self, index: BranchIndex, *, domain: Domain, wavers: Callable[[Signal], bool], effort: Effort
+        self, index: BranchIndex, *, domain: Domain, is_noisy: Callable[[Signal], bool], effort: Effort
     ) -> None:
         self._index = index
         self._domain = domain
-        self._wavers = wavers
+        self._is_noisy = is_noisy
         self._effort = effort
 
     def of(self, branch: Branch) -> Iterator[Clash | SharedBorder]:
-        """The clashes of ``branch``; where it has none, its shared_borders."""
+        """The clashes of ``branch``; where it has none, its shared borders."""
         settled: set[int] = set()
         borders: dict[int, tuple[Branch, Border]] = {}
         has_clash = False
@@ -57,7 +57,7 @@ class ConflictFinder:
             yield from self._shared_borders(borders.values(), branch)
 
     def _pairs(self, branch: Branch) -> Iterator[tuple[Branch, Box, Box]]:
-        """Each branch before this one that sets other rates, with a box of its own near one of this one's."""
+        """The branches before this one that set other rates, each with a box of its own near one of these."""
         boxes = self._index.boxes(branch)
         for near in self._index.topic_branches(branch):
             for box, hull in zip(boxes.boxes, boxes.hulls, strict=True):
@@ -78,7 +78,7 @@ class ConflictFinder:
         if not self._index.boxes(other).is_exact or any(map(is_derived, {*other_box, *box})):
             return None
         border = border_between(other_box, box)
-        return border if border is not None and self._wavers(border.signal) else None
+        return border if border is not None and self._is_noisy(border.signal) else None
 
     def _shared_borders(
         self, borders: Iterable[tuple[Branch, Border]], branch: Branch

@@ -10,11 +10,11 @@ from functools import cache
 
 from smarttestudo.checks.analysis.branch_index import BranchIndex
 from smarttestudo.checks.analysis.results import State
-from smarttestudo.checks.written import Branch
 from smarttestudo.domain.signal import Signal
 from smarttestudo.language.boxes import Box, Domain, Effort, TooComplexError, find_box
 from smarttestudo.language.boxes.index import Interval
 from smarttestudo.language.normal_form import holds, negation
+from smarttestudo.language.resolved_rules import Branch
 
 MAX_BRANCHES_EXCLUDED = 100
 MAX_BRANCHES_THINNED_OUT = 10
@@ -41,7 +41,11 @@ class Covers:
         self._usual_value = cache(lambda signal: domain(signal).sample())
 
     def of(
-        self, covered: Branch | None, topic: str, is_counted: Callable[[Branch], bool], effort: Effort
+        self,
+        covered: Branch | None,
+        topic: str,
+        is_counted: Callable[[Branch], bool],
+        effort: Effort,
     ) -> Coverage:
         """Whether wherever ``covered`` applies some counted branch applies that sets ``topic``.
 
@@ -65,7 +69,7 @@ class Covers:
     def _needed(
         self, covering: Sequence[Branch], covered: Branch | None, effort: Effort
     ) -> tuple[Branch, ...]:
-        """Those of few ``covering`` branches that cover by themselves."""
+        """The branches among few ``covering`` ones that cover by themselves."""
         needed = list(covering)
         if len(covering) <= MAX_BRANCHES_THINNED_OUT:
             for branch in covering:

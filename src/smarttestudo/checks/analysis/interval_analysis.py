@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The interval analysis of a rule book, bounded in time and memory."""
+"""The interval analysis of a rule set, bounded in time and memory."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from smarttestudo.checks.analysis.cover import Covers
 from smarttestudo.checks.analysis.redundant_rates import redundant_rates
 from smarttestudo.checks.analysis.results import Analysis, Clash, Gap, Shadow, SharedBorder
 from smarttestudo.checks.context import CheckContext
-from smarttestudo.checks.written import BlockSite, Branch, WrittenRate
 from smarttestudo.domain.signal import Signal, Truth
 from smarttestudo.language.boxes import Domain, Effort, TooComplexError, find_box
 from smarttestudo.language.normal_form import Form, negation
+from smarttestudo.language.resolved_rules import Branch, ResolvedBlock, ResolvedFloor, ResolvedRate
 
 _T = TypeVar("_T")
 
@@ -28,25 +28,25 @@ MAX_CLASHES_SHOWN = 3
 
 
 def analyse(
-    blocks: Sequence[BlockSite],
+    blocks: Sequence[ResolvedBlock],
     branches: Sequence[Branch],
-    defaults: Mapping[str, WrittenRate],
-    floors: Mapping[str, WrittenRate],
+    defaults: Mapping[str, ResolvedRate],
+    floors: Mapping[str, ResolvedFloor],
     context: CheckContext,
 ) -> Analysis:
-    """What the conditions of ``blocks`` mean; ``defaults`` and ``floors`` are by topic.
+    """The analysis of the conditions of ``blocks``; ``defaults`` and ``floors`` are by topic.
 
-    Of each branch the first clashes with branches before it are found, or else the first shared.
+    Of each branch the first clashes with branches before it are found, or else the first shared border.
     """
-    analyst = _Analyst(blocks, domain=cache(context.domain), wavers=cache(context.wavers))
+    analyst = _Analyst(blocks, domain=cache(context.domain), is_noisy=cache(context.is_noisy))
     where_true = {block.order: analyst.boxes(block.form) for block in blocks}
     truths = {block.order: analyst.truth(block, where_true[block.order]) for block in blocks}
-    boxes_by_block = {
+    boxes_by_branch = {
         branch.order: analyst.boxes(branch.form) if branch.is_else else where_true[branch.block.order]
         for branch in branches
     }
-    possible = [branch for branch in branches if boxes_by_block[branch.order].boxes]
-    index = BranchIndex(branches, boxes_by_block)
+    possible = [branch for branch in branches if boxes_by_branch[branch.order].boxes]
+    index = BranchIndex(branches, boxes_by_branch)
     covers = Covers(index, analyst.domain)
     without_default = {topic for branch in branches for topic in branch.settings}.difference(defaults)
     gaps = (analyst.gap(topic, covers) for topic in sorted(without_default))
@@ -69,19 +69,19 @@ class _Analyst:
     """Asks one question at a time, and notes the blocks about which one was given up."""
 
     def __init__(
-        self, blocks: Sequence[BlockSite], *, domain: Domain, wavers: Callable[[Signal], bool]
+        self, blocks: Sequence[ResolvedBlock], *, domain: Domain, is_noisy: Callable[[Signal], bool]
     ) -> None:
         self._blocks = blocks
         self.domain = domain
-        self._wavers = wavers
+        self._is_noisy = is_noisy
         self._effort = Effort(LOOKS_IN_ALL)
         self._unfinished: set[int] = set()
 
     @property
-    def unfinished(self) -> tuple[BlockSite, ...]:
+    def unfinished(self) -> tuple[ResolvedBlock, ...]:
         return tuple(self._blocks[order] for order in sorted(self._unfinished))
 
-    def truth(self, block: BlockSite, where_true: ConditionBoxes) -> Truth:
+    def truth(self, block: ResolvedBlock, where_true: ConditionBoxes) -> Truth:
         if where_true.is_exact and not where_true.boxes:
             return Truth.FALSE
         try:
@@ -96,7 +96,9 @@ class _Analyst:
         return boxes_of(form, self.domain, self._question())
 
     def conflicts(self, branch: Branch, index: BranchIndex) -> Iterator[Clash | SharedBorder]:
-        conflicts = ConflictFinder(index, domain=self.domain, wavers=self._wavers, effort=self._question())
+        conflicts = ConflictFinder(
+            index, domain=self.domain, is_noisy=self._is_noisy, effort=self._question()
+        )
         for count, found in enumerate(self._until_too_complex(branch, conflicts.of(branch)), start=1):
             yield found
             if isinstance(found, SharedBorder) or count == MAX_CLASHES_SHOWN:
@@ -112,7 +114,7 @@ class _Analyst:
             return Gap(topic=topic, state=None)
         return None if cover.gap is None else Gap(topic=topic, state=dict(sorted(cover.gap.items())))
 
-    def _is_everywhere(self, where_true: ConditionBoxes, block: BlockSite) -> bool:
+    def _is_everywhere(self, where_true: ConditionBoxes, block: ResolvedBlock) -> bool:
         if where_true.is_exact and len(where_true.boxes) == 1:
             return all(
                 self.domain(signal).is_within(region) for signal, region in where_true.boxes[0].items()

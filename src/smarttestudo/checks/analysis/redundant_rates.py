@@ -7,16 +7,16 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from smarttestudo.checks.analysis.results import RedundantRate
-from smarttestudo.checks.written import Branch, WrittenRate
 from smarttestudo.domain.rate import Rate
 from smarttestudo.language.boxes import Effort, TooComplexError
-from smarttestudo.language.normal_form import Every, Form, Some, Within
+from smarttestudo.language.normal_form import Every, Form, InRegion, Some
+from smarttestudo.language.resolved_rules import Branch, ResolvedFloor, ResolvedRate
 
 
 def redundant_rates(
     branches: Sequence[Branch],
-    defaults: Mapping[str, WrittenRate],
-    floors: Mapping[str, WrittenRate],
+    defaults: Mapping[str, ResolvedRate],
+    floors: Mapping[str, ResolvedFloor],
     effort: Effort,
 ) -> Iterator[RedundantRate]:
     """The rates of ``branches`` that equal their topic's default where no other block can be overruled.
@@ -43,8 +43,8 @@ def redundant_rates(
         return
 
 
-def _floor_hz(floor: WrittenRate | None) -> float:
-    return 0.0 if floor is None or floor.rate is None else floor.rate.hz
+def _floor_hz(floor: ResolvedFloor | None) -> float:
+    return 0.0 if floor is None else floor.rate.hz
 
 
 def _matters_beside(branch: Branch, other: Branch, topic: str, floor_hz: float, effort: Effort) -> bool:
@@ -82,5 +82,5 @@ def excludes(first: Form, second: Form, effort: Effort) -> bool:
     return _are_apart(first, second)
 
 
-def _are_apart(first: Within, second: Within) -> bool:
+def _are_apart(first: InRegion, second: InRegion) -> bool:
     return first.signal == second.signal and first.region.intersection(second.region).is_empty

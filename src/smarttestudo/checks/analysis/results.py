@@ -1,15 +1,15 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the interval analysis finds out."""
+"""The results of the interval analysis."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from smarttestudo.checks.written import BlockSite, Branch, WrittenRate
 from smarttestudo.domain.signal import Signal, Truth
 from smarttestudo.language.boxes import Border
+from smarttestudo.language.resolved_rules import Branch, ResolvedBlock, ResolvedRate
 
 State = Mapping[Signal, float]
 """Values of signals; what is said about a state holds for any values of the other signals."""
@@ -56,8 +56,8 @@ class RedundantRate:
     """A rate that ``branch`` sets and that holds without it as well, because it is the default's."""
 
     branch: Branch
-    setting: WrittenRate
-    default: WrittenRate
+    setting: ResolvedRate
+    default: ResolvedRate
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -75,4 +75,4 @@ class Analysis:
     shadows: tuple[Shadow, ...]
     gaps: tuple[Gap, ...]
     redundant_rates: tuple[RedundantRate, ...]
-    unfinished: tuple[BlockSite, ...]
+    unfinished: tuple[ResolvedBlock, ...]

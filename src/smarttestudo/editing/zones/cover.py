@@ -59,7 +59,7 @@ class Cover:
 
     @property
     def over_cm2(self) -> float:
-        """What they cover beside the polygon."""
+        """The area that they cover beside the polygon."""
         return sum(one.area_cm2 for one in self.rectangles) - self.polygon_cm2
 
 
@@ -130,7 +130,7 @@ def _strips(corners: Sequence[Corner], area: Fraction, most: int, tolerance: flo
 
 
 def _cost(strips: Sequence[_Strip], area: Fraction, tolerance: float) -> tuple[bool, int, Fraction]:
-    """What makes a cover worse: too much area, then the number of rectangles, then area."""
+    """The cost of a cover: too much area, then the number of rectangles, then area."""
     over = sum(map(_area, strips)) - area
     is_loose = over > Fraction(tolerance) * area
     count = sum(len(spans) for _, spans in strips)

@@ -41,7 +41,7 @@ class ZoneRectangle:
         return low_x >= high_x or low_y >= high_y
 
     def common(self, other: ZoneRectangle) -> ZoneRectangle | None:
-        """What lies in both, ``None`` if nothing does."""
+        """The part in both, ``None`` if there is none."""
         mine, theirs = self._ends(), other._ends()
         low_x, low_y = max(mine[0], theirs[0]), max(mine[2], theirs[2])
         high_x, high_y = min(mine[1], theirs[1]), min(mine[3], theirs[3])

@@ -62,7 +62,7 @@ class TooComplexError(Exception):
 
 
 class Effort:
-    """What may still be spent, in looks at one region (about a microsecond each).
+    """The effort left, in looks at one region (about a microsecond each).
 
     Spending goes to ``parent`` as well, so that many questions share a common bound.
     """

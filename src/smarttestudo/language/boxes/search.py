@@ -13,7 +13,7 @@ from collections.abc import Iterable, Iterator
 
 from smarttestudo.domain.signal import Signal, Truth
 from smarttestudo.language.boxes.box import Box, Domain, Effort
-from smarttestudo.language.normal_form import Every, Form, Some, Within, negation
+from smarttestudo.language.normal_form import Every, Form, InRegion, Some, negation
 from smarttestudo.language.region import Region
 
 
@@ -83,7 +83,7 @@ class _Search:
             clauses = undecided
         return clauses
 
-    def _narrow_signal(self, box: dict[Signal, Region], within: Within) -> bool:
+    def _narrow_signal(self, box: dict[Signal, Region], within: InRegion) -> bool:
         region = self._values(box, within.signal).intersection(within.region)
         box[within.signal] = region
         return not region.is_empty
@@ -101,7 +101,7 @@ class _Search:
 
     def _truth(self, box: Box, form: Form) -> Truth:
         """TRUE if ``form`` holds in all of ``box``, FALSE if nowhere in it; UNKNOWN may be either."""
-        if isinstance(form, Within):
+        if isinstance(form, InRegion):
             self._effort.spend(1)
             values = self._values(box, form.signal)
             common = values.intersection(form.region)

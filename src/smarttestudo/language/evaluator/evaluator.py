@@ -17,7 +17,7 @@ from smarttestudo.language.rule_set import RuleBlock, RuleSet
 
 
 class Evaluator:
-    """What a rule set asks for, given the values of its signals; all signals start unknown.
+    """The requests of a rule set, given the values of its signals; all signals start unknown.
 
     A new value costs in proportion to the thresholds it crosses and the blocks it changes, whatever the
     size of the rule set. Time passes with ``advance``; what is remembered of conditions takes two numbers
@@ -40,7 +40,7 @@ class Evaluator:
         ]
         self._changed_topics = set(self._arbiters)
         self._changed_blocks: set[int] = set()
-        self._turned_ns = [start_ns] * len(rule_set.blocks)
+        self._changed_ns = [start_ns] * len(rule_set.blocks)
         self._recording = {block.order for block in rule_set.blocks if block.recordings}
         self.has_recordings = bool(self._recording)
         self._turned_recordings: list[tuple[int, Truth]] = []
@@ -115,10 +115,10 @@ class Evaluator:
         self._propagation.settle()
         return Truth(self._literals[block_order].truth)
 
-    def turned_ns(self, block_order: int) -> int:
+    def changed_ns(self, block_order: int) -> int:
         """Since when the condition of a block is as it is."""
         self._propagation.settle()
-        return self._turned_ns[block_order]
+        return self._changed_ns[block_order]
 
     def window(self, held: HeldTime, duration_ns: int, now_ns: int) -> tuple[Truth, int | None]:
         """Whether ``held`` is at least so long, and how long it is at ``now_ns``.
@@ -132,7 +132,7 @@ class Evaluator:
         return Truth(window.truth), window.held_ns(now_ns)
 
     def latched(self, signal: LastSeen) -> Truth:
-        """What is remembered between the two regions; unknown for one that no condition reads."""
+        """The memory between the two regions; unknown for one that no condition reads."""
         latch = self._graph.latches.get(signal)
         return Truth.UNKNOWN if latch is None else Truth(latch.truth)
 
@@ -141,7 +141,7 @@ class Evaluator:
         return sorted(signals_of(self._blocks[block_order].form))
 
     def values_of(self, block_order: int) -> dict[str, float | None]:
-        """What the condition of a block reads, by signal name; ``None`` is unknown."""
+        """The values that the condition of a block reads, by signal name; ``None`` is unknown."""
         return {str(signal): self._thresholds[signal].value for signal in self.reads(block_order)}
 
     def cuts(self, signal: Signal) -> list[Bound]:
@@ -150,7 +150,7 @@ class Evaluator:
 
     def _block_changed(self, order: int, before: int, after: int) -> None:
         self._changed_blocks.add(order)
-        self._turned_ns[order] = self._propagation.now_ns
+        self._changed_ns[order] = self._propagation.now_ns
         if order in self._recording:
             self._turned_recordings.append((order, Truth(after)))
         for topic, ranking, rank in self._entries[order]:

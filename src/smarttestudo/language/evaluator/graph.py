@@ -24,7 +24,7 @@ from smarttestudo.language.evaluator.literal import (
     Node,
     TimeWindow,
 )
-from smarttestudo.language.normal_form import Form, HeldTime, LastSeen, Some, Within
+from smarttestudo.language.normal_form import Form, HeldTime, InRegion, LastSeen, Some
 from smarttestudo.language.region import Region
 
 
@@ -50,7 +50,7 @@ class Graph:
 
     def literal_of(self, form: Form, *, negated: bool = False) -> Literal:
         """The literal that is as true as ``form``, or as its negation."""
-        if isinstance(form, Within):
+        if isinstance(form, InRegion):
             return self._within(form.signal, form.region.complement() if negated else form.region)
         is_or = isinstance(form, Some)
         conjunction = self._conjunction(form.parts, negated=is_or)
@@ -65,7 +65,7 @@ class Graph:
         regions: dict[Signal, list[Region]] = {}
         nested: dict[Literal, None] = {}
         for part in parts:
-            if isinstance(part, Within) and not isinstance(part.signal, HeldTime | LastSeen):
+            if isinstance(part, InRegion) and not isinstance(part.signal, HeldTime | LastSeen):
                 region = part.region.complement() if negated else part.region
                 regions.setdefault(part.signal, []).append(region)
             else:

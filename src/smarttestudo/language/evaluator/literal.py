@@ -78,7 +78,7 @@ class Leaf(Node):
         return self.region.cuts
 
     def truth_at(self, value: float | None) -> int:
-        """What a value, or an unknown one, makes of it."""
+        """Its truth for a value, or for an unknown one."""
         if value is None:
             return UNKNOWN
         return TRUE if self.region.contains(value) else FALSE
@@ -96,7 +96,7 @@ class Latch(Node):
 
     @property
     def source(self) -> Signal:
-        """What it reads."""
+        """The signal that it reads."""
         return self._signal.source
 
     @property
@@ -105,7 +105,7 @@ class Latch(Node):
         return (*self._signal.on.cuts, *self._signal.off.cuts)
 
     def truth_at(self, value: float | None) -> int:
-        """What the next value, or an unknown one, makes of it; what was seen stays in its memory."""
+        """Its truth for the next value, or for an unknown one; what was seen stays in its memory."""
         if value is None:
             return UNKNOWN
         if self._signal.on.contains(value):

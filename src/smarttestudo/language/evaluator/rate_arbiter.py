@@ -143,7 +143,7 @@ class BoundArbiter:
 
 
 class TopicArbiter:
-    """What the rules ask for one topic: its rate, and the bounds of the receiver's picture."""
+    """The request of the rules for one topic: its rate, and the bounds of the receiver's picture."""
 
     __slots__ = ("_bounds", "_rate")
 

@@ -216,7 +216,7 @@ def _head_or_recover(cursor: Cursor, first: Token) -> _Head | None:
 
 
 def _head(cursor: Cursor, first: Token) -> _Head:
-    """What goes on behind ``first`` where that is ``Disabled``, else begins with it."""
+    """The statement behind ``first`` where that is ``Disabled``, else the one that begins with it."""
     rule, trivia = RuleLine(), NO_TRIVIA
     if cursor.kind is _RULE:
         rule = parse_rule_line(cursor)

@@ -25,7 +25,7 @@ class FindingLog:
         self._left_out = 0
 
     def begin_statement(self) -> None:
-        """What is reported next is about another statement."""
+        """Begin another statement, which the next report is about."""
         self._is_reported = False
 
     def report(self, code: str, message: str, *, span: Span, hint: str = "", fix: Fix | None = None) -> None:

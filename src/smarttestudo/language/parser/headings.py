@@ -50,7 +50,7 @@ def quoted(name: str) -> str:
 
 
 def parse_name(cursor: Cursor, expected: str, *, example: str, if_empty: str = "") -> str:
-    """What stands in quotes; ``expected`` and ``example`` say what it is where it is not there."""
+    """The text in quotes; ``expected`` and ``example`` say what it is where it is not there."""
     token = cursor.token
     if token.kind is TokenKind.STRING:
         return _plain_name(cursor, token, if_empty)

@@ -31,7 +31,7 @@ SYNONYMS: Mapping[str, str] = MappingProxyType(
         "None": "Off",
     }
 )
-"""What other languages write, and what ADIRF writes for it."""
+"""The words of other languages, and what ADIRF writes for them."""
 
 _HINTS: Mapping[str, str] = MappingProxyType(
     {
@@ -101,7 +101,7 @@ def did_you_mean(text: str) -> str:
 
 
 def hint_on(token: Token) -> str:
-    """What can be said about a token of another language."""
+    """Advice on a token of another language."""
     if token.kind is not TokenKind.FOREIGN or not token.text:
         return ""
     if not token.text.isprintable():

@@ -12,7 +12,7 @@ from smarttestudo.language.comments import Comment
 
 
 class TokenKind(Enum):
-    """What a token is; a keyword's value is its spelling.
+    """The kind of a token; a keyword's value is its spelling.
 
     ``Hz``, ``Full``, ``Off``, the tiers and units of time are words: they mean something in one place only.
     ``FOREIGN`` is whatever the language does not have, such as ``==``, ``1,5`` or a quote without its end.
@@ -88,7 +88,7 @@ class Token(NamedTuple):
 
     @property
     def span(self) -> Span:
-        """What the token covers."""
+        """The stretch that the token covers."""
         return Span(self.line, self.column, self.line, self.column + len(self.text))
 
     @property

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a check can read of a message: names for the common types, any numeric field by its path."""
+"""Properties of messages that checks read: names for the common types, any numeric field by its path."""
 
 from smarttestudo.language.properties.accuracy import (
     accuracy_properties_of,
@@ -9,6 +9,7 @@ from smarttestudo.language.properties.accuracy import (
     properties_for_bounds,
     wraps,
 )
+from smarttestudo.language.properties.conventional_types import conventional_types
 from smarttestudo.language.properties.field_path import (
     PropertySpec,
     Reader,
@@ -22,13 +23,13 @@ from smarttestudo.language.properties.table import (
     property_spec,
     value_reader,
 )
-from smarttestudo.language.properties.usual_types import usual_types
 
 __all__ = [
     "ARRIVAL_PROPERTIES",
     "PropertySpec",
     "Reader",
     "accuracy_properties_of",
+    "conventional_types",
     "gauges_for",
     "is_field_path",
     "known_types",
@@ -37,7 +38,6 @@ __all__ = [
     "properties_for_bounds",
     "properties_of",
     "property_spec",
-    "usual_types",
     "value_reader",
     "wraps",
 ]

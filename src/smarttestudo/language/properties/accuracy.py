@@ -116,7 +116,7 @@ def wraps(spec: PropertySpec) -> bool:
 def gauges_for(
     type_name: str, names: Iterable[str], level_unit: LevelUnit | None = None
 ) -> tuple[Gauge, ...]:
-    """What reads these properties of messages of ``type_name``; what only some of them need comes last."""
+    """The reader of these properties of messages of ``type_name``; what only some of them need comes last."""
     reckoned: dict[str, Distance] = {}
     fields: list[str] = []
     for name in names:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a property is, and fields of messages as properties."""
+"""The form of a property, and fields of messages as properties."""
 
 from __future__ import annotations
 

@@ -170,7 +170,7 @@ def properties_of(type_name: str) -> Mapping[str, PropertySpec]:
 
 
 def property_spec(type_name: str | None, name: str) -> PropertySpec | None:
-    """What is known about property ``name``; with the type unknown, whatever all types agree on."""
+    """The description of property ``name``; with the type unknown, whatever all types agree on."""
     if name in ARRIVAL_PROPERTIES:
         return ARRIVAL_PROPERTIES[name]
     if type_name is not None:

@@ -30,7 +30,7 @@ class Loads:
     profile: Profile = field(default_factory=Profile)
 
     def kb_per_s(self, topic: str, planned: PlannedRate) -> float:
-        """What ``topic`` takes as planned: its rate, or what its bounds need if that is less."""
+        """The KB/s of ``topic`` as planned: at its rate, or at what its bounds need if that is less."""
         return self.size_kb[topic] * min(self.ceiling_hz(topic, planned.rate), self.needed_hz(topic, planned))
 
     def ceiling_hz(self, topic: str, rate: Rate) -> float:
@@ -38,12 +38,12 @@ class Loads:
         return self.source_hz[topic] if rate.is_full else rate.hz
 
     def needed_hz(self, topic: str, planned: PlannedRate) -> float:
-        """What the bounds of ``topic`` need; infinite where that is not known."""
+        """The Hz that the bounds of ``topic`` need; infinite where that is not known."""
         return self.profile.topic(topic).needed_hz(planned.within)
 
 
 def loads_of(rule_set: RuleSet, profile: Profile) -> Loads:
-    """What ``profile`` says of the relayed topics that it knows."""
+    """The loads of the relayed topics that ``profile`` knows."""
     entries = {topic: profile.topic(topic) for topic in rule_set.relayed}
     return Loads(
         size_kb={t: entry.message_kb for t, entry in entries.items() if entry.message_kb is not None},
@@ -90,7 +90,7 @@ class Unproven:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JointCheck:
-    """What the rules take in the worst case.
+    """The load of the rules in the worst case.
 
     ``worst`` is the situation of the greatest load, ``breaking`` those above the budget, worst first, and
     ``has_more`` says that the list was cut. What clusters in ``unproven`` set is left out of all of them.
@@ -185,7 +185,7 @@ class _Meter:
         return self._sum(topic for topic in cluster.topics if topic in self._relayed)
 
     def unconditional(self) -> float:
-        """What the topics take that no block sets."""
+        """The load of the topics that no block sets."""
         conditional = {topic for block in self._rule_set.blocks for topic in block.topics}
         return self._sum(topic for topic in self._rule_set.relayed if topic not in conditional)
 

@@ -58,7 +58,7 @@ class HighsSolver:
 
 
 def _left_of(budget: Budget, demands: Sequence[Demand]) -> float | None:
-    """What a budget has left above everyone's lowest rate, ``None`` where it is broken already."""
+    """The rest of a budget above everyone's lowest rate, ``None`` where it is broken already."""
     least = math.fsum(demand.least_kb_per_s for demand in demands if budget.covers(demand.topic))
     if not fits(least, budget.limit_kb_per_s):
         return None

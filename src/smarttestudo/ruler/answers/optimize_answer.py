@@ -23,7 +23,7 @@ from smarttestudo.optimizer.infeasibility import Infeasibility
 from smarttestudo.optimizer.joint.check import check_together, loads_of, missing_entries
 from smarttestudo.optimizer.model import Model
 from smarttestudo.optimizer.problem import fits
-from smarttestudo.optimizer.rule_rates import Optimization, SolvedPart
+from smarttestudo.optimizer.rule_rates import Optimization, SolvedSubproblem
 from smarttestudo.ruler.answers.checked_text import Draft
 from smarttestudo.ruler.answers.optimizing import (
     OptimizedDraft,
@@ -76,7 +76,7 @@ def optimize(request: OptimizeRequest) -> OptimizeAnswer:
 
 
 def _refusal(optimized: OptimizedDraft, refused: Infeasibility) -> Refusal:
-    part = refused.solved.part
+    part = refused.solved.subproblem
     return Refusal(
         rule=None if part.label is None else id_at(optimized.checked.document, part.span.line),
         message=refused.message,
@@ -121,31 +121,35 @@ def situations_of(optimized: OptimizedDraft) -> Iterator[SituationLoad]:
     done = optimized.outcome.optimization
     base = dict(_rates_hz(done.defaults, done))
     sizes = _sizes_kb(done)
-    for part in done.parts:
-        is_default = part is done.defaults
-        others = {} if is_default else part.part.without_its_topics(base)
-        rates_hz = {**others, **dict(_rates_hz(part, done))}
+    for solved in done.subproblems:
+        is_default = solved is done.defaults
+        others = {} if is_default else solved.subproblem.without_its_topics(base)
+        rates_hz = {**others, **dict(_rates_hz(solved, done))}
         loads = (_load(topic, Rate(rate_hz), sizes[topic] * rate_hz) for topic, rate_hz in rates_hz.items())
         yield _situation(
             SituationKind.DEFAULTS if is_default else SituationKind.RULE,
-            part.part.label or "Defaults",
+            solved.subproblem.label or "Defaults",
             loads,
-            feasible=part.feasible,
-            rules=() if is_default else _ids_at(optimized, part.part.span.line),
+            feasible=solved.feasible,
+            rules=() if is_default else _ids_at(optimized, solved.subproblem.span.line),
         )
     if done.feasible:
         yield from _worst(optimized)
 
 
-def _rates_hz(part: SolvedPart, done: Optimization) -> Iterator[tuple[str, float]]:
+def _rates_hz(solved: SolvedSubproblem, done: Optimization) -> Iterator[tuple[str, float]]:
     """The rates of a part; where it does not fit, the least that was asked for."""
-    for topic, ask in part.part.asks.items():
-        rate_hz = ask.bounds_hz(done.model)[0] if part.rates_hz is None else part.rates_hz[topic]
+    for topic, requirement in solved.subproblem.requirements.items():
+        rate_hz = requirement.bounds_hz(done.model)[0] if solved.rates_hz is None else solved.rates_hz[topic]
         yield topic, rate_hz
 
 
 def _sizes_kb(done: Optimization) -> dict[str, float]:
-    return {topic: ask.needs.size_kb for part in done.parts for topic, ask in part.part.asks.items()}
+    return {
+        topic: requirement.needs.size_kb
+        for solved in done.subproblems
+        for topic, requirement in solved.subproblem.requirements.items()
+    }
 
 
 def _worst(optimized: OptimizedDraft) -> Iterator[SituationLoad]:

@@ -19,7 +19,7 @@ from smarttestudo.language.syntax import Block, SetFrequency, sets_in
 from smarttestudo.optimizer.changes import Change
 from smarttestudo.optimizer.infeasibility import Infeasibility, change_text
 from smarttestudo.optimizer.model import Model
-from smarttestudo.optimizer.rule_rates import SolvedPart
+from smarttestudo.optimizer.rule_rates import SolvedSubproblem
 from smarttestudo.ruler.answers.checked_text import CheckedText, Draft, require_usable
 from smarttestudo.ruler.answers.documents import Substitute
 from smarttestudo.ruler.answers.utf16 import Utf16
@@ -82,7 +82,7 @@ def repairs_of(optimized: OptimizedDraft, refused: Infeasibility) -> Iterator[Re
     yield Repair(title=budget, sentence=budget, budget_kb_per_s=refused.solved.needs_kb_per_s)
 
 
-def _edits(optimized: OptimizedDraft, solved: SolvedPart, change: Change) -> tuple[Substitute, ...]:
+def _edits(optimized: OptimizedDraft, solved: SolvedSubproblem, change: Change) -> tuple[Substitute, ...]:
     """The rates of the statements of ``solved`` as ``change`` wants them.
 
     The last place comes first, so that each edit finds its place after those before it.
@@ -107,13 +107,13 @@ def _edit(optimized: OptimizedDraft, statement: SetFrequency, wanted: Tier | flo
     )
 
 
-def _statements(optimized: OptimizedDraft, solved: SolvedPart) -> tuple[SetFrequency, ...]:
+def _statements(optimized: OptimizedDraft, solved: SolvedSubproblem) -> tuple[SetFrequency, ...]:
     """The statements that a part was made of: the defaults, or one side of a block."""
     statements = optimized.checked.document.result.file.statements
-    if solved.part.label is None:
+    if solved.subproblem.label is None:
         return tuple(one for one in statements if isinstance(one, SetFrequency))
-    block = next(one for one in statements if isinstance(one, Block) and one.span == solved.part.span)
+    block = next(one for one in statements if isinstance(one, Block) and one.span == solved.subproblem.span)
     then = sets_in(block.then)
     topics = {resolve_topic(one.topic.text) for one in then}
-    is_then = solved.part.label == block.label and topics == set(solved.part.asks)
+    is_then = solved.subproblem.label == block.label and topics == set(solved.subproblem.requirements)
     return then if is_then else sets_in(block.otherwise)

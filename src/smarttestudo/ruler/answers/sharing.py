@@ -99,7 +99,7 @@ def download_text(draft: Draft) -> str:
     if outcome.rewritten is None:
         first = outcome.infeasible[0]
         raise RuleFileError(
-            first.message, place=first.solved.part.place, remedy="; ".join(first.remedies) or None
+            first.message, place=first.solved.subproblem.place, remedy="; ".join(first.remedies) or None
         )
     return outcome.rewritten
 

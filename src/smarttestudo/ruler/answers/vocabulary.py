@@ -17,9 +17,9 @@ from smarttestudo.language.parser import ParseResult, parse
 from smarttestudo.language.properties import (
     ARRIVAL_PROPERTIES,
     PropertySpec,
+    conventional_types,
     properties_for_bounds,
     properties_of,
-    usual_types,
 )
 from smarttestudo.language.syntax import (
     Block,
@@ -130,7 +130,7 @@ def _known_topics(
             if type_name is not None:
                 types.setdefault(topic, type_name)
     for topic, source in sources.items():
-        known = types.get(topic) or next(iter(usual_types(topic)), None)
+        known = types.get(topic) or next(iter(conventional_types(topic)), None)
         entry = TopicProfile() if profile is None else profile.topic(topic)
         tiers_hz = entry.tiers_hz
         yield KnownTopic(

@@ -10,9 +10,8 @@ from dataclasses import dataclass
 
 from msgspec import Struct
 
-from smarttestudo.checks.blocks_clash import CHECK as BLOCKS_CLASH
+from smarttestudo.checks.blocks import BLOCKS_CLASH
 from smarttestudo.checks.wording import check_text
-from smarttestudo.checks.written import rate_of
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.source import Span
 from smarttestudo.editing import Document
@@ -153,8 +152,8 @@ def _unused_label(document: Document) -> str:
 
 def _differ(first: Block, second: Block) -> bool:
     """Whether the rules differ where their conditions hold; an Else holds outside the zones."""
-    rates = {resolve_topic(one.topic.text): rate_of(one.rate) for one in sets_in(first.then)}
-    others = ((rates.get(resolve_topic(one.topic.text)), rate_of(one.rate)) for one in sets_in(second.then))
+    rates = {resolve_topic(one.topic.text): one.rate.rate for one in sets_in(first.then)}
+    others = ((rates.get(resolve_topic(one.topic.text)), one.rate.rate) for one in sets_in(second.then))
     return any(one is not None and other is not None and one != other for one, other in others)
 
 

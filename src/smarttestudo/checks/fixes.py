@@ -1,12 +1,25 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""A fix that writes a default for a topic."""
+"""Fixes that several checks offer."""
 
 from __future__ import annotations
 
+import difflib
+from collections.abc import Iterable
+
 from smarttestudo.domain.finding import Fix
 from smarttestudo.domain.source import Span
-from smarttestudo.language.syntax import Block, Collection, RuleFile
+from smarttestudo.language.syntax import Block, Collection, RuleFile, TopicName
+
+
+def close_topic(topic: str, known: Iterable[str]) -> str | None:
+    """The known topic that is spelt almost like ``topic``; ``None`` where there is none."""
+    return next(iter(difflib.get_close_matches(topic, known, n=1, cutoff=0.75)), None)
+
+
+def write_topic(name: TopicName, topic: str | None) -> Fix | None:
+    """A fix that writes ``topic`` in the place of ``name``."""
+    return None if topic is None else Fix(span=name.span, replacement=topic, title=f"write {topic}")
 
 
 def new_default(file: RuleFile | None, topic: str) -> Fix | None:

@@ -1,13 +1,13 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The types that topics of the usual names have, if neither a profile nor a recording gives them."""
+"""The types that topics of conventional names have, if neither a profile nor a recording gives them."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from types import MappingProxyType
 
-_USUAL_TYPES: Mapping[str, tuple[str, ...]] = MappingProxyType(
+_CONVENTIONAL_TYPES: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {
         "amcl_pose": ("geometry_msgs/msg/PoseWithCovarianceStamped",),
         "battery_state": ("sensor_msgs/msg/BatteryState",),
@@ -29,11 +29,11 @@ _USUAL_TYPES: Mapping[str, tuple[str, ...]] = MappingProxyType(
     }
 )
 """By the end of the name; the likeliest type first."""
-_MOST_PARTS = max(name.count("/") + 1 for name in _USUAL_TYPES)
+_MOST_PARTS = max(name.count("/") + 1 for name in _CONVENTIONAL_TYPES)
 
 
-def usual_types(topic: str) -> tuple[str, ...]:
+def conventional_types(topic: str) -> tuple[str, ...]:
     """The types that ``topic`` may be expected to have by its name, in whatever namespace; a guess."""
     parts = topic.split("/")
     ends = ("/".join(parts[-count:]) for count in range(_MOST_PARTS, 0, -1))
-    return next((_USUAL_TYPES[end] for end in ends if end in _USUAL_TYPES), ())
+    return next((_CONVENTIONAL_TYPES[end] for end in ends if end in _CONVENTIONAL_TYPES), ())

@@ -1,0 +1,146 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Checks of bounds of the operator's picture."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cache, partial
+
+from smarttestudo.checks import wording
+from smarttestudo.checks.property_doubt import Doubt, doubt_about, found_in
+from smarttestudo.checks.rule_check import Found, RuleCheck
+from smarttestudo.checks.rule_model import RuleModel
+from smarttestudo.domain.finding import Fix, ProfileFix, Severity
+from smarttestudo.domain.rate import Tier
+from smarttestudo.domain.signal import Signal
+from smarttestudo.language.properties import ARRIVAL_PROPERTIES, accuracy_properties_of
+from smarttestudo.language.resolved_rules import ResolvedBound
+
+
+def _unknown_bound(rules: RuleModel) -> Iterator[Found]:
+    """Bounds of properties that the messages do not have."""
+    doubt_of = cache(partial(doubt_about, context=rules.context, named=accuracy_properties_of))
+    for one in (*rules.bounds, *rules.disabled.bounds):
+        doubt = _no_picture(one.signal) or doubt_of(one.signal)
+        if doubt is not None:
+            yield found_in(one.path, one.statement.property_span, doubt)
+
+
+def _no_picture(signal: Signal) -> Doubt | None:
+    if signal.property not in ARRIVAL_PROPERTIES:
+        return None
+    return Doubt(
+        message=f"{signal.property} is about when messages arrive, and not in them",
+        hint="a floor keeps messages coming: KeepAtLeast and a rate",
+        close=None,
+    )
+
+
+def _bound_in_rules_only(rules: RuleModel) -> Iterator[Found]:
+    """Topics that only rules bound."""
+    first: dict[str, ResolvedBound] = {}
+    for one in rules.bounds:
+        first.setdefault(one.topic, one)
+    for topic in rules.bound_in_rules_only:
+        default = rules.defaults.get(topic)
+        if default is not None and not (default.rate is not None and default.rate.is_off):
+            yield _not_bound_in_doubt(first[topic], rules)
+
+
+def _not_bound_in_doubt(bound: ResolvedBound, rules: RuleModel) -> Found:
+    statement, rate = bound.statement, rules.defaults[bound.topic].rate
+    passes = "every message" if rate is not None and rate.is_full else "what its rate lets through"
+    return Found(
+        path=bound.path,
+        span=statement.span,
+        message=f"only rules bound {bound.topic}: while none of them is known to hold, also in doubt, "
+        f"{passes} passes",
+        hint=f"add KeepWithin {statement.topic.text} {statement.property} outside the rules for a bound that "
+        "always holds",
+    )
+
+
+def _bound_despite_off(rules: RuleModel) -> Iterator[Found]:
+    """Bounds of topics that are Off."""
+    bounds = {one.topic: one for one in reversed(rules.bounds)}
+    for setting in rules.settings:
+        bound = bounds.get(setting.topic)
+        if bound is not None and setting.rate is not None and setting.rate.is_off:
+            where = wording.place(bound.path, bound.statement.span, seen_from=setting.path)
+            rate_span = setting.statement.rate.span
+            yield Found(
+                path=setting.path,
+                span=rate_span,
+                message=f"{setting.rate} stops {setting.topic} although KeepWithin ({where}) bounds its "
+                f"{bound.statement.property}",
+                hint="write a low rate, or Full to leave the rate to the bound",
+                fix=Fix(span=rate_span, replacement="Full", title="leave the rate to the bound"),
+            )
+
+
+def _bound_twice(rules: RuleModel) -> Iterator[Found]:
+    """Two bounds of one property at one place."""
+    first: dict[object, ResolvedBound] = {}
+    for one in rules.bounds:
+        earlier = first.setdefault((one.signal, one.branch), one)
+        if earlier is not one:
+            yield Found(
+                path=one.path,
+                span=one.statement.span,
+                message=f"{one.signal} is already bound at line {earlier.statement.span.line}; the tighter "
+                f"bound{_tightest(earlier, one)} counts",
+                hint="keep one of the two",
+                fix=_remove_the_looser(earlier, one),
+            )
+
+
+def _remove_the_looser(earlier: ResolvedBound, later: ResolvedBound) -> Fix | None:
+    """Remove the looser one, as far as numbers say which that is."""
+    first, second = earlier.statement.bound, later.statement.bound
+    if isinstance(first, Tier) or isinstance(second, Tier):
+        return None
+    looser = later if second >= first else earlier
+    return Fix(
+        span=looser.statement.span, replacement="", title=f"remove the looser bound {looser.statement.text}"
+    )
+
+
+def _tightest(*bounds: ResolvedBound) -> str:
+    """The text of the tightest, as far as numbers say which that is."""
+    numbers = [(one.statement.bound, one.statement.text) for one in bounds]
+    known = [(bound, text) for bound, text in numbers if not isinstance(bound, Tier)]
+    return f", {min(known, key=lambda each: each[0])[1]}," if len(known) == len(numbers) else ""
+
+
+def _bound_on_follower(rules: RuleModel) -> Iterator[Found]:
+    """Bounds of topics that are paced with another one."""
+    for one in rules.bounds:
+        leader = rules.context.topic(one.topic).paced_with
+        if leader is not None:
+            yield Found(
+                path=one.path,
+                span=one.statement.span,
+                message=f"{one.topic} is paced with {leader}, so this bound has no effect",
+                hint=f"bind {leader}, or remove paced_with from the profile",
+                profile_fix=ProfileFix(
+                    topic=one.topic,
+                    key="paced_with",
+                    value=None,
+                    title=f"no longer pace {one.topic} with {leader}",
+                ),
+            )
+
+
+CHECKS = (
+    RuleCheck(code="unknown-bound", severity=Severity.WARNING, find=_unknown_bound),
+    RuleCheck(
+        code="bound-in-rules-only",
+        severity=Severity.INFO,
+        find=_bound_in_rules_only,
+        needs_all_statements=True,
+    ),
+    RuleCheck(code="bound-despite-off", severity=Severity.WARNING, find=_bound_despite_off),
+    RuleCheck(code="bound-twice", severity=Severity.WARNING, find=_bound_twice),
+    RuleCheck(code="bound-on-follower", severity=Severity.WARNING, find=_bound_on_follower),
+)

@@ -1,0 +1,97 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Case files: what each finding means, with rules that give it and rules that do not.
+
+A case file is ADIRF with headings in its comments. ``// # code`` begins a check; the comments below it are
+its meaning, an empty one, and why it matters. ``// ## bad`` and ``// ## good`` begin an example; the comments
+below it are its ``profile`` in TOML, its ``recording`` (a topic and its type) and each ``finding`` (line,
+column and message) that it gives, one a line.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from importlib.resources import files
+
+MAX_CHARACTERS = 1_000_000
+_CHECK, _EXAMPLE, _NOTE = "// # ", "// ## ", "//"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Example:
+    """A rule file to show, with the TOML of a profile and the topics of a recording that it is checked with.
+
+    ``findings`` are as in ``3:5 message``; a good example has none.
+    """
+
+    rules: str
+    profile: str = ""
+    bag_topics: Mapping[str, str] | None = None
+    findings: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CheckCases:
+    """The check ``code`` in words and examples.
+
+    ``meaning`` is one sentence, ``why`` what happens on a robot that runs such a file. Each of ``bad`` gives
+    this finding and no other, each of ``good`` none at all.
+    """
+
+    code: str
+    meaning: str
+    why: str
+    bad: tuple[Example, ...]
+    good: tuple[Example, ...]
+
+
+def read_cases(theme: str) -> tuple[CheckCases, ...]:
+    """The cases of the checks of a theme, in the order of its file.
+
+    Raises ``ValueError`` for a heading or note that is none.
+    """
+    with files(__package__).joinpath(f"{theme}.adirf").open(encoding="utf-8") as file:
+        text = file.read(MAX_CHARACTERS)
+    return tuple(_check_cases(code, lines) for code, lines in _parts(text.splitlines(), _CHECK) if code)
+
+
+def _check_cases(code: str, lines: Sequence[str]) -> CheckCases:
+    (_, prose), *examples = _parts(lines, _EXAMPLE)
+    meaning, _, why = "\n".join(line.removeprefix(_NOTE).strip() for line in prose).strip().partition("\n\n")
+    found: dict[str, list[Example]] = {"bad": [], "good": []}
+    for kind, part in examples:
+        if kind not in found:
+            raise ValueError(f"{code}: an example is bad or good, not {kind}")
+        found[kind].append(_example(part))
+    return CheckCases(
+        code=code,
+        meaning=" ".join(meaning.split()),
+        why=" ".join(why.split()),
+        bad=tuple(found["bad"]),
+        good=tuple(found["good"]),
+    )
+
+
+def _example(lines: Sequence[str]) -> Example:
+    notes: dict[str, list[str]] = {"profile": [], "recording": [], "finding": []}
+    rules = list(lines)
+    while rules and rules[0].startswith(_NOTE):
+        kind, _, text = rules.pop(0).removeprefix(_NOTE).strip().partition(" ")
+        if kind not in notes:
+            raise ValueError(f"an example has no {kind}")
+        notes[kind].append(text)
+    return Example(
+        rules="\n".join(rules).rstrip("\n") + "\n",
+        profile="\n".join(notes["profile"]),
+        bag_topics=dict(line.split(" ") for line in notes["recording"]) or None,
+        findings=tuple(notes["finding"]),
+    )
+
+
+def _parts(lines: Sequence[str], heading: str) -> Iterator[tuple[str, Sequence[str]]]:
+    """The parts of ``lines`` by their heading, first what stands before any, with an empty one."""
+    starts = [at for at, line in enumerate(lines) if line.startswith(heading)]
+    yield "", lines[: starts[0] if starts else None]
+    for start, end in zip(starts, [*starts[1:], len(lines)], strict=True):
+        yield lines[start].removeprefix(heading), lines[start + 1 : end]

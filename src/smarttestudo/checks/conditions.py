@@ -1,0 +1,292 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Checks of conditions, from the words of the text to values that no signal has."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from smarttestudo.checks import wording
+from smarttestudo.checks.rule_check import Found, RuleCheck
+from smarttestudo.checks.rule_model import CheckSite, RuleModel
+from smarttestudo.domain.finding import Fix, Severity
+from smarttestudo.domain.signal import ArrivalProperty, Truth
+from smarttestudo.domain.source import Span
+from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
+from smarttestudo.language.comments import COMMENT_START
+from smarttestudo.language.formatter.conditions import write_condition
+from smarttestudo.language.formatter.text import LineWriter
+from smarttestudo.language.normal_form import Every, InRegion
+from smarttestudo.language.properties import PropertySpec
+from smarttestudo.language.region import Region
+from smarttestudo.language.resolved_rules import ResolvedBlock
+from smarttestudo.language.syntax import (
+    And,
+    Operator,
+    Or,
+    Timed,
+    checks_in,
+    conditions_in,
+    records_in,
+    times_in,
+)
+
+_EQUALITY_HOLDS = {Operator.EQUAL: "hardly ever", Operator.NOT_EQUAL: "nearly always"}
+_ZERO_WHEN_SILENT = (ArrivalProperty.RATE, ArrivalProperty.BANDWIDTH)
+
+
+def _check_never_holds(rules: RuleModel) -> Iterator[Found]:
+    """Checks that no value passes."""
+    return _checks_that_are(Truth.FALSE, "never", rules)
+
+
+def _check_always_holds(rules: RuleModel) -> Iterator[Found]:
+    """Checks that every value passes."""
+    return _checks_that_are(Truth.TRUE, "always", rules)
+
+
+def _checks_that_are(truth: Truth, word: str, rules: RuleModel) -> Iterator[Found]:
+    """Checks that are ``truth`` for every value of what they read."""
+    for one in rules.checks:
+        if one.truth is truth and one.spec is not None:
+            yield Found(
+                path=one.path,
+                span=one.check.span,
+                message=f"{wording.check_text(one.check)} {word} holds: {_range_text(one.spec)}",
+                hint=_remedy_beside_range(one, rules),
+            )
+
+
+def _range_text(spec: PropertySpec) -> str:
+    if spec.minimum is not None and spec.maximum is not None:
+        low, high = wording.number(spec.minimum), wording.number(spec.maximum)
+        return f"{spec.name} lies between {low} and {high} {spec.unit}"
+    if spec.minimum is not None:
+        return f"{spec.name} is never below {wording.number(spec.minimum)} {spec.unit}"
+    return f"{spec.name} is in {spec.unit}"
+
+
+def _remedy_beside_range(one: CheckSite, rules: RuleModel) -> str:
+    name = one.signal.property
+    if ArrivalProperty.named(name):
+        return f"a field of the message that is called {name} is written msg.{name}"
+    if rules.context.known_type(one.signal.topic) is None:
+        return f"if {name} is a plain field of {one.signal.topic}, write msg.{name}"
+    return "correct the number"
+
+
+def _condition_never_holds(rules: RuleModel) -> Iterator[Found]:
+    """Conditions that can never hold."""
+    for block in rules.blocks:
+        records = bool(records_in(block.block.otherwise))
+        if rules.analysis.truths[block.order] is Truth.FALSE and (records or not _is_one_check(block)):
+            impossible = _impossible_signals(block, rules)
+            reason = f": no value of {impossible} passes all its checks" if impossible else ""
+            effect = ", so that the Record of its Else begins once and never again" if records else ""
+            yield Found(
+                path=block.path,
+                span=block.block.condition.span,
+                message=f"this condition can never hold{effect}{reason}",
+                hint="reverse a comparison, or write OR where one of the checks is enough",
+            )
+
+
+def _is_one_check(block: ResolvedBlock) -> bool:
+    return sum(1 for _ in checks_in(block.block.condition)) == 1
+
+
+def _impossible_signals(block: ResolvedBlock, rules: RuleModel) -> str:
+    parts = block.form.parts if isinstance(block.form, Every) else (block.form,)
+    names = [
+        str(part.signal)
+        for part in parts
+        if isinstance(part, InRegion) and part.region.intersection(rules.context.domain(part.signal)).is_empty
+    ]
+    return wording.listed(names) if names else ""
+
+
+def _condition_always_holds(rules: RuleModel) -> Iterator[Found]:
+    """Conditions that always hold."""
+    for block in rules.blocks:
+        records = bool(records_in(block.block.then))
+        if rules.analysis.truths[block.order] is Truth.TRUE and (records or not _is_one_check(block)):
+            effect = "its Else never applies" if block.block.otherwise else "the block never ends"
+            if records:
+                effect = "its Record begins once and never again"
+            yield Found(
+                path=block.path,
+                span=block.block.condition.span,
+                message=f"this condition holds for all values, so that {effect}",
+                hint="write AND where all checks must hold, or make its rates the defaults",
+            )
+
+
+def _and_or_mixed(rules: RuleModel) -> Iterator[Found]:
+    """AND and OR mixed without parentheses."""
+    for block in rules.blocks:
+        for part in conditions_in(block.block.condition):
+            if isinstance(part, Or):
+                bare = next((operand for operand in part.operands if isinstance(operand, And)), None)
+                if bare is not None:
+                    yield Found(
+                        path=block.path,
+                        span=bare.span,
+                        message="AND binds tighter than OR: this AND is one side of the OR",
+                        hint="put parentheses around the part that belongs together",
+                        fix=_parentheses(bare),
+                    )
+
+
+def _parentheses(condition: And) -> Fix | None:
+    """Parentheses around the AND, which change nothing; comments inside are left to a person."""
+    writer = LineWriter()
+    write_condition(writer, 0, "", condition)
+    text = writer.text().strip()
+    if COMMENT_START in text:
+        return None
+    return Fix(span=condition.span, replacement=text, title="put parentheses around the AND")
+
+
+def _equals_measured(rules: RuleModel) -> Iterator[Found]:
+    """= on a measured number."""
+    for one in rules.checks:
+        outcome = _EQUALITY_HOLDS.get(one.check.operator)
+        if outcome is not None and _is_continuous(one, rules):
+            yield Found(
+                path=one.path,
+                span=one.check.span,
+                message=f"{one.check.property} is measured: '{one.check.operator.value} {one.check.text}' "
+                f"{outcome} holds",
+                hint="compare with a range, a > below the number and a < above it",
+            )
+
+
+def _is_continuous(one: CheckSite, rules: RuleModel) -> bool:
+    """Whether a property is known to be measured, or the number has a fraction, as no state or count has."""
+    if one.check.value == 0 and ArrivalProperty.named(one.signal.property) in _ZERO_WHEN_SILENT:
+        return False
+    return rules.context.is_measured(one.signal) or not one.check.value.is_integer()
+
+
+def _times(rules: RuleModel) -> Iterator[tuple[ResolvedBlock, Timed]]:
+    """Every For and Within, with its block."""
+    return ((block, timed) for block in rules.blocks for timed in times_in(block.block.condition))
+
+
+def _duration_zero(rules: RuleModel) -> Iterator[Found]:
+    """For or Within no time."""
+    for block, timed in _times(rules):
+        if timed.duration.ns == 0:
+            yield Found(
+                path=block.path,
+                span=timed.duration.span,
+                message=f"'{wording.time_text(timed)}' changes nothing: the condition counts at once",
+                hint=f"give a longer time, or delete the '{timed.word.value}'",
+            )
+
+
+def _duration_too_short(rules: RuleModel) -> Iterator[Found]:
+    """Durations shorter than the time between two messages."""
+    for block, timed in _times(rules):
+        fastest = _fastest_source(timed, rules)
+        if fastest is None or timed.duration.ns == 0:
+            continue
+        topic, source_hz = fastest
+        if timed.duration.ns * source_hz < NS_PER_S:
+            least = f"{math.ceil(NS_PER_S / NS_PER_MS / source_hz)} ms"
+            yield Found(
+                path=block.path,
+                span=timed.duration.span,
+                message=f"'{wording.time_text(timed)}' is shorter than the {1 / source_hz:.3g} s between two "
+                f"messages of {topic}: one message decides it",
+                fix=Fix(span=timed.duration.span, replacement=least, title=f"write {least}"),
+                hint=f"give at least {1 / source_hz:.3g} s, or delete the '{timed.word.value}'",
+            )
+
+
+def _fastest_source(timed: Timed, rules: RuleModel) -> tuple[str, float] | None:
+    """The topic that changes the condition most often, and its Hz; ``None`` where that is not known."""
+    found: tuple[str, float] | None = None
+    for check in checks_in(timed):
+        topic = rules.context.resolve(check.topic.text)
+        source_hz = rules.context.topic(topic).source_hz
+        if not source_hz or ArrivalProperty.named(check.property) is not None:
+            return None
+        if found is None or source_hz > found[1]:
+            found = topic, source_hz
+    return found
+
+
+def _until_overlaps(rules: RuleModel) -> Iterator[Found]:
+    """Checks whose Until is true where they are."""
+    for one in rules.checks:
+        if one.latch is None:
+            continue
+        written = Region.where(one.check.operator, one.check.value)
+        both = written.intersection(one.latch.off).intersection(rules.context.domain(one.signal))
+        if not both.is_empty:
+            yield Found(
+                path=one.path,
+                span=one.check.span,
+                message=f"{wording.check_text(one.check)} begins and ends at one value, for instance "
+                f"{wording.number(both.sample())}: there it does not hold",
+                hint="let Until name a value on the other side, as in < 20 Until > 25",
+            )
+
+
+def _until_never_ends(rules: RuleModel) -> Iterator[Found]:
+    """Checks whose Until can never be true."""
+    for one in rules.checks:
+        if one.latch is not None and one.latch.off.intersection(rules.context.domain(one.signal)).is_empty:
+            yield Found(
+                path=one.path,
+                span=one.check.span,
+                message=f"{wording.check_text(one.check)} never ends: no value of {one.signal} ends it",
+                hint="correct the number behind Until",
+            )
+
+
+def _missing_blank(rules: RuleModel) -> Iterator[Found]:
+    """Keywords without a blank behind them."""
+    for path, (first, *others) in rules.glued.items():
+        start = Span(first.line, first.column, first.line, first.column)
+        more = f" (and {len(others)} more like it)" if others else ""
+        yield Found(
+            path=path,
+            span=first,
+            message=f"there is no blank between the previous keyword and this word{more}",
+            hint="the meaning is the same; testudo fmt inserts all missing blanks",
+            fix=Fix(span=start, replacement=" ", title="insert a blank here"),
+        )
+
+
+def _not_analysed(rules: RuleModel) -> Iterator[Found]:
+    """Blocks that are too complex for the interval analysis."""
+    unfinished = rules.analysis.unfinished
+    if unfinished:
+        first = unfinished[0]
+        more = f" (and {len(unfinished) - 1} more)" if len(unfinished) > 1 else ""
+        yield Found(
+            path=first.path,
+            span=first.block.condition.span,
+            message=f"{wording.block_name(first.block)}{more} is too complex to find all clashes "
+            "and dead blocks",
+            hint="the rules work regardless; several small blocks are easier to check",
+        )
+
+
+CHECKS = (
+    RuleCheck(code="check-never-holds", severity=Severity.WARNING, find=_check_never_holds),
+    RuleCheck(code="check-always-holds", severity=Severity.WARNING, find=_check_always_holds),
+    RuleCheck(code="condition-never-holds", severity=Severity.WARNING, find=_condition_never_holds),
+    RuleCheck(code="condition-always-holds", severity=Severity.WARNING, find=_condition_always_holds),
+    RuleCheck(code="and-or-mixed", severity=Severity.WARNING, find=_and_or_mixed),
+    RuleCheck(code="equals-measured", severity=Severity.WARNING, find=_equals_measured),
+    RuleCheck(code="duration-zero", severity=Severity.WARNING, find=_duration_zero),
+    RuleCheck(code="duration-too-short", severity=Severity.WARNING, find=_duration_too_short),
+    RuleCheck(code="until-overlaps", severity=Severity.WARNING, find=_until_overlaps),
+    RuleCheck(code="until-never-ends", severity=Severity.WARNING, find=_until_never_ends),
+    RuleCheck(code="missing-blank", severity=Severity.INFO, find=_missing_blank),
+    RuleCheck(code="not-analysed", severity=Severity.INFO, find=_not_analysed),
+)

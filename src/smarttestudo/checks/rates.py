@@ -1,0 +1,143 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Checks of rates: defaults, floors and levels."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from smarttestudo.checks import wording
+from smarttestudo.checks.analysis import Gap
+from smarttestudo.checks.fixes import new_default
+from smarttestudo.checks.rule_check import Found, RuleCheck
+from smarttestudo.checks.rule_model import RuleModel
+from smarttestudo.domain.finding import Fix, Severity
+from smarttestudo.domain.rate import Tier
+from smarttestudo.language.syntax import bound_span
+
+
+def _tier_without_rate(rules: RuleModel) -> Iterator[Found]:
+    """A tier without a profile that gives it a rate or an accuracy."""
+    if rules.context.profile is not None:
+        return
+    for one in rules.settings:
+        tier = one.statement.rate.value
+        if isinstance(tier, Tier):
+            yield Found(
+                path=one.path,
+                span=one.statement.rate.span,
+                message=f"{tier.value} has no rate without a profile",
+                hint=f"write a rate in Hz, or {rules.context.way_to_profile}",
+            )
+    for bound in rules.bounds:
+        tier = bound.statement.bound
+        if isinstance(tier, Tier):
+            yield Found(
+                path=bound.path,
+                span=bound_span(bound.statement),
+                message=f"{tier.value} has no accuracy without a profile",
+                hint=f"write a number, or {rules.context.way_to_profile}",
+            )
+
+
+def _two_defaults(rules: RuleModel) -> Iterator[Found]:
+    """Two defaults for one topic."""
+    for one in rules.written_defaults:
+        last = rules.defaults[one.topic]
+        if one is not last:
+            where = wording.place(last.path, last.span, seen_from=one.path)
+            yield Found(
+                path=one.path,
+                span=one.span,
+                message=f"this default of {one.topic} is overridden by that of {where}",
+                hint="the last default counts; remove this one",
+                fix=Fix(span=one.span, replacement="", title="remove the overridden default"),
+            )
+
+
+def _missing_default(rules: RuleModel) -> Iterator[Found]:
+    """Topics of blocks without a default."""
+    yield from (_not_set_by_a_block(gap, rules) for gap in rules.analysis.gaps)
+    rated = {topic for branch in rules.branches for topic in branch.settings}.union(rules.defaults)
+    yield from (
+        _no_default(topic, "no block bounds it", rules)
+        for topic in rules.bound_in_rules_only
+        if topic not in rated
+    )
+
+
+def _not_set_by_a_block(gap: Gap, rules: RuleModel) -> Found:
+    state = wording.state(gap.state or {})
+    return _no_default(gap.topic, f"no block sets it{f', for example at {state},' if state else ''}", rules)
+
+
+def _no_default(topic: str, where: str, rules: RuleModel) -> Found:
+    first = rules.relayed[topic]
+    return Found(
+        path=first.path,
+        span=first.statement.topic.span,
+        message=f"{topic} has no default: it is Full{_cost_of_full(topic, rules)} where {where} and while "
+        "values are unknown",
+        hint=f"add a default: SetFrequency {first.statement.topic.text} and a rate",
+        fix=new_default(rules.files.get(first.path), first.statement.topic.text),
+    )
+
+
+def _cost_of_full(topic: str, rules: RuleModel) -> str:
+    known = rules.context.topic(topic)
+    if known.message_kb is None or known.source_hz is None:
+        return ""
+    kb_per_s = known.message_kb * known.source_hz
+    return f" ({kb_per_s:.{0 if kb_per_s >= 100 else 1}f} KB/s)"
+
+
+def _rate_below_floor(rules: RuleModel) -> Iterator[Found]:
+    """Rates below a floor."""
+    for one in rules.settings:
+        floor = rules.floors.get(one.topic)
+        if floor is None or one.rate is None or not one.rate.yields_to_floor:
+            continue
+        if one.rate.hz < floor.rate.hz:
+            where = wording.place(floor.path, floor.span, seen_from=one.path)
+            yield Found(
+                path=one.path,
+                span=one.statement.rate.span,
+                message=f"{one.rate} is below the floor of {one.topic}: KeepAtLeast ({where}) raises it to "
+                f"{floor.rate}",
+                hint="write the floor's rate here, or lower the floor",
+                fix=Fix(
+                    span=one.statement.rate.span,
+                    replacement=floor.statement.rate.text,
+                    title="write the rate that it has anyway",
+                ),
+            )
+
+
+def _off_despite_floor(rules: RuleModel) -> Iterator[Found]:
+    """Off where a floor exists."""
+    for one in rules.settings:
+        floor = rules.floors.get(one.topic)
+        if floor is not None and one.rate is not None and not one.rate.yields_to_floor:
+            where = wording.place(floor.path, floor.span, seen_from=one.path)
+            yield Found(
+                path=one.path,
+                span=one.statement.rate.span,
+                message=f"Off stops {one.topic} although KeepAtLeast ({where}) keeps it at {floor.rate}",
+                hint="write 0 for the floor's rate, or remove the KeepAtLeast",
+                fix=Fix(
+                    span=one.statement.rate.span,
+                    replacement=floor.statement.rate.text,
+                    title="write the floor's rate",
+                ),
+            )
+
+
+CHECKS = (
+    RuleCheck(code="tier-without-rate", severity=Severity.ERROR, find=_tier_without_rate),
+    RuleCheck(code="two-defaults", severity=Severity.WARNING, find=_two_defaults),
+    RuleCheck(
+        code="missing-default", severity=Severity.WARNING, find=_missing_default, needs_all_statements=True
+    ),
+    RuleCheck(code="rate-below-floor", severity=Severity.WARNING, find=_rate_below_floor),
+    RuleCheck(code="off-despite-floor", severity=Severity.WARNING, find=_off_despite_floor),
+)

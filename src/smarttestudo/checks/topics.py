@@ -1,0 +1,145 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Checks of topics: their properties, their companions, the profile and the recording."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from functools import cache, partial
+
+from smarttestudo.checks import wording
+from smarttestudo.checks.fixes import close_topic, new_default, write_topic
+from smarttestudo.checks.property_doubt import doubt_about, found_in
+from smarttestudo.checks.rule_check import Found, RuleCheck
+from smarttestudo.checks.rule_model import RuleModel
+from smarttestudo.domain.finding import ProfileFix, Severity
+from smarttestudo.domain.rate import Rate
+from smarttestudo.domain.source import Span
+from smarttestudo.language.parser.suggestions import did_you_mean
+from smarttestudo.language.resolved_rules import ResolvedRate
+
+_START = Span(line=1, column=1, end_line=1, end_column=1)
+_CAMERA_INFO = "/camera_info"
+_IMAGE_TYPES = frozenset({"sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"})
+
+
+def _unknown_property(rules: RuleModel) -> Iterator[Found]:
+    """Properties that a topic's type does not have."""
+    doubt_of = cache(partial(doubt_about, context=rules.context))
+    for one in (*rules.checks, *rules.disabled_checks):
+        doubt = doubt_of(one.signal)
+        if doubt is not None:
+            yield found_in(one.path, one.check.property_span, doubt)
+
+
+def _tf_without_tf_static(rules: RuleModel) -> Iterator[Found]:
+    """/tf without /tf_static."""
+    for topic, first in rules.relayed.items():
+        if topic.endswith("/tf") and f"{topic}_static" not in rules.relayed:
+            static = f"{first.statement.topic.text}_static"
+            yield Found(
+                path=first.path,
+                span=first.statement.topic.span,
+                message=f"{topic} is relayed without {topic}_static",
+                hint=f"add SetFrequency {static} Full",
+                fix=new_default(rules.files.get(first.path), static),
+            )
+
+
+def _camera_info_off_grid(rules: RuleModel) -> Iterator[Found]:
+    """camera_info at another rate than its image."""
+    for info in rules.relayed:
+        if info.endswith(_CAMERA_INFO) and rules.context.topic(info).paced_with is None:
+            images = [topic for topic in rules.relayed if _is_image_of(info, topic, rules)]
+            yield from _first_difference(info, images, rules)
+
+
+def _is_image_of(info: str, topic: str, rules: RuleModel) -> bool:
+    camera = info.removesuffix(_CAMERA_INFO)
+    if not topic.startswith(f"{camera}/") or topic == info:
+        return False
+    name = topic.removeprefix(f"{camera}/")
+    return rules.context.type_of(topic) in _IMAGE_TYPES or name.startswith("image")
+
+
+def _first_difference(info: str, images: list[str], rules: RuleModel) -> Iterator[Found]:
+    for settings in ({}, *(branch.settings for branch in rules.branches)):
+        for image in images:
+            here = _statement(image, settings, rules) or _statement(info, settings, rules)
+            rates = _rate(info, settings, rules), _rate(image, settings, rules)
+            if here is not None and None not in rates and rates[0] != rates[1]:
+                yield _off_grid(info, image, rates, here)
+                return
+
+
+def _statement(topic: str, settings: Mapping[str, ResolvedRate], rules: RuleModel) -> ResolvedRate | None:
+    return settings.get(topic) if settings else rules.defaults.get(topic)
+
+
+def _rate(topic: str, settings: Mapping[str, ResolvedRate], rules: RuleModel) -> Rate | None:
+    setting = settings.get(topic) or rules.defaults.get(topic)
+    return Rate.full() if setting is None else setting.rate
+
+
+def _off_grid(info: str, image: str, rates: tuple[Rate | None, Rate | None], here: ResolvedRate) -> Found:
+    return Found(
+        path=here.path,
+        span=here.span,
+        message=f"{info} is relayed at {rates[0]} and {image} at {rates[1]}: their stamps will not match",
+        hint=f'set paced_with = "{image}" for {info} in the profile',
+        profile_fix=ProfileFix(topic=info, key="paced_with", value=image, title=f"pace {info} with {image}"),
+    )
+
+
+def _unnamed_in_profile(rules: RuleModel) -> Iterator[Found]:
+    """Topics of the profile that no rule names."""
+    profile = rules.context.profile
+    if profile is None:
+        return
+    unnamed = [topic for topic in profile.topics if topic not in rules.mentions]
+    if unnamed:
+        yield Found(
+            path=profile.path,
+            span=_START,
+            message=f"no rule names {wording.listed(unnamed)}, which the profile holds",
+            hint="only topics of a SetFrequency or KeepAtLeast are relayed",
+        )
+
+
+def _absent_from_bag(rules: RuleModel) -> Iterator[Found]:
+    """Topics that a recording does not hold, or a robot does not publish."""
+    recorded = rules.context.bag_topics
+    if recorded is None:
+        return
+    unpublished = "a topic that never publishes is never relayed, and its values stay unknown"
+    for topic, mention in rules.mentions.items():
+        if topic not in recorded:
+            close = close_topic(topic, recorded)
+            yield Found(
+                path=mention.path,
+                span=mention.name.span,
+                message=f"{rules.context.topics_lack} {topic}",
+                hint=did_you_mean(close) if close else unpublished,
+                fix=write_topic(mention.name, close),
+            )
+
+
+CHECKS = (
+    RuleCheck(code="unknown-property", severity=Severity.WARNING, find=_unknown_property),
+    RuleCheck(
+        code="tf-without-tf-static",
+        severity=Severity.INFO,
+        find=_tf_without_tf_static,
+        needs_all_statements=True,
+    ),
+    RuleCheck(
+        code="camera-info-off-grid",
+        severity=Severity.INFO,
+        find=_camera_info_off_grid,
+        needs_all_statements=True,
+    ),
+    RuleCheck(
+        code="unnamed-in-profile", severity=Severity.INFO, find=_unnamed_in_profile, needs_all_statements=True
+    ),
+    RuleCheck(code="absent-from-bag", severity=Severity.INFO, find=_absent_from_bag),
+)
