@@ -19,10 +19,13 @@ from bags.bag_factory import BagContent, write_bag
 from pacing.reckoning.ros_messages import ODOMETRY, odometry, planar
 from replays.replay_runs import ReplayRun, replay_content
 from replays.test_replay_bounds import driven, recorded
+from smarttestudo.accuracy.arms import Receiver
 from smarttestudo.accuracy.bounds import BoundLoss, BoundWatch
+from smarttestudo.accuracy.track import Message
 from smarttestudo.cli.main import main
 from smarttestudo.language.properties import gauges_for
 from smarttestudo.pacing.reckoning.motion import Twist, Vector3
+from smarttestudo.pacing.reckoning.picture import Picture
 
 GOLDEN = Path(__file__).parent / "golden"
 S = 1_000_000_000
@@ -39,11 +42,15 @@ def judged(
     """What ``BoundWatch`` says of a number, shown in the order of the stamps."""
     changes = [(at, {} if bound is None else {"data": bound}) for at, bound in in_force]
     gauges = gauges_for("std_msgs/msg/Float64", ["data"])
-    watch = BoundWatch(gauges, changes, frozenset(), reckons=False, start_ns=0)
-    shown = [(at, 0, value) for at, value in received] + [(at, 1, value) for at, value in sent]
-    for at, side, value in sorted(shown, key=lambda one: one[:2]):
-        show = watch.sent if side else watch.received
-        show(at, str(value).encode(), SimpleNamespace(data=value))
+
+    def message(at: int, value: float) -> Message:
+        readings = tuple(gauge.read(b"", SimpleNamespace(data=value), at) for gauge in gauges)
+        return Message(at, readings, digest=hash(str(value)))
+
+    receiver = Receiver(Picture(gauges, reckons=False), [message(*one) for one in received])
+    watch = BoundWatch(receiver, changes, {}, reckons=False, start_ns=0)
+    for one in sent:
+        watch.sent(message(*one))
     return list(watch.losses("/level", {}, end_ns))
 
 

@@ -77,7 +77,7 @@ class SharedTopic:
 
     @property
     def fixed_bytes(self) -> int:
-        """What the fixed rate carries."""
+        """The bytes that the fixed rate carries."""
         return sum(self.sent.sizes[index] for index in self.fixed.indices)
 
     def series(self, field: Field) -> tuple[Series, Series, Series]:
@@ -87,7 +87,7 @@ class SharedTopic:
 
 
 def topic_loss(shared: SharedTopic) -> TopicLoss:
-    """What each arm carried of the topic, and how old it was."""
+    """The messages and bytes of the topic that each arm carried, and their age."""
     channel = shared.sent.channel
     return TopicLoss(
         topic=shared.topic,

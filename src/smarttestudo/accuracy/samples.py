@@ -8,11 +8,12 @@ import dataclasses
 import itertools
 import math
 from array import array
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from numbers import Real
 
 from smarttestudo.accuracy.thinning import Thinned, thinned
+from smarttestudo.accuracy.track import Track
 from smarttestudo.domain.profile import LevelUnit
 from smarttestudo.domain.rate_meter import mean_hz
 from smarttestudo.domain.recording import Channel
@@ -143,7 +144,8 @@ def _field(name: str, spec: PropertySpec | None, *, is_asked: bool) -> Field:
 class TopicSamples:
     """The messages of one topic, added one by one: 16 bytes for each, and 8 for each of its fields.
 
-    ``undecodable`` counts messages that could not be decoded; what they said is not known.
+    ``undecodable`` counts messages that could not be decoded; what they said is not known. ``track`` has the
+    messages for pictures of ``properties``, and also those of before the first one that counts.
     """
 
     __slots__ = (
@@ -155,11 +157,15 @@ class TopicSamples:
         "frames",
         "sizes",
         "stamps_ns",
+        "track",
         "undecodable",
     )
 
-    def __init__(self, channel: Channel) -> None:
+    def __init__(
+        self, channel: Channel, properties: Collection[str] = (), level_unit: LevelUnit | None = None
+    ) -> None:
         self.channel = channel
+        self.track = Track(channel.type_name, properties, level_unit)
         self.stamps_ns = array("q")
         self.sizes = array("q")
         self.frames: list[tuple[str, ...]] = []
@@ -213,7 +219,7 @@ class TopicSamples:
         return Series(stamps_ns=self.stamps_ns, values=values, wraps=field.wraps)
 
     def at_rate(self, rate_hz: float, end_ns: int) -> Thinned:
-        """What passes of the topic until ``end_ns`` at a fixed rate, infinite for all."""
+        """The messages of the topic that pass until ``end_ns`` at a fixed rate, infinite for all."""
         return thinned(self.stamps_ns, rate_hz, end_ns=end_ns, kind=self.kind, frames=self.frames)
 
     def _unknown(self) -> array[float]:

@@ -16,7 +16,7 @@ from smarttestudo.pacing.topic_pacer import TopicPacer
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Thinned:
-    """What passed: when, and the index of each message among those of the source."""
+    """Messages that passed: when, and the index of each among those of the source."""
 
     stamps_ns: array[int]
     indices: array[int]
@@ -30,7 +30,7 @@ def thinned(
     kind: StreamKind,
     frames: Sequence[tuple[str, ...]] = (),
 ) -> Thinned:
-    """What passes of the messages at ``stamps_ns`` until ``end_ns``, at ``rate_hz``, infinite for all.
+    """Thin the messages at ``stamps_ns`` until ``end_ns`` to ``rate_hz``, infinite for all.
 
     ``frames`` are those of each message of a TFMessage topic.
     """

@@ -10,7 +10,6 @@ from functools import partial
 
 from msgspec import Struct
 
-from smarttestudo.accuracy.binned_series import BinnedSeries, TimeBins, binned_age, binned_error
 from smarttestudo.accuracy.crossings import thresholds_of
 from smarttestudo.accuracy.loss_report import ErrorSize, FieldLoss, Frames, Sightings, TopicArm
 from smarttestudo.accuracy.measure import (
@@ -20,6 +19,7 @@ from smarttestudo.accuracy.measure import (
     image_losses,
     topic_loss,
 )
+from smarttestudo.accuracy.reconstruction import BinnedSeries, TimeBins, binned_age, binned_error
 from smarttestudo.accuracy.recorded_samples import SampleTaker, TopicReading
 from smarttestudo.accuracy.samples import BULK_TYPES, Field, TopicSamples, fields_of
 from smarttestudo.accuracy.thinning import Thinned
