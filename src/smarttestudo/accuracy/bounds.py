@@ -180,11 +180,11 @@ class BoundWatch:
                 messages=tally.messages,
                 broken=tally.broken,
                 unreadable=tally.unreadable,
-                worst=None if math.isnan(tally.worst) else tally.worst,
-                worst_at_s=None if math.isnan(tally.worst) else self._seconds(tally.worst_ns),
+                worst=tally.worst,
+                worst_at_s=tally.worst_at_s,
                 broken_s=tally.broken_ns / NS_PER_S,
                 stretch_count=tally.stretch_count,
-                stretches=tuple(self._stretch(one) for one in tally.stretches),
+                stretches=tuple(tally.stretches),
             )
 
     def _just_received(self, message: Message) -> bool:
@@ -210,36 +210,20 @@ class BoundWatch:
     def _tally(self, name: str, bound: float) -> _Tally:
         return self._tallies.setdefault((name, bound), _Tally(self._start_ns))
 
-    def _stretch(self, stretch: _Stretch) -> BrokenStretch:
-        return BrokenStretch(
-            from_s=self._seconds(stretch.from_ns),
-            to_s=self._seconds(stretch.to_ns),
-            messages=stretch.messages,
-            worst=None if math.isnan(stretch.worst) else stretch.worst,
-        )
-
-    def _seconds(self, stamp_ns: int) -> float:
-        return (stamp_ns - self._start_ns) / NS_PER_S
-
-
-@dataclass(slots=True)
-class _Stretch:
-    from_ns: int
-    to_ns: int
-    messages: int = 0
-    worst: float = math.nan
-
 
 class _Tally:
-    """Counts of one bound while it is in force; ``worst`` is NaN as long as there is none."""
+    """Counts of one bound while it is in force; times in s count from ``start_ns``."""
 
     def __init__(self, start_ns: int) -> None:
         self.messages = self.broken = self.unreadable = 0
         self.in_force_ns = self.broken_ns = self.stretch_count = 0
-        self.worst, self.worst_ns = math.nan, start_ns
-        self.stretches: list[_Stretch] = []
-        self._entered_ns = start_ns
-        self._open: _Stretch | None = None
+        self.worst: float | None = None
+        self.worst_at_s: float | None = None
+        self.stretches: list[BrokenStretch] = []
+        self._start_ns = self._entered_ns = start_ns
+        self._broken_since_ns: int | None = None
+        self._broken_before = 0
+        self._worst_since: float | None = None
 
     def enter(self, now_ns: int) -> None:
         """The bound is in force from now on."""
@@ -253,24 +237,32 @@ class _Tally:
     def judge(self, now_ns: int, error: float, *, is_broken: bool) -> None:
         """The picture's error after a message."""
         self.messages += 1
-        if error < math.inf and not error <= self.worst:
-            self.worst, self.worst_ns = error, now_ns
+        if error < math.inf and (self.worst is None or error > self.worst):
+            self.worst, self.worst_at_s = error, self._seconds(now_ns)
         if not is_broken:
             self._close(now_ns)
             return
+        if self._broken_since_ns is None:
+            self._broken_since_ns, self._broken_before, self._worst_since = now_ns, self.broken, None
         self.broken += 1
-        if self._open is None:
-            self._open = _Stretch(now_ns, now_ns)
-        self._open.messages += 1
-        if error < math.inf and not error <= self._open.worst:
-            self._open.worst = error
+        if error < math.inf and (self._worst_since is None or error > self._worst_since):
+            self._worst_since = error
 
     def _close(self, now_ns: int) -> None:
-        stretch, self._open = self._open, None
-        if stretch is None:
+        from_ns, self._broken_since_ns = self._broken_since_ns, None
+        if from_ns is None:
             return
-        stretch.to_ns = now_ns
-        self.broken_ns += now_ns - stretch.from_ns
+        self.broken_ns += now_ns - from_ns
         self.stretch_count += 1
         if len(self.stretches) < MOST_STRETCHES:
-            self.stretches.append(stretch)
+            self.stretches.append(
+                BrokenStretch(
+                    from_s=self._seconds(from_ns),
+                    to_s=self._seconds(now_ns),
+                    messages=self.broken - self._broken_before,
+                    worst=self._worst_since,
+                )
+            )
+
+    def _seconds(self, stamp_ns: int) -> float:
+        return (stamp_ns - self._start_ns) / NS_PER_S

@@ -211,7 +211,7 @@ class LossMeasurement:
         asked = tuple(self._question.fields.get(topic, ()))
         needed = tuple(one.signal.property for one in self._thresholds if one.signal.topic == topic)
         return TopicReading(
-            choose_fields=partial(_choose_fields, asked=asked, needed=needed),
+            choose_fields=partial(fields_of, asked=asked, needed=needed),
             undecoded_types=frozenset() if asked or needed else BULK_TYPES,
             properties=self._bounded(topic),
             level_unit=self._question.profile.topic(topic).level_unit,
@@ -291,12 +291,6 @@ class LossMeasurement:
         """Whether nobody says when the bounds of a topic were in force."""
         rule_set = self._question.rule_set
         return rule_set is not None and not self._question.decisions and needs_decisions(rule_set, topic)
-
-
-def _choose_fields(
-    type_name: str, message: object, *, asked: Sequence[str], needed: Sequence[str]
-) -> Sequence[Field]:
-    return fields_of(type_name, message, asked=asked, needed=needed)
 
 
 def _same_fields(sent: TopicSamples, type_name: str, _: object) -> Sequence[Field]:

@@ -8,6 +8,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import TypeVar
 
 from smarttestudo.accuracy.accuracy_curve import (
     AccuracyCurve,
@@ -16,6 +17,7 @@ from smarttestudo.accuracy.accuracy_curve import (
     readings_for,
 )
 from smarttestudo.accuracy.comparison import AccuracyComparison
+from smarttestudo.accuracy.loss_report import LossReport
 from smarttestudo.accuracy.recorded_comparison import AccuracyRequest, ComparisonMeasurement
 from smarttestudo.accuracy.recorded_loss import LossMeasurement, LossQuestion
 from smarttestudo.accuracy.recorded_samples import RecordedSamples, TopicReading, joined, read_samples
@@ -80,34 +82,40 @@ def bag_report(request: ReportRequest) -> RunReport:
     """
     runs = _measure(request, with_places=True)
     report = _report(request, runs)
-    measurement, loss_notices = _loss(request, runs)
+    measurement, notices = _known(lambda: _loss_measurement(request, runs))
     wanted = position_wanted(runs.a.channels, {pair.topic for pair in runs.pairs})
     readings = joined(measurement.readings() if measurement else {}, readings_for(wanted, request.profile))
     sent, comparison = _read_sent(request, runs, readings)
-    loss = None
+    loss: LossReport | None = None
     if measurement is not None:
         with request.progress("Measuring what was lost") as told:
-            try:
-                loss = measurement.report(sent, told)
-            except RecordingError as error:
-                loss_notices = (_unknown_loss(error),)
-            else:
-                loss_notices = loss.notices
+            loss, notices = _known(lambda: measurement.report(sent, told))
+        notices = loss.notices if loss else notices
     curves: tuple[AccuracyCurve, ...] = ()
-    notices: tuple[str, ...] = ()
     if wanted:
         with request.progress("Measuring what an accuracy costs") as told:
-            curves, notices = accuracies(sent.topics, wanted, runs.a.summary.span.end_ns, told)
+            curves, unread = accuracies(sent.topics, wanted, runs.a.summary.span.end_ns, told)
+        notices = (*notices, *unread)
     link, link_notices = _link(request, runs)
-    said = (*report.notices, *loss_notices, *notices, *link_notices)
     return replace(
         report,
         loss=loss,
         accuracy=comparison,
         accuracy_curve=next(iter(curves), None),
         link=link,
-        notices=tuple(dict.fromkeys(said)),
+        notices=tuple(dict.fromkeys((*report.notices, *notices, *link_notices))),
     )
+
+
+_Known = TypeVar("_Known")
+
+
+def _known(measure: Callable[[], _Known | None]) -> tuple[_Known | None, tuple[str, ...]]:
+    """What was measured of the loss, or why that cannot be said."""
+    try:
+        return measure(), ()
+    except RecordingError as error:
+        return None, (f"what was lost is not known: {error.cause}",)
 
 
 def series_over_time(request: ReportRequest) -> RunReport:
@@ -153,10 +161,10 @@ def _report(request: ReportRequest, runs: PairedRuns) -> RunReport:
     )
 
 
-def _loss(request: ReportRequest, runs: PairedRuns) -> tuple[LossMeasurement | None, tuple[str, ...]]:
-    """How what B, if there is one, lost of A is measured, or why that cannot be said."""
+def _loss_measurement(request: ReportRequest, runs: PairedRuns) -> LossMeasurement | None:
+    """The measurement of what B, if there is one, lost of A. Raises ``RecordingError``."""
     if request.b is None or runs.b is None:
-        return None, ()
+        return None
     question = LossQuestion(
         mapping=request.mapping,
         topics=request.topics,
@@ -165,14 +173,7 @@ def _loss(request: ReportRequest, runs: PairedRuns) -> tuple[LossMeasurement | N
         predict=request.predict,
         profile=request.profile,
     )
-    try:
-        return LossMeasurement(runs.a.summary, (request.b, runs.b.summary), question), ()
-    except RecordingError as error:
-        return None, (_unknown_loss(error),)
-
-
-def _unknown_loss(error: RecordingError) -> str:
-    return f"what was lost is not known: {error.cause}"
+    return LossMeasurement(runs.a.summary, (request.b, runs.b.summary), question)
 
 
 def _read_sent(
