@@ -184,6 +184,8 @@ def measure_accuracy(
 ) -> Accuracies:
     """Measure what each bound costs in a recording. Raises ``RecordingError`` where it cannot be read."""
     readings = readings_for(wanted, profile)
+    if not readings:
+        return (), ()
     with open_recording(bag) as recording:
         samples = read_samples(recording, readings, topics=readings, report=lambda done: report(done / 2))
         end_ns = recording.end_ns

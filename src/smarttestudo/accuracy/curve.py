@@ -19,7 +19,12 @@ from smarttestudo.accuracy.accuracy_curve import (
 from smarttestudo.accuracy.loss_report import Age, FieldError, error_columns
 from smarttestudo.accuracy.measure import age_of
 from smarttestudo.accuracy.reconstruction import field_error
-from smarttestudo.accuracy.recorded_samples import TopicReading, read_samples, require_numbers
+from smarttestudo.accuracy.recorded_samples import (
+    TopicReading,
+    joined,
+    read_samples,
+    require_numbers,
+)
 from smarttestudo.accuracy.samples import BULK_TYPES, Field, TopicSamples, fields_of
 from smarttestudo.bags.reader import open_recording
 from smarttestudo.bags.topic_selection import select_topics
@@ -189,13 +194,11 @@ def curve_rates_hz(source_hz: float, duration_s: float) -> tuple[float, ...]:
 
 def _point(samples: TopicSamples, fields: tuple[Field, ...], rate_hz: float, end_ns: int) -> CurvePoint:
     passed = samples.at_rate(math.inf if rate_hz == samples.mean_hz else rate_hz, end_ns)
-    series = [samples.series(field) for field in fields]
-    errors = (field_error(one, one.taken(passed.stamps_ns, passed.indices), end_ns) for one in series)
+    errors = (field_error(samples.series(field), passed.series(field), end_ns) for field in fields)
     duration_s = (end_ns - samples.stamps_ns[0]) / NS_PER_S
-    size_bytes = sum(samples.sizes[index] for index in passed.indices)
     return CurvePoint(
         rate_hz=rate_hz,
-        kb_per_s=size_bytes / BYTES_PER_KB / duration_s,
+        kb_per_s=passed.size_bytes / BYTES_PER_KB / duration_s,
         age=age_of(passed.stamps_ns, sent_from_ns=samples.stamps_ns[0], end_ns=end_ns),
         errors=tuple(errors),
     )
@@ -272,15 +275,11 @@ def measure_curves(
         types = {channel.topic: channel.type_name for channel in reversed(recording.channels)}
         patterns = [*topics, *fields]
         chosen = sorted(select_topics(patterns, types, place=str(bag)) if patterns else types)
+        readings = {topic: _reading(fields.get(topic, ()), profile.topic(topic)) for topic in chosen}
+        if with_accuracy:
+            readings = joined(readings, {topic: _kept(fields.get(topic), types[topic]) for topic in chosen})
         samples = read_samples(
-            recording,
-            {
-                topic: _reading(
-                    fields.get(topic, ()), profile.topic(topic), types[topic] if with_accuracy else None
-                )
-                for topic in chosen
-            },
-            report=lambda done: report(share * _SHARE_OF_READING * done),
+            recording, readings, report=lambda done: report(share * _SHARE_OF_READING * done)
         )
         end_ns = recording.end_ns
     require_numbers(samples.topics, fields)
@@ -288,13 +287,14 @@ def measure_curves(
     for number, topic in enumerate(chosen):
         report(share * (_SHARE_OF_READING + (1 - _SHARE_OF_READING) * number / len(chosen)))
         found[topic] = loss_curve(samples.topics[topic], end_ns)
-    costs: tuple[AccuracyCurve, ...] = ()
-    notices: tuple[str, ...] = ()
-    if with_accuracy:
-        wanted = {topic: accuracy_wanted(samples.topics[topic], fields.get(topic, ())) for topic in chosen}
-        costs, notices = accuracies(
-            samples.topics, wanted, end_ns, lambda done: report(share + (1 - share) * done)
-        )
+    wanted = {
+        topic: accuracy_wanted(samples.topics[topic], fields.get(topic, ()))
+        for topic in chosen
+        if with_accuracy
+    }
+    costs, notices = accuracies(
+        samples.topics, wanted, end_ns, lambda done: report(share + (1 - share) * done)
+    )
     return LossCurves(
         name=str(bag),
         curves=tuple(curve for curve in found.values() if curve),
@@ -304,17 +304,18 @@ def measure_curves(
     )
 
 
-def _reading(asked: Sequence[str], entry: TopicProfile, accuracy_type: str | None) -> TopicReading:
-    """How a topic is read; also for what bounds cost, where ``accuracy_type`` is its type."""
-
+def _reading(asked: Sequence[str], entry: TopicProfile) -> TopicReading:
     def choose(type_name: str, message: object) -> Sequence[Field]:
         chosen = fields_of(type_name, message, asked=asked)
         return [field for field in chosen if field.is_asked] if asked else chosen
 
-    names = asked or [one.name for one in geometry_of(accuracy_type or "")]
     return TopicReading(
         choose_fields=choose,
         undecoded_types=frozenset() if asked else BULK_TYPES,
-        properties=() if accuracy_type is None else tuple(names),
         level_unit=entry.level_unit,
     )
+
+
+def _kept(asked: Sequence[str] | None, type_name: str) -> TopicReading:
+    """How a topic is read for what bounds cost."""
+    return TopicReading(properties=tuple(asked or (one.name for one in geometry_of(type_name))))

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from smarttestudo.accuracy.samples import TopicSamples
-from smarttestudo.accuracy.thinning import thinned
+from smarttestudo.accuracy.track import thinned
 from smarttestudo.domain.profile import TopicProfile
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
 from smarttestudo.optimizer.allocation import round_down
@@ -96,7 +96,8 @@ def rate_of_bytes(samples: TopicSamples, size_bytes: int, end_ns: int) -> float:
     low_hz, high_hz = 0.0, source_hz
     for _ in range(_HALVINGS):
         rate_hz = (low_hz + high_hz) / 2
-        passed_bytes = sum(samples.sizes[index] for index in samples.at_rate(rate_hz, end_ns).indices)
+        passed = thinned(samples.stamps_ns, rate_hz, end_ns=end_ns, kind=samples.kind, frames=samples.frames)
+        passed_bytes = sum(samples.sizes[index] for index in passed.indices)
         low_hz, high_hz = (rate_hz, high_hz) if passed_bytes <= size_bytes else (low_hz, rate_hz)
     return low_hz
 

@@ -26,7 +26,6 @@ from smarttestudo.accuracy.recorded_samples import (
     read_samples,
 )
 from smarttestudo.accuracy.samples import IMAGE_TYPES, TopicSamples
-from smarttestudo.accuracy.thinning import Thinned
 from smarttestudo.bags.reader import open_recording
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.recording import Channel, RecordingReader
@@ -132,9 +131,16 @@ class ComparisonMeasurement:
             requests = [self._replay(rules, writer) for rules, writer in zip(replayed, passed, strict=True)]
             requests[0] = replace(requests[0], arrived=sent.write, report=report)
             outcomes = replay_together(requests)
-        for taker, outcome in zip(passed, outcomes, strict=True):
-            records = {topic: one.bounds for topic, one in outcome.topics.items()}
-            self._runs.append(_Run(topics=taker.samples, records=records))
+        self._runs += (
+            _Run(
+                name=rules.name,
+                view=rules.view,
+                topics=taker.samples,
+                bounds=bounds_of(rules.rule_set),
+                records={topic: one.bounds for topic, one in outcome.topics.items()},
+            )
+            for rules, taker, outcome in zip(replayed, passed, outcomes, strict=True)
+        )
         return RecordedSamples(topics=sent.samples, notices=(*recording.notices(), *sent.notices()))
 
     def _received(self) -> list[_Run]:
@@ -145,7 +151,7 @@ class ComparisonMeasurement:
             return []
         with open_recording(request.received) as recording:
             passed = read_samples(recording, self.readings(), report=lambda _: None)
-        return [_Run(topics=passed.topics, records={})]
+        return [_Run(name=first.name, topics=passed.topics)]
 
     def _replay(self, rules: NamedRules, writer: SampleTaker) -> ReplayRequest:
         bounded, profile = bounds_of(rules.rule_set), self._request.profile
@@ -162,52 +168,22 @@ class ComparisonMeasurement:
     def comparison(self, sent: RecordedSamples) -> AccuracyComparison:
         """Compare the pictures of all runs with what the robot ``sent``."""
         request, end_ns = self._request, self._recording.end_ns
+        first = self._runs[0]
         samples = {topic: one for topic, one in sent.topics.items() if topic in self._compared}
         rates_hz = {
-            topic: rate_of_bytes(one, self._runs[0].size_bytes(topic), end_ns)
-            for topic, one in samples.items()
+            topic: rate_of_bytes(one, first.size_bytes(topic), end_ns) for topic, one in samples.items()
         }
-        fixed = {topic: one.at_rate(rates_hz[topic], end_ns) for topic, one in samples.items()}
-        errors = {topic: self._errors(samples[topic], fixed[topic]) for topic in self.properties}
-        fixed_bytes = {
-            topic: sum(samples[topic].sizes[index] for index in one.indices) for topic, one in fixed.items()
-        }
-        at_rates = ArmAccuracy(
-            name=FIXED,
-            view=View.HOLD,
-            size_bytes=sum(fixed_bytes.values()),
-            topics={
-                topic: TopicAccuracy(
-                    messages=len(fixed[topic].indices),
-                    size_bytes=fixed_bytes[topic],
-                    properties=self._properties(topic, errors[topic][0], {}, {}),
-                )
-                for topic in self.properties
-            },
+        at_rates = _Run(
+            name=FIXED, topics={topic: one.at_rate(rates_hz[topic], end_ns) for topic, one in samples.items()}
         )
-        by_rules = (
-            ArmAccuracy(
-                name=rules.name,
-                view=rules.view,
-                size_bytes=sum(run.size_bytes(topic) for topic in self._compared),
-                topics={
-                    topic: TopicAccuracy(
-                        messages=run.messages(topic),
-                        size_bytes=run.size_bytes(topic),
-                        properties=self._properties(
-                            topic, errors[topic][number], bounds.get(topic, {}), run.records.get(topic, {})
-                        ),
-                    )
-                    for topic in self.properties
-                },
-            )
-            for number, (rules, bounds, run) in enumerate(
-                zip(request.rules, self._bounds, self._runs, strict=True), start=1
-            )
-        )
+        runs = [at_rates, *self._runs]
+        errors = {topic: self._errors(samples[topic], runs) for topic in self.properties}
         return AccuracyComparison(
             bag=request.called or str(request.bag),
-            arms=(at_rates, *by_rules),
+            arms=tuple(
+                self._arm(run, {topic: errors[topic][number] for topic in errors})
+                for number, run in enumerate(runs)
+            ),
             fixed_hz=rates_hz,
             left_out=tuple(
                 topic
@@ -217,25 +193,39 @@ class ComparisonMeasurement:
             notices=sent.notices,
         )
 
-    def _errors(self, sent: TopicSamples, fixed: Thinned) -> list[dict[str, PacedPicture]]:
-        """The errors of one topic: at its fixed rate, then under each of the rules."""
+    def _errors(self, sent: TopicSamples, runs: Sequence[_Run]) -> list[dict[str, PacedPicture]]:
+        """The errors of one topic in each of the runs."""
         topic, track = sent.channel.topic, sent.track
         names = self.properties[topic]
-        receivers = [Receiver(Picture(track.gauges(names), reckons=False), track.messages(names, fixed))]
-        for rules, run in zip(self._request.rules, self._runs, strict=True):
-            picture = Picture(track.gauges(names), reckons=rules.view is View.RECKONED)
-            received = run.topics[topic].track.messages(names) if topic in run.topics else ()
-            receivers.append(Receiver(picture, received))
+        receivers = [
+            Receiver(
+                Picture(track.gauges(names), reckons=run.view is View.RECKONED),
+                run.topics[topic].track.messages(names) if topic in run.topics else (),
+            )
+            for run in runs
+        ]
         return picture_errors(track.messages(names), receivers, self._recording.end_ns)
 
+    def _arm(self, run: _Run, errors: Mapping[str, Mapping[str, PacedPicture]]) -> ArmAccuracy:
+        return ArmAccuracy(
+            name=run.name,
+            view=run.view,
+            size_bytes=sum(run.size_bytes(topic) for topic in self._compared),
+            topics={
+                topic: TopicAccuracy(
+                    messages=len(run.topics[topic].stamps_ns) if topic in run.topics else 0,
+                    size_bytes=run.size_bytes(topic),
+                    properties=self._properties(topic, run, errors[topic]),
+                )
+                for topic in self.properties
+            },
+        )
+
     def _properties(
-        self,
-        topic: str,
-        errors: Mapping[str, PacedPicture],
-        bounds: Mapping[str, Collection[float]],
-        records: Mapping[str, BoundRecord],
+        self, topic: str, run: _Run, errors: Mapping[str, PacedPicture]
     ) -> dict[str, PropertyAccuracy]:
         specs = accuracy_properties_of(self._channels[topic].type_name)
+        bounds, records = run.bounds.get(topic, {}), run.records.get(topic, {})
         return {
             name: PropertyAccuracy(
                 unit=specs[name].unit if name in specs else "",
@@ -249,13 +239,13 @@ class ComparisonMeasurement:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Run:
-    """The messages that passed under some rules, and how their bounds were kept, by topic."""
+    """The messages that passed in one way, and by topic its bounds and how they were kept."""
 
+    name: str
+    view: View = View.HOLD
     topics: Mapping[str, TopicSamples]
-    records: Mapping[str, Mapping[str, BoundRecord]]
-
-    def messages(self, topic: str) -> int:
-        return len(self.topics[topic].stamps_ns) if topic in self.topics else 0
+    bounds: Mapping[str, Mapping[str, Collection[float]]] = field(default_factory=dict)
+    records: Mapping[str, Mapping[str, BoundRecord]] = field(default_factory=dict)
 
     def size_bytes(self, topic: str) -> int:
         return self.topics[topic].size_bytes if topic in self.topics else 0

@@ -155,7 +155,7 @@ class LossMeasurement:
             carried=Carried(
                 sent_bytes=sum(shared.sent.size_bytes for shared in topics),
                 received_bytes=sum(shared.received.size_bytes for shared in topics),
-                fixed_bytes=sum(shared.fixed_bytes for shared in topics),
+                fixed_bytes=sum(shared.fixed.size_bytes for shared in topics),
             ),
             notices=(*sent.notices, *received.notices, *self._notices(topics)),
         )
