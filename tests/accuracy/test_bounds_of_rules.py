@@ -268,6 +268,21 @@ def test_the_first_messages_that_nobody_received_are_said_to_show_nothing(
     assert (bound["broken"], bound["worst"]) == (40, 0)
 
 
+def test_what_the_operator_got_before_the_robots_recording_began_is_shown(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    messages = CIRCLE.messages
+    write_bag(tmp_path / "bag", BagContent(CIRCLE.topics, messages[40:]))
+    write_bag(tmp_path / "seen", BagContent(CIRCLE.topics, (*messages[:40], *messages[41:])))
+    (tmp_path / "rules.adirf").write_text(f"begin {TOO_SLOW} end")
+    command = ["bag", "loss", str(tmp_path / "bag"), str(tmp_path / "seen"), "--rules"]
+    assert main([*command, str(tmp_path / "rules.adirf"), "--json"]) == 0
+    (bound,) = json.loads(capsys.readouterr().out)["bounds"]
+    # One message at 20 Hz is missing, of a robot at 0.5 m/s.
+    assert (bound["broken"], bound["worst_at_s"]) == (0, 0)
+    assert bound["worst"] == pytest.approx(0.025, rel=0.01)
+
+
 def test_a_report_tells_of_the_bounds_too(tmp_path: Path) -> None:
     run = replay_content(CIRCLE, TOO_SLOW, tmp_path)
     page = tmp_path / "report.html"
