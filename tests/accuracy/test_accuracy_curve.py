@@ -26,10 +26,12 @@ from pacing.reckoning.ros_messages import (
 )
 from replays.replay_runs import replay_content
 from replays.test_replay_bounds import recorded
-from smarttestudo.accuracy.accuracy_curve import AccuracyMeter, Paced
+from smarttestudo.accuracy.arms import Arm, Strategy
+from smarttestudo.accuracy.track import Message as Sent
 from smarttestudo.cli.main import main
 from smarttestudo.language.properties import gauges_for
 from smarttestudo.pacing.reckoning.motion import Twist, Vector3
+from smarttestudo.pacing.reckoning.picture import Picture
 from smarttestudo.pacing.sample import StreamKind
 
 S = 1_000_000_000
@@ -185,14 +187,17 @@ def test_a_bound_is_never_broken_by_its_own_pacing(steps: list[tuple[int, int]],
             self.data = data
 
     gauges = gauges_for("std_msgs/msg/Float64", ["data"])
-    ways = [Paced(reckons=False, bound=bound), Paced(reckons=False)]
-    meter = AccuracyMeter(gauges, "data", StreamKind.VOLATILE, ways)
+    arms = [
+        Arm(Picture(gauges, reckons=False), "data", StreamKind.VOLATILE, strategy)
+        for strategy in (Strategy(reckons=False, bound=bound), Strategy(reckons=False))
+    ]
     now_ns = 0
     for step_ns, value in steps:
         now_ns += step_ns
         readings = tuple(gauge.read(b"", Message(value), now_ns) for gauge in gauges)
-        meter.take(readings, (), now_ns)
-    within, everything = meter.finish(now_ns)
+        for arm in arms:
+            arm.send(Sent(now_ns, readings))
+    within, everything = (arm.finish(now_ns) for arm in arms)
     assert (within.worst <= bound, within.unknown) == (True, 0)
     assert (everything.messages, everything.rmse, everything.worst) == (len(steps), 0, 0)
     assert within.rmse <= within.worst

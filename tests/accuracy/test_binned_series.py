@@ -8,9 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from accuracy.loss_signals import series
-from smarttestudo.accuracy.binned_series import BinnedSeries, TimeBins, binned_age, binned_error
 from smarttestudo.accuracy.measure import age_of
-from smarttestudo.accuracy.reconstruction import field_error
+from smarttestudo.accuracy.reconstruction import BinnedSeries, TimeBins, binned_age, binned_error, field_error
 from smarttestudo.accuracy.samples import Series
 from smarttestudo.domain.units import NS_PER_S
 

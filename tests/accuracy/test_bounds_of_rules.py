@@ -19,10 +19,13 @@ from bags.bag_factory import BagContent, write_bag
 from pacing.reckoning.ros_messages import ODOMETRY, odometry, planar
 from replays.replay_runs import ReplayRun, replay_content
 from replays.test_replay_bounds import driven, recorded
+from smarttestudo.accuracy.arms import Receiver
 from smarttestudo.accuracy.bounds import BoundLoss, BoundWatch
+from smarttestudo.accuracy.track import Message
 from smarttestudo.cli.main import main
 from smarttestudo.language.properties import gauges_for
 from smarttestudo.pacing.reckoning.motion import Twist, Vector3
+from smarttestudo.pacing.reckoning.picture import Picture
 
 GOLDEN = Path(__file__).parent / "golden"
 S = 1_000_000_000
@@ -39,11 +42,15 @@ def judged(
     """What ``BoundWatch`` says of a number, shown in the order of the stamps."""
     changes = [(at, {} if bound is None else {"data": bound}) for at, bound in in_force]
     gauges = gauges_for("std_msgs/msg/Float64", ["data"])
-    watch = BoundWatch(gauges, changes, frozenset(), reckons=False, start_ns=0)
-    shown = [(at, 0, value) for at, value in received] + [(at, 1, value) for at, value in sent]
-    for at, side, value in sorted(shown, key=lambda one: one[:2]):
-        show = watch.sent if side else watch.received
-        show(at, str(value).encode(), SimpleNamespace(data=value))
+
+    def message(at: int, value: float) -> Message:
+        readings = tuple(gauge.read(b"", SimpleNamespace(data=value), at) for gauge in gauges)
+        return Message(at, readings, digest=hash(str(value)))
+
+    receiver = Receiver(Picture(gauges, reckons=False), [message(*one) for one in received])
+    watch = BoundWatch(receiver, changes, {}, reckons=False, start_ns=0)
+    for one in sent:
+        watch.sent(message(*one))
     return list(watch.losses("/level", {}, end_ns))
 
 
@@ -259,6 +266,21 @@ def test_the_first_messages_that_nobody_received_are_said_to_show_nothing(
     (bound,) = json.loads(capsys.readouterr().out)["bounds"]
     assert bound["stretches"] == [{"from_s": 0, "to_s": 2, "messages": 40, "worst": None}]
     assert (bound["broken"], bound["worst"]) == (40, 0)
+
+
+def test_what_the_operator_got_before_the_robots_recording_began_is_shown(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    messages = CIRCLE.messages
+    write_bag(tmp_path / "bag", BagContent(CIRCLE.topics, messages[40:]))
+    write_bag(tmp_path / "seen", BagContent(CIRCLE.topics, (*messages[:40], *messages[41:])))
+    (tmp_path / "rules.adirf").write_text(f"begin {TOO_SLOW} end")
+    command = ["bag", "loss", str(tmp_path / "bag"), str(tmp_path / "seen"), "--rules"]
+    assert main([*command, str(tmp_path / "rules.adirf"), "--json"]) == 0
+    (bound,) = json.loads(capsys.readouterr().out)["bounds"]
+    # One message at 20 Hz is missing, of a robot at 0.5 m/s.
+    assert (bound["broken"], bound["worst_at_s"]) == (0, 0)
+    assert bound["worst"] == pytest.approx(0.025, rel=0.01)
 
 
 def test_a_report_tells_of_the_bounds_too(tmp_path: Path) -> None:

@@ -11,27 +11,36 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pacing.reckoning.ros_messages import ODOMETRY, odometry, planar
-from smarttestudo.accuracy.comparison import Message, PictureError, picture_errors
+from smarttestudo.accuracy.arms import PacedPicture, Receiver, picture_errors
+from smarttestudo.accuracy.track import Message
 from smarttestudo.language.properties import gauges_for
 from smarttestudo.pacing.reckoning.motion import Twist, Vector3
 from smarttestudo.pacing.reckoning.picture import Picture
 
 SECOND_NS = 1_000_000_000
+GAUGES = gauges_for(ODOMETRY, ["position"])
 
 
 def at(t_s: float, x_m: float, speed_m_per_s: float = 0.0) -> Message:
     """An odometry message of a robot on the x axis."""
     stamp_ns = round(t_s * SECOND_NS)
     twist = Twist(Vector3(speed_m_per_s, 0, 0), Vector3(0, 0, 0))
-    return stamp_ns, odometry(stamp_ns + 1, planar(x_m, 0, 0), twist)
+    payload = odometry(stamp_ns + 1, planar(x_m, 0, 0), twist)
+    return Message(stamp_ns, tuple(gauge.read(payload, None, stamp_ns) for gauge in GAUGES))
+
+
+def errors_of(
+    sent: Sequence[Message], received: Sequence[Message], end_s: float, *, reckons: bool
+) -> dict[str, PacedPicture]:
+    receiver = Receiver(Picture(GAUGES, reckons=reckons), received)
+    (errors,) = picture_errors(sent, [receiver], round(end_s * SECOND_NS))
+    return errors
 
 
 def error(
     sent: Sequence[Message], received: Sequence[Message], end_s: float, *, reckons: bool
-) -> PictureError:
-    picture = Picture(gauges_for(ODOMETRY, ["position"]), reckons=reckons)
-    errors = picture_errors(picture, sent, received, round(end_s * SECOND_NS), lambda _: None)
-    return errors["position"]
+) -> PacedPicture:
+    return errors_of(sent, received, end_s, reckons=reckons)["position"]
 
 
 def test_errors_count_as_long_as_the_message_that_shows_them() -> None:
@@ -53,7 +62,7 @@ def test_a_reckoned_picture_moves_with_the_twist_of_its_last_message() -> None:
 
 def test_what_came_before_the_next_message_of_the_source_counts_from_that_one_on() -> None:
     sent = [at(0, 0), at(1, 1), at(2, 2)]
-    late = (round(1.5 * SECOND_NS), sent[1][1])
+    late = sent[1]._replace(stamp_ns=round(1.5 * SECOND_NS))
 
     found = error(sent, [sent[0], late], 3, reckons=False)
 
@@ -63,9 +72,10 @@ def test_what_came_before_the_next_message_of_the_source_counts_from_that_one_on
 def test_before_anything_is_shown_there_is_no_error() -> None:
     sent = [at(0, 5), at(1, 6), at(2, 7)]
 
-    assert error(sent, sent[1:2], 3, reckons=False) == PictureError(rmse=math.sqrt(1 / 2), worst=1.0)
-    picture = Picture(gauges_for(ODOMETRY, ["position"]), reckons=False)
-    assert picture_errors(picture, sent, [], 3 * SECOND_NS, lambda _: None) == {}
+    assert error(sent, sent[1:2], 3, reckons=False) == PacedPicture(
+        messages=1, rmse=math.sqrt(1 / 2), worst=1.0, unknown=1
+    )
+    assert errors_of(sent, [], 3, reckons=False) == {}
 
 
 PLACES = st.lists(st.tuples(st.integers(1, 50), st.integers(-9, 9), st.booleans()), min_size=1, max_size=30)

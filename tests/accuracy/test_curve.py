@@ -81,8 +81,8 @@ def test_at_the_breakpoints_the_error_of_a_sine_is_20_10_5_2_1_percent() -> None
     assert breakpoints is not None
     sent, end_ns = samples.series(Field(name="data")), samples.stamps_ns[-1]
     for tier_hz, level in zip(breakpoints.tiers_hz, LEVELS, strict=False):
-        passed = samples.at_rate(tier_hz, end_ns)
-        error = field_error(sent, sent.taken(passed.stamps_ns, passed.indices), end_ns)
+        passed = samples.at_rate(tier_hz, end_ns).series(Field(name="data"))
+        error = field_error(sent, passed, end_ns)
         assert error is not None
         assert error.hold.relative_rmse == pytest.approx(level, rel=0.05)
     assert breakpoints.tiers_hz[-1] == HZ

@@ -11,10 +11,10 @@ from itertools import pairwise
 from smarttestudo.accuracy.accuracy_curve import (
     AccuracyCurve,
     AccuracyPoint,
-    BoundPrice,
+    BoundCost,
     Motion,
-    PacedPicture,
 )
+from smarttestudo.accuracy.arms import PacedPicture
 from smarttestudo.accuracy.loss_report import (
     Age,
     Carried,
@@ -313,15 +313,15 @@ def demo_like_accuracy() -> AccuracyCurve:
         source_hz=25.5,
         motion=Motion(mean_per_s=0.248, max_per_s=0.25),
         points=tuple(
-            AccuracyPoint(bound=bound, hold=_price(bound, held, 1.2), reckoned=_price(bound, reckoned, 4.0))
+            AccuracyPoint(bound=bound, hold=_cost(bound, held, 1.2), reckoned=_cost(bound, reckoned, 4.0))
             for bound, (held, reckoned) in sent.items()
         ),
     )
 
 
-def _price(bound: float, messages: int, worse: float) -> BoundPrice:
+def _cost(bound: float, messages: int, worse: float) -> BoundCost:
     within, fixed = (
         PacedPicture(messages=messages, rmse=worst / 2, worst=worst, unknown=0)
         for worst in (0.99 * bound, worse * bound)
     )
-    return BoundPrice(within=within, fixed=fixed, fixed_hz=messages / 60)
+    return BoundCost(within=within, fixed=fixed, fixed_hz=messages / 60)

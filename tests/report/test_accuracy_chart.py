@@ -18,10 +18,10 @@ from report.demo_like_report import demo_like_accuracy, demo_like_report
 from smarttestudo.accuracy.accuracy_curve import (
     AccuracyCurve,
     AccuracyPoint,
-    BoundPrice,
+    BoundCost,
     Motion,
-    PacedPicture,
 )
+from smarttestudo.accuracy.arms import PacedPicture
 from smarttestudo.report.accuracy_chart import accuracy_chart
 from smarttestudo.report.accuracy_curve_section import draw_accuracy
 from smarttestudo.report.document import render_report
@@ -35,7 +35,7 @@ ERRORS = st.builds(
     worst=st.one_of(st.just(0.0), st.floats(1e-9, 1e9)),
     unknown=st.just(0),
 )
-PRICES = st.builds(BoundPrice, within=ERRORS, fixed=ERRORS, fixed_hz=st.floats(0.1, math.inf))
+COSTS = st.builds(BoundCost, within=ERRORS, fixed=ERRORS, fixed_hz=st.floats(0.1, math.inf))
 CURVES = st.builds(
     AccuracyCurve,
     topic=st.just("/odom"),
@@ -45,7 +45,7 @@ CURVES = st.builds(
     motion=st.just(Motion(mean_per_s=1.0, max_per_s=2.0)),
     points=st.lists(
         st.builds(
-            AccuracyPoint, bound=st.floats(1e-3, 1e3), hold=PRICES, reckoned=st.one_of(st.none(), PRICES)
+            AccuracyPoint, bound=st.floats(1e-3, 1e3), hold=COSTS, reckoned=st.one_of(st.none(), COSTS)
         ),
         min_size=1,
         max_size=5,
@@ -89,9 +89,9 @@ def test_points_at_it_tell_the_numbers() -> None:
 @given(CURVES)
 def test_whatever_the_numbers_every_place_is_within_the_chart(curve: AccuracyCurve) -> None:
     chart = accuracy_chart(curve)
-    prices = [price for point in curve.points for price in (point.hold, point.reckoned) if price]
+    costs = [cost for point in curve.points for cost in (point.hold, point.reckoned) if cost]
     if chart is None:
-        assert not any(error.worst for price in prices for error in (price.within, price.fixed))
+        assert not any(error.worst for cost in costs for error in (cost.within, cost.fixed))
         return
     assert len(chart.messages.ticks) <= 7
     assert len(chart.errors.ticks) <= 7
@@ -103,8 +103,8 @@ def test_whatever_the_numbers_every_place_is_within_the_chart(curve: AccuracyCur
 
 def test_where_every_message_passes_there_is_no_drawing_and_still_a_table() -> None:
     nothing = PacedPicture(messages=300, rmse=0.0, worst=0.0, unknown=0)
-    price = BoundPrice(within=nothing, fixed=nothing, fixed_hz=math.inf)
-    curve = replace(demo_like_accuracy(), points=(AccuracyPoint(bound=0.01, hold=price, reckoned=None),))
+    cost = BoundCost(within=nothing, fixed=nothing, fixed_hz=math.inf)
+    curve = replace(demo_like_accuracy(), points=(AccuracyPoint(bound=0.01, hold=cost, reckoned=None),))
     assert accuracy_chart(curve) is None
     page = render_report(replace(demo_like_report(), accuracy_curve=curve))
     assert "What an accuracy costs" in page

@@ -23,7 +23,7 @@ from smarttestudo.files.whole_file import OutputFileError
 from smarttestudo.report.figures.draw import draw_figures
 from smarttestudo.report.figures.kinds import FigureKind
 from smarttestudo.report.figures.over_time import rates_figure
-from smarttestudo.report.figures.styles import HATCHES, rule_look
+from smarttestudo.report.figures.styles import HATCHES, rule_line
 from smarttestudo.report.rule_styles import DEFAULTS, OTHERS, STYLED_BLOCKS, RuleStyle
 from smarttestudo.report.run_report import RunReport, TopicHistory, TopicSeries
 from smarttestudo.report.series import SeriesPoint
@@ -106,9 +106,9 @@ def test_a_folder_that_cannot_be_made_is_told_in_one_line(tmp_path: Path) -> Non
         draw_figures(small_report(), {FigureKind.PATH}, tmp_path / "figures")
 
 
-def test_looks_differ_by_more_than_their_colour() -> None:
+def test_styles_differ_by_more_than_their_colour() -> None:
     own = [RuleStyle(css_class=f"by-rule-{index}", name="") for index in range(1, STYLED_BLOCKS + 1)]
-    lines = [rule_look(style) for style in (*own, DEFAULTS, OTHERS)]
+    lines = [rule_line(style) for style in (*own, DEFAULTS, OTHERS)]
     assert len({(line.dash, line.width) for line in lines}) == len(lines)
     assert len(HATCHES) == MOST_LAYERS + 1
     assert all(one != other for one, other in pairwise(HATCHES))

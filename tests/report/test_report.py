@@ -208,34 +208,34 @@ def test_every_topic_has_a_chart_and_every_decision_a_line() -> None:
     assert "31.2 /odom 10 Hz → 4 Hz Warehouse Corridor · line 14 /odom pose_x = 2.1, pose_y = 2.1" in lines
 
 
-def test_the_path_is_drawn_in_the_looks_of_the_deciding_rules() -> None:
+def test_the_path_is_drawn_in_the_styles_of_the_deciding_rules() -> None:
     document = tree(render_report(demo_like_report()))
     floor = next(element for element in document.iter("svg") if element.get("class") == "map")
-    looks = [
+    styles = [
         element.get("class", "").removeprefix("path ")
         for element in floor.iter("polyline")
         if element.get("class", "").startswith("path ")
     ]
-    assert looks == ["by-rule-2", "by-default", "by-rule-1", "by-rule-2", "by-default"]
+    assert styles == ["by-rule-2", "by-default", "by-rule-1", "by-rule-2", "by-default"]
     zones = [element.get("class") for element in floor.iter("rect") if "zone" in element.get("class", "")]
     assert zones == ["zone by-rule-1", "zone by-rule-2"]
 
 
 def test_every_class_on_the_page_has_a_look() -> None:
-    looks = {f"by-rule-{index}" for index in range(1, STYLED_BLOCKS + 1)}
+    styles = {f"by-rule-{index}" for index in range(1, STYLED_BLOCKS + 1)}
     made_by_scripts = {"time-bar", "scripted", "robot", "known", "zoomed", "shown-path", "cursor", "chosen"}
     shares = {f"share-{index}" for index in range(1, MOST_LAYERS + 2)}
     used = (
         classes(render_report(demo_like_report()))
         | made_by_scripts
         | shares
-        | looks
+        | styles
         | {DEFAULTS.css_class, OTHERS.css_class}
     )
     assert {name for name in used if f".{name}" not in style()} == set()
 
 
-def test_more_rules_than_looks_share_one_and_are_still_named_in_the_decisions() -> None:
+def test_more_rules_than_styles_share_one_and_are_still_named_in_the_decisions() -> None:
     decisions = tuple(
         decided(float(at), "/odom", Rate(1.0), f"Rule {at}", at) for at in range(STYLED_BLOCKS + 2)
     )

@@ -1573,7 +1573,7 @@ export interface TimedCondition {
   duration: DurationValue;
 }
 
-/** What one arm carried of a topic: messages, bytes (as declared, where they are) and age. */
+/** One arm's share of a topic: messages, bytes (as declared, where they are) and age. */
 export interface TopicArm {
   messages: number;
   size_bytes: number;

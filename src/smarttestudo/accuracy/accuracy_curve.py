@@ -1,73 +1,45 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""How many messages an accuracy needs, under bounds and at fixed rates."""
+"""The messages that an accuracy needs, under bounds and at fixed rates."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from types import MappingProxyType
 
-from smarttestudo.accuracy.error_over_time import ErrorOverTime
-from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.pacing.bound import HEARTBEAT_HZ, BoundRecord
-from smarttestudo.pacing.reckoning.gauges import Distance, Gauge, MovingPart, Reading
+from smarttestudo.accuracy.arms import Arm, PacedPicture, Strategy
+from smarttestudo.accuracy.fixed_rates import rate_of_messages
+from smarttestudo.accuracy.json_object import JsonObject
+from smarttestudo.accuracy.recorded_samples import TopicReading, read_samples
+from smarttestudo.accuracy.samples import TopicSamples
+from smarttestudo.accuracy.track import Message
+from smarttestudo.bags.reader import open_recording
+from smarttestudo.domain.profile import Profile
+from smarttestudo.domain.rate_meter import mean_hz
+from smarttestudo.domain.recording import Channel
+from smarttestudo.domain.units import NS_PER_S, counted
+from smarttestudo.language.properties import needs_decoded, properties_for_bounds
+from smarttestudo.pacing.reckoning.gauges import Distance, MovingPart, Reading
 from smarttestudo.pacing.reckoning.picture import MAX_PARTS, Picture
-from smarttestudo.pacing.sample import Pass, Sample, StreamKind
-from smarttestudo.pacing.topic_pacer import Accuracy, TopicPacer
 
 _SMALL_BOUNDS = (0.01, 0.02, 0.05, 0.1, 0.2)
 _BOUNDS_BY_UNIT: Mapping[str, tuple[float, ...]] = MappingProxyType(
     {"m": _SMALL_BOUNDS, "rad": _SMALL_BOUNDS, "°": (1.0, 2.0, 5.0, 10.0, 20.0)}
 )
-
-
-def usual_bounds(unit: str, value_range: float | None) -> tuple[float, ...]:
-    """1, 2, 5, 10 and 20 cm, hundredths of a rad, degrees, or percent of ``value_range``."""
-    if unit in _BOUNDS_BY_UNIT:
-        return _BOUNDS_BY_UNIT[unit]
-    return tuple(share * value_range for share in _SMALL_BOUNDS) if value_range else ()
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Paced:
-    """A way to send a topic: within ``bound`` of a property, or at a fixed ``rate_hz``.
-
-    With ``reckons`` the receiver shows dead reckoning, else it holds the last message.
-    """
-
-    reckons: bool
-    bound: float | None = None
-    rate_hz: float = math.inf
+_POSITIONS = (
+    "nav_msgs/msg/Odometry",
+    "geometry_msgs/msg/PoseWithCovarianceStamped",
+    "geometry_msgs/msg/PoseStamped",
+    "tf2_msgs/msg/TFMessage",
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PacedPicture:
-    """What passed, and how far the receiver's picture was off after each message of the source.
-
-    ``rmse`` is over time, ``worst`` is the largest error, both without the ``unknown`` messages after which
-    nothing was shown.
-    """
-
-    messages: int
-    rmse: float
-    worst: float
-    unknown: int
-
-    def to_json(self) -> dict[str, object]:
-        """The entry in ``--json``."""
-        return {
-            "messages": self.messages,
-            "rmse": self.rmse,
-            "worst": self.worst,
-            "unknown": self.unknown,
-        }
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class BoundPrice:
-    """What a bound costs and gives, and beside it the fixed rate of as many messages.
+class BoundCost(JsonObject):
+    """The cost and effect of a bound, and beside it the fixed rate of as many messages.
 
     ``fixed_hz`` is infinite where every message passes.
     """
@@ -83,22 +55,17 @@ class BoundPrice:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class AccuracyPoint:
+class AccuracyPoint(JsonObject):
     """One bound, with a receiver that holds and with one that reckons, if what it shows can be reckoned."""
 
     bound: float
-    hold: BoundPrice
-    reckoned: BoundPrice | None
-
-    def to_json(self) -> dict[str, object]:
-        """The entry in ``--json``."""
-        reckoned = self.reckoned.to_json() if self.reckoned else None
-        return {"bound": self.bound, "hold": self.hold.to_json(), "reckoned": reckoned}
+    hold: BoundCost
+    reckoned: BoundCost | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Motion:
-    """How fast a property changes from message to message, of the part that moves most: |x′| per s.
+class Motion(JsonObject):
+    """Speed of a property from message to message, of the part that moves most: |x′| per s.
 
     ``part`` is a child frame or a joint, or empty.
     """
@@ -123,7 +90,7 @@ class Motion:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class AccuracyCurve:
+class AccuracyCurve(JsonObject):
     """A property of a topic at some bounds, beside the ``messages`` of its source and their mean rate.
 
     ``source_hz`` is ``None`` where all of them have one stamp.
@@ -149,98 +116,221 @@ class AccuracyCurve:
         }
 
 
-class AccuracyMeter:
-    """Sends one property of a topic in several ways at once, and measures each receiver's picture."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WantedProperty:
+    """A property to measure, with the bounds to try, in its unit."""
 
-    def __init__(self, gauges: Sequence[Gauge], name: str, kind: StreamKind, ways: Sequence[Paced]) -> None:
-        self._name = name
-        self._arms = [_Arm(gauges, name, kind, way) for way in ways]
-
-    def take(self, readings: tuple[Reading | None, ...], frames: tuple[str, ...], now_ns: int) -> None:
-        """The source sent a message, which was read."""
-        sample = Sample(b"", 0, None, frames, None, readings)
-        for arm in self._arms:
-            arm.take(sample, now_ns)
-
-    def finish(self, end_ns: int) -> list[PacedPicture]:
-        """The recording ends: what was found, in the order of the ways."""
-        return [arm.finish(end_ns) for arm in self._arms]
+    name: str
+    unit: str
+    bounds: tuple[float, ...]
 
 
-class _Arm:
-    """One way to send the topic, with its receiver."""
+def usual_bounds(unit: str, value_range: float | None) -> tuple[float, ...]:
+    """1, 2, 5, 10 and 20 cm, hundredths of a rad, degrees, or percent of ``value_range``."""
+    if unit in _BOUNDS_BY_UNIT:
+        return _BOUNDS_BY_UNIT[unit]
+    return tuple(share * value_range for share in _SMALL_BOUNDS) if value_range else ()
 
-    __slots__ = ("_error", "_kept", "_messages", "_name", "_pacer", "_picture", "_way")
 
-    def __init__(self, gauges: Sequence[Gauge], name: str, kind: StreamKind, way: Paced) -> None:
-        self._name, self._way = name, way
-        self._pacer = TopicPacer(kind=kind)
-        self._picture = Picture(gauges, reckons=way.reckons)
-        self._kept: dict[str, BoundRecord] = {}
-        self._messages = 0
-        self._error: ErrorOverTime | None = None
+def geometry_of(type_name: str) -> tuple[WantedProperty, ...]:
+    """Positions, orientations and joints of a type that has any, with their usual bounds."""
+    return tuple(
+        WantedProperty(name=spec.name, unit=spec.unit, bounds=usual_bounds(spec.unit, None))
+        for spec in properties_for_bounds().get(type_name, ())
+    )
 
-    def take(self, sample: Sample, now_ns: int) -> None:
-        if self._error is None:
-            self._error = ErrorOverTime(now_ns)
-            self._start(now_ns)
-        self._wake_until(now_ns)
-        passes = self._pacer.offer(sample, now_ns)
-        self._pass(passes)
-        self._error.add(self._error_after(sample, passes), now_ns)
 
-    def _error_after(self, sample: Sample, passes: Sequence[Pass]) -> float:
-        """How far off the picture is; a pacer with bounds keeps it itself, and has compared already."""
-        if self._way.bound is not None:
-            return self._kept[self._name].last
-        if any(one.sample is sample for one in passes):
-            return 0.0
-        return self._picture.errors(sample.readings, sample.publisher)[self._name]
+def accuracy_wanted(samples: TopicSamples, asked: Collection[str]) -> tuple[WantedProperty, ...]:
+    """Of a topic whose fields are ``asked`` for, those that change; else its geometry."""
+    if not asked:
+        return geometry_of(samples.channel.type_name)
+    changing = ((one, samples.series(one).value_range) for one in samples.fields if one.name in asked)
+    return tuple(
+        WantedProperty(name=one.name, unit=one.unit, bounds=usual_bounds(one.unit, value_range))
+        for one, value_range in changing
+        if value_range
+    )
 
-    def finish(self, end_ns: int) -> PacedPicture:
-        self._pacer.finish()
-        self._wake_until(end_ns)
-        error = self._error or ErrorOverTime(end_ns)
-        error.pass_time(end_ns)
-        return PacedPicture(
-            messages=self._messages, rmse=error.rmse, worst=error.worst, unknown=error.unknown
+
+def position_wanted(
+    channels: Iterable[Channel], topics: Collection[str]
+) -> dict[str, tuple[WantedProperty, ...]]:
+    """The position of one of ``topics``: of odometry, else of a pose, else of frames; empty without any."""
+    known = [one for one in channels if one.topic in topics and one.type_name in _POSITIONS]
+    first = min(known, key=lambda one: (_POSITIONS.index(one.type_name), one.topic), default=None)
+    return {} if first is None else {first.topic: geometry_of(first.type_name)[:1]}
+
+
+Wanted = Mapping[str, Sequence[WantedProperty]]
+"""By topic."""
+
+Accuracies = tuple[tuple[AccuracyCurve, ...], tuple[str, ...]]
+"""The curves of some topics, by topic and property, and what was left out, a line each."""
+
+
+def readings_for(wanted: Wanted, profile: Profile) -> dict[str, TopicReading]:
+    """How the topics are to be read for ``accuracies``."""
+    return {
+        topic: TopicReading(
+            properties=tuple(one.name for one in properties), level_unit=profile.topic(topic).level_unit
+        )
+        for topic, properties in wanted.items()
+        if properties
+    }
+
+
+def measure_accuracy(
+    bag: Path, wanted: Wanted, profile: Profile, report: Callable[[float], None]
+) -> Accuracies:
+    """Measure what each bound costs in a recording. Raises ``RecordingError`` where it cannot be read."""
+    readings = readings_for(wanted, profile)
+    if not readings:
+        return (), ()
+    with open_recording(bag) as recording:
+        samples = read_samples(recording, readings, topics=readings, report=lambda done: report(done / 2))
+        end_ns = recording.end_ns
+    return accuracies(samples.topics, wanted, end_ns, lambda done: report((1 + done) / 2))
+
+
+def accuracies(
+    samples: Mapping[str, TopicSamples], wanted: Wanted, end_ns: int, report: Callable[[float], None]
+) -> Accuracies:
+    """Measure what each bound costs of what is ``wanted``; ``samples`` keep these properties."""
+    curves: list[AccuracyCurve] = []
+    notices: list[str] = []
+    topics = sorted(topic for topic in samples if wanted.get(topic))
+    for number, topic in enumerate(topics):
+        report(number / len(topics))
+        source = _Source(samples[topic], [one.name for one in wanted[topic]])
+        properties = [_Property(one, source) for one in wanted[topic]]
+        for message in source.messages():
+            for one in properties:
+                one.measure_motion(message)
+                one.send(message)
+        for one in properties:
+            one.turn_to_fixed_rates(end_ns)
+        for message in source.messages():
+            for one in properties:
+                one.send(message)
+        curves += (curve for one in properties if (curve := one.curve(end_ns)).motion.max_per_s)
+        unreadable = len(samples[topic].track) - len(source.stamps_ns)
+        if unreadable:
+            unread = counted(unreadable, "message")
+            notices.append(f"{topic}: {unread} could not be read and stand in no bound's figures")
+    return tuple(curves), tuple(notices)
+
+
+class _Source:
+    """The messages of a topic that can be read, and their stamps and frames once they were."""
+
+    def __init__(self, samples: TopicSamples, names: Collection[str]) -> None:
+        self.topic, self.kind, self.track = samples.channel.topic, samples.kind, samples.track
+        self.stamps_ns: list[int] = []
+        self.frames: list[tuple[str, ...]] = []
+        self._names = names
+
+    def place(self, name: str) -> int:
+        """Where in the readings of a message that of a property stands."""
+        gauges = self.track.gauges(self._names)
+        return next(number for number, gauge in enumerate(gauges) if name in gauge.distances)
+
+    def messages(self) -> Iterator[Message]:
+        """Read them, in one pass."""
+        self.stamps_ns, self.frames = [], []
+        for message in self.track.messages(self._names):
+            if None not in message.readings:
+                self.stamps_ns.append(message.stamp_ns)
+                self.frames.append(message.frames)
+                yield message
+
+
+class _Property:
+    """One property of a topic, sent by several strategies at once: within bounds, then at fixed rates."""
+
+    def __init__(self, wanted: WantedProperty, source: _Source) -> None:
+        self._wanted, self._source = wanted, source
+        self._place = source.place(wanted.name)
+        self._gauges = source.track.gauges([wanted.name])
+        self.meter = MotionMeter(self._gauges[0].distances[wanted.name])
+        # Fields that are read by decoding stay as they are, also for who reckons.
+        self._can_reckon = not needs_decoded(self._gauges)
+        receivers = (False, True) if self._can_reckon else (False,)
+        self._arms = self._arms_of(
+            Strategy(reckons=reckons, bound=bound) for reckons in receivers for bound in wanted.bounds
+        )
+        self._within: dict[Strategy, PacedPicture] = {}
+        self._at_rate: dict[Strategy, Strategy] = {}
+
+    def measure_motion(self, message: Message) -> None:
+        """Take note of how the property changed."""
+        self.meter.add(message.readings[self._place])
+
+    def send(self, message: Message) -> None:
+        """Send a message of the source by every strategy."""
+        own = message._replace(readings=(message.readings[self._place],))
+        for arm in self._arms.values():
+            arm.send(own)
+
+    def turn_to_fixed_rates(self, end_ns: int) -> None:
+        """End with the bounds, and turn to the rates of as many messages."""
+        source = self._source
+        self._within = {strategy: arm.finish(end_ns) for strategy, arm in self._arms.items()}
+        self._at_rate = {
+            strategy: Strategy(
+                reckons=strategy.reckons,
+                rate_hz=rate_of_messages(
+                    within.messages, source.stamps_ns, end_ns=end_ns, kind=source.kind, frames=source.frames
+                ),
+            )
+            for strategy, within in self._within.items()
+        }
+        self._arms = self._arms_of(self._at_rate.values())
+
+    def curve(self, end_ns: int) -> AccuracyCurve:
+        """The costs of the bounds, once the source was sent at fixed rates, too."""
+        fixed = {strategy: arm.finish(end_ns) for strategy, arm in self._arms.items()}
+
+        def cost(bound: float, *, reckons: bool) -> BoundCost:
+            strategy = Strategy(reckons=reckons, bound=bound)
+            at_rate = self._at_rate[strategy]
+            return BoundCost(within=self._within[strategy], fixed=fixed[at_rate], fixed_hz=at_rate.rate_hz)
+
+        wanted, stamps_ns = self._wanted, self._source.stamps_ns
+        return AccuracyCurve(
+            topic=self._source.topic,
+            property_name=wanted.name,
+            unit=wanted.unit,
+            messages=len(stamps_ns),
+            source_hz=mean_hz(len(stamps_ns), stamps_ns[-1] - stamps_ns[0] if stamps_ns else 0),
+            motion=self.meter.motion,
+            points=tuple(
+                AccuracyPoint(
+                    bound=bound,
+                    hold=cost(bound, reckons=False),
+                    reckoned=cost(bound, reckons=True) if self._can_reckon else None,
+                )
+                for bound in wanted.bounds
+            ),
         )
 
-    def _start(self, now_ns: int) -> None:
-        way = self._way
-        self._pacer.set_rate(way.rate_hz, now_ns)
-        if way.bound is not None:
-            accuracy = Accuracy(
-                picture=self._picture,
-                bounds={self._name: way.bound},
-                heartbeat_hz=HEARTBEAT_HZ,
-                records=self._kept,
-            )
-            self._pacer.set_accuracy(accuracy, now_ns)
-
-    def _wake_until(self, now_ns: int) -> None:
-        for _, passes in self._pacer.wake_until(now_ns):
-            self._pass(passes)
-
-    def _pass(self, passes: Sequence[Pass]) -> None:
-        self._messages += len(passes)
-        if self._way.bound is None:
-            for sample, _ in passes:
-                self._picture.show(sample.readings, sample.publisher)
+    def _arms_of(self, strategies: Iterable[Strategy]) -> dict[Strategy, Arm]:
+        name, kind = self._wanted.name, self._source.kind
+        return {
+            strategy: Arm(Picture(self._gauges, reckons=strategy.reckons), name, kind, strategy)
+            for strategy in strategies
+        }
 
 
 class MotionMeter:
-    """Measures how fast one property changes, each part on its own."""
+    """A meter of how fast one property changes, each part on its own."""
 
-    def __init__(self, gauges: Sequence[Gauge], name: str) -> None:
-        ((self._index, self._distance),) = [
-            (index, gauge.distances[name]) for index, gauge in enumerate(gauges) if name in gauge.distances
-        ]
+    def __init__(self, distance: Distance) -> None:
+        self._distance = distance
         self._parts: dict[Hashable, _Travel] = {}
 
-    def take(self, readings: tuple[Reading | None, ...]) -> None:
-        """The source sent a message, which was read."""
-        for part in readings[self._index] or ():
+    def add(self, reading: Reading | None) -> None:
+        """Take what was read of a message of the source."""
+        for part in reading or ():
             travel = self._parts.get(part.name)
             if travel is not None:
                 travel.go_on(part, self._distance)
@@ -257,7 +347,7 @@ class MotionMeter:
 
 
 class _Travel:
-    """How far a part moved, along its way, in the time between its first and last message."""
+    """The way that a part moved in the time between its first and last message."""
 
     __slots__ = ("last", "lasted_s", "max_per_s", "way")
 

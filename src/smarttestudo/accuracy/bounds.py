@@ -1,18 +1,19 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Whether what an operator received kept their picture within the bounds of the rules."""
+"""The bounds of the rules, judged by what an operator received."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+from smarttestudo.accuracy.arms import Receiver
+from smarttestudo.accuracy.json_object import JsonObject
+from smarttestudo.accuracy.track import Message
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.language.rule_set import RuleSet
-from smarttestudo.pacing.reckoning.gauges import Gauge
-from smarttestudo.pacing.reckoning.picture import Picture
 
 MOST_STRETCHES = 20
 """Broken stretches that are told of one bound; the others are counted."""
@@ -25,7 +26,7 @@ BoundsFrom = tuple[int, Bounds]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class BrokenStretch:
+class BrokenStretch(JsonObject):
     """From A's first message with the picture out of bounds to its next one with the picture within them.
 
     It ends earlier where the bound is no longer in force, and at the end of A. Times are in s since the start
@@ -37,13 +38,9 @@ class BrokenStretch:
     messages: int
     worst: float | None
 
-    def to_json(self) -> dict[str, object]:
-        """The entry in ``--json``."""
-        return {"from_s": self.from_s, "to_s": self.to_s, "messages": self.messages, "worst": self.worst}
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class BoundLoss:
+class BoundLoss(JsonObject):
     """How one bound of the rules was kept, over the messages of A while it was in force.
 
     ``broken`` counts those after which the picture was more than ``bound`` off, or showed nothing;
@@ -93,16 +90,19 @@ class BoundLoss:
         }
 
 
-def bounds_of(rule_set: RuleSet, topic: str) -> frozenset[tuple[str, float]]:
-    """Every bound of ``topic`` that the rules write down: its property and its number."""
-    written = (rule_set.bounds, *(block.bounds for block in rule_set.blocks))
-    return frozenset(one for bounds in written for one in bounds.get(topic, {}).items())
+def bounds_of(rule_set: RuleSet) -> dict[str, dict[str, set[float]]]:
+    """Every bound that the rules write down, by topic and property."""
+    found: dict[str, dict[str, set[float]]] = {}
+    for bounds in (rule_set.bounds, *(block.bounds for block in rule_set.blocks)):
+        for topic, of_topic in bounds.items():
+            for name, bound in of_topic.items():
+                found.setdefault(topic, {}).setdefault(name, set()).add(bound)
+    return found
 
 
 def bounded_topics(rule_set: RuleSet) -> frozenset[str]:
     """The topics that have a bound somewhere in the rules."""
-    written = (rule_set.bounds, *(block.bounds for block in rule_set.blocks))
-    return frozenset(topic for bounds in written for topic in bounds)
+    return frozenset(bounds_of(rule_set))
 
 
 def needs_decisions(rule_set: RuleSet, topic: str) -> bool:
@@ -122,54 +122,50 @@ def bounds_in_force(rule_set: RuleSet, topic: str, decisions: Sequence[Decision]
 
 
 class BoundWatch:
-    """Judges the bounds of one topic: show it, in time order, what was received and what was sent.
+    """The bounds of one topic, tallied over the messages sent while they are in force.
 
     ``written`` are the bounds of the rules, told of also where none was in force; ``in_force`` are those that
-    count, by stamp. Times of the result count from ``start_ns``.
+    count, by stamp. Times of the result count from ``start_ns``. With ``reckons`` the receiver shows dead
+    reckoning.
     """
 
     def __init__(
         self,
-        gauges: Sequence[Gauge],
+        receiver: Receiver,
         in_force: Sequence[BoundsFrom],
-        written: frozenset[tuple[str, float]],
+        written: Mapping[str, Collection[float]],
         *,
         reckons: bool,
         start_ns: int,
     ) -> None:
-        self._picture = Picture(gauges, reckons=reckons)
-        self._reckons = reckons
-        self._start_ns = self._now_ns = start_ns
+        self._receiver, self._reckons, self._start_ns = receiver, reckons, start_ns
         self._coming = iter(in_force)
         self._next = next(self._coming, None)
         self._bounds: Bounds = {}
-        self._tallies = {one: _Tally(start_ns) for one in sorted(written)}
-        self._last: tuple[int, bytes] | None = None
+        self._tallies = {
+            (name, bound): _Tally(start_ns) for name in sorted(written) for bound in sorted(written[name])
+        }
 
-    def received(self, stamp_ns: int, payload: bytes, message: object | None) -> None:
-        """The operator got this; of one stamp, what was received comes before what was sent."""
-        self._picture.show(self._picture.read(payload, message, stamp_ns), None)
-        self._last = stamp_ns, payload
-
-    def sent(self, stamp_ns: int, payload: bytes, message: object | None) -> None:
-        """The robot sent this, from which the picture is so far off."""
-        self._advance(stamp_ns)
+    def sent(self, message: Message) -> None:
+        """Count a message that the robot sent, by how far the picture is off from it."""
+        now_ns = message.stamp_ns
+        self._receiver.catch_up(now_ns)
+        self._advance(now_ns)
         if not self._bounds:
             return
-        readings = self._picture.read(payload, message, stamp_ns)
         errors = dict.fromkeys(self._bounds, 0.0)
-        is_unreadable = None in readings
-        if not is_unreadable and not self._just_received(stamp_ns, payload):
-            errors = self._picture.errors(readings, None)
+        is_unreadable = None in message.readings
+        if not is_unreadable and not self._just_received(message):
+            errors = self._receiver.errors(message)
         for name, bound in self._bounds.items():
             tally = self._tally(name, bound)
             if is_unreadable:
                 tally.unreadable += 1
             else:
-                tally.judge(stamp_ns, errors[name], is_broken=errors[name] > bound)
+                tally.judge(now_ns, errors[name], is_broken=errors[name] > bound)
 
     def losses(self, topic: str, units: Mapping[str, str], end_ns: int) -> Iterator[BoundLoss]:
-        """What was found, at the end of A."""
+        """End with A: what was found of ``topic``."""
         self._advance(end_ns)
         for name, bound in self._bounds.items():
             self._tally(name, bound).leave(end_ns)
@@ -184,17 +180,19 @@ class BoundWatch:
                 messages=tally.messages,
                 broken=tally.broken,
                 unreadable=tally.unreadable,
-                worst=None if math.isnan(tally.worst) else tally.worst,
-                worst_at_s=None if math.isnan(tally.worst) else self._seconds(tally.worst_ns),
+                worst=tally.worst,
+                worst_at_s=tally.worst_at_s,
                 broken_s=tally.broken_ns / NS_PER_S,
                 stretch_count=tally.stretch_count,
-                stretches=tuple(self._stretch(one) for one in tally.stretches),
+                stretches=tuple(tally.stretches),
             )
 
-    def _just_received(self, stamp_ns: int, payload: bytes) -> bool:
+    def _just_received(self, message: Message) -> bool:
         """Whether the picture was made from this very message: it is right then, whatever is in it."""
-        last = self._last
-        return last is not None and last[1] == payload and (not self._reckons or last[0] == stamp_ns)
+        last = self._receiver.last
+        if last is None or last.digest != message.digest:
+            return False
+        return not self._reckons or last.stamp_ns == message.stamp_ns
 
     def _advance(self, now_ns: int) -> None:
         """Take the bounds that came into force until ``now_ns``."""
@@ -212,36 +210,20 @@ class BoundWatch:
     def _tally(self, name: str, bound: float) -> _Tally:
         return self._tallies.setdefault((name, bound), _Tally(self._start_ns))
 
-    def _stretch(self, stretch: _Stretch) -> BrokenStretch:
-        return BrokenStretch(
-            from_s=self._seconds(stretch.from_ns),
-            to_s=self._seconds(stretch.to_ns),
-            messages=stretch.messages,
-            worst=None if math.isnan(stretch.worst) else stretch.worst,
-        )
-
-    def _seconds(self, stamp_ns: int) -> float:
-        return (stamp_ns - self._start_ns) / NS_PER_S
-
-
-@dataclass(slots=True)
-class _Stretch:
-    from_ns: int
-    to_ns: int
-    messages: int = 0
-    worst: float = math.nan
-
 
 class _Tally:
-    """Counts of one bound while it is in force; ``worst`` is NaN as long as there is none."""
+    """Counts of one bound while it is in force; times in s count from ``start_ns``."""
 
     def __init__(self, start_ns: int) -> None:
         self.messages = self.broken = self.unreadable = 0
         self.in_force_ns = self.broken_ns = self.stretch_count = 0
-        self.worst, self.worst_ns = math.nan, start_ns
-        self.stretches: list[_Stretch] = []
-        self._entered_ns = start_ns
-        self._open: _Stretch | None = None
+        self.worst: float | None = None
+        self.worst_at_s: float | None = None
+        self.stretches: list[BrokenStretch] = []
+        self._start_ns = self._entered_ns = start_ns
+        self._broken_since_ns: int | None = None
+        self._broken_before = 0
+        self._worst_since: float | None = None
 
     def enter(self, now_ns: int) -> None:
         """The bound is in force from now on."""
@@ -255,24 +237,32 @@ class _Tally:
     def judge(self, now_ns: int, error: float, *, is_broken: bool) -> None:
         """The picture's error after a message."""
         self.messages += 1
-        if error < math.inf and not error <= self.worst:
-            self.worst, self.worst_ns = error, now_ns
+        if error < math.inf and (self.worst is None or error > self.worst):
+            self.worst, self.worst_at_s = error, self._seconds(now_ns)
         if not is_broken:
             self._close(now_ns)
             return
+        if self._broken_since_ns is None:
+            self._broken_since_ns, self._broken_before, self._worst_since = now_ns, self.broken, None
         self.broken += 1
-        if self._open is None:
-            self._open = _Stretch(now_ns, now_ns)
-        self._open.messages += 1
-        if error < math.inf and not error <= self._open.worst:
-            self._open.worst = error
+        if error < math.inf and (self._worst_since is None or error > self._worst_since):
+            self._worst_since = error
 
     def _close(self, now_ns: int) -> None:
-        stretch, self._open = self._open, None
-        if stretch is None:
+        from_ns, self._broken_since_ns = self._broken_since_ns, None
+        if from_ns is None:
             return
-        stretch.to_ns = now_ns
-        self.broken_ns += now_ns - stretch.from_ns
+        self.broken_ns += now_ns - from_ns
         self.stretch_count += 1
         if len(self.stretches) < MOST_STRETCHES:
-            self.stretches.append(stretch)
+            self.stretches.append(
+                BrokenStretch(
+                    from_s=self._seconds(from_ns),
+                    to_s=self._seconds(now_ns),
+                    messages=self.broken - self._broken_before,
+                    worst=self._worst_since,
+                )
+            )
+
+    def _seconds(self, stamp_ns: int) -> float:
+        return (stamp_ns - self._start_ns) / NS_PER_S

@@ -1,66 +1,28 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""How accurate an operator's picture was, by several ways of choosing what passes."""
+"""The accuracy of an operator's picture, by several ways of choosing what passes."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from enum import Enum
+from types import MappingProxyType
+from typing import ClassVar
 
-from smarttestudo.accuracy.error_over_time import ErrorOverTime
-from smarttestudo.pacing.reckoning.picture import Picture
-
-Decode = Callable[[bytes], object | None]
-"""The decoded message, where the picture needs one and it can be read; else ``None``."""
-
-Message = tuple[int, bytes]
-"""When it came, in ns, and its serialized form."""
+from smarttestudo.accuracy.arms import PacedPicture
+from smarttestudo.accuracy.json_object import JsonObject
 
 
 class View(Enum):
-    """What an operator's end shows between two messages."""
+    """The picture that an operator's end shows between two messages."""
 
     HOLD = "hold"
     RECKONED = "dead reckoning"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PictureError:
-    """The error of one property in its unit: root of the mean square over time, and the largest."""
-
-    rmse: float
-    worst: float
-
-
-def picture_errors(
-    picture: Picture, sent: Sequence[Message], received: Sequence[Message], end_ns: int, decode: Decode
-) -> dict[str, PictureError]:
-    """The error of each property that ``picture`` measures, until ``end_ns``; none for one never known.
-
-    Both sequences are in the order of time.
-    """
-    found: dict[str, ErrorOverTime] = {}
-    arrived = 0
-    for stamp_ns, payload in sent:
-        while arrived < len(received) and received[arrived][0] <= stamp_ns:
-            got_ns, got = received[arrived]
-            picture.show(picture.read(got, decode(got), got_ns), None)
-            arrived += 1
-        for name, error in picture.errors(picture.read(payload, decode(payload), stamp_ns), None).items():
-            found.setdefault(name, ErrorOverTime(stamp_ns)).add(error, stamp_ns)
-    for one in found.values():
-        one.pass_time(end_ns)
-    return {
-        name: PictureError(rmse=one.rmse, worst=one.worst)
-        for name, one in found.items()
-        if one.unknown < len(sent)
-    }
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PropertyAccuracy:
+class PropertyAccuracy(JsonObject):
     """One property of a topic, in ``unit``: its error, ``None`` where it was never known, and its bounds.
 
     ``bounds`` are those that the rules name, rising, empty where there is none; ``broken`` counts messages of
@@ -68,7 +30,7 @@ class PropertyAccuracy:
     """
 
     unit: str
-    error: PictureError | None
+    error: PacedPicture | None
     bounds: tuple[float, ...] = ()
     broken: int = 0
 
@@ -84,43 +46,30 @@ class PropertyAccuracy:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class TopicAccuracy:
-    """What passed of a topic, and how accurate its properties were."""
+class TopicAccuracy(JsonObject):
+    """A topic in one run: how much of it passed, and how accurate its properties were."""
+
+    _KEYS: ClassVar = MappingProxyType({"size_bytes": "bytes"})
 
     messages: int
     size_bytes: int
     properties: Mapping[str, PropertyAccuracy]
 
-    def to_json(self) -> dict[str, object]:
-        """The entry in ``--json``."""
-        return {
-            "messages": self.messages,
-            "bytes": self.size_bytes,
-            "properties": {name: one.to_json() for name, one in self.properties.items()},
-        }
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Arm:
+class ArmAccuracy(JsonObject):
     """One way of choosing what passes; ``size_bytes`` are those of all topics that are compared."""
+
+    _KEYS: ClassVar = MappingProxyType({"view": "shows", "size_bytes": "bytes"})
 
     name: str
     view: View
     size_bytes: int
     topics: Mapping[str, TopicAccuracy]
 
-    def to_json(self) -> dict[str, object]:
-        """The entry in ``--json``."""
-        return {
-            "name": self.name,
-            "shows": self.view.value,
-            "bytes": self.size_bytes,
-            "topics": {name: topic.to_json() for name, topic in self.topics.items()},
-        }
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class AccuracyComparison:
+class AccuracyComparison(JsonObject):
     """The ways beside each other, of a recording called ``bag``.
 
     The first are fixed rates for the bytes of the first rules, then come the rules. ``fixed_hz`` are those
@@ -129,20 +78,10 @@ class AccuracyComparison:
     """
 
     bag: str
-    arms: tuple[Arm, ...]
+    arms: tuple[ArmAccuracy, ...]
     fixed_hz: Mapping[str, float]
     left_out: tuple[str, ...]
     notices: tuple[str, ...] = ()
-
-    def to_json(self) -> dict[str, object]:
-        """The object that ``--json`` prints; a rate that is infinite is null, as everywhere."""
-        return {
-            "bag": self.bag,
-            "arms": [arm.to_json() for arm in self.arms],
-            "fixed_hz": {topic: None if math.isinf(hz) else hz for topic, hz in self.fixed_hz.items()},
-            "left_out": list(self.left_out),
-            "notices": list(self.notices),
-        }
 
     def rows(self) -> Iterator[dict[str, object]]:
         """One row for each way, topic and property, for ``--csv``."""

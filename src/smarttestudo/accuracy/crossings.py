@@ -100,7 +100,7 @@ def _crossings(region: Region, sent: Series, end_ns: int) -> list[_Crossing]:
 
 
 def _sightings(crossings: Sequence[_Crossing], seen: Sequence[Change], end_ns: int) -> Sightings:
-    """Each crossing with the first change to the same side before the robot crosses that way again.
+    """Match each crossing with the first change to the same side before the robot crosses that way again.
 
     It is in time before the robot's next message. One that follows a missed one is missed too: it leads back
     to where the operator believes the robot to be.
@@ -136,7 +136,7 @@ def _first_sight(crossing: _Crossing, again_ns: int, seen: Sequence[Change], pla
 
 
 def _with_deadlines(crossings: Sequence[_Crossing], end_ns: int) -> Iterator[tuple[_Crossing, int]]:
-    """Each crossing with the last moment before the robot crosses the same way again."""
+    """Pair each crossing with the last moment before the robot crosses the same way again."""
     for index, crossing in enumerate(crossings):
         again = index + 2
         yield crossing, crossings[again].stamp_ns - 1 if again < len(crossings) else end_ns

@@ -1,18 +1,35 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What each rate of a topic loses, and the rates where that changes most."""
+"""The loss of topics at each rate, the rates where it changes most, and what accuracies need."""
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
+from smarttestudo.accuracy.accuracy_curve import (
+    AccuracyCurve,
+    accuracies,
+    accuracy_wanted,
+    geometry_of,
+)
 from smarttestudo.accuracy.loss_report import Age, FieldError, error_columns
 from smarttestudo.accuracy.measure import age_of
 from smarttestudo.accuracy.reconstruction import field_error
-from smarttestudo.accuracy.samples import Field, TopicSamples
+from smarttestudo.accuracy.recorded_samples import (
+    TopicReading,
+    joined,
+    read_samples,
+    require_numbers,
+)
+from smarttestudo.accuracy.samples import BULK_TYPES, Field, TopicSamples, fields_of
+from smarttestudo.bags.reader import open_recording
+from smarttestudo.bags.topic_selection import select_topics
+from smarttestudo.domain.errors import RecordingError
+from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.domain.rate import RATE_STEP_HZ
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
 from smarttestudo.optimizer.profiling import TierProposal, rounded
@@ -177,13 +194,11 @@ def curve_rates_hz(source_hz: float, duration_s: float) -> tuple[float, ...]:
 
 def _point(samples: TopicSamples, fields: tuple[Field, ...], rate_hz: float, end_ns: int) -> CurvePoint:
     passed = samples.at_rate(math.inf if rate_hz == samples.mean_hz else rate_hz, end_ns)
-    series = [samples.series(field) for field in fields]
-    errors = (field_error(one, one.taken(passed.stamps_ns, passed.indices), end_ns) for one in series)
+    errors = (field_error(samples.series(field), passed.series(field), end_ns) for field in fields)
     duration_s = (end_ns - samples.stamps_ns[0]) / NS_PER_S
-    size_bytes = sum(samples.sizes[index] for index in passed.indices)
     return CurvePoint(
         rate_hz=rate_hz,
-        kb_per_s=size_bytes / BYTES_PER_KB / duration_s,
+        kb_per_s=passed.size_bytes / BYTES_PER_KB / duration_s,
         age=age_of(passed.stamps_ns, sent_from_ns=samples.stamps_ns[0], end_ns=end_ns),
         errors=tuple(errors),
     )
@@ -196,3 +211,111 @@ def worst_loss(point: CurvePoint, fields: tuple[Field, ...]) -> Loss:
         for error, field in zip(point.errors, fields, strict=True)
     )
     return point.rate_hz, relative, field
+
+
+_SHARE_OF_READING = 0.6
+_SHARE_OF_RATES = 0.4
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LossCurves:
+    """The curves of a recording called ``name``, by topic name; ``without`` are topics that have none.
+
+    ``accuracies`` are those of messages against accuracy, empty where they were not asked for.
+    """
+
+    name: str
+    curves: tuple[LossCurve, ...]
+    without: tuple[str, ...]
+    notices: tuple[str, ...]
+    accuracies: tuple[AccuracyCurve, ...] = ()
+
+    def to_json(self) -> dict[str, object]:
+        """The object that ``--json`` prints."""
+        return {
+            "bag": self.name,
+            "topics": {curve.topic: curve.to_json() for curve in self.curves},
+            "accuracy": [curve.to_json() for curve in self.accuracies],
+            "without": list(self.without),
+            "notices": list(self.notices),
+        }
+
+    def accuracies_of(self, topic: str) -> tuple[AccuracyCurve, ...]:
+        """The accuracy curves of one topic."""
+        return tuple(curve for curve in self.accuracies if curve.topic == topic)
+
+    def rows(self) -> Iterator[dict[str, object]]:
+        """One row for each topic, rate and field, for ``--csv``."""
+        for curve in self.curves:
+            yield from curve.rows()
+
+
+def measure_curves(
+    bag: Path,
+    *,
+    topics: Sequence[str] = (),
+    fields: Mapping[str, Sequence[str]] | None = None,
+    profile: Profile | None = None,
+    with_accuracy: bool = False,
+    report: Callable[[float], None] = lambda _: None,
+) -> LossCurves:
+    """The loss at rates up to the source's, of ``topics`` (names or patterns, all if empty).
+
+    ``fields`` are the only ones looked at of the topics in it. ``with_accuracy`` adds what bounds cost.
+    ``report`` gets the share done.
+
+    Raises:
+        RecordingError: the recording cannot be read or is empty; a topic or field does not exist.
+    """
+    fields, profile = fields or {}, profile or Profile()
+    share = _SHARE_OF_RATES if with_accuracy else 1.0
+    with open_recording(bag) as recording:
+        if not recording.message_count:
+            raise RecordingError("the recording holds no message", place=str(bag))
+        types = {channel.topic: channel.type_name for channel in reversed(recording.channels)}
+        patterns = [*topics, *fields]
+        chosen = sorted(select_topics(patterns, types, place=str(bag)) if patterns else types)
+        readings = {topic: _reading(fields.get(topic, ()), profile.topic(topic)) for topic in chosen}
+        if with_accuracy:
+            readings = joined(readings, {topic: _kept(fields.get(topic), types[topic]) for topic in chosen})
+        samples = read_samples(
+            recording, readings, report=lambda done: report(share * _SHARE_OF_READING * done)
+        )
+        end_ns = recording.end_ns
+    require_numbers(samples.topics, fields)
+    found: dict[str, LossCurve | None] = {}
+    for number, topic in enumerate(chosen):
+        report(share * (_SHARE_OF_READING + (1 - _SHARE_OF_READING) * number / len(chosen)))
+        found[topic] = loss_curve(samples.topics[topic], end_ns)
+    wanted = {
+        topic: accuracy_wanted(samples.topics[topic], fields.get(topic, ()))
+        for topic in chosen
+        if with_accuracy
+    }
+    costs, notices = accuracies(
+        samples.topics, wanted, end_ns, lambda done: report(share + (1 - share) * done)
+    )
+    return LossCurves(
+        name=str(bag),
+        curves=tuple(curve for curve in found.values() if curve),
+        accuracies=costs,
+        without=tuple(topic for topic, curve in found.items() if curve is None),
+        notices=(*samples.notices, *notices),
+    )
+
+
+def _reading(asked: Sequence[str], entry: TopicProfile) -> TopicReading:
+    def choose(type_name: str, message: object) -> Sequence[Field]:
+        chosen = fields_of(type_name, message, asked=asked)
+        return [field for field in chosen if field.is_asked] if asked else chosen
+
+    return TopicReading(
+        choose_fields=choose,
+        undecoded_types=frozenset() if asked else BULK_TYPES,
+        level_unit=entry.level_unit,
+    )
+
+
+def _kept(asked: Sequence[str] | None, type_name: str) -> TopicReading:
+    """How a topic is read for what bounds cost."""
+    return TopicReading(properties=tuple(asked or (one.name for one in geometry_of(type_name))))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The third arm: the best fixed rates for the bytes that adaptive rates took."""
+"""Fixed rates beside other ways to send: for as many bytes, or as many messages."""
 
 from __future__ import annotations
 
@@ -8,15 +8,21 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from smarttestudo.accuracy.samples import TopicSamples
+from smarttestudo.accuracy.track import thinned
 from smarttestudo.domain.profile import TopicProfile
-from smarttestudo.domain.units import BYTES_PER_KB
+from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
 from smarttestudo.optimizer.allocation import round_down
 from smarttestudo.optimizer.greedy import allocate
 from smarttestudo.optimizer.problem import Demand, Piece
 from smarttestudo.optimizer.profiling import proposed_tiers_hz
 from smarttestudo.optimizer.quality import envelope_pieces
+from smarttestudo.pacing.sample import StreamKind
 
 _WHOLE = 1 - 1e-9
+_TRIES = 4
+_NEAR_ENOUGH = 0.01
+_HALVINGS = 16
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -73,3 +79,48 @@ def _allocated(demands: Sequence[Demand], limit_kb: float) -> list[float]:
 
 def _source_hz(source: Source) -> float:
     return source.mean_hz or 0.0
+
+
+def rate_of_bytes(samples: TopicSamples, size_bytes: int, end_ns: int) -> float:
+    """The fixed rate that carries about so many bytes of a topic, infinite for all.
+
+    Transforms have the rate for each frame. Slow frames pass whole, so that bytes are not in proportion to
+    rates: theirs, which is not above the mean rate of the topic, is found by halving.
+    """
+    share = size_bytes / samples.size_bytes if samples.size_bytes else 1.0
+    source_hz = samples.mean_hz
+    if share >= 1 or not source_hz:
+        return math.inf
+    if samples.kind is not StreamKind.TRANSFORMS:
+        return share * source_hz
+    low_hz, high_hz = 0.0, source_hz
+    for _ in range(_HALVINGS):
+        rate_hz = (low_hz + high_hz) / 2
+        passed = thinned(samples.stamps_ns, rate_hz, end_ns=end_ns, kind=samples.kind, frames=samples.frames)
+        passed_bytes = sum(samples.sizes[index] for index in passed.indices)
+        low_hz, high_hz = (rate_hz, high_hz) if passed_bytes <= size_bytes else (low_hz, rate_hz)
+    return low_hz
+
+
+def rate_of_messages(
+    messages: int,
+    stamps_ns: Sequence[int],
+    *,
+    end_ns: int,
+    kind: StreamKind,
+    frames: Sequence[tuple[str, ...]],
+) -> float:
+    """The fixed rate at which about so many of the messages at ``stamps_ns`` pass, infinite for all.
+
+    Transforms have the rate for each frame, so that their messages at a rate must be counted.
+    """
+    lasted_s = (end_ns - stamps_ns[0]) / NS_PER_S if stamps_ns else 0.0
+    if messages >= len(stamps_ns) or not lasted_s:
+        return math.inf
+    rate_hz = max(messages - 1, 1) / lasted_s
+    for _ in range(_TRIES):
+        passed = len(thinned(stamps_ns, rate_hz, end_ns=end_ns, kind=kind, frames=frames).indices)
+        if abs(passed - messages) <= max(1, _NEAR_ENOUGH * messages):
+            break
+        rate_hz *= messages / passed
+    return rate_hz

@@ -1,49 +1,41 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What an operator lost, in numbers."""
+"""The operator's loss in numbers."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
+from typing import ClassVar
 
 from smarttestudo.accuracy.bounds import BoundLoss
+from smarttestudo.accuracy.json_object import JsonObject
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ErrorSize:
+class ErrorSize(JsonObject):
     """How large an error was over time, in the field's unit.
 
     ``rmse`` is the root of the mean square over time, ``maximum`` the largest magnitude. The relative ones
     are shares of the field's range (0.02 is 2 %), ``None`` where the field never changed.
     """
 
+    _KEYS: ClassVar = MappingProxyType({"maximum": "max", "relative_maximum": "relative_max"})
+
     rmse: float
     maximum: float
     relative_rmse: float | None
     relative_maximum: float | None
 
-    def to_json(self) -> dict[str, object]:
-        """The entry in ``--json``."""
-        return {
-            "rmse": self.rmse,
-            "max": self.maximum,
-            "relative_rmse": self.relative_rmse,
-            "relative_max": self.relative_maximum,
-        }
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class FieldError:
+class FieldError(JsonObject):
     """The error when the last value received is held, and when those received are interpolated."""
 
     hold: ErrorSize
     interpolated: ErrorSize
-
-    def to_json(self) -> dict[str, object]:
-        """The entry in ``--json``."""
-        return {"hold": self.hold.to_json(), "interpolated": self.interpolated.to_json()}
 
 
 def error_columns(error: FieldError | None) -> dict[str, object]:
@@ -62,13 +54,15 @@ _POSITION = ("pose_x", "pose_y", "pose_z")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class FieldLoss:
+class FieldLoss(JsonObject):
     """One numeric field of one topic, by the name that rules read it by.
 
     ``unit`` is empty where it is unknown. ``value_range`` is greatest minus least value sent, in that unit
     (of an angle that wraps: of its continuous course, at most 360°). ``excluded_sent`` and
     ``excluded_received`` count messages without a finite number there, which are left out.
     """
+
+    _KEYS: ClassVar = MappingProxyType({"value_range": "range"})
 
     topic: str
     field: str
@@ -79,22 +73,9 @@ class FieldLoss:
     excluded_sent: int = 0
     excluded_received: int = 0
 
-    def to_json(self) -> dict[str, object]:
-        """The entry in ``--json``."""
-        return {
-            "topic": self.topic,
-            "field": self.field,
-            "unit": self.unit,
-            "range": self.value_range,
-            "received": self.received.to_json() if self.received else None,
-            "fixed": self.fixed.to_json() if self.fixed else None,
-            "excluded_sent": self.excluded_sent,
-            "excluded_received": self.excluded_received,
-        }
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Age:
+class Age(JsonObject):
     """Time since the newest message received, in s: mean, 95th percentile and maximum over time.
 
     It counts from the first message to the end of A. ``unseen_s`` are the seconds before that, from A's
@@ -106,39 +87,26 @@ class Age:
     max_s: float
     unseen_s: float = 0.0
 
-    def to_json(self) -> dict[str, object]:
-        """The entry in ``--json``."""
-        return {
-            "mean_s": self.mean_s,
-            "p95_s": self.p95_s,
-            "max_s": self.max_s,
-            "unseen_s": self.unseen_s,
-        }
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class TopicArm:
-    """What one arm carried of a topic: messages, bytes (as declared, where they are) and age."""
+class TopicArm(JsonObject):
+    """One arm's share of a topic: messages, bytes (as declared, where they are) and age."""
+
+    _KEYS: ClassVar = MappingProxyType({"size_bytes": "bytes"})
 
     messages: int
     size_bytes: int
     age: Age | None
 
-    def to_json(self) -> dict[str, object]:
-        """The entry in ``--json``."""
-        return {
-            "messages": self.messages,
-            "bytes": self.size_bytes,
-            "age": self.age.to_json() if self.age else None,
-        }
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class TopicLoss:
+class TopicLoss(JsonObject):
     """One topic that A and B share; ``received_topic`` is its name in B, ``fixed_hz`` the best fixed rate.
 
     ``fixed_hz`` is infinite where the third arm passes every message.
     """
+
+    _KEYS: ClassVar = MappingProxyType({"topic": "", "received_topic": "b_topic", "type_name": "type"})
 
     topic: str
     received_topic: str
@@ -148,20 +116,9 @@ class TopicLoss:
     fixed: TopicArm
     fixed_hz: float
 
-    def to_json(self) -> dict[str, object]:
-        """The entry in ``--json``; a rate that is infinite is null, as everywhere."""
-        return {
-            "b_topic": self.received_topic,
-            "type": self.type_name,
-            "sent": self.sent.to_json(),
-            "received": self.received.to_json(),
-            "fixed": self.fixed.to_json(),
-            "fixed_hz": None if math.isinf(self.fixed_hz) else self.fixed_hz,
-        }
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Sightings:
+class Sightings(JsonObject):
     """How an operator who holds the last value saw the crossings of a threshold.
 
     ``late_mean_s`` and ``late_max_s`` are over those that were late; ``None`` without one.
@@ -173,19 +130,9 @@ class Sightings:
     late_mean_s: float | None
     late_max_s: float | None
 
-    def to_json(self) -> dict[str, object]:
-        """The entry in ``--json``."""
-        return {
-            "in_time": self.in_time,
-            "late": self.late,
-            "missed": self.missed,
-            "late_mean_s": self.late_mean_s,
-            "late_max_s": self.late_max_s,
-        }
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class CrossingLoss:
+class CrossingLoss(JsonObject):
     """The crossings of one check's threshold in A; ``check`` is for instance ``/odom pose_y > 5.4``."""
 
     check: str
@@ -193,30 +140,17 @@ class CrossingLoss:
     received: Sightings
     fixed: Sightings
 
-    def to_json(self) -> dict[str, object]:
-        """The entry in ``--json``."""
-        return {
-            "check": self.check,
-            "crossings": self.crossings,
-            "received": self.received.to_json(),
-            "fixed": self.fixed.to_json(),
-        }
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Frames:
+class Frames(JsonObject):
     """Frames of one arm, and the longest time without a new one, in s; it counts to the end of A."""
 
     frames: int
     longest_blind_s: float
 
-    def to_json(self) -> dict[str, object]:
-        """The entry in ``--json``."""
-        return {"frames": self.frames, "longest_blind_s": self.longest_blind_s}
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ImageLoss:
+class ImageLoss(JsonObject):
     """One topic of images; their pixels are not looked at."""
 
     topic: str
@@ -224,32 +158,23 @@ class ImageLoss:
     received: Frames
     fixed: Frames
 
-    def to_json(self) -> dict[str, object]:
-        """The entry in ``--json``."""
-        return {
-            "topic": self.topic,
-            "sent": self.sent.to_json(),
-            "received": self.received.to_json(),
-            "fixed": self.fixed.to_json(),
-        }
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Carried:
+class Carried(JsonObject):
     """Bytes of all topics that A and B share, each arm's."""
+
+    _KEYS: ClassVar = MappingProxyType(
+        {"sent_bytes": "sent", "received_bytes": "received", "fixed_bytes": "fixed"}
+    )
 
     sent_bytes: int
     received_bytes: int
     fixed_bytes: int
 
-    def to_json(self) -> dict[str, object]:
-        """The entry in ``--json``."""
-        return {"sent": self.sent_bytes, "received": self.received_bytes, "fixed": self.fixed_bytes}
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LossReport:
-    """What the operator lost; ``a`` and ``b`` are the recordings' names, ``duration_s`` that of A.
+    """The operator's loss; ``a`` and ``b`` are the recordings' names, ``duration_s`` that of A.
 
     ``fields``, ``topics``, ``crossings`` and ``images`` are in the order of A's topics; ``carried`` is over
     all shared topics, also those not asked for. ``bounds`` are those of the rules, empty without any.
@@ -276,7 +201,7 @@ class LossReport:
         return _distance_m({loss.field: loss.received for loss in self.fields_of(topic)})
 
     def fixed_position_rmse_m(self, topic: str) -> float | None:
-        """What ``position_rmse_m`` is with the best fixed rates."""
+        """The same as ``position_rmse_m`` with the best fixed rates."""
         return _distance_m({loss.field: loss.fixed for loss in self.fields_of(topic)})
 
     def to_json(self) -> dict[str, object]:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Measuring what an operator lost between two recordings of one run."""
+"""The measures of what an operator lost of a topic."""
 
 from __future__ import annotations
 
@@ -20,7 +20,6 @@ from smarttestudo.accuracy.loss_report import (
 )
 from smarttestudo.accuracy.reconstruction import field_error
 from smarttestudo.accuracy.samples import IMAGE_TYPES, Field, Series, TopicSamples
-from smarttestudo.accuracy.thinning import Thinned
 from smarttestudo.domain.units import NS_PER_S
 
 _PERCENTILE = 0.95
@@ -66,7 +65,7 @@ class SharedTopic:
 
     sent: TopicSamples
     received: TopicSamples
-    fixed: Thinned
+    fixed: TopicSamples
     fixed_hz: float
     end_ns: int
 
@@ -75,27 +74,21 @@ class SharedTopic:
         """Its name as sent."""
         return self.sent.channel.topic
 
-    @property
-    def fixed_bytes(self) -> int:
-        """What the fixed rate carries."""
-        return sum(self.sent.sizes[index] for index in self.fixed.indices)
-
     def series(self, field: Field) -> tuple[Series, Series, Series]:
         """One field as sent, as received, and at the fixed rate."""
-        sent = self.sent.series(field)
-        return sent, self.received.series(field), sent.taken(self.fixed.stamps_ns, self.fixed.indices)
+        return self.sent.series(field), self.received.series(field), self.fixed.series(field)
 
 
 def topic_loss(shared: SharedTopic) -> TopicLoss:
-    """What each arm carried of the topic, and how old it was."""
+    """The messages and bytes of the topic that each arm carried, and their age."""
     channel = shared.sent.channel
     return TopicLoss(
         topic=shared.topic,
         received_topic=shared.received.channel.topic,
         type_name=channel.type_name,
-        sent=_arm(shared.sent.stamps_ns, shared.sent.size_bytes, shared),
-        received=_arm(shared.received.stamps_ns, shared.received.size_bytes, shared),
-        fixed=_arm(shared.fixed.stamps_ns, shared.fixed_bytes, shared),
+        sent=_arm(shared.sent, shared),
+        received=_arm(shared.received, shared),
+        fixed=_arm(shared.fixed, shared),
         fixed_hz=shared.fixed_hz,
     )
 
@@ -132,20 +125,19 @@ def image_losses(shared: SharedTopic) -> Iterator[ImageLoss]:
     if shared.sent.channel.type_name in IMAGE_TYPES:
         yield ImageLoss(
             topic=shared.topic,
-            sent=_frames(shared.sent.stamps_ns, shared),
-            received=_frames(shared.received.stamps_ns, shared),
-            fixed=_frames(shared.fixed.stamps_ns, shared),
+            sent=_frames(shared.sent, shared),
+            received=_frames(shared.received, shared),
+            fixed=_frames(shared.fixed, shared),
         )
 
 
-def _arm(stamps_ns: Sequence[int], size_bytes: int, shared: SharedTopic) -> TopicArm:
-    from_ns = shared.sent.stamps_ns[0]
-    age = age_of(stamps_ns, sent_from_ns=from_ns, end_ns=shared.end_ns)
-    return TopicArm(messages=len(stamps_ns), size_bytes=size_bytes, age=age)
+def _arm(arm: TopicSamples, shared: SharedTopic) -> TopicArm:
+    age = age_of(arm.stamps_ns, sent_from_ns=shared.sent.stamps_ns[0], end_ns=shared.end_ns)
+    return TopicArm(messages=len(arm.stamps_ns), size_bytes=arm.size_bytes, age=age)
 
 
-def _frames(stamps_ns: Sequence[int], shared: SharedTopic) -> Frames:
+def _frames(arm: TopicSamples, shared: SharedTopic) -> Frames:
     start_ns, end_ns = shared.sent.stamps_ns[0], shared.end_ns
-    seen_ns = [start_ns, *(stamp_ns for stamp_ns in stamps_ns if start_ns < stamp_ns < end_ns), end_ns]
+    seen_ns = [start_ns, *(stamp_ns for stamp_ns in arm.stamps_ns if start_ns < stamp_ns < end_ns), end_ns]
     longest_ns = max(after - before for before, after in itertools.pairwise(seen_ns))
-    return Frames(frames=len(stamps_ns), longest_blind_s=longest_ns / NS_PER_S)
+    return Frames(frames=len(arm.stamps_ns), longest_blind_s=longest_ns / NS_PER_S)

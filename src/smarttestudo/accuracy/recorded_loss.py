@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the operator lost between two recordings of one run."""
+"""The operator's loss between two recordings of one run."""
 
 from __future__ import annotations
 
@@ -9,7 +9,15 @@ from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 
-from smarttestudo.accuracy.bounds import BoundLoss, bounded_topics, needs_decisions
+from smarttestudo.accuracy.arms import Receiver
+from smarttestudo.accuracy.bounds import (
+    BoundLoss,
+    BoundsFrom,
+    BoundWatch,
+    bounds_in_force,
+    bounds_of,
+    needs_decisions,
+)
 from smarttestudo.accuracy.crossings import thresholds_of
 from smarttestudo.accuracy.fixed_rates import Source, best_fixed_rates
 from smarttestudo.accuracy.loss_report import Carried, LossReport
@@ -20,7 +28,6 @@ from smarttestudo.accuracy.measure import (
     image_losses,
     topic_loss,
 )
-from smarttestudo.accuracy.recorded_bounds import BoundQuestion, judge_bounds
 from smarttestudo.accuracy.recorded_samples import (
     RecordedSamples,
     TopicReading,
@@ -28,7 +35,7 @@ from smarttestudo.accuracy.recorded_samples import (
     require_numbers,
 )
 from smarttestudo.accuracy.samples import BULK_TYPES, Field, TopicSamples, fields_of
-from smarttestudo.bags.bag_comparison import BagComparison, compare_bags
+from smarttestudo.bags.bag_comparison import compare_bags
 from smarttestudo.bags.bag_summary import BagSummary
 from smarttestudo.bags.measure import measure_bag
 from smarttestudo.bags.reader import open_recording
@@ -37,24 +44,21 @@ from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.language.properties import accuracy_properties_of
 from smarttestudo.language.rule_set import RuleSet
+from smarttestudo.pacing.reckoning.picture import Picture
 
 _ENDS_EARLY_S = 2.0
 
 
-def _ignore(_: float) -> None:
-    """Nobody wants to know."""
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LossQuestion:
-    """What is asked of two recordings.
+    """A question about two recordings.
 
     ``mapping`` pairs topics as for ``compare_bags``. ``topics`` are names or patterns, empty for all;
     ``fields`` are more fields than the default ones, by topic of A. ``rule_set`` gives the thresholds and the
     bounds, ``decisions`` which of the bounds in blocks were in force; of topics in ``predict`` B's receiver
-    shows dead reckoning. ``profile`` has tiers and priorities for the third arm. ``report`` gets the share
-    done, 0 … 1.
+    shows dead reckoning. ``profile`` has tiers and priorities for the third arm.
     """
 
     mapping: Mapping[str, str] = field(default_factory=dict)
@@ -64,42 +68,50 @@ class LossQuestion:
     decisions: Sequence[Decision] = ()
     predict: Collection[str] = ()
     profile: Profile = field(default_factory=Profile)
-    report: Callable[[float], None] = _ignore
 
 
-def measure_loss(a: Path, b: Path, question: LossQuestion | None = None) -> LossReport:
+def measure_loss(
+    a: Path,
+    b: Path,
+    question: LossQuestion | None = None,
+    report: Callable[[float], None] = lambda _: None,
+) -> LossReport:
     """The loss between ``a``, as sent, and ``b``, as received, in the time of ``a``.
 
-    Each recording is read twice: once for its sizes, which costs little, once for its payloads; where the
-    rules have bounds, once more for these.
+    Each recording is read twice: once for its sizes, which costs little, once for its payloads. ``report``
+    gets the share done, 0 … 1.
 
     Raises:
         RecordingError: one cannot be read or is empty; they share no topic or no time; a field or topic that
             was asked for does not exist.
     """
-    sent, received = measure_bag(a, _ignore), measure_bag(b, _ignore)
-    return loss_of_measured((a, sent), (b, received), question or LossQuestion())
+    sent, received = measure_bag(a, lambda _: None), measure_bag(b, lambda _: None)
+    measurement = LossMeasurement(sent, (b, received), question or LossQuestion())
+    with open_recording(a) as recording:
+        samples = read_samples(
+            recording,
+            measurement.readings(),
+            start_ns=sent.span.start_ns,
+            end_ns=sent.span.end_ns,
+            report=lambda done: report(0.7 * done),
+        )
+    return measurement.report(samples, lambda done: report(0.7 + 0.3 * done))
 
 
-def loss_of_measured(
-    a: tuple[Path, BagSummary], b: tuple[Path, BagSummary], question: LossQuestion
-) -> LossReport:
-    """What ``measure_loss`` gives of two recordings whose sizes were measured. Raises as it does."""
-    (path_a, sent), (path_b, received) = a, b
-    select_topics(tuple(question.mapping), sent.statistics, place=sent.name)
-    select_topics(tuple(question.mapping.values()), received.statistics, place=received.name)
-    compared = compare_bags(sent, received, question.mapping)
-    _require_common_time(sent, received)
-    return _Measurement(path_a, path_b, compared, question).report()
+class LossMeasurement:
+    """The reading of two recordings, ``a`` and ``b``, whose sizes were measured.
 
+    Raises:
+        RecordingError: they share no topic or no time; a topic that was asked for does not exist.
+    """
 
-class _Measurement:
-    """The reading of two recordings whose topics are paired."""
-
-    def __init__(self, a: Path, b: Path, compared: BagComparison, question: LossQuestion) -> None:
-        self._paths = a, b
-        self._a, self._b = compared.a, compared.b
+    def __init__(self, a: BagSummary, b: tuple[Path, BagSummary], question: LossQuestion) -> None:
+        self._a, (self._path, self._b) = a, b
         self._question = question
+        select_topics(tuple(question.mapping), a.statistics, place=a.name)
+        select_topics(tuple(question.mapping.values()), self._b.statistics, place=self._b.name)
+        compared = compare_bags(a, self._b, question.mapping)
+        _require_common_time(a, self._b)
         self._partners = {
             pair.topic: pair.after_topic
             for pair in compared.comparison.topics
@@ -108,15 +120,21 @@ class _Measurement:
         self._asked = self._topics_asked()
         rule_set = question.rule_set
         self._thresholds = thresholds_of(rule_set) if rule_set else ()
+        self._written = bounds_of(rule_set) if rule_set else {}
+        self._in_force = self._bounds_in_force()
 
-    def report(self) -> LossReport:
-        """Read both, and count what was lost."""
-        path_a, path_b = self._paths
-        bounded = self._bounded()
-        share = 0.6 if bounded else 1.0
-        sent = self._read(path_a, self._sent_readings(), share=(0.0, 0.7 * share))
+    def readings(self) -> dict[str, TopicReading]:
+        """How A is to be read."""
+        return {topic: self._sent_reading(topic) for topic in self._partners}
+
+    def report(self, sent: RecordedSamples, report: Callable[[float], None]) -> LossReport:
+        """Read B, and count what was lost of what was ``sent``; ``report`` gets the share done.
+
+        Raises:
+            RecordingError: B cannot be read; a field that was asked for does not exist.
+        """
         require_numbers(sent.topics, self._question.fields)
-        received = self._read(path_b, self._received_readings(sent.topics), share=(0.7 * share, share))
+        received = self._read_received(sent.topics, report)
         topics = self._shared(sent.topics, received.topics)
         shown = [shared for shared in topics if shared.topic in self._asked]
         return LossReport(
@@ -127,40 +145,55 @@ class _Measurement:
             fields=tuple(loss for shared in shown for loss in field_losses(shared)),
             crossings=tuple(loss for shared in shown for loss in crossing_losses(shared, self._thresholds)),
             images=tuple(loss for shared in shown for loss in image_losses(shared)),
-            bounds=self._bounds(bounded, sent.topics, share) if bounded else (),
+            bounds=tuple(
+                loss
+                for topic in self._in_force
+                for loss in self._bound_losses(
+                    topic, sent.topics[topic], received.topics[self._partners[topic]]
+                )
+            ),
             carried=Carried(
                 sent_bytes=sum(shared.sent.size_bytes for shared in topics),
                 received_bytes=sum(shared.received.size_bytes for shared in topics),
-                fixed_bytes=sum(shared.fixed_bytes for shared in topics),
+                fixed_bytes=sum(shared.fixed.size_bytes for shared in topics),
             ),
             notices=(*sent.notices, *received.notices, *self._notices(topics)),
         )
 
-    def _bounded(self) -> list[str]:
-        """The topics asked for whose bounds can be judged: where a block has a word, decisions must tell."""
-        rule_set = self._question.rule_set
-        topics = sorted(bounded_topics(rule_set) & self._asked) if rule_set else []
-        return [
-            topic
-            for topic in topics
-            if rule_set and (self._question.decisions or not needs_decisions(rule_set, topic))
-        ]
+    def _bounds_in_force(self) -> dict[str, Sequence[BoundsFrom]]:
+        """The bounds, over time, of the topics asked for whose bounds can be judged."""
+        rule_set, decisions = self._question.rule_set, self._question.decisions
+        return {
+            topic: bounds_in_force(rule_set, topic, decisions)
+            for topic in sorted(self._asked.intersection(self._written))
+            if rule_set and not self._needs_decisions(topic)
+        }
 
-    def _bounds(
-        self, topics: Sequence[str], sent: Mapping[str, TopicSamples], share: float
-    ) -> tuple[BoundLoss, ...]:
-        question = self._question
-        if question.rule_set is None:
+    def _bounded(self, topic: str) -> tuple[str, ...]:
+        """The properties of a topic whose bounds are judged."""
+        if topic not in self._in_force:
             return ()
-        asked = BoundQuestion(
-            rule_set=question.rule_set,
-            decisions=question.decisions,
-            channels={topic: sent[topic].channel for topic in topics},
-            partners=self._partners,
-            predict=question.predict,
-            profile=question.profile,
+        named = (name for _, bounds in self._in_force[topic] for name in bounds)
+        return tuple(dict.fromkeys([*self._written[topic], *named]))
+
+    def _bound_losses(self, topic: str, sent: TopicSamples, received: TopicSamples) -> Iterator[BoundLoss]:
+        properties, reckons = self._bounded(topic), topic in self._question.predict
+        type_name = sent.channel.type_name
+        is_same = received.channel.type_name == type_name
+        watch = BoundWatch(
+            Receiver(
+                Picture(sent.track.gauges(properties), reckons=reckons),
+                received.track.messages(properties) if is_same else (),
+            ),
+            self._in_force[topic],
+            self._written[topic],
+            reckons=reckons,
+            start_ns=self._a.span.start_ns,
         )
-        return judge_bounds(*self._paths, asked, lambda done: question.report(share + (1 - share) * done))
+        for message in sent.track.messages(properties):
+            watch.sent(message)
+        units = {name: spec.unit for name, spec in accuracy_properties_of(type_name).items()}
+        return watch.losses(topic, units, self._a.span.end_ns)
 
     def _topics_asked(self) -> frozenset[str]:
         """The shared topics, by A's name, that are to be shown."""
@@ -172,41 +205,37 @@ class _Measurement:
         chosen = select_topics(self._question.topics, {*partners, *partners.values()}, place=place)
         return asked | {topic for topic, partner in partners.items() if {topic, partner} & chosen}
 
-    def _sent_readings(self) -> dict[str, TopicReading]:
-        return {
-            topic: self._sent_reading(topic) if topic in self._asked else TopicReading()
-            for topic in self._partners
-        }
-
     def _sent_reading(self, topic: str) -> TopicReading:
+        if topic not in self._asked:
+            return TopicReading()
         asked = tuple(self._question.fields.get(topic, ()))
         needed = tuple(one.signal.property for one in self._thresholds if one.signal.topic == topic)
         return TopicReading(
-            choose_fields=partial(_choose_fields, asked=asked, needed=needed),
+            choose_fields=partial(fields_of, asked=asked, needed=needed),
             undecoded_types=frozenset() if asked or needed else BULK_TYPES,
+            properties=self._bounded(topic),
             level_unit=self._question.profile.topic(topic).level_unit,
         )
 
-    def _received_readings(self, sent: Mapping[str, TopicSamples]) -> dict[str, TopicReading]:
-        """Only fields that were found in A, and only of the same type, are read."""
-        return {
+    def _read_received(
+        self, sent: Mapping[str, TopicSamples], report: Callable[[float], None]
+    ) -> RecordedSamples:
+        """B in the time of A: only fields that were found in A, and only of the same type, are read."""
+        readings = {
             partner: TopicReading(
                 choose_fields=partial(_same_fields, sent[topic]) if sent[topic].fields else None,
+                properties=self._bounded(topic),
                 level_unit=self._question.profile.topic(topic).level_unit,
             )
             for topic, partner in self._partners.items()
         }
-
-    def _read(
-        self, path: Path, readings: Mapping[str, TopicReading], share: tuple[float, float]
-    ) -> RecordedSamples:
-        def report(done: float) -> None:
-            self._question.report(share[0] + (share[1] - share[0]) * done)
-
-        span = self._a.span
-        with open_recording(path) as recording:
+        with open_recording(self._path) as recording:
             return read_samples(
-                recording, readings, start_ns=span.start_ns, end_ns=span.end_ns, report=report
+                recording,
+                readings,
+                start_ns=self._a.span.start_ns,
+                end_ns=self._a.span.end_ns,
+                report=report,
             )
 
     def _shared(
@@ -252,18 +281,16 @@ class _Measurement:
         yield from self._bound_notices()
 
     def _bound_notices(self) -> Iterator[str]:
-        rule_set = self._question.rule_set
-        for topic in sorted(bounded_topics(rule_set)) if rule_set else ():
+        for topic in sorted(self._written):
             if topic not in self._partners:
                 yield f"{topic}: a rule bounds it, which {self._b.name} lacks; the bound is left out"
-            elif rule_set and not self._question.decisions and needs_decisions(rule_set, topic):
+            elif self._needs_decisions(topic):
                 yield f"{topic}: its bounds are left out: a block asks for them, and no decisions say when"
 
-
-def _choose_fields(
-    type_name: str, message: object, *, asked: Sequence[str], needed: Sequence[str]
-) -> Sequence[Field]:
-    return fields_of(type_name, message, asked=asked, needed=needed)
+    def _needs_decisions(self, topic: str) -> bool:
+        """Whether nobody says when the bounds of a topic were in force."""
+        rule_set = self._question.rule_set
+        return rule_set is not None and not self._question.decisions and needs_decisions(rule_set, topic)
 
 
 def _same_fields(sent: TopicSamples, type_name: str, _: object) -> Sequence[Field]:

@@ -4,16 +4,17 @@
 
 from __future__ import annotations
 
+import itertools
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 from smarttestudo.accuracy.samples import Field, TopicSamples
 from smarttestudo.bags.definitions import RosbagDecoder
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.profile import LevelUnit
-from smarttestudo.domain.recording import Channel, MessageDecoder, RecordingReader
-from smarttestudo.domain.units import counted
+from smarttestudo.domain.recording import Channel, RecordingReader
+from smarttestudo.domain.units import LAST_STAMP_NS, counted
 from smarttestudo.pacing.cdr import FrameReader
 from smarttestudo.pacing.sample import StreamKind
 
@@ -24,12 +25,24 @@ _MESSAGES_PER_REPORT = 4096
 class TopicReading:
     """How a topic is read: ``choose_fields`` gets its type and first message; ``None`` decodes nothing.
 
-    Neither are messages of ``undecoded_types`` decoded.
+    Neither are messages of ``undecoded_types`` decoded for it. The messages are kept for pictures of
+    ``properties``.
     """
 
     choose_fields: Callable[[str, object], Sequence[Field]] | None = None
     undecoded_types: frozenset[str] = frozenset()
+    properties: tuple[str, ...] = ()
     level_unit: LevelUnit | None = None
+
+
+def joined(*plans: Mapping[str, TopicReading]) -> dict[str, TopicReading]:
+    """One way to read each topic that serves all ``plans``; fields are those of the first that has some."""
+    found: dict[str, TopicReading] = {}
+    for topic, reading in itertools.chain.from_iterable(plan.items() for plan in plans):
+        known = found.get(topic, reading)
+        properties = tuple(dict.fromkeys((*known.properties, *reading.properties)))
+        found[topic] = replace(known if known.choose_fields else reading, properties=properties)
+    return found
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -40,26 +53,12 @@ class RecordedSamples:
     notices: tuple[str, ...] = ()
 
 
-@dataclass(slots=True)
-class _Topic:
-    samples: TopicSamples
-    reading: TopicReading
-    frames: FrameReader | None
-    decodes: bool
-    has_fields: bool = False
-
-
-@dataclass(slots=True)
-class _Left:
-    second_types: Counter[str] = field(default_factory=Counter)
-    undefined: dict[str, Channel] = field(default_factory=dict)
-
-
 class SampleTaker:
     """Takes the numbers of messages that are shown to it, of the topics in ``readings``.
 
     Of a topic with two types the first counts. Messages that do not lie between ``start_ns`` and ``end_ns``
-    are left out; ``declared_bytes`` are their sizes where a recording declares them.
+    are left out, but a picture shows also what came before. ``declared_bytes`` are their sizes where a
+    recording declares them.
     """
 
     def __init__(
@@ -67,61 +66,118 @@ class SampleTaker:
         readings: Mapping[str, TopicReading],
         declared_bytes: Mapping[str, int],
         *,
-        start_ns: int,
-        end_ns: int,
+        start_ns: int = 0,
+        end_ns: int = LAST_STAMP_NS,
     ) -> None:
         self._readings = readings
         self._declared_bytes = declared_bytes
         self._start_ns = start_ns
         self._end_ns = end_ns
         self._decoder = RosbagDecoder()
-        self._left = _Left()
-        self._topics: dict[str, _Topic] = {}
-
-    @property
-    def samples(self) -> dict[str, TopicSamples]:
-        """What was taken, by topic."""
-        return {name: topic.samples for name, topic in self._topics.items()}
+        self._frames: dict[str, FrameReader] = {}
+        self._undecided: dict[str, Callable[[str, object], Sequence[Field]]] = {}
+        self._undefined: list[TopicSamples] = []
+        self._second_types: Counter[str] = Counter()
+        self.samples: dict[str, TopicSamples] = {}
+        """The samples taken, by topic."""
 
     def add(self, channel: Channel) -> None:
         """Expect messages of ``channel``."""
         topic = channel.topic
-        if topic in self._readings and topic not in self._topics:
-            self._topics[topic] = _topic(channel, self._readings[topic], self._decoder, self._left)
+        reading = self._readings.get(topic)
+        if reading is None or topic in self.samples:
+            return
+        samples = self.samples[topic] = TopicSamples(channel, reading.properties, reading.level_unit)
+        if samples.kind is StreamKind.TRANSFORMS:
+            self._frames[topic] = FrameReader()
+        if reading.choose_fields is not None and channel.type_name not in reading.undecoded_types:
+            if self._decoder.can_decode(channel):
+                self._undecided[topic] = reading.choose_fields
+            else:
+                self._undefined.append(samples)
+
+    def write(self, channel: Channel, stamp_ns: int, payload: bytes) -> None:
+        """Take a message as the writer of a replay."""
+        self.take(channel, stamp_ns, payload)
 
     def take(self, channel: Channel, stamp_ns: int, payload: bytes) -> bool:
         """Take a message, if it is one of those wanted; whether it is."""
-        topic = self._topics.get(channel.topic)
-        if topic is None or not self._start_ns <= stamp_ns <= self._end_ns:
+        topic = channel.topic
+        samples, counts = self.samples.get(topic), stamp_ns >= self._start_ns
+        if samples is None or stamp_ns > self._end_ns:
             return False
-        if topic.samples.channel is not channel:
-            self._left.second_types[channel.topic] += 1
+        if samples.channel is not channel:
+            if counts:
+                self._second_types[topic] += 1
             return False
-        frames = topic.frames.child_frames(payload) if topic.frames else ()
-        size_bytes = self._declared_bytes.get(channel.topic, len(payload))
-        topic.samples.add(stamp_ns, size_bytes, frames)
-        if topic.decodes:
-            _read(topic, payload, self._decoder)
-        return True
+        track = samples.track
+        if not counts and not track.is_used:
+            return False
+        frames = self._frames[topic].child_frames(payload) if topic in self._frames else ()
+        has_fields = topic in self._undecided or bool(samples.fields)
+        message = self._decoded(channel, payload) if has_fields or track.needs_decoded else None
+        if track.is_used:
+            track.add(stamp_ns, payload, message, frames)
+        if counts:
+            samples.add(stamp_ns, self._declared_bytes.get(topic, len(payload)), frames)
+            if has_fields:
+                self._read(samples, message)
+        return counts
+
+    def _read(self, samples: TopicSamples, message: object | None) -> None:
+        """Take the fields of the message that was added last; the first one says which there are."""
+        if message is None:
+            samples.undecodable += 1
+            return
+        topic = samples.channel.topic
+        choose = self._undecided.pop(topic, None)
+        if choose is not None:
+            samples.look_at(choose(samples.channel.type_name, message), self._readings[topic].level_unit)
+        samples.read(message)
+
+    def _decoded(self, channel: Channel, payload: bytes) -> object | None:
+        try:
+            return self._decoder.decode(channel, payload)
+        except RecordingError:
+            return None
 
     def notices(self) -> Iterator[str]:
-        """What was left out, a line each."""
-        return _notices(self.samples, self._left)
+        """Notices of what was left out, a line each."""
+        for samples in self._undefined:
+            messages = counted(len(samples.stamps_ns), "message")
+            channel = samples.channel
+            yield f"{channel.topic}: {messages} not decoded: nobody defines the type {channel.type_name}"
+        for name, samples in self.samples.items():
+            if samples.undecodable:
+                verb = "was" if samples.undecodable == 1 else "were"
+                messages = counted(samples.undecodable, "message")
+                yield f"{name}: {messages} could not be decoded and {verb} left out"
+        for name, count in self._second_types.items():
+            yield f"{name}: recorded with two types; left out of the second: {counted(count, 'message')}"
 
 
 def read_samples(
     recording: RecordingReader,
     readings: Mapping[str, TopicReading],
     *,
-    start_ns: int,
-    end_ns: int,
+    start_ns: int | None = None,
+    end_ns: int | None = None,
+    topics: Collection[str] | None = None,
     report: Callable[[float], None],
 ) -> RecordedSamples:
-    """The messages from ``start_ns`` to ``end_ns`` of the topics in ``readings``, in one pass."""
-    taker = SampleTaker(readings, recording.declared_bytes, start_ns=start_ns, end_ns=end_ns)
+    """Read the messages of the topics in ``readings`` in one pass, of all time or of that of another run.
+
+    With ``topics`` no others are read from the disk, whose damage is then not seen.
+    """
+    taker = SampleTaker(
+        readings,
+        recording.declared_bytes,
+        start_ns=recording.start_ns if start_ns is None else start_ns,
+        end_ns=recording.end_ns if end_ns is None else end_ns,
+    )
     for channel in recording.channels:
         taker.add(channel)
-    for number, message in enumerate(recording.messages()):
+    for number, message in enumerate(recording.messages(topics)):
         if number % _MESSAGES_PER_REPORT == 0 and recording.message_count:
             report(number / recording.message_count)
         taker.take(*message)
@@ -140,41 +196,3 @@ def require_numbers(topics: Mapping[str, TopicSamples], asked: Mapping[str, Sequ
                     place=topic,
                     remedy=f"it has {known}" if known else "name a numeric field by its path",
                 )
-
-
-def _topic(channel: Channel, reading: TopicReading, decoder: MessageDecoder, left: _Left) -> _Topic:
-    samples = TopicSamples(channel)
-    is_wanted = reading.choose_fields is not None and channel.type_name not in reading.undecoded_types
-    decodes = is_wanted and decoder.can_decode(channel)
-    if is_wanted and not decodes:
-        left.undefined[channel.topic] = channel
-    frames = FrameReader() if samples.kind is StreamKind.TRANSFORMS else None
-    return _Topic(samples=samples, reading=reading, frames=frames, decodes=decodes)
-
-
-def _read(topic: _Topic, payload: bytes, decoder: MessageDecoder) -> None:
-    """Take the fields of the message that was added last; its first one says which there are."""
-    samples, reading = topic.samples, topic.reading
-    try:
-        message = decoder.decode(samples.channel, payload)
-    except RecordingError:
-        samples.undecodable += 1
-        return
-    if not topic.has_fields and reading.choose_fields is not None:
-        topic.has_fields = True
-        samples.look_at(reading.choose_fields(samples.channel.type_name, message), reading.level_unit)
-        topic.decodes = bool(samples.fields)
-    samples.read(message)
-
-
-def _notices(topics: Mapping[str, TopicSamples], left: _Left) -> Iterator[str]:
-    for name, channel in left.undefined.items():
-        messages = counted(len(topics[name].stamps_ns), "message")
-        yield f"{name}: {messages} not decoded: nobody defines the type {channel.type_name}"
-    for name, samples in topics.items():
-        if samples.undecodable:
-            verb = "was" if samples.undecodable == 1 else "were"
-            messages = counted(samples.undecodable, "message")
-            yield f"{name}: {messages} could not be decoded and {verb} left out"
-    for name, count in left.second_types.items():
-        yield f"{name}: recorded with two types; left out of the second: {counted(count, 'message')}"

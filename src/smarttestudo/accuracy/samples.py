@@ -8,11 +8,12 @@ import dataclasses
 import itertools
 import math
 from array import array
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from copy import copy
 from dataclasses import dataclass
 from numbers import Real
 
-from smarttestudo.accuracy.thinning import Thinned, thinned
+from smarttestudo.accuracy.track import Track, thinned
 from smarttestudo.domain.profile import LevelUnit
 from smarttestudo.domain.rate_meter import mean_hz
 from smarttestudo.domain.recording import Channel
@@ -61,13 +62,6 @@ class Series:
             stamps_ns=array("q", itertools.compress(self.stamps_ns, kept)),
             values=array("d", itertools.compress(self.values, kept)),
             wraps=self.wraps,
-        )
-
-    def taken(self, stamps_ns: array[int], indices: array[int]) -> Series:
-        """The samples at ``indices``, which were received at ``stamps_ns``."""
-        values = self.values
-        return Series(
-            stamps_ns=stamps_ns, values=array("d", [values[index] for index in indices]), wraps=self.wraps
         )
 
 
@@ -143,29 +137,34 @@ def _field(name: str, spec: PropertySpec | None, *, is_asked: bool) -> Field:
 class TopicSamples:
     """The messages of one topic, added one by one: 16 bytes for each, and 8 for each of its fields.
 
-    ``undecodable`` counts messages that could not be decoded; what they said is not known.
+    ``undecodable`` counts messages that could not be decoded; what they said is not known. ``track`` has the
+    messages for pictures of ``properties``, and also those of before the first one that counts.
     """
 
     __slots__ = (
-        "_columns",
         "_has_frames",
         "_readers",
         "channel",
+        "columns",
         "fields",
         "frames",
         "sizes",
         "stamps_ns",
+        "track",
         "undecodable",
     )
 
-    def __init__(self, channel: Channel) -> None:
+    def __init__(
+        self, channel: Channel, properties: Collection[str] = (), level_unit: LevelUnit | None = None
+    ) -> None:
         self.channel = channel
+        self.track = Track(channel.type_name, properties, level_unit)
         self.stamps_ns = array("q")
         self.sizes = array("q")
         self.frames: list[tuple[str, ...]] = []
         self.fields: tuple[Field, ...] = ()
         self.undecodable = 0
-        self._columns: list[array[float]] = []
+        self.columns: list[array[float]] = []
         self._readers: list[Reader] = []
         self._has_frames = self.kind is StreamKind.TRANSFORMS
 
@@ -190,7 +189,7 @@ class TopicSamples:
         type_name = self.channel.type_name
         self.fields = tuple(fields)
         self._readers = [value_reader(type_name, field.name, level_unit) for field in fields]
-        self._columns = [self._unknown() for _ in fields]
+        self.columns = [self._unknown() for _ in fields]
 
     def add(self, stamp_ns: int, size_bytes: int, frames: tuple[str, ...] = ()) -> None:
         """Count a message; its fields are not known until ``read``."""
@@ -198,23 +197,29 @@ class TopicSamples:
         self.sizes.append(size_bytes)
         if self._has_frames:
             self.frames.append(frames)
-        for column in self._columns:
+        for column in self.columns:
             column.append(math.nan)
 
     def read(self, message: object) -> None:
         """Take the fields of the message that was counted last."""
-        for column, reader in zip(self._columns, self._readers, strict=True):
+        for column, reader in zip(self.columns, self._readers, strict=True):
             column[-1] = usable(reader(message))
 
     def series(self, field: Field) -> Series:
         """A field over time; one that was not looked at is not known at any."""
         names = [one.name for one in self.fields]
-        values = self._columns[names.index(field.name)] if field.name in names else self._unknown()
+        values = self.columns[names.index(field.name)] if field.name in names else self._unknown()
         return Series(stamps_ns=self.stamps_ns, values=values, wraps=field.wraps)
 
-    def at_rate(self, rate_hz: float, end_ns: int) -> Thinned:
-        """What passes of the topic until ``end_ns`` at a fixed rate, infinite for all."""
-        return thinned(self.stamps_ns, rate_hz, end_ns=end_ns, kind=self.kind, frames=self.frames)
+    def at_rate(self, rate_hz: float, end_ns: int) -> TopicSamples:
+        """The messages of the topic that pass until ``end_ns`` at a fixed rate, infinite for all."""
+        passed = thinned(self.stamps_ns, rate_hz, end_ns=end_ns, kind=self.kind, frames=self.frames)
+        samples = copy(self)
+        samples.stamps_ns = passed.stamps_ns
+        samples.sizes = array("q", (self.sizes[index] for index in passed.indices))
+        samples.columns = [array("d", (column[index] for index in passed.indices)) for column in self.columns]
+        samples.track = self.track.thinned(passed)
+        return samples
 
     def _unknown(self) -> array[float]:
         return array("d", [math.nan]) * len(self.stamps_ns)

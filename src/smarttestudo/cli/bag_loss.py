@@ -37,7 +37,7 @@ from smarttestudo.rules.profile_file import load_profile
 from smarttestudo.rules.rule_sets import LoadedRules, load_rules
 
 if TYPE_CHECKING:
-    from smarttestudo.accuracy.recorded_curves import LossCurves
+    from smarttestudo.accuracy.curve import LossCurves
     from smarttestudo.report.table import Table
 
 EXIT_ERROR = 1
@@ -119,9 +119,8 @@ def _run_loss(arguments: argparse.Namespace, fields: Mapping[str, Sequence[str]]
             decisions=decisions,
             predict=arguments.predict,
             profile=profile,
-            report=report,
         )
-        loss = measure_loss(arguments.a, arguments.b, question)
+        loss = measure_loss(arguments.a, arguments.b, question, report)
     if arguments.json:
         print_json(loss.to_json())
     elif arguments.csv:
@@ -137,7 +136,7 @@ def _run_loss(arguments: argparse.Namespace, fields: Mapping[str, Sequence[str]]
 def _decisions(
     arguments: argparse.Namespace, rules: LoadedRules | None, profile: Profile
 ) -> Sequence[Decision]:
-    """Decisions that were kept, else, where blocks ask for bounds, those of the rules over A."""
+    """The decisions that were kept, else, where blocks ask for bounds, those of the rules over A."""
     from smarttestudo.replays.decisions import decisions_over  # noqa: PLC0415  as above
 
     if arguments.decisions is not None:
@@ -150,7 +149,7 @@ def _decisions(
 
 
 def _run_curves(arguments: argparse.Namespace, fields: Mapping[str, Sequence[str]], profile: Profile) -> int:
-    from smarttestudo.accuracy.recorded_curves import measure_curves  # noqa: PLC0415  as above
+    from smarttestudo.accuracy.curve import measure_curves  # noqa: PLC0415  as above
 
     for option in ("rules", "map", "decisions", "predict"):
         if getattr(arguments, option):
@@ -193,7 +192,7 @@ def _curve_tables(curves: LossCurves) -> Iterator[Table]:
 
 
 def _fields(asked: Sequence[Sequence[str]]) -> dict[str, list[str]]:
-    """Fields that ``--field`` asks for, by topic; ``UsageError`` for what cannot be a field."""
+    """The fields of ``--field``, by topic; ``UsageError`` for what cannot be a field."""
     fields: dict[str, list[str]] = {}
     for topic, *names in asked:
         if not topic.startswith("/") or not names:

@@ -126,7 +126,7 @@ def _note(notices: Iterable[str]) -> None:
 
 
 def _breakpoints(bag: Path) -> dict[str, TierProposal]:
-    from smarttestudo.accuracy.recorded_curves import measure_curves  # noqa: PLC0415  see _of_recording
+    from smarttestudo.accuracy.curve import measure_curves  # noqa: PLC0415  see _of_recording
 
     with progress(f"Reading {bag}") as report:
         curves = measure_curves(bag, report=report).curves

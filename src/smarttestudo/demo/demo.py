@@ -12,11 +12,7 @@ from pathlib import Path
 from smarttestudo import __version__
 from smarttestudo.accuracy.comparison import AccuracyComparison, View
 from smarttestudo.accuracy.loss_report import LossReport
-from smarttestudo.accuracy.recorded_comparison import (
-    AccuracyRequest,
-    NamedRules,
-    compare_accuracy,
-)
+from smarttestudo.accuracy.recorded_comparison import AccuracyRequest, NamedRules
 from smarttestudo.bags.comparison import Comparison
 from smarttestudo.bags.reader import open_recording
 from smarttestudo.demo import linked, thesis_files
@@ -123,15 +119,15 @@ def run_demo(request: DemoRequest) -> DemoOutcome:
         else:
             notices = _in_real_time(request, folder, request.robot)
             decisions = _recorded_decisions(folder)
-        accuracy = _accuracy(request, folder, rules, bounding)
-        report = _write_report(request, folder, rules, decisions, accuracy)
+        compared = _compared(request, folder, rules, bounding)
+        report = _write_report(request, folder, rules, decisions, compared)
         if also_write is not None:
             also_write(report, folder / THESIS)
         (folder / MARKER).write_text(json.dumps(_settings(request), indent=2) + "\n", "utf-8")
     return DemoOutcome(
         comparison=report.comparison,
         loss=report.loss,
-        accuracy=accuracy,
+        accuracy=report.accuracy,
         decisions=len(decisions),
         notices=(*_rule_notices(request, (rules, *bounding)), *notices),
         arrivals=arrivals,
@@ -139,7 +135,7 @@ def run_demo(request: DemoRequest) -> DemoOutcome:
 
 
 def _thesis_writer() -> Callable[[RunReport, Path], None]:
-    """What writes the thesis's tables and figures; a missing package is known before the drive begins."""
+    """The writer of the thesis's tables and figures; a missing package is known before the drive begins."""
     from smarttestudo.demo.thesis import write_thesis  # noqa: PLC0415  matplotlib takes a second
 
     return write_thesis
@@ -256,10 +252,10 @@ def _replay(request: DemoRequest, folder: Path, rules: DemoRules) -> tuple[Repla
     return outcome, decisions
 
 
-def _accuracy(
+def _compared(
     request: DemoRequest, folder: Path, rules: DemoRules, bounding: Sequence[DemoRules]
-) -> AccuracyComparison | None:
-    """The baseline at fixed rates, under the rules, and under those with bounds; what of it is on disk.
+) -> AccuracyRequest | None:
+    """The baseline at fixed rates, under the rules, and under those with bounds.
 
     With whole images it would read them again and again, to say the same as without.
     """
@@ -268,20 +264,13 @@ def _accuracy(
     within, predicted = bounding
     is_replay = request.robot is None
     shown = ((rules, View.HOLD), (within, View.HOLD), (within, View.RECKONED), (predicted, View.RECKONED))
-    comparison = compare_accuracy(
-        AccuracyRequest(
-            bag=folder / BASELINE,
-            rules=[
-                NamedRules(name=Path(one.name).stem, rule_set=one.rule_set, view=view) for one, view in shown
-            ],
-            progress=request.progress,
-            called=BASELINE,
-            received=folder / ADAPTIVE if is_replay and request.when_slow is WhenSlow.PASS else None,
-        )
+    return AccuracyRequest(
+        bag=folder / BASELINE,
+        rules=[NamedRules(name=Path(one.name).stem, rule_set=one.rule_set, view=view) for one, view in shown],
+        progress=request.progress,
+        called=BASELINE,
+        received=folder / ADAPTIVE if is_replay and request.when_slow is WhenSlow.PASS else None,
     )
-    if comparison is not None:
-        (folder / ACCURACY).write_text(json.dumps(comparison.to_json(), indent=2) + "\n", "utf-8")
-    return comparison
 
 
 def _write_report(
@@ -289,7 +278,7 @@ def _write_report(
     folder: Path,
     rules: DemoRules,
     decisions: Sequence[Decision],
-    accuracy: AccuracyComparison | None,
+    compared: AccuracyRequest | None,
 ) -> RunReport:
     """Measure both recordings as they lie on disk, and show them."""
     report = bag_report(
@@ -306,9 +295,11 @@ def _write_report(
             provenance=tuple(_provenance(request)),
             progress=request.progress,
             called=lambda path: str(request.out / path.name),
+            compared=compared,
         )
     )
-    report = replace(report, accuracy=accuracy)
+    if report.accuracy is not None:
+        (folder / ACCURACY).write_text(json.dumps(report.accuracy.to_json(), indent=2) + "\n", "utf-8")
     (folder / REPORT).write_text(render_report(report), "utf-8")
     return report
 

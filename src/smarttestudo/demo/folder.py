@@ -79,7 +79,7 @@ def _refuse_foreign(out: Path, made: Collection[str], filled: Mapping[str, Colle
 
 
 def _foreign(made: Path, names: Collection[str] | None) -> Iterator[Path]:
-    """What a demo does not make: anything but a file, or a folder with ``names`` or a recording's files."""
+    """Things that no demo makes: anything but a file, or a folder with ``names`` or a recording's files."""
     if made.is_symlink():
         yield made
     elif made.is_dir():

@@ -25,18 +25,18 @@ from smarttestudo.robot.ros.discovery import discovery_variables
 from smarttestudo.simulation.readings import Topic
 
 WARM_S = 3.0
-"""What is not counted at the beginning: nothing is known of the link then."""
+"""The time that is not counted at the beginning: nothing is known of the link then."""
 _ROBOT_DOMAIN, _OPERATOR_DOMAIN = 77, 78
 _ROBOT_NAME = "turtlebot3"
 _START_TIMEOUT_S = 60.0
 _FOUND = f"{Topic.ODOM.value}: nav_msgs"
-"""What the runtime says of the robot once it relays it."""
+"""The words of the runtime for the robot once it relays it."""
 _LOOK_S = 0.2
 _TRAFFIC_BYTES = 20_000
 
 
 class Contender(Enum):
-    """What carries the relayed messages to the operator; the value is its name."""
+    """Carriers of the relayed messages to the operator; the value is a name."""
 
     TESTUDO = "SmartTestudo"
     ZENOH = "Zenoh"

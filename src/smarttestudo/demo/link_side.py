@@ -37,7 +37,7 @@ _CLASSES = ("INTERACTIVE_HIGH", "INTERACTIVE_LOW", "DATA_HIGH", "DATA", "DATA_LO
 
 
 class LinkRole(Enum):
-    """What the process is: a recorder beside the robot, an end of plain Zenoh, or a ROS operator's."""
+    """The role of the process: a recorder beside the robot, an end of plain Zenoh, or a ROS operator's."""
 
     WITNESS = "witness"
     ZENOH_ROBOT = "zenoh-robot"

@@ -115,7 +115,7 @@ def record_live(request: LiveDemoRequest, robot: Robot, report: Callable[[float]
 
 
 def _lost_time(log: Path) -> list[str]:
-    """What the robot said last of time that it lost, if it did."""
+    """The robot's last words on time that it lost, if it did."""
     said = [line for line in log.read_text("utf-8", "replace").splitlines() if _LOST_TIME in line]
     return [
         f"the robot: {line.partition(_LOST_TIME)[0].rpartition(': ')[2]}{_LOST_TIME}" for line in said[-1:]
@@ -156,7 +156,7 @@ def _await_publisher(robot: Robot, topic: str, process: ChildProcess) -> None:
 
 
 def relayed_name(topic: str) -> str:
-    """What the runtime calls what it relays of ``topic``."""
+    """The topic on which the runtime relays ``topic``."""
     return output_name(topic, DEFAULT_OUTPUT_TOPIC)
 
 

@@ -107,7 +107,7 @@ class _RealTimeDrive:
         self._warned_ns: int | None = None
 
     def due_readings(self) -> Iterator[TimedReading]:
-        """Each reading when it arrives, until the end."""
+        """Yield each reading when it arrives, until the end."""
         seconds = self._request.seconds
         start_ns = self._robot.now_ns()
         end_ns = None if seconds is None else start_ns + ns_from_s(seconds)

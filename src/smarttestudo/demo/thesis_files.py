@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the files with the thesis's tables and figures are called."""
+"""The names of the files with the thesis's tables and figures."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the chart of messages against accuracy shows, the same in whichever form it is drawn."""
+"""The chart of messages against accuracy, the same in whichever form it is drawn."""
 
 from __future__ import annotations
 
@@ -10,12 +10,8 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from enum import Enum
 
-from smarttestudo.accuracy.accuracy_curve import (
-    AccuracyCurve,
-    AccuracyPoint,
-    BoundPrice,
-    PacedPicture,
-)
+from smarttestudo.accuracy.accuracy_curve import AccuracyCurve, AccuracyPoint, BoundCost
+from smarttestudo.accuracy.arms import PacedPicture
 
 _MARGIN = 1.15
 _STEPS = ((1, 2, 3, 5), (1, 2, 5), (1,))
@@ -42,7 +38,7 @@ class AccuracyLine:
 
     @property
     def name(self) -> str:
-        """What a legend calls it."""
+        """Its name in a legend."""
         way = "Bound" if self.sent is Sent.WITHIN else "Fixed rate"
         return f"{way}, {'dead reckoning' if self.reckons else 'last message held'}"
 
@@ -72,7 +68,7 @@ class AccuracyChart:
 
     @property
     def meaning(self) -> str:
-        """What a reader who cannot see it is told."""
+        """The text for a reader who cannot see it."""
         return f"Worst error of {self.name} against messages, in {self.unit or 'its unit'}"
 
 
@@ -82,8 +78,8 @@ def accuracy_chart(curve: AccuracyCurve) -> AccuracyChart | None:
     Where every message passes there is none, which has no place on a logarithmic axis.
     """
     lines = [
-        AccuracyLine(sent=sent, reckons=reckons, points=_points(curve.points, price, error))
-        for reckons, price in ((False, _hold), (True, _reckoned))
+        AccuracyLine(sent=sent, reckons=reckons, points=_points(curve.points, cost, error))
+        for reckons, cost in ((False, _hold), (True, _reckoned))
         for sent, error in ((Sent.FIXED, _fixed), (Sent.WITHIN, _within))
     ]
     shown = tuple(line for line in lines if line.points)
@@ -101,11 +97,11 @@ def accuracy_chart(curve: AccuracyCurve) -> AccuracyChart | None:
 
 def _points(
     points: Iterable[AccuracyPoint],
-    price: Callable[[AccuracyPoint], BoundPrice | None],
-    error: Callable[[BoundPrice], PacedPicture],
+    cost: Callable[[AccuracyPoint], BoundCost | None],
+    error: Callable[[BoundCost], PacedPicture],
 ) -> tuple[tuple[int, float], ...]:
-    prices = (price(point) for point in points)
-    errors = (error(one) for one in prices if one is not None)
+    costs = (cost(point) for point in points)
+    errors = (error(one) for one in costs if one is not None)
     known = {(one.messages, one.worst) for one in errors if one.worst > 0}
     return tuple(sorted(known, key=lambda point: (point[0], -point[1])))
 
@@ -125,17 +121,17 @@ def _axis(values: Iterable[float]) -> LogAxis:
     return LogAxis(low=low, high=high, ticks=shown)
 
 
-def _hold(point: AccuracyPoint) -> BoundPrice:
+def _hold(point: AccuracyPoint) -> BoundCost:
     return point.hold
 
 
-def _reckoned(point: AccuracyPoint) -> BoundPrice | None:
+def _reckoned(point: AccuracyPoint) -> BoundCost | None:
     return point.reckoned
 
 
-def _fixed(price: BoundPrice) -> PacedPicture:
-    return price.fixed
+def _fixed(cost: BoundCost) -> PacedPicture:
+    return cost.fixed
 
 
-def _within(price: BoundPrice) -> PacedPicture:
-    return price.within
+def _within(cost: BoundCost) -> PacedPicture:
+    return cost.within

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from smarttestudo.accuracy.comparison import AccuracyComparison, Arm, PropertyAccuracy, View
+from smarttestudo.accuracy.comparison import AccuracyComparison, ArmAccuracy, PropertyAccuracy, View
 from smarttestudo.domain.units import BYTES_PER_KB
 from smarttestudo.report.table import MISSING, Align, Cell, Column, Number, Row, Table, Text
 
@@ -34,7 +34,7 @@ def accuracy_tables(comparison: AccuracyComparison) -> tuple[Table, ...]:
 
 
 def accuracy_sentences(comparison: AccuracyComparison) -> Iterator[str]:
-    """What rules with bounds gain over fixed rates in the first property of the first topic."""
+    """The gain of rules with bounds over fixed rates in the first property of the first topic."""
     fixed = comparison.arms[0]
     topic, passed = next(iter(fixed.topics.items()))
     name, before = next(iter(passed.properties.items()))
@@ -69,7 +69,7 @@ def _columns(properties: Mapping[str, PropertyAccuracy]) -> Iterator[Column]:
         yield Column(heading="Broken")
 
 
-def _cells(arm: Arm, fixed: Arm, topic: str) -> Iterator[Cell]:
+def _cells(arm: ArmAccuracy, fixed: ArmAccuracy, topic: str) -> Iterator[Cell]:
     passed = arm.topics[topic]
     yield Text(arm.name)
     yield Text(arm.view.value)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What an accuracy costs, as a drawing and a table."""
+"""The cost of an accuracy as a drawing and a table."""
 
 from __future__ import annotations
 
@@ -36,13 +36,13 @@ def accuracy_curve_section(curve: AccuracyCurve) -> Markup:
     )
 
 
-def look_of(line: AccuracyLine) -> str:
+def style_of(line: AccuracyLine) -> str:
     """The class of a line in the style sheet."""
     return f"{line.sent.value} reckoned" if line.reckons else line.sent.value
 
 
 def _drawing(chart: AccuracyChart) -> Iterator[Markup]:
-    yield chart_legend([(look_of(line), line.name) for line in chart.lines], [])
+    yield chart_legend([(style_of(line), line.name) for line in chart.lines], [])
     name = tag("span", *name_parts(chart.name), class_="words name")
     yield tag("figure", tag("figcaption", name), draw_accuracy(chart), class_="chart")
 
@@ -52,7 +52,7 @@ def draw_accuracy(chart: AccuracyChart) -> Markup:
     lines = [
         tag(
             "polyline",
-            class_=look_of(line),
+            class_=style_of(line),
             points=" ".join(_point(chart, messages, error) for messages, error in line.points),
         )
         for line in chart.lines

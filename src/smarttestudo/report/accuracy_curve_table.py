@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from smarttestudo.accuracy.accuracy_curve import AccuracyCurve, AccuracyPoint, BoundPrice
+from smarttestudo.accuracy.accuracy_curve import AccuracyCurve, AccuracyPoint, BoundCost
 from smarttestudo.domain.units import grouped
 from smarttestudo.report.loss_tables import measured
 from smarttestudo.report.table import (
@@ -64,12 +64,12 @@ def _row(curve: AccuracyCurve, point: AccuracyPoint, *, is_reckoned: bool) -> Ro
     )
 
 
-def _cells(price: BoundPrice | None) -> Iterator[Cell]:
-    if price is None:
+def _cells(cost: BoundCost | None) -> Iterator[Cell]:
+    if cost is None:
         yield from (Number(None),) * 5
         return
-    yield Number(price.within.messages, decimals=0)
-    for error in (price.within, price.fixed):
+    yield Number(cost.within.messages, decimals=0)
+    for error in (cost.within, cost.fixed):
         yield measured(error.rmse)
         yield measured(error.worst)
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the report of one recording, or of two beside each other, shows; and the same as figures."""
+"""The report of one recording, or of two beside each other, and the same as figures."""
 
 from __future__ import annotations
 
@@ -8,14 +8,23 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import TypeVar
 
-from smarttestudo.accuracy.accuracy_curve import AccuracyCurve
+from smarttestudo.accuracy.accuracy_curve import (
+    AccuracyCurve,
+    accuracies,
+    position_wanted,
+    readings_for,
+)
+from smarttestudo.accuracy.comparison import AccuracyComparison
 from smarttestudo.accuracy.loss_report import LossReport
-from smarttestudo.accuracy.recorded_accuracy_curves import measure_accuracy, position_wanted
-from smarttestudo.accuracy.recorded_loss import LossQuestion, loss_of_measured
+from smarttestudo.accuracy.recorded_comparison import AccuracyRequest, ComparisonMeasurement
+from smarttestudo.accuracy.recorded_loss import LossMeasurement, LossQuestion
+from smarttestudo.accuracy.recorded_samples import RecordedSamples, TopicReading, joined, read_samples
 from smarttestudo.bags.floor import rule_zones
 from smarttestudo.bags.incident_mark import incident_mark
 from smarttestudo.bags.measure import measure_run
+from smarttestudo.bags.reader import open_recording
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.floor_plan import FloorPlan
@@ -36,12 +45,13 @@ Progress = Callable[[str], AbstractContextManager[Callable[[float], None]]]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ReportRequest:
-    """A recording ``a``, if there is one also ``b``, and what is known about how ``b`` came from it.
+    """A recording ``a``, if there is one also ``b``, and how ``b`` came from it.
 
     ``mapping`` pairs topics as ``compare_bags`` does, ``topics`` are the names or patterns to show, empty
     for all. ``decisions`` may be timed from any start; their stamps count. Of topics in ``predict`` B's
     receiver shows dead reckoning. Zones of ``rule_set`` are added to the ``floor_plan``. ``called`` is what
-    the user calls a recording that lies elsewhere for now.
+    the user calls a recording that lies elsewhere for now. ``compared`` asks for rules beside each other
+    over ``a``, too.
     """
 
     a: Path
@@ -61,6 +71,7 @@ class ReportRequest:
     provenance: tuple[Fact, ...] = ()
     progress: Progress
     called: Callable[[Path], str] = str
+    compared: AccuracyRequest | None = None
 
 
 def bag_report(request: ReportRequest) -> RunReport:
@@ -70,14 +81,41 @@ def bag_report(request: ReportRequest) -> RunReport:
         RecordingError: one cannot be read or is empty; they share no topic; a topic asked for is in neither.
     """
     runs = _measure(request, with_places=True)
-    loss, notices = _loss(request, runs)
     report = _report(request, runs)
-    accuracy_curve, accuracy_notices = _accuracy(request, runs)
+    measurement, notices = _known(lambda: _loss_measurement(request, runs))
+    wanted = position_wanted(runs.a.channels, {pair.topic for pair in runs.pairs})
+    readings = joined(measurement.readings() if measurement else {}, readings_for(wanted, request.profile))
+    sent, comparison = _read_sent(request, runs, readings)
+    loss: LossReport | None = None
+    if measurement is not None:
+        with request.progress("Measuring what was lost") as told:
+            loss, notices = _known(lambda: measurement.report(sent, told))
+        notices = loss.notices if loss else notices
+    curves: tuple[AccuracyCurve, ...] = ()
+    if wanted:
+        with request.progress("Measuring what an accuracy costs") as told:
+            curves, unread = accuracies(sent.topics, wanted, runs.a.summary.span.end_ns, told)
+        notices = (*notices, *unread)
     link, link_notices = _link(request, runs)
-    said = (*report.notices, *notices, *accuracy_notices, *link_notices)
     return replace(
-        report, loss=loss, accuracy_curve=accuracy_curve, link=link, notices=tuple(dict.fromkeys(said))
+        report,
+        loss=loss,
+        accuracy=comparison,
+        accuracy_curve=next(iter(curves), None),
+        link=link,
+        notices=tuple(dict.fromkeys((*report.notices, *notices, *link_notices))),
     )
+
+
+_Known = TypeVar("_Known")
+
+
+def _known(measure: Callable[[], _Known | None]) -> tuple[_Known | None, tuple[str, ...]]:
+    """What was measured of the loss, or why that cannot be said."""
+    try:
+        return measure(), ()
+    except RecordingError as error:
+        return None, (f"what was lost is not known: {error.cause}",)
 
 
 def series_over_time(request: ReportRequest) -> RunReport:
@@ -123,39 +161,48 @@ def _report(request: ReportRequest, runs: PairedRuns) -> RunReport:
     )
 
 
-def _loss(request: ReportRequest, runs: PairedRuns) -> tuple[LossReport | None, tuple[str, ...]]:
-    """What B, if there is one, lost of A, or why that cannot be said."""
+def _loss_measurement(request: ReportRequest, runs: PairedRuns) -> LossMeasurement | None:
+    """The measurement of what B, if there is one, lost of A. Raises ``RecordingError``."""
     if request.b is None or runs.b is None:
-        return None, ()
-    with request.progress("Measuring what was lost") as report:
-        question = LossQuestion(
-            mapping=request.mapping,
-            topics=request.topics,
-            rule_set=request.rule_set,
-            decisions=request.decisions,
-            predict=request.predict,
-            profile=request.profile,
-            report=report,
-        )
-        try:
-            loss = loss_of_measured((request.a, runs.a.summary), (request.b, runs.b.summary), question)
-        except RecordingError as error:
-            return None, (f"what was lost is not known: {error.cause}",)
-    return loss, loss.notices
+        return None
+    question = LossQuestion(
+        mapping=request.mapping,
+        topics=request.topics,
+        rule_set=request.rule_set,
+        decisions=request.decisions,
+        predict=request.predict,
+        profile=request.profile,
+    )
+    return LossMeasurement(runs.a.summary, (request.b, runs.b.summary), question)
 
 
-def _accuracy(request: ReportRequest, runs: PairedRuns) -> tuple[AccuracyCurve | None, tuple[str, ...]]:
-    """What accuracies of the robot's position in A cost, if A tells it."""
-    wanted = position_wanted(runs.a.channels, {pair.topic for pair in runs.pairs})
-    if not wanted:
-        return None, ()
-    with request.progress("Measuring what an accuracy costs") as report:
-        found = measure_accuracy(request.a, wanted, request.profile, report)
-    return next(iter(found.curves), None), found.notices
+def _read_sent(
+    request: ReportRequest, runs: PairedRuns, readings: Mapping[str, TopicReading]
+) -> tuple[RecordedSamples, AccuracyComparison | None]:
+    """Read A in one pass for all that is measured of it; rules are compared in the same pass."""
+    if not readings and request.compared is None:
+        return RecordedSamples(topics={}), None
+    with open_recording(request.a) as recording:
+        if request.compared is not None:
+            measurement = ComparisonMeasurement(request.compared, recording)
+            if measurement.properties:
+                sent = measurement.read(joined(readings, measurement.readings()))
+                return sent, measurement.comparison(sent)
+        span = runs.a.summary.span
+        with request.progress(f"Reading the messages of {request.called(request.a)}") as report:
+            sent = read_samples(
+                recording,
+                readings,
+                start_ns=span.start_ns,
+                end_ns=span.end_ns,
+                topics=readings if request.b is None else None,
+                report=report,
+            )
+        return sent, None
 
 
 def _link(request: ReportRequest, runs: PairedRuns) -> tuple[LinkHistory | None, tuple[str, ...]]:
-    """What the operator's recording tells of a link; where there is one recording only, that."""
+    """The history of a link by the operator's recording; where there is one recording only, by that."""
     if not has_statuses((runs.b or runs.a).channels):
         return None, ()
     with request.progress("Reading what the link did") as report:
@@ -168,7 +215,7 @@ def _floor_plan(request: ReportRequest) -> FloorPlan:
 
 
 def _tables_of_one(runs: PairedRuns) -> tuple[Table, ...]:
-    """What the actions ``rates`` and ``bandwidth`` show of a recording."""
+    """The tables of the actions ``rates`` and ``bandwidth``."""
     summary = runs.a.summary.only({pair.topic for pair in runs.pairs})
     return replace(rates_table(summary), title="Rates"), replace(bandwidth_table(summary), title="Bandwidth")
 

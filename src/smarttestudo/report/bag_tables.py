@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a recording holds, how fast and how much, as tables."""
+"""Tables of a recording: its topics, their rates and their bandwidth."""
 
 from __future__ import annotations
 

@@ -25,14 +25,14 @@ DECLARED_NOTE = "declared: the size that the recording declares for its messages
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunNames:
-    """What the two runs of a comparison are called in headings."""
+    """The names of the two runs of a comparison in headings."""
 
     before: str = "Source"
     after: str = "SmartTestudo"
 
 
 def frequency_table(comparison: Comparison, names: RunNames | None = None) -> Table:
-    """Each topic's rate in both runs, its change, and how near it came to its target if there is any."""
+    """The rate of each topic in both runs, its change, and how near it came to its target if there is any."""
     names = names or RunNames()
     targets = [pair.target for pair in comparison.topics if pair.target is not None]
     has_targets = bool(targets)
@@ -53,7 +53,7 @@ def frequency_table(comparison: Comparison, names: RunNames | None = None) -> Ta
 
 
 def bandwidth_table(comparison: Comparison, names: RunNames | None = None) -> Table:
-    """Each topic's bandwidth in both runs with its change, and the sum; declared sizes are labelled."""
+    """The bandwidth of each topic in both runs with its change, and the sum; declared sizes are labelled."""
     names = names or RunNames()
     declared = any(_is_declared(pair) for pair in comparison.topics)
     columns = (

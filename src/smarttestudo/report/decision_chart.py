@@ -13,7 +13,7 @@ from smarttestudo.domain.decision import Decision
 from smarttestudo.report.markup import Markup, tag
 from smarttestudo.report.rule_styles import RuleStyles
 from smarttestudo.report.rule_timeline import RuleSpan, block_at, by_topic, deciding_spans
-from smarttestudo.report.scale import LookSpan, bounded
+from smarttestudo.report.scale import StyleSpan, bounded
 from smarttestudo.report.time_drawing import Frame, incident_line, number, plot, share, time_svg
 
 MAX_LANES = 24
@@ -31,7 +31,7 @@ class Lane:
     """One line of the chart."""
 
     name: str
-    spans: tuple[LookSpan, ...]
+    spans: tuple[StyleSpan, ...]
 
 
 def lanes(decisions: Sequence[Decision], duration_s: float, styles: RuleStyles) -> tuple[Lane, ...]:
@@ -75,10 +75,10 @@ def _named_lane(spans: Sequence[RuleSpan], styles: RuleStyles) -> Lane:
     return Lane(
         name=MOST_DECIDED,
         spans=tuple(
-            LookSpan(
+            StyleSpan(
                 start_s=span.start_s,
                 end_s=span.end_s,
-                look=styles.of(span.block),
+                style=styles.of(span.block),
                 text=styles.of(span.block).name,
             )
             for span in spans
@@ -91,10 +91,10 @@ def _topic_lane(topic: str, decisions: Sequence[Decision], duration_s: float, st
     return Lane(
         name=topic,
         spans=tuple(
-            LookSpan(
+            StyleSpan(
                 start_s=span.start_s,
                 end_s=span.end_s,
-                look=styles.of(block_at(blocks, span.start_s)),
+                style=styles.of(block_at(blocks, span.start_s)),
                 text=str(span.rate),
             )
             for span in target_spans(decisions, duration_s)
@@ -116,15 +116,15 @@ def _drawn(row: Lane, index: int, duration_s: float, mark: Sequence[Markup]) -> 
 def _bars(row: Lane) -> Iterator[Markup]:
     for span in row.spans:
         width = number(span.end_s - span.start_s)
-        look = f"bar {span.look.css_class}"
-        yield tag("rect", class_=look, x=number(span.start_s), y=0.0, width=width, height=_LANE)
+        style = f"bar {span.style.css_class}"
+        yield tag("rect", class_=style, x=number(span.start_s), y=0.0, width=width, height=_LANE)
 
 
 def _edges(row: Lane) -> Iterator[Markup]:
     """Where bars begin, so that a bar that is too short to be seen is."""
-    for look in {span.look: None for span in row.spans}:
-        own = (f"M{number(span.start_s)} 0v{_LANE:g}" for span in row.spans if span.look == look)
-        yield tag("path", class_=f"edge {look.css_class}", d="".join(own))
+    for style in {span.style: None for span in row.spans}:
+        own = (f"M{number(span.start_s)} 0v{_LANE:g}" for span in row.spans if span.style == style)
+        yield tag("path", class_=f"edge {style.css_class}", d="".join(own))
 
 
 def _bar_names(row: Lane, duration_s: float) -> Iterator[Markup]:
@@ -133,6 +133,6 @@ def _bar_names(row: Lane, duration_s: float) -> Iterator[Markup]:
         part = (span.end_s - span.start_s) / duration_s
         needed = _CHARACTER_WIDTH * len(span.text) + 8
         hidden = {} if needed < part * _USUAL_WIDTH else {"display": "none"}
-        look = "bar-name short" if needed < part * _NARROW_WIDTH else "bar-name"
+        style = "bar-name short" if needed < part * _NARROW_WIDTH else "bar-name"
         place = share(span.start_s, duration_s)
-        yield tag("text", span.text, class_=look, x=place, dx=6.0, y=_BASELINE, **hidden)
+        yield tag("text", span.text, class_=style, x=place, dx=6.0, y=_BASELINE, **hidden)

@@ -67,7 +67,7 @@ def _row(decision: Decision, styles: RuleStyles, *, is_first: bool) -> Markup:
 
 
 def _values(decision: Decision) -> list[Markup]:
-    """What the condition read; a topic is named once for all its properties in a row."""
+    """The values that the condition read; a topic is named once for all its properties in a row."""
     parts: list[str] = []
     last_topic = ""
     for signal, value in decision.values.items():

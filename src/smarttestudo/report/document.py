@@ -32,7 +32,7 @@ from smarttestudo.report.time_chart import TimeChart, rate_charts
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Drawn:
-    """What several parts of the report show."""
+    """The values that several parts of the report show."""
 
     charts: Sequence[TimeChart]
     spans: Sequence[RuleSpan]

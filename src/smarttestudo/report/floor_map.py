@@ -121,9 +121,9 @@ def _strips(rows: Sequence[Sequence[bool]]) -> Iterator[tuple[int, int, int]]:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FloorMap:
-    """What the map shows, the same in whichever form it is drawn.
+    """The map, the same in whichever form it is drawn.
 
-    ``zones`` and ``pieces`` of the path have the looks of their blocks; ``known`` are all places that are
+    ``zones`` and ``pieces`` of the path have the styles of their blocks; ``known`` are all places that are
     known, ``line`` as many of them as are drawn. ``happened`` is an incident, if the run is one.
     """
 
@@ -182,8 +182,8 @@ def draw_floor_map(floor: FloorMap) -> Markup:
         *_floor(floor),
         tag("polyline", class_="path-edge", points=frame.points(floor.line)),
         *(
-            tag("polyline", class_=f"path {look.css_class}", points=frame.points(points))
-            for points, look in floor.pieces
+            tag("polyline", class_=f"path {style.css_class}", points=frame.points(points))
+            for points, style in floor.pieces
         ),
         *zone_names(floor.plan.zones, floor.line, frame),
         *markers(floor.known, frame, floor.happened),
@@ -195,8 +195,8 @@ def draw_floor_map(floor: FloorMap) -> Markup:
 
 
 def _floor(floor: FloorMap) -> Iterator[Markup]:
-    for zone, look in floor.zones:
-        yield floor.frame.rectangle(zone.area, f"zone {look.css_class}")
+    for zone, style in floor.zones:
+        yield floor.frame.rectangle(zone.area, f"zone {style.css_class}")
     if floor.plan.occupancy is not None:
         yield occupied_cells(floor.plan.occupancy, floor.frame)
     for obstacle in floor.plan.obstacles:

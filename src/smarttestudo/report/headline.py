@@ -20,7 +20,7 @@ from smarttestudo.report.table import format_number
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Bar:
-    """A number of at least 0, what it is called, how it reads with its unit, and its look."""
+    """A number of at least 0, what it is called, how it reads with its unit, and its style."""
 
     name: str
     value: float
@@ -88,8 +88,8 @@ def _bars(report: RunReport) -> Markup:
     )
     return bars(
         [
-            Bar(name=name, value=value, text=bandwidth_text(value), css_class=look)
-            for name, value, look in values
+            Bar(name=name, value=value, text=bandwidth_text(value), css_class=style)
+            for name, value, style in values
             if value is not None
         ]
     )

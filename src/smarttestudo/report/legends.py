@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the lines and colours of the report mean."""
+"""Legends of the lines and colours of the report."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from smarttestudo.report.time_chart import Layer
 
 
 def rule_legend(spans: Sequence[RuleSpan], styles: RuleStyles) -> Markup:
-    """Each deciding block's look and name, with how long it decided most topics."""
+    """The style and name of each deciding block, with how long it decided most topics."""
     seconds: dict[RuleStyle, float] = {}
     for span in spans:
         style = styles.of(span.block)
@@ -42,7 +42,7 @@ def run_legend(report: RunReport) -> Markup:
 def chart_legend(lines: Sequence[tuple[str, str]], tints: Sequence[RuleStyle]) -> Markup:
     """Lines by class and name, and what tints behind them mean."""
     shaded = (_entry(_sample(_strip(style)), style.name) for style in tints)
-    return tag("ul", *(_line(look, name) for look, name in lines), *shaded, class_="legend")
+    return tag("ul", *(_line(style, name) for style, name in lines), *shaded, class_="legend")
 
 
 def layer_legend(stack: Sequence[Layer]) -> Markup:
@@ -69,8 +69,8 @@ def _incident(report: RunReport) -> Iterator[Markup]:
         yield _line("incident", report.incident.name)
 
 
-def _line(look: str, name: str) -> Markup:
-    return _entry(_sample(tag("path", class_=look, d="M1 6H33")), name)
+def _line(style: str, name: str) -> Markup:
+    return _entry(_sample(tag("path", class_=style, d="M1 6H33")), name)
 
 
 def _rule(style: RuleStyle, seconds: float, total_s: float) -> Markup:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What came over a link, in which state, beside what others brought over the same."""
+"""The messages that came over a link, and how old, beside what others brought over the same."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def quantile(ordered: Sequence[float], share: float) -> float:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TopicArrivals:
-    """What came of a topic: rates at the robot and at the operator, and ages in s, the youngest first."""
+    """Arrivals of a topic: rates at the robot and at the operator, and ages in s, the youngest first."""
 
     published_hz: float
     received_hz: float
@@ -29,7 +29,7 @@ class TopicArrivals:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LinkArrivals:
-    """What one contender brought: the arrivals of each topic, and the share of the link it used, 0 … 1."""
+    """Arrivals by one contender: those of each topic, and the share of the link it used, 0 … 1."""
 
     name: str
     used: float
@@ -37,7 +37,7 @@ class LinkArrivals:
 
 
 def arrival_rates_table(contenders: Sequence[LinkArrivals]) -> Table:
-    """Each topic's rate at the robot and at the operator, and how much of the link that took."""
+    """The rate of each topic at the robot and at the operator, and how much of the link that took."""
     rows = []
     for topic in _topics(contenders):
         seen = [one.topics.get(topic) for one in contenders]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a robot told of its link over time, from the statuses of a recording."""
+"""A robot's link over time, from the statuses of a recording."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class TopicOverLink:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LinkHistory:
-    """What the link carried and the budget that rates were planned within, in KB/s; times in s.
+    """The load of the link and the budget that rates were planned within, in KB/s; times in s.
 
     ``outages`` is how many the robot counted, ``silences`` when it was not connected or told nothing.
     """
@@ -112,7 +112,7 @@ class LinkHistoryBuilder:
         self._end_s: float | None = None
 
     def take(self, stamp_ns: int, status: RuntimeStatus) -> None:
-        """What was told at ``stamp_ns``."""
+        """Add what was told at ``stamp_ns``."""
         link = status.link
         if link is None:
             return
@@ -169,7 +169,7 @@ class LinkHistoryBuilder:
 
 
 def link_table(history: LinkHistory) -> Table:
-    """Each topic's ages as they were told, and what became of its messages at the robot's end."""
+    """The ages of each topic as they were told, and what became of its messages at the robot's end."""
     return Table(
         title="Topics over the link",
         columns=(

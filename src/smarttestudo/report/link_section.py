@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the link between robot and operator carried, and how old messages were behind it."""
+"""The load of the link between robot and operator, and the ages of messages behind it."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from smarttestudo.report.link_history import LinkHistory, TopicOverLink, link_ta
 from smarttestudo.report.markup import Markup, html_table, name_parts, tag
 from smarttestudo.report.rule_styles import RuleStyle
 from smarttestudo.report.run_report import MAX_CHARTS
-from smarttestudo.report.scale import LookSpan, bounded
+from smarttestudo.report.scale import StyleSpan, bounded
 from smarttestudo.report.sections import figure, section
 from smarttestudo.report.series import Series
 from smarttestudo.report.table import format_number
@@ -107,9 +107,9 @@ def _highest(points: Series) -> float:
     return max(point.highest for point in points)
 
 
-def _silences(history: LinkHistory, duration_s: float) -> tuple[LookSpan, ...]:
-    spans: Sequence[LookSpan] = [
-        LookSpan(start_s=start_s, end_s=min(end_s, duration_s), look=_OUTAGE)
+def _silences(history: LinkHistory, duration_s: float) -> tuple[StyleSpan, ...]:
+    spans: Sequence[StyleSpan] = [
+        StyleSpan(start_s=start_s, end_s=min(end_s, duration_s), style=_OUTAGE)
         for start_s, end_s in history.silences
         if start_s < duration_s
     ]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the statuses of a recording tell of a link."""
+"""The history of a link, from the statuses of a recording."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def has_statuses(channels: Iterable[Channel]) -> bool:
 def link_history(
     path: Path, start_ns: int, report: Callable[[float], None]
 ) -> tuple[LinkHistory | None, tuple[str, ...]]:
-    """What the recording's statuses tell of a link, timed from ``start_ns``, and what was not understood.
+    """The history of a link by a recording's statuses, timed from ``start_ns``, and what was not understood.
 
     Raises:
         RecordingError: it cannot be read.

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What an operator lost, as tables."""
+"""Tables of what an operator lost."""
 
 from __future__ import annotations
 

@@ -138,7 +138,7 @@ _LINE_HEIGHT = 24.0
 
 
 def zone_names(zones: Sequence[FloorZone], places: Sequence[PathPoint], frame: MapFrame) -> Iterator[Markup]:
-    """Each zone's name in the corner of the zone that the path leaves free."""
+    """Put each zone's name in the corner of the zone that the path leaves free."""
     path = [frame.place(point) for point in places]
     for zone in zones:
         left, right = frame.x(zone.area.min_x_m), frame.x(zone.area.max_x_m)

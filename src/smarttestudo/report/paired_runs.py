@@ -116,7 +116,7 @@ class PairedRuns:
         ), ()
 
     def notices(self) -> tuple[str, ...]:
-        """What was lost or odd, a line each."""
+        """Notices of what was lost or odd, a line each."""
         if self.b is None:
             return self.a.summary.notices
         apart = "the recordings share no time; each is shown from its own start"

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the report of a replay shows: both recordings beside each other, and every decision."""
+"""The report of a replay: both recordings beside each other, and every decision."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""A look for each deciding block: colour, dash and name, the same everywhere on the page."""
+"""A style for each deciding block: colour, dash and name, the same everywhere on the page."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from smarttestudo.domain.decision import Decision
 from smarttestudo.report.rule_timeline import DecidingBlock, RuleSpan, by_topic, deciding_spans
 
 STYLED_BLOCKS = 6
-"""How many blocks have a look of their own, as there are colours for."""
+"""How many blocks have a style of their own, as there are colours for."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -24,7 +24,7 @@ class RuleStyle:
 
     @property
     def colour(self) -> str:
-        """The name of its colour and dash in ``looks``."""
+        """The name of its colour and dash in ``styles``."""
         return self.css_class.removeprefix("by-")
 
 
@@ -33,12 +33,12 @@ OTHERS = RuleStyle(css_class="by-other", name="Other rules")
 
 
 class RuleStyles:
-    """The looks of a run's blocks: the longest deciding ones have their own, the rest share one."""
+    """The styles of a run's blocks: the longest deciding ones have their own, the rest share one."""
 
     __slots__ = ("_blocks", "_styles")
 
     def __init__(self, spans: Iterable[RuleSpan]) -> None:
-        """Looks for the blocks of ``spans``, numbered in the order of their lines."""
+        """Styles for the blocks of ``spans``, numbered in the order of their lines."""
         seconds: dict[DecidingBlock, float] = {}
         for span in spans:
             if span.block is not None:
@@ -53,22 +53,22 @@ class RuleStyles:
         }
 
     def of(self, block: DecidingBlock | None) -> RuleStyle:
-        """The look of ``block``, or of the defaults."""
+        """The style of ``block``, or of the defaults."""
         return DEFAULTS if block is None else self._styles.get(block, OTHERS)
 
     @property
     def all(self) -> tuple[RuleStyle, ...]:
-        """Every look, as a legend lists them."""
+        """Every style, as a legend lists them."""
         others = (OTHERS,) if self._blocks > len(self._styles) else ()
         return (*self._styles.values(), *others, DEFAULTS)
 
     def of_zone(self, name: str) -> RuleStyle:
-        """The look of the block that is named as a zone is, else that of the defaults."""
+        """The style of the block that is named as a zone is, else that of the defaults."""
         return next((style for block, style in self._styles.items() if block.rule == name), DEFAULTS)
 
 
 def styles_of(decisions: Sequence[Decision], duration_s: float) -> RuleStyles:
-    """The looks of a run's blocks, by how long each decided a topic."""
+    """The styles of a run's blocks, by how long each decided a topic."""
     own = by_topic(decisions).values()
     return RuleStyles(span for group in own for span in deciding_spans(group, duration_s))
 

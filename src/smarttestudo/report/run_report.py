@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a report is about: one run, or two beside each other."""
+"""The contents of a report: one run, or two beside each other."""
 
 from __future__ import annotations
 

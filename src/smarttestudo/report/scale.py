@@ -64,16 +64,16 @@ def tick_label(value: float) -> str:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class LookSpan:
-    """From ``start_s`` to ``end_s``: the look of what is drawn, and what is written on it."""
+class StyleSpan:
+    """From ``start_s`` to ``end_s``: the style of what is drawn, and what is written on it."""
 
     start_s: float
     end_s: float
-    look: RuleStyle
+    style: RuleStyle
     text: str = ""
 
 
-_Span = TypeVar("_Span", TargetSpan, LookSpan)
+_Span = TypeVar("_Span", TargetSpan, StyleSpan)
 
 
 def long_enough(spans: Iterable[_Span], shortest_s: float) -> Iterator[_Span]:

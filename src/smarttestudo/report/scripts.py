@@ -11,8 +11,8 @@ from importlib.resources import files
 
 from smarttestudo.domain.json_text import json_text
 from smarttestudo.report.decision_chart import row_sheet
-from smarttestudo.report.looks import colour_sheet
 from smarttestudo.report.markup import Markup, tag
+from smarttestudo.report.styles import colour_sheet
 
 DATA_ID = "chart-data"
 _FOLDER = files("smarttestudo.report")
@@ -40,7 +40,7 @@ def script() -> str:
 
 
 def script_elements(duration_s: float, path: Iterable[tuple[float, float, float]]) -> tuple[Markup, Markup]:
-    """What no drawing tells, and what uses it: the duration, and when the robot was where on the map."""
+    """Data that no drawing tells, and its scripts: the duration, and when the robot was where on the map."""
     places = [[round(t_s, 2), round(x, 1), round(y, 1)] for t_s, x, y in path]
     data = json_text({"duration": max(duration_s, 1e-3), "path": places}, compact=True)
     return tag("script", Markup(data), type="application/json", id=DATA_ID), tag("script", Markup(script()))

@@ -65,7 +65,7 @@ def bandwidth_section(report: RunReport) -> Markup:
 
 
 def notices_section(notices: Sequence[str]) -> Markup:
-    """What was lost or odd."""
+    """Notices of what was lost or odd."""
     return section("Good to know", tag("ul", *(tag("li", notice, class_="words") for notice in notices)))
 
 
@@ -136,8 +136,8 @@ def _position(loss: LossReport, names: RunNames) -> Iterator[Markup]:
     yield tag("h3", f"Error of the position in {error.topic} (RMSE)", class_="words")
     yield bars(
         [
-            Bar(name=name, value=value, text=length_text(value, beside_m=longest_m), css_class=look)
-            for name, value, look in arms
+            Bar(name=name, value=value, text=length_text(value, beside_m=longest_m), css_class=style)
+            for name, value, style in arms
             if value is not None
         ]
     )

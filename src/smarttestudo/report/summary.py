@@ -17,7 +17,7 @@ _LENGTHS = ((1.0, 1.0, "m"), (0.01, 100.0, "cm"), (0.0, 1000.0, "mm"))
 
 
 def summary_sentence(comparison: Comparison, decisions: int, loss: LossReport | None = None) -> str:
-    """What the rules did to the bandwidth of all topics, how often they changed a rate, and what that cost.
+    """Sentences on the bandwidth of all topics, how often rules changed a rate, and what that cost.
 
     Of what is not known nothing is said; of a single recording there is only its bandwidth.
     """

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What each chart over time shows: lines, layers, axes and marks, the same in whichever form it is drawn."""
+"""Charts over time: lines, layers, axes and marks, the same in whichever form they are drawn."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from smarttestudo.domain.decision import Decision
 from smarttestudo.report.rule_styles import RuleStyles, styles_of
 from smarttestudo.report.rule_timeline import by_topic, deciding_spans
 from smarttestudo.report.run_report import RunReport, TopicHistory, TopicSeries, charted_series
-from smarttestudo.report.scale import LookSpan, Scale, bounded, linear, multiples, round_step
+from smarttestudo.report.scale import Scale, StyleSpan, bounded, linear, multiples, round_step
 from smarttestudo.report.series import Series, SeriesPoint
 
 MOST_LAYERS = 6
-"""Topics that have a layer of their own; there is one look more, for all others."""
+"""Topics that have a layer of their own; there is one style more, for all others."""
 RATE, BANDWIDTH = "Hz", "KB/s"
 _VALUE_TICKS = 5
 _HEADROOM = 1.08
@@ -33,7 +33,7 @@ _SHORTEST_S = 1e-3
 
 
 class Run(Enum):
-    """What a line is of: one of two recordings, or a budget; the value is its class in the style sheet."""
+    """The subject of a line: a recording or a budget; the value is its class in the style sheet."""
 
     BEFORE = "before"
     AFTER = "after"
@@ -42,7 +42,7 @@ class Run(Enum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ChartLine:
-    """What was measured in one recording, from the least to the greatest value at each time."""
+    """A measurement in one recording, from the least to the greatest value at each time."""
 
     run: Run
     points: Series
@@ -55,7 +55,7 @@ class ChartLine:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Layer:
-    """What one topic, or all others together, add to the bandwidth, in KB/s."""
+    """The part of one topic, or of all others together, in the bandwidth, in KB/s."""
 
     name: str
     points: Series
@@ -84,7 +84,7 @@ class TimeChart:
     lines: tuple[ChartLine, ...] = ()
     layers: tuple[Layer, ...] = ()
     targets: tuple[TargetSpan, ...] = ()
-    tints: tuple[LookSpan, ...] = ()
+    tints: tuple[StyleSpan, ...] = ()
     usual: float | None = None
     budget: float | None = None
     incident: IncidentMark | None = None
@@ -151,9 +151,9 @@ def rate_charts(report: RunReport) -> list[TimeChart]:
     return charts
 
 
-def _tints(decisions: Sequence[Decision], end_s: float, styles: RuleStyles) -> tuple[LookSpan, ...]:
+def _tints(decisions: Sequence[Decision], end_s: float, styles: RuleStyles) -> tuple[StyleSpan, ...]:
     spans = (
-        LookSpan(start_s=span.start_s, end_s=span.end_s, look=styles.of(span.block))
+        StyleSpan(start_s=span.start_s, end_s=span.end_s, style=styles.of(span.block))
         for span in deciding_spans(decisions, end_s)
     )
     return tuple(bounded(tuple(spans), _MOST_SPANS))
@@ -192,7 +192,7 @@ def total_chart(report: RunReport) -> TimeChart:
 
 
 def stacked_chart(report: RunReport, run: Run) -> TimeChart:
-    """What each of the largest topics adds to the bandwidth of a recording, and all others together."""
+    """The parts of the largest topics in the bandwidth of a recording, and that of all others together."""
     stack = layers(report, run)
     tops = stacked_tops([layer.points for layer in stack])
     highest = max((value for top in tops[-1:] for value in top), default=0.0)

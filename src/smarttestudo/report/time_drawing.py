@@ -79,8 +79,8 @@ def incident_line(mark: IncidentMark | None, duration_s: float, height: float) -
     """The moment of an incident, from the foot of a plot to ``height``, which says what it is."""
     if mark is not None:
         at = number(min(max(mark.at_s, 0.0), duration_s))
-        for look, *words in (("incident-edge",), ("incident", tag("title", mark.text))):
-            yield tag("line", *words, class_=look, x1=at, x2=at, y1=0.0, y2=number(height))
+        for style, *words in (("incident-edge",), ("incident", tag("title", mark.text))):
+            yield tag("line", *words, class_=style, x1=at, x2=at, y1=0.0, y2=number(height))
 
 
 def time_svg(*content: Markup, frame: Frame, duration_s: float, meaning: str, **attributes: str) -> Markup:
@@ -158,14 +158,14 @@ def _place(chart: TimeChart, frame: Frame, value: float) -> float:
 
 
 def _tints(chart: TimeChart, per_px: float) -> Iterator[Markup]:
-    """A tint behind the chart and a strip under it, in the look of the block that decided the topic."""
+    """A tint behind the chart and a strip under it, in the style of the block that decided the topic."""
     top, strip = number(chart.top), number(-4 * per_px)
-    for look in {span.look: None for span in chart.tints}:
-        ends = [(number(span.start_s), number(span.end_s)) for span in chart.tints if span.look == look]
+    for style in {span.style: None for span in chart.tints}:
+        ends = [(number(span.start_s), number(span.end_s)) for span in chart.tints if span.style == style]
         tints = "".join(f"M{start} 0H{end}V{top}H{start}z" for start, end in ends)
         strips = "".join(f"M{start} {strip}H{end}" for start, end in ends)
-        yield tag("path", class_=f"tint {look.css_class}", d=tints)
-        yield tag("path", class_=f"strip {look.css_class}", d=strips)
+        yield tag("path", class_=f"tint {style.css_class}", d=tints)
+        yield tag("path", class_=f"strip {style.css_class}", d=strips)
 
 
 def _lines(chart: TimeChart, max_points: int) -> Iterator[Markup]:
@@ -204,9 +204,9 @@ def _layers(chart: TimeChart, max_points: int) -> Iterator[Markup]:
     for index, (layer, points, top) in enumerate(zip(chart.layers, thinned, tops, strict=True), start=1):
         edge = [_point(point.t_s, height) for point, height in zip(points, top, strict=True)]
         foot = [_point(point.t_s, 0.0) for point in (*points[-1:], *points[:1])]
-        look = f"layer share-{index}"
+        style = f"layer share-{index}"
         areas.append(
-            tag("polygon", class_=look, points=" ".join(edge + foot), data_name=printable(layer.name))
+            tag("polygon", class_=style, points=" ".join(edge + foot), data_name=printable(layer.name))
         )
     yield from reversed(areas)
 

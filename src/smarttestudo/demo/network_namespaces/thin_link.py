@@ -47,7 +47,7 @@ class ThinLink:
         _run("ip", "-n", self.robot, "link", "set", _DEVICE, "up")
 
     def carried_bytes(self) -> int:
-        """What has arrived at the operator's end so far, headers included."""
+        """The bytes that arrived at the operator's end so far, headers included."""
         counter = f"/sys/class/net/{_DEVICE}/statistics/rx_bytes"
         return int(_run("ip", "netns", "exec", self.operator, "cat", counter))
 

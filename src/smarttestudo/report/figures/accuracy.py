@@ -27,13 +27,13 @@ def accuracy_figure(report: RunReport) -> Figure | None:
     axes = figure.subplots()
     axes.set_title(plain(chart.name))
     for line in chart.lines:
-        look = AFTER if line.sent is Sent.WITHIN else BEFORE
+        style = AFTER if line.sent is Sent.WITHIN else BEFORE
         axes.plot(
             [messages for messages, _ in line.points],
             [error for _, error in line.points],
-            color=look.colour,
-            linewidth=look.width,
-            linestyle=_RECKONED if line.reckons else look.dash,
+            color=style.colour,
+            linewidth=style.width,
+            linestyle=_RECKONED if line.reckons else style.dash,
             marker="o",
             markersize=_MARK,
             label=line.name,

@@ -27,15 +27,15 @@ _WIDE = 50.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class _BarLook:
+class _BarStyle:
     face: str
     edge: str
     width: float
     hatch: str
 
 
-_BEFORE = _BarLook(face="#b9c0ca", edge="#b9c0ca", width=0.3, hatch="")
-_AFTER = _BarLook(face="none", edge=INK, width=0.8, hatch="/////")
+_BEFORE = _BarStyle(face="#b9c0ca", edge="#b9c0ca", width=0.3, hatch="")
+_AFTER = _BarStyle(face="none", edge=INK, width=0.8, hatch="/////")
 
 
 def intervals_figure(report: RunReport) -> Figure | None:
@@ -61,17 +61,17 @@ def intervals_figure(report: RunReport) -> Figure | None:
     return figure
 
 
-def _bars(axes: Axes, bins: Sequence[IntervalBin], look: _BarLook) -> None:
+def _bars(axes: Axes, bins: Sequence[IntervalBin], style: _BarStyle) -> None:
     count = sum(one.count for one in bins)
     axes.bar(
         [one.from_s * _MS_PER_S for one in bins],
         [100 * one.count / count for one in bins],
         width=[(one.to_s - one.from_s) * _MS_PER_S for one in bins],
         align="edge",
-        facecolor=look.face,
-        edgecolor=look.edge,
-        linewidth=look.width,
-        hatch=look.hatch,
+        facecolor=style.face,
+        edgecolor=style.edge,
+        linewidth=style.width,
+        hatch=style.hatch,
     )
 
 
@@ -88,7 +88,11 @@ def _scale(axes: Axes) -> None:
     axes.xaxis.set_minor_locator(NullLocator())
 
 
-def _handle(name: str, look: _BarLook) -> Patch:
+def _handle(name: str, style: _BarStyle) -> Patch:
     return Patch(
-        facecolor=look.face, edgecolor=look.edge, linewidth=look.width, hatch=look.hatch, label=plain(name)
+        facecolor=style.face,
+        edgecolor=style.edge,
+        linewidth=style.width,
+        hatch=style.hatch,
+        label=plain(name),
     )

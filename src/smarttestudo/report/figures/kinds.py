@@ -8,7 +8,7 @@ from enum import Enum
 
 
 class FigureKind(Enum):
-    """What a figure shows; the value is its file's name."""
+    """The kinds of figures; the value is a file's name."""
 
     RATES = "rates"
     BANDWIDTH = "bandwidth"

@@ -21,15 +21,15 @@ from smarttestudo.report.figures.styles import (
     INK,
     QUIET,
     TARGET,
-    LineLook,
+    LineStyle,
     handle,
     plain,
-    rule_look,
+    rule_line,
 )
-from smarttestudo.report.looks import ON_PAPER
 from smarttestudo.report.rule_styles import DEFAULTS, styles_of
 from smarttestudo.report.run_report import RunReport
 from smarttestudo.report.scale import tick_label
+from smarttestudo.report.styles import ON_PAPER
 from smarttestudo.report.summary import bandwidth_text
 from smarttestudo.report.time_chart import (
     ChartLine,
@@ -47,7 +47,7 @@ _RATE_LABEL = "Rate in Hz"
 _ROW_IN = 1.45
 _TOPIC_IN = 3.2
 _MARGIN_IN = 0.75
-_LOOKS = {Run.BEFORE: BEFORE, Run.AFTER: AFTER}
+_STYLES = {Run.BEFORE: BEFORE, Run.AFTER: AFTER}
 _STRIP_AT, _BELOW_STRIP = -0.04, 7.0
 _GAP_WIDTH, _GAP_HEIGHT = 0.02, 0.015
 
@@ -58,7 +58,7 @@ def rates_figure(report: RunReport) -> Figure | None:
 
 
 def topic_rate_figures(report: RunReport) -> Iterator[tuple[str, Figure]]:
-    """What ``rates_figure`` shows, as a figure of each topic, with its name."""
+    """The contents of ``rates_figure`` as a figure of each topic, with its name."""
     handles = _rate_handles(report)
     for chart in rate_charts(report):
         if chart.is_empty:
@@ -78,7 +78,7 @@ def _rate_handles(report: RunReport) -> list[Artist]:
     handles = list(_run_handles(report))
     if report.decisions:
         styles = styles_of(report.decisions, report.duration_s).all
-        handles += [handle("Target", TARGET), *(handle(style.name, rule_look(style)) for style in styles)]
+        handles += [handle("Target", TARGET), *(handle(style.name, rule_line(style)) for style in styles)]
     return handles
 
 
@@ -151,33 +151,33 @@ def _draw(axes: Axes, chart: TimeChart) -> None:
 
 
 def _tints(axes: Axes, chart: TimeChart) -> None:
-    """A tint behind the chart and a line under it, in the look of the block that decided the topic."""
-    for style in {span.look: None for span in chart.tints}:
-        own = [span for span in chart.tints if span.look == style]
-        look = rule_look(style)
+    """A tint behind the chart and a line under it, in the style of the block that decided the topic."""
+    for style in {span.style: None for span in chart.tints}:
+        own = [span for span in chart.tints if span.style == style]
+        drawn = rule_line(style)
         if style != DEFAULTS:
             stretches = [(span.start_s, span.end_s - span.start_s) for span in own]
-            axes.broken_barh(stretches, (0, chart.top), facecolor=look.colour, alpha=0.1, linewidth=0)
+            axes.broken_barh(stretches, (0, chart.top), facecolor=drawn.colour, alpha=0.1, linewidth=0)
         axes.hlines(
             [_STRIP_AT] * len(own),
             [span.start_s for span in own],
             [span.end_s for span in own],
-            colors=look.colour,
-            linestyles=look.dash,
-            linewidth=look.width,
+            colors=drawn.colour,
+            linestyles=drawn.dash,
+            linewidth=drawn.width,
             transform=axes.get_xaxis_transform(),
             clip_on=False,
         )
 
 
 def _line(axes: Axes, chart: TimeChart, line: ChartLine) -> None:
-    look = _LOOKS[line.run]
+    style = _STYLES[line.run]
     times_s = [point.t_s for point in line.points]
     top = [chart.heights(point.highest) for point in line.points]
     if line.is_band:
         lowest = [chart.heights(point.lowest) for point in line.points]
-        axes.fill_between(times_s, lowest, top, color=look.colour, alpha=0.35, linewidth=0)
-    axes.plot(times_s, top, color=look.colour, linestyle=look.dash, linewidth=look.width)
+        axes.fill_between(times_s, lowest, top, color=style.colour, alpha=0.35, linewidth=0)
+    axes.plot(times_s, top, color=style.colour, linestyle=style.dash, linewidth=style.width)
 
 
 def _layers(axes: Axes, chart: TimeChart) -> None:
@@ -233,8 +233,8 @@ def _gap(axes: Axes, at: float) -> None:
 
 
 def _run_handles(report: RunReport) -> Iterator[Artist]:
-    names: tuple[tuple[str, LineLook], ...] = ((report.names.before, BEFORE), (report.names.after, AFTER))
-    for name, look in names if report.is_pair else names[:1]:
-        yield handle(name, look)
+    names: tuple[tuple[str, LineStyle], ...] = ((report.names.before, BEFORE), (report.names.after, AFTER))
+    for name, style in names if report.is_pair else names[:1]:
+        yield handle(name, style)
     if report.incident is not None:
         yield handle(report.incident.name, INCIDENT)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The robot's path over the floor, in the look of the deciding rules."""
+"""The robot's path over the floor, in the style of the deciding rules."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from matplotlib.patheffects import withStroke
 from matplotlib.transforms import Affine2D
 
 from smarttestudo.domain.floor_plan import FloorZone, ObstacleKind, OccupancyMap, Rectangle
-from smarttestudo.report.figures.styles import FAINT, INK, handle, plain, rule_look
+from smarttestudo.report.figures.styles import FAINT, INK, handle, plain, rule_line
 from smarttestudo.report.floor_map import FloorMap, floor_map
-from smarttestudo.report.looks import ON_PAPER
 from smarttestudo.report.rule_styles import RuleStyle, styles_of
 from smarttestudo.report.rule_timeline import deciding_spans
 from smarttestudo.report.run_report import RunReport
+from smarttestudo.report.styles import ON_PAPER
 
 _WIDTH_IN = 5.6
 _TALLEST_IN = 7.5
@@ -46,8 +46,8 @@ def path_figure(report: RunReport) -> Figure | None:
     if floor.happened is not None:
         name, at = plain(floor.happened.name), floor.happened.point
         ends += axes.plot(at.x_m, at.y_m, "D", color=INK, markeredgecolor="white", label=name)
-    shown = {look for _, look in floor.pieces} if spans else set()
-    rules = [handle(style.name, rule_look(style)) for style in styles.all if style in shown]
+    shown = {style for _, style in floor.pieces} if spans else set()
+    rules = [handle(style.name, rule_line(style)) for style in styles.all if style in shown]
     axes.legend(handles=[*rules, *ends], loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=7)
     return figure
 
@@ -99,9 +99,9 @@ def _draw_zone(axes: Axes, zone: FloorZone, style: RuleStyle) -> None:
     )
 
 
-def _patch(area: Rectangle, **look: Any) -> Patch:
+def _patch(area: Rectangle, **style: Any) -> Patch:
     return Patch(
-        (area.min_x_m, area.min_y_m), area.max_x_m - area.min_x_m, area.max_y_m - area.min_y_m, **look
+        (area.min_x_m, area.min_y_m), area.max_x_m - area.min_x_m, area.max_y_m - area.min_y_m, **style
     )
 
 
@@ -133,13 +133,13 @@ def _draw_occupancy(axes: Axes, occupancy: OccupancyMap) -> None:
 def _draw_path(axes: Axes, floor: FloorMap) -> None:
     axes.plot([one.x_m for one in floor.line], [one.y_m for one in floor.line], color="white", linewidth=4.5)
     for points, style in floor.pieces:
-        look = rule_look(style)
+        drawn = rule_line(style)
         axes.plot(
             [point.x_m for point in points],
             [point.y_m for point in points],
-            color=look.colour,
-            linestyle=look.dash,
-            linewidth=look.width,
+            color=drawn.colour,
+            linestyle=drawn.dash,
+            linewidth=drawn.width,
             dash_capstyle="round",
         )
 

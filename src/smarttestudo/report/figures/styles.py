@@ -9,8 +9,8 @@ from typing import Any, Literal
 
 from matplotlib.lines import Line2D
 
-from smarttestudo.report.looks import BUDGET_DASH, DASHES, DEFAULTS_WIDTH, ON_PAPER, PATH_WIDTH
 from smarttestudo.report.rule_styles import DEFAULTS, RuleStyle
+from smarttestudo.report.styles import BUDGET_DASH, DASHES, DEFAULTS_WIDTH, ON_PAPER, PATH_WIDTH
 
 INK, QUIET, FAINT = ON_PAPER["ink"], ON_PAPER["quiet"], ON_PAPER["faint"]
 SETTINGS: dict[Any, Any] = {
@@ -43,7 +43,7 @@ Dash = Literal["-"] | tuple[int, tuple[float, ...]]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class LineLook:
+class LineStyle:
     """How a line is told from others, on a screen and in grey."""
 
     colour: str
@@ -51,32 +51,32 @@ class LineLook:
     width: float
 
 
-BEFORE = LineLook(colour=ON_PAPER["before"], dash="-", width=1.1)
-AFTER = LineLook(colour=INK, dash="-", width=1.1)
-TARGET = LineLook(colour="#0003", dash="-", width=4.0)
+BEFORE = LineStyle(colour=ON_PAPER["before"], dash="-", width=1.1)
+AFTER = LineStyle(colour=INK, dash="-", width=1.1)
+TARGET = LineStyle(colour="#0003", dash="-", width=4.0)
 _PER_PX = 0.65
-BUDGET = LineLook(colour=INK, dash=(0, BUDGET_DASH), width=1.2)
-INCIDENT = LineLook(colour=INK, dash=(0, (2.5, 1.3)), width=1.2)
+BUDGET = LineStyle(colour=INK, dash=(0, BUDGET_DASH), width=1.2)
+INCIDENT = LineStyle(colour=INK, dash=(0, (2.5, 1.3)), width=1.2)
 HATCHES = ("", "///", "", "\\\\\\", "...", "xxx", "")
 """Of the layers of a stack, from its foot on."""
 _LABEL_CHARACTERS = 60
 
 
-def rule_look(style: RuleStyle) -> LineLook:
-    """The look of a rule's line, as it is in the report."""
+def rule_line(style: RuleStyle) -> LineStyle:
+    """The style of a rule's line, as it is in the report."""
     dash = tuple(length / PATH_WIDTH for length in DASHES.get(style.colour, ()))
     width = DEFAULTS_WIDTH if style == DEFAULTS else PATH_WIDTH
-    return LineLook(colour=ON_PAPER[style.colour], dash=(0, dash) if dash else "-", width=_PER_PX * width)
+    return LineStyle(colour=ON_PAPER[style.colour], dash=(0, dash) if dash else "-", width=_PER_PX * width)
 
 
-def handle(name: str, look: LineLook) -> Line2D:
-    """What a legend shows of a line."""
+def handle(name: str, style: LineStyle) -> Line2D:
+    """The entry of a line in a legend."""
     return Line2D(
         [],
         [],
-        color=look.colour,
-        linestyle=look.dash,
-        linewidth=look.width,
+        color=style.colour,
+        linestyle=style.dash,
+        linewidth=style.width,
         dash_capstyle="round",
         label=plain(name),
     )

@@ -11,7 +11,6 @@ from pathlib import Path
 from msgspec import Struct
 
 from smarttestudo.accuracy import accuracy_curve as loss
-from smarttestudo.accuracy.recorded_accuracy_curves import WantedProperty, measure_accuracy
 from smarttestudo.bags.reader import open_recording
 from smarttestudo.domain.accuracy import LevelledProperty
 from smarttestudo.domain.errors import RecordingError
@@ -67,20 +66,20 @@ def measured_needs(bag: Path, topic: str, report: Callable[[float], None]) -> Ac
             f"the recording has no topic {topic}", place=str(bag), remedy="choose another one"
         )
     wanted = [
-        WantedProperty(name=one.value, unit=one.unit, bounds=PROPOSED_BOUNDS[one])
+        loss.WantedProperty(name=one.value, unit=one.unit, bounds=PROPOSED_BOUNDS[one])
         for one in levelled_properties(types[topic])
     ]
-    found = measure_accuracy(bag, {topic: wanted}, Profile(), report)
-    source_hz = next((one.source_hz for one in found.curves), None)
+    curves, notices = loss.measure_accuracy(bag, {topic: wanted}, Profile(), report)
+    source_hz = next((one.source_hz for one in curves), None)
     return AccuracyNeeds(
         source_hz=source_hz,
-        properties=tuple(_needs(one, one.source_hz) for one in found.curves if one.source_hz),
-        notices=found.notices,
+        properties=tuple(_needs(one, one.source_hz) for one in curves if one.source_hz),
+        notices=notices,
     )
 
 
 def _needs(curve: loss.AccuracyCurve, source_hz: float) -> PropertyNeeds:
-    def rates_hz(prices: Sequence[loss.BoundPrice]) -> tuple[float, ...]:
+    def rates_hz(prices: Sequence[loss.BoundCost]) -> tuple[float, ...]:
         return bounds_need_hz([one.within.messages for one in prices], curve.messages, source_hz)
 
     reckoned = [one.reckoned for one in curve.points if one.reckoned]

@@ -10,7 +10,7 @@ from pathlib import Path
 from msgspec import Struct
 
 from smarttestudo.accuracy import curve as loss
-from smarttestudo.accuracy.recorded_curves import measure_curves
+from smarttestudo.accuracy.curve import measure_curves
 from smarttestudo.ruler.answers.profile_table import SixLevels, six_levels
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from msgspec import Struct
 
-from smarttestudo.accuracy.binned_series import TimeBins
+from smarttestudo.accuracy.reconstruction import TimeBins
 from smarttestudo.bags.definitions import RosbagDecoder
 from smarttestudo.bags.reader import open_recording
 from smarttestudo.bags.trace import TraceAccumulator

@@ -4,13 +4,11 @@
 
 from __future__ import annotations
 
-from array import array
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 
 from msgspec import Struct
 
-from smarttestudo.accuracy.binned_series import BinnedSeries, TimeBins, binned_age, binned_error
 from smarttestudo.accuracy.crossings import thresholds_of
 from smarttestudo.accuracy.loss_report import ErrorSize, FieldLoss, Frames, Sightings, TopicArm
 from smarttestudo.accuracy.measure import (
@@ -20,15 +18,13 @@ from smarttestudo.accuracy.measure import (
     image_losses,
     topic_loss,
 )
+from smarttestudo.accuracy.reconstruction import BinnedSeries, TimeBins, binned_age, binned_error
 from smarttestudo.accuracy.recorded_samples import SampleTaker, TopicReading
 from smarttestudo.accuracy.samples import BULK_TYPES, Field, TopicSamples, fields_of
-from smarttestudo.accuracy.thinning import Thinned
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.recording import Channel, RecordingReader
 from smarttestudo.domain.units import NS_PER_S, grouped
 from smarttestudo.language.rule_set import RuleSet
-
-_NO_THIRD_ARM = Thinned(stamps_ns=array("q"), indices=array("q"))
 
 
 class TryTopicLoss(Struct, frozen=True, kw_only=True):
@@ -143,7 +139,7 @@ class LossWatch:
                 yield SharedTopic(
                     sent=sent,
                     received=received[topic],
-                    fixed=_NO_THIRD_ARM,
+                    fixed=TopicSamples(sent.channel),
                     fixed_hz=0.0,
                     end_ns=self._end_ns,
                 )

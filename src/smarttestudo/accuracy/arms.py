@@ -1,0 +1,181 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Ways to send a topic, and how far the picture of its receiver is off over time."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from smarttestudo.accuracy.json_object import JsonObject
+from smarttestudo.accuracy.track import Message
+from smarttestudo.pacing.bound import HEARTBEAT_HZ, BoundRecord
+from smarttestudo.pacing.reckoning.picture import Picture
+from smarttestudo.pacing.sample import Pass, Sample, StreamKind
+from smarttestudo.pacing.topic_pacer import Accuracy, TopicPacer
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PacedPicture(JsonObject):
+    """Messages that passed, and how far the receiver's picture was off after each message of the source.
+
+    ``rmse`` is over time, ``worst`` is the largest error, both without the ``unknown`` messages after which
+    nothing was shown.
+    """
+
+    messages: int
+    rmse: float
+    worst: float
+    unknown: int
+
+
+class ErrorOverTime:
+    """Adds up an error that counts until the next one: RMSE = √(Σ d·e² / Σ d).
+
+    It is taken at each message of the source, after what passed until then. An infinite one is unknown, and
+    counts in ``unknown`` alone.
+    """
+
+    __slots__ = ("_error", "_now_ns", "_squares", "_total_ns", "is_known", "unknown", "worst")
+
+    def __init__(self, now_ns: int) -> None:
+        self._now_ns, self._error = now_ns, math.inf
+        self._squares, self._total_ns = 0.0, 0
+        self.worst, self.unknown, self.is_known = 0.0, 0, False
+
+    def add(self, error: float, now_ns: int) -> None:
+        """Count the error after a message of the source."""
+        self._pass_time(now_ns)
+        self._error = error
+        if error < math.inf:
+            self.worst, self.is_known = max(self.worst, error), True
+        else:
+            self.unknown += 1
+
+    def finish(self, end_ns: int, messages: int) -> PacedPicture:
+        """End at ``end_ns``, when ``messages`` passed; an error that lasts no time is as large as it is."""
+        self._pass_time(end_ns)
+        rmse = math.sqrt(self._squares / self._total_ns) if self._total_ns else self.worst
+        return PacedPicture(messages=messages, rmse=rmse, worst=self.worst, unknown=self.unknown)
+
+    def _pass_time(self, now_ns: int) -> None:
+        lasted_ns = max(0, now_ns - self._now_ns)
+        if self._error < math.inf:
+            self._squares += lasted_ns * self._error * self._error
+            self._total_ns += lasted_ns
+        self._now_ns = now_ns
+
+
+class Receiver:
+    """The picture of who gets the messages ``received``, compared with each message that the robot sends."""
+
+    __slots__ = ("_coming", "_next", "_picture", "last", "messages")
+
+    def __init__(self, picture: Picture, received: Iterable[Message]) -> None:
+        self._picture = picture
+        self._coming = iter(received)
+        self._next = next(self._coming, None)
+        self.last: Message | None = None
+        self.messages = 0
+
+    def catch_up(self, now_ns: int) -> None:
+        """Show what was received until ``now_ns``."""
+        while self._next is not None and self._next.stamp_ns <= now_ns:
+            self.last, self._next = self._next, next(self._coming, None)
+            self.messages += 1
+            self._picture.show(self.last.readings, None)
+
+    def errors(self, sent: Message) -> dict[str, float]:
+        """How far each property of the picture is off after the robot sent a message."""
+        self.catch_up(sent.stamp_ns)
+        return self._picture.errors(sent.readings, None)
+
+
+def picture_errors(
+    sent: Iterable[Message], receivers: Sequence[Receiver], end_ns: int
+) -> list[dict[str, PacedPicture]]:
+    """For each receiver, the error of each property until ``end_ns``; none of one that is never known."""
+    found: list[dict[str, ErrorOverTime]] = [{} for _ in receivers]
+    for message in sent:
+        now_ns = message.stamp_ns
+        for receiver, properties in zip(receivers, found, strict=True):
+            for name, error in receiver.errors(message).items():
+                properties.setdefault(name, ErrorOverTime(now_ns)).add(error, now_ns)
+    return [
+        {name: one.finish(end_ns, receiver.messages) for name, one in properties.items() if one.is_known}
+        for receiver, properties in zip(receivers, found, strict=True)
+    ]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Strategy:
+    """A way to send a topic: within ``bound`` of a property, or at a fixed ``rate_hz``.
+
+    With ``reckons`` the receiver shows dead reckoning, else it holds the last message.
+    """
+
+    reckons: bool
+    bound: float | None = None
+    rate_hz: float = math.inf
+
+
+class Arm:
+    """A topic sent by one strategy, and how far its receiver's picture of the property ``name`` is off."""
+
+    __slots__ = ("_error", "_kept", "_messages", "_name", "_pacer", "_picture", "_strategy")
+
+    def __init__(self, picture: Picture, name: str, kind: StreamKind, strategy: Strategy) -> None:
+        self._picture, self._name, self._strategy = picture, name, strategy
+        self._pacer = TopicPacer(kind=kind)
+        self._kept: dict[str, BoundRecord] = {}
+        self._messages = 0
+        self._error: ErrorOverTime | None = None
+
+    def send(self, message: Message) -> None:
+        """Offer a message of the source to the pacer, and compare the picture with it."""
+        now_ns = message.stamp_ns
+        if self._error is None:
+            self._error = ErrorOverTime(now_ns)
+            self._start(now_ns)
+        self._wake_until(now_ns)
+        sample = Sample(b"", 0, None, message.frames, None, message.readings)
+        passes = self._pacer.offer(sample, now_ns)
+        self._pass(passes)
+        self._error.add(self._error_after(sample, passes), now_ns)
+
+    def finish(self, end_ns: int) -> PacedPicture:
+        """End with the recording: what was found."""
+        self._pacer.finish()
+        self._wake_until(end_ns)
+        return (self._error or ErrorOverTime(end_ns)).finish(end_ns, self._messages)
+
+    def _error_after(self, sample: Sample, passes: Sequence[Pass]) -> float:
+        """How far off the picture is; a pacer with bounds keeps it itself, and has compared already."""
+        if self._strategy.bound is not None:
+            return self._kept[self._name].last
+        if any(one.sample is sample for one in passes):
+            return 0.0
+        return self._picture.errors(sample.readings, None)[self._name]
+
+    def _start(self, now_ns: int) -> None:
+        strategy = self._strategy
+        self._pacer.set_rate(strategy.rate_hz, now_ns)
+        if strategy.bound is not None:
+            accuracy = Accuracy(
+                picture=self._picture,
+                bounds={self._name: strategy.bound},
+                heartbeat_hz=HEARTBEAT_HZ,
+                records=self._kept,
+            )
+            self._pacer.set_accuracy(accuracy, now_ns)
+
+    def _wake_until(self, now_ns: int) -> None:
+        for _, passes in self._pacer.wake_until(now_ns):
+            self._pass(passes)
+
+    def _pass(self, passes: Sequence[Pass]) -> None:
+        self._messages += len(passes)
+        if self._strategy.bound is None:
+            for sample, _ in passes:
+                self._picture.show(sample.readings, None)
