@@ -8,7 +8,6 @@ import argparse
 import os
 import shutil
 import sys
-import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, closing, contextmanager
@@ -27,7 +26,7 @@ from smarttestudo.domain.names import STATUS_TOPIC, full_topic_names
 from smarttestudo.domain.units import NS_PER_S, utc_time
 from smarttestudo.domain.visible_topics import testudo_nodes
 from smarttestudo.link.foxglove import open_foxglove_sink
-from smarttestudo.link.protocol.reports import MAX_PREDICTED
+from smarttestudo.link.protocol.messages import MAX_PREDICTED
 from smarttestudo.link.receive.arrival_log import ArrivalLog
 from smarttestudo.link.receive.incident_mirror import IncidentMirror, MirrorFolders
 from smarttestudo.link.receive.prediction import Predictor
@@ -35,6 +34,7 @@ from smarttestudo.link.receive.reception import Reception
 from smarttestudo.link.receive.reception_metrics import ReceptionMetrics
 from smarttestudo.link.receive.sending import CommandRoute, Sending
 from smarttestudo.link.receive.status_sink import StatusSink
+from smarttestudo.link.worker import Worker
 from smarttestudo.link.zenoh import open_operator_end, require_zenoh, suspended_too_ns
 from smarttestudo.link.zenoh.arrivals import LinkEvent
 from smarttestudo.link.zenoh.commanded import OutgoingCommands
@@ -195,21 +195,14 @@ def _sending(commands: OutgoingCommands, pattern: str) -> Iterator[Sending]:
             own_nodes=lambda: {*testudo_nodes(robot), f"/{_receiving_node()}"},
             clock=suspended_too_ns,
         )
-        ended = threading.Event()
-
-        def run() -> None:
-            try:
-                sending.run(ended.is_set)
-            except Exception as error:  # noqa: BLE001 - whatever sending fails of, receiving goes on
-                warn(f"{said(error)}; nothing more is sent")
-
-        thread = threading.Thread(target=run, name="link-commands", daemon=True)
-        thread.start()
+        worker = Worker(
+            "link-commands", lambda error: warn(f"{said(error)}; nothing more is sent"), sending.step
+        )
+        worker.start()
         try:
             yield sending
         finally:
-            ended.set()
-            thread.join()
+            worker.close()
             sending.close()
 
 

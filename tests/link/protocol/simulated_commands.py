@@ -123,7 +123,7 @@ class Driving:
             self.at(self.up.arrival_ns(len(data), now_ns), partial(self._arrive, data))
 
     def _arrive(self, data: bytes, now_ns: int) -> None:
-        found = self.receiver.take(data, self.robot_clock.at(now_ns))
+        found = self.receiver.receive(data, self.robot_clock.at(now_ns))
         if found is not None:
             self.delivered.append((now_ns, found.payload[0], int.from_bytes(found.payload[1:5], "little")))
 

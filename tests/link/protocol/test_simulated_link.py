@@ -13,8 +13,8 @@ from smarttestudo.domain.budget import UNLIMITED_KB_PER_S
 from smarttestudo.domain.link import LinkNeeds, StreamInfo
 from smarttestudo.domain.link_state import StreamCounts
 from smarttestudo.domain.robot import Qos
+from smarttestudo.link.protocol.messages import Report
 from smarttestudo.link.protocol.outbox import MAX_QUEUED_BYTES
-from smarttestudo.link.protocol.reports import Report
 from smarttestudo.link.protocol.sender import LinkSender
 
 # 5 Mbit/s are offered.
@@ -178,8 +178,8 @@ def test_a_link_that_topics_do_not_fill_is_in_the_end_no_limit() -> None:
 def test_ages_are_told_right_whatever_the_clocks_say() -> None:
     both = ends((0, 250_000))
     hour_ns = 3_600 * S
-    take = both.receiver.take
-    both.receiver.take = lambda data, now_ns: take(data, now_ns + hour_ns)  # type: ignore[method-assign]
+    take = both.receiver.receive
+    both.receiver.receive = lambda data, now_ns: take(data, now_ns + hour_ns)  # type: ignore[method-assign]
     both.run(20)
     for at_ns, message in both.arrived["/odom"][50:]:
         assert message.age_ns is not None

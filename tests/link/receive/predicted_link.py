@@ -19,8 +19,8 @@ from functools import partial
 from link.protocol.simulated_link import MS, Link, S
 from link.receive.virtual_robot import Robot
 from smarttestudo.domain.link import ReceivedMessage
+from smarttestudo.link.protocol.messages import REPORTS, Announcement
 from smarttestudo.link.protocol.receiver import LinkReceiver
-from smarttestudo.link.protocol.reports import Announcement, Report
 from smarttestudo.link.receive.prediction import Predictor
 from smarttestudo.link.zenoh.arrivals import RobotPresence, StreamSaid
 from smarttestudo.loop.inputs import MessageInput, WakeInput
@@ -91,7 +91,7 @@ class Operator:
 
     def take(self, data: bytes, now_ns: int) -> bytes | None:
         """A chunk arrived: the message that is whole with it."""
-        got = self.link.take(data, now_ns)
+        got = self.link.receive(data, now_ns)
         if isinstance(got, Announcement):
             said = StreamSaid(robot="ada", boot=self.link.boot, number=got.stream, info=got.info)
             self.predictor.take(said, now_ns)
@@ -290,7 +290,7 @@ class PredictedLink:
         if not operator.hears or operator.link.boot != robot.boot:
             return
         if operator.link.wake_ns <= self.now_ns and self.link.rate(self.now_ns) > 0:
-            report = Report.from_bytes(operator.link.next_report(self.now_ns))
+            report = REPORTS.from_bytes(operator.link.next_report(self.now_ns))
             arrival_ns = self.now_ns + int(self.link.delay_s * S)
             self.at(arrival_ns, lambda: robot.sender.take_report(report, self.now_ns))
         next_ns = max(operator.link.wake_ns, self.now_ns + 20 * MS)

@@ -28,7 +28,7 @@ from pacing.reckoning.ros_messages import (
 from smarttestudo.cli.receive_table import reception_lines
 from smarttestudo.domain.link import Prediction, ReceivedMessage, StreamInfo
 from smarttestudo.domain.robot import Qos
-from smarttestudo.link.protocol.reports import Report
+from smarttestudo.link.protocol.messages import REPORTS, Report
 from smarttestudo.link.receive.prediction import Predictor
 from smarttestudo.link.receive.reception import Reception
 from smarttestudo.link.zenoh.arrivals import RobotPresence, StreamSaid
@@ -293,5 +293,5 @@ def test_a_report_says_what_is_predicted_and_an_older_one_says_nothing(
     report = Report(
         receiver=1, session=2, received_bytes=3, ages_ms={4: 5.0} if has_ages else {}, predicts=topics
     )
-    assert Report.from_bytes(report.to_bytes()) == report
-    assert Report.from_bytes(replace(report, predicts=frozenset()).to_bytes()).predicts == frozenset()
+    assert REPORTS.from_bytes(REPORTS.to_bytes(report)) == report
+    assert REPORTS.from_bytes(REPORTS.to_bytes(replace(report, predicts=frozenset()))).predicts == frozenset()

@@ -32,12 +32,12 @@ STATUSES = replace(ODOM, topic=STATUS_TOPIC, type_name="std_msgs/msg/String")
 class End:
     """An operator's end that counted so much."""
 
-    strays = 3
+    unknown = 3
     dropped = 1
 
     def counts(self) -> dict[Boot, ReceiverCounts]:
         first, second = Boot("ada", "0" * 16), Boot("ada", "1" * 16)
-        return {first: ReceiverCounts(messages=5, garbage=1), second: ReceiverCounts(messages=2)}
+        return {first: ReceiverCounts(messages=5, malformed=1), second: ReceiverCounts(messages=2)}
 
 
 def status_message(text: str, robot: str = "ada") -> ReceivedMessage:

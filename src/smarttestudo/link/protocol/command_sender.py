@@ -12,13 +12,14 @@ from smarttestudo.domain.command import MAX_AGE_NS, MAX_COMMAND_BYTES, SentCount
 from smarttestudo.domain.errors import LinkError
 from smarttestudo.domain.link_state import AcceptedTopic
 from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
-from smarttestudo.link.protocol.commands import (
+from smarttestudo.link.protocol.least import CLOCK_WINDOW_NS, LeastOfWindow
+from smarttestudo.link.protocol.messages import (
+    COMMAND_REPORTS,
+    COMMANDS,
     AcceptedStream,
     CommandMessage,
-    CommandReport,
     SentNames,
 )
-from smarttestudo.link.protocol.least import CLOCK_WINDOW_NS, LeastOfWindow
 
 MAX_PUBLISHERS = 8
 """Publishers of a topic that are kept apart."""
@@ -88,7 +89,7 @@ class CommandSender:
 
     def __init__(self, names: Sequence[str], new_sender: Callable[[], int]) -> None:
         self.counts: dict[str, SentCounts] = {name: SentCounts() for name in names}
-        self.garbage = 0
+        self.malformed = 0
         """Reports that were not readable."""
         self._names = tuple(names)
         self._new_sender = new_sender
@@ -123,9 +124,9 @@ class CommandSender:
     def take_report(self, data: bytes, now_ns: int) -> None:
         """The robot's end says what it has."""
         try:
-            report = CommandReport.from_bytes(data)
+            report = COMMAND_REPORTS.from_bytes(data)
         except LinkError:
-            self.garbage += 1
+            self.malformed += 1
             return
         self._heard_ns = now_ns
         self._clock.add(report.sent_ns, now_ns)
@@ -156,7 +157,7 @@ class CommandSender:
             return None
         if self._named_ns is None or now_ns - self._named_ns >= _NAMES_PERIOD_NS:
             self._named_ns = now_ns
-            return SentNames(sender=self._sender, topics=self._names).to_bytes()
+            return COMMANDS.to_bytes(SentNames(sender=self._sender, topics=self._names))
         self._expire(now_ns)
         self._give_up_flights(now_ns)
         for key, waiting in self._waiting.items():
@@ -176,14 +177,15 @@ class CommandSender:
         self._number += 1
         self._sent.append(_Flight(self._number, len(payload), now_ns))
         self.counts[topic].sent += 1
-        return CommandMessage(
+        command = CommandMessage(
             sender=self._sender,
             number=self._number,
             topic=stream[0],
             revision=stream[1].revision,
             stamp_ns=stamp_ns,
             payload=payload,
-        ).to_bytes()
+        )
+        return COMMANDS.to_bytes(command)
 
     def _expire(self, now_ns: int) -> None:
         """Drop what would be too old in any case."""

@@ -16,12 +16,12 @@ from enum import IntEnum
 
 from smarttestudo.domain.errors import LinkError
 from smarttestudo.domain.json_text import json_text
+from smarttestudo.link.protocol.wire import Reader, varint, zigzag
 
 Leaf = None | bool | int | float | str | dict[str, object] | list[object]
 """A value of JSON without parts: objects and arrays are empty ones."""
 
 _MOST_EXACT = 2**53
-_MAX_VARINT_BYTES = 10
 _MAX_EXPONENT = 18
 _MAX_TEXT_BYTES = 100_000
 _TOO_LARGE = 2**62
@@ -49,7 +49,7 @@ def changes_to_bytes(before: Sequence[Leaf], after: Sequence[Leaf]) -> bytes:
     for place, (old, new) in enumerate(zip(before, after, strict=True)):
         if not _is_same(old, new):
             kind, body = _change(old, new)
-            data += write_varint((place - last - 1) << _KIND_BITS | kind) + body
+            data += varint((place - last - 1) << _KIND_BITS | kind) + body
             last = place
     return bytes(data)
 
@@ -57,34 +57,14 @@ def changes_to_bytes(before: Sequence[Leaf], after: Sequence[Leaf]) -> bytes:
 def with_changes(before: Sequence[Leaf], data: bytes) -> list[Leaf]:
     """``before`` with the changes in ``data``. Raises ``LinkError`` where they do not fit."""
     after = [*before]
-    place, begin = -1, 0
-    while begin < len(data):
-        header, begin = read_varint(data, begin)
+    reader, place = Reader(data), -1
+    while not reader.is_at_end:
+        header = reader.varint()
         place += (header >> _KIND_BITS) + 1
         if place >= len(after):
             raise LinkError("a status changes what it does not have")
-        after[place], begin = _changed(after[place], _Kind(header & (1 << _KIND_BITS) - 1), data, begin)
+        after[place] = _changed(after[place], _Kind(header & (1 << _KIND_BITS) - 1), reader)
     return after
-
-
-def write_varint(number: int) -> bytes:
-    """A number that is not negative, seven bits a byte."""
-    data = bytearray()
-    while number > 0x7F:
-        data.append(number & 0x7F | 0x80)
-        number >>= 7
-    data.append(number)
-    return bytes(data)
-
-
-def read_varint(data: bytes, begin: int) -> tuple[int, int]:
-    """What ``write_varint`` wrote at ``begin``, and where it ends. Raises ``LinkError``."""
-    number = 0
-    for place, byte in enumerate(data[begin : begin + _MAX_VARINT_BYTES]):
-        number |= (byte & 0x7F) << 7 * place
-        if byte < 0x80:
-            return number, begin + place + 1
-    raise LinkError("a status ends in a number, or has one that is too large")
 
 
 def _is_same(old: Leaf, new: Leaf) -> bool:
@@ -105,7 +85,7 @@ def _change(old: Leaf, new: Leaf) -> tuple[_Kind, bytes]:
         if exponent <= scaled[1]
     }
     bodies = [
-        (kind, _zigzag(kinds[kind]) * (kind is _Kind.SCALED) + _zigzag(difference))
+        (kind, zigzag(kinds[kind]) * (kind is _Kind.SCALED) + zigzag(difference))
         for kind, difference in ways.items()
         if abs(difference) < _TOO_LARGE
     ]
@@ -114,36 +94,32 @@ def _change(old: Leaf, new: Leaf) -> tuple[_Kind, bytes]:
 
 def _text_change(new: Leaf) -> tuple[_Kind, bytes]:
     text = json_text(new, ascii_only=False).encode()
-    return _Kind.TEXT, write_varint(len(text)) + text
+    return _Kind.TEXT, varint(len(text)) + text
 
 
-def _changed(old: Leaf, kind: _Kind, data: bytes, begin: int) -> tuple[Leaf, int]:
-    before = _scaled(old) or (0, 0)
+def _changed(old: Leaf, kind: _Kind, reader: Reader) -> Leaf:
     if kind is _Kind.NULL:
-        return None, begin
+        return None
     if kind is _Kind.TEXT:
-        return _read_text(data, begin)
+        return _read_text(reader.take(reader.count(_MAX_TEXT_BYTES)))
+    before = _scaled(old) or (0, 0)
     exponent = before[1]
     if kind is _Kind.SCALED:
-        exponent, begin = _read_zigzag(data, begin)
+        exponent = reader.zigzag()
         if abs(exponent) > _MAX_EXPONENT:
             raise LinkError("a status has a number that is too large")
-    difference, begin = _read_zigzag(data, begin)
-    return _number(_at_exponent(before, exponent) + difference, exponent), begin
+    return _number(_at_exponent(before, exponent) + reader.zigzag(), exponent)
 
 
-def _read_text(data: bytes, begin: int) -> tuple[Leaf, int]:
-    size_bytes, begin = read_varint(data, begin)
-    end = begin + size_bytes
-    if size_bytes > _MAX_TEXT_BYTES or end > len(data):
-        raise LinkError("a status ends within a text")
+def _read_text(data: bytes) -> Leaf:
+    value: Leaf
     try:
-        value = json.loads(data[begin:end])
+        value = json.loads(data)
     except (ValueError, RecursionError) as error:
         raise LinkError("a status has a text that is not readable") from error
     if isinstance(value, dict | list) and value:
         raise LinkError("a status has parts where it had none")
-    return value, end
+    return value
 
 
 def _scaled(leaf: Leaf) -> _Scaled | None:
@@ -175,12 +151,3 @@ def _number(number: int, exponent: int) -> int | float:
 def _power(exponent: int) -> int:
     power: int = 10**exponent
     return power
-
-
-def _zigzag(number: int) -> bytes:
-    return write_varint(2 * number if number >= 0 else -2 * number - 1)
-
-
-def _read_zigzag(data: bytes, begin: int) -> tuple[int, int]:
-    number, begin = read_varint(data, begin)
-    return (number >> 1) if not number & 1 else -((number + 1) >> 1), begin

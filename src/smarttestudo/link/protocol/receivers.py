@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from smarttestudo.link.protocol.reports import Report
+from smarttestudo.link.protocol.messages import Report
 
 MAX_RECEIVERS = 64
 """With more, nothing is known of some, so nothing is reckoned."""

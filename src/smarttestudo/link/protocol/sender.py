@@ -14,9 +14,9 @@ from smarttestudo.domain.link_state import LinkState, StreamCounts
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_MS, NS_PER_S
 from smarttestudo.link.protocol.background import BackgroundAnswer, BackgroundAnswers
 from smarttestudo.link.protocol.chunks import CONTROL_STREAM, HEADER_BYTES, MAX_STREAMS
+from smarttestudo.link.protocol.messages import CONTROL, Announcement, Report, RoundTrip
 from smarttestudo.link.protocol.outbox import Encode, Encoded, Outbox, plain
 from smarttestudo.link.protocol.receivers import Receivers
-from smarttestudo.link.protocol.reports import Announcement, Report, RoundTrip, control_message
 from smarttestudo.link.protocol.window import Window
 
 LOST_AFTER_NS = 3 * NS_PER_S
@@ -322,7 +322,7 @@ class LinkSender(Generic[_Request]):
         said = Announcement(
             stream=stream, info=self._infos.get(stream), predicted_for=self._receivers.numbers
         )
-        self._outbox.offer(CONTROL_STREAM, control_message(said), now_ns)
+        self._outbox.offer(CONTROL_STREAM, CONTROL.to_bytes(said), now_ns)
 
     def _encoded(self, stream: int, payload: bytes) -> Encoded:
         """What travels of a message; of those that are planned, it is kept how many bytes that saves."""
@@ -355,4 +355,4 @@ class LinkSender(Generic[_Request]):
         if trip_ns is not None and now_ns - self._trip_said_ns >= NS_PER_S:
             self._trip_said_ns = now_ns
             said = RoundTrip(round_trip_ms=trip_ns / NS_PER_MS)
-            self._outbox.offer(CONTROL_STREAM, control_message(said), now_ns)
+            self._outbox.offer(CONTROL_STREAM, CONTROL.to_bytes(said), now_ns)

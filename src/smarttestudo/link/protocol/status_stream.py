@@ -12,13 +12,8 @@ from typing import Any
 from smarttestudo.domain.errors import LinkError
 from smarttestudo.domain.json_text import json_text
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.link.protocol.leaf_changes import (
-    Leaf,
-    changes_to_bytes,
-    read_varint,
-    with_changes,
-    write_varint,
-)
+from smarttestudo.link.protocol.leaf_changes import Leaf, changes_to_bytes, with_changes
+from smarttestudo.link.protocol.wire import HEAD_BYTES, Kind, Reader, frame, kind_of, malformed, varint
 
 MAX_STATUS_BYTES = 1_000_000
 """How large the JSON of a status may be."""
@@ -28,7 +23,6 @@ _MAX_WAITING = 64
 """Changes that are kept for a full status which is under way; as many old ones are no sign of a loss."""
 _MEASURED_AFTER_NS = NS_PER_S * 9 // 10
 """What is measured is sent once a second: a status may come a little early."""
-_FULL, _CHANGES = 1, 2
 _NUMBERS = frozenset({int, float})
 _SCALARS = _NUMBERS | {type(None), bool, str}
 _PARTED = frozenset({dict, list})
@@ -37,21 +31,16 @@ Path = tuple[str | int, ...]
 Record = Mapping[str, object]
 IsMeasured = Callable[[Path], bool]
 """Whether what is at a path is worth a number a second at most."""
-Compress = Callable[[bytes], bytes]
-Decompress = Callable[[bytes, int], bytes]
-"""Makes what was compressed of at most so many bytes. Raises ``LinkError``."""
 
 
 class StatusSender:
     """What travels of one status after the other. ``full`` may be asked for between two of them."""
 
-    def __init__(self, is_measured: IsMeasured, compress: Compress) -> None:
+    def __init__(self, is_measured: IsMeasured) -> None:
         self._is_measured = is_measured
-        self._compress = compress
         self._number = 0
         self._leaves: dict[Path, Leaf] = {}
         self._measured_ns: int | None = None
-        self._full: bytes | None = None
 
     def next(self, record: Record, now_ns: int) -> bytes:
         """What travels of ``record``, which others have received all of but for what is measured."""
@@ -62,21 +51,19 @@ class StatusSender:
             self._measured_ns = now_ns
         else:
             leaves = {path: self._held(path, leaf) for path, leaf in leaves.items()}
-        before, self._leaves, self._full = self._leaves, leaves, None
+        before, self._leaves = self._leaves, leaves
         self._number += 1
         if is_like_before:
             changes = changes_to_bytes([*before.values()], [*leaves.values()])
-            return bytes([_CHANGES]) + write_varint(self._number) + changes
+            return frame(Kind.STATUS_CHANGES, varint(self._number) + changes)
         return self.full()
 
     def full(self) -> bytes:
         """All of the last status, for whoever has none yet. Raises ``LinkError`` before the first."""
         if not self._number:
             raise LinkError("there is no status yet", remedy="try again")
-        if self._full is None:
-            text = json_text(_record(self._leaves), ascii_only=False, compact=True).encode()
-            self._full = bytes([_FULL]) + write_varint(self._number) + self._compress(text)
-        return self._full
+        text = json_text(_record(self._leaves), ascii_only=False, compact=True).encode()
+        return frame(Kind.STATUS, varint(self._number) + text)
 
     def _held(self, path: Path, leaf: Leaf) -> Leaf:
         before = self._leaves[path]
@@ -87,29 +74,29 @@ class StatusSender:
 class StatusReceiver:
     """Puts statuses together again; while ``needs_full``, a full one is to be asked for."""
 
-    def __init__(self, decompress: Decompress) -> None:
+    def __init__(self) -> None:
         self.needs_full = True
-        self._decompress = decompress
         self._number = 0
         self._leaves: dict[Path, Leaf] = {}
         self._waiting: dict[int, bytes] = {}
 
-    def take(self, data: bytes) -> Record | None:
+    def receive(self, data: bytes) -> Record | None:
         """The status that is whole with ``data``, if one is. Raises ``LinkError`` for anything else."""
-        if not data or data[0] not in (_FULL, _CHANGES):
-            raise LinkError("a status has no known form", remedy="use the same version at both ends")
-        number, begin = read_varint(data, 1)
-        if data[0] == _FULL:
-            return self._take_full(number, data[begin:])
+        kind, reader = kind_of(data), Reader(data, HEAD_BYTES)
+        if kind not in (Kind.STATUS, Kind.STATUS_CHANGES):
+            raise malformed("no status")
+        number, body = reader.varint(), reader.rest()
+        if kind == Kind.STATUS:
+            return self._receive_full(number, body)
         if self.needs_full:
-            self._keep(number, data[begin:])
+            self._keep(number, body)
             return None
         if number == self._number + 1:
-            self._apply(number, data[begin:])
+            self._apply(number, body)
             return _record(self._leaves)
         if not 0 <= self._number - number < _MAX_WAITING:
             self.needs_full = True
-            self._keep(number, data[begin:])
+            self._keep(number, body)
         return None
 
     def _keep(self, number: int, changes: bytes) -> None:
@@ -117,15 +104,15 @@ class StatusReceiver:
             del self._waiting[next(iter(self._waiting))]
         self._waiting[number] = changes
 
-    def _take_full(self, number: int, data: bytes) -> Record | None:
+    def _receive_full(self, number: int, data: bytes) -> Record | None:
         if not self.needs_full and number <= self._number:
             return None
         try:
-            record = json.loads(self._decompress(data, MAX_STATUS_BYTES))
+            record = json.loads(data)
             leaves = _leaves(record)
         except (ValueError, RecursionError) as error:
             raise LinkError("a status is not readable") from error
-        if not isinstance(record, dict) or len(leaves) > _MAX_LEAVES:
+        if not isinstance(record, dict) or len(leaves) > _MAX_LEAVES or len(data) > MAX_STATUS_BYTES:
             raise LinkError("a status is no object of a usual size")
         self._number, self._leaves, self.needs_full = number, leaves, False
         waiting, self._waiting = self._waiting, {}

@@ -132,16 +132,16 @@ class Sending:
             source.subscription.close()
         self._sources.clear()
 
-    def run(self, stopped: Callable[[], bool]) -> None:
-        """Send until ``stopped``. Raises ``TestudoError``."""
-        while not stopped():
-            self._robot.wait(None, _WAIT_S)
-            now_ns = self._clock()
-            self._guard.looked(now_ns)
-            self._commands.pump()
-            if now_ns - self._looked_ns >= _LOOK_NS:
-                self._looked_ns = now_ns
-                self.look(now_ns)
+    def step(self) -> float:
+        """Wait for messages for a moment, and send; in how many seconds to go on. Raises ``TestudoError``."""
+        self._robot.wait(None, _WAIT_S)
+        now_ns = self._clock()
+        self._guard.looked(now_ns)
+        self._commands.pump()
+        if now_ns - self._looked_ns >= _LOOK_NS:
+            self._looked_ns = now_ns
+            self.look(now_ns)
+        return 0.0
 
     def look(self, now_ns: int) -> None:
         """Follow the graph and what the robots accept."""

@@ -13,9 +13,7 @@ import zenoh
 
 from smarttestudo.link.protocol.command_sender import CommandSender
 from smarttestudo.link.zenoh.commanded import CommandedRobot
-from smarttestudo.link.zenoh.keys import ALL_ACCEPTS, Boot, boot_of
-
-MAX_ROBOTS = 256
+from smarttestudo.link.zenoh.keys import ALL_ACCEPTS, MAX_ROBOTS, Boot, boot_of
 
 
 class CommandOutbox:
@@ -38,7 +36,7 @@ class CommandOutbox:
         self._senders: dict[Boot, CommandSender] = {}
         self._has_failed = False
         self._lock = threading.Lock()
-        self._kept = session.declare_subscriber(ALL_ACCEPTS, self._receive)
+        self._kept = session.declare_subscriber(ALL_ACCEPTS, self._on_report)
 
     def robots(self) -> list[CommandedRobot]:
         """The robots that were heard lately."""
@@ -68,7 +66,7 @@ class CommandOutbox:
         with self._lock:
             self._pump()
 
-    def _receive(self, sample: zenoh.Sample) -> None:
+    def _on_report(self, sample: zenoh.Sample) -> None:
         boot = boot_of(str(sample.key_expr))
         if boot is None:
             return

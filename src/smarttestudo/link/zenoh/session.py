@@ -12,7 +12,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import zenoh
 
@@ -23,7 +23,7 @@ from smarttestudo.link.zenoh.security import LinkOptions, admit
 
 _MOST_CONFIG_BYTES = 1_000_000
 _MOST_CAUSE = 300
-_LOOK_PERIOD_S = 2.0
+LOOK_PERIOD_S = 2.0
 _END_WITHIN_S = 5.0
 _OF_ZENOH = "pyo3"
 """In the names of the threads that Zenoh's Python package starts for callbacks."""
@@ -53,8 +53,18 @@ _CLIENT_SETTINGS: Mapping[str, object] = {
 }
 
 
+class LinkSession(NamedTuple):
+    """A Zenoh session, and what is to be called again after as many seconds as it returns.
+
+    ``watch`` says why nobody is connected; it waits for that, and may only while nobody is.
+    """
+
+    session: zenoh.Session
+    watch: Callable[[], float]
+
+
 @contextmanager
-def open_session(options: LinkOptions, mode: str, warn: Callable[[str], None]) -> Iterator[zenoh.Session]:
+def open_session(options: LinkOptions, mode: str, warn: Callable[[str], None]) -> Iterator[LinkSession]:
     """A session at the endpoints of ``options``, whether or not anybody answers there yet.
 
     ``mode`` is Zenoh's: ``peer`` or ``router``. ``warn`` is told why nobody answers. Raises ``LinkError``.
@@ -65,14 +75,9 @@ def open_session(options: LinkOptions, mode: str, warn: Callable[[str], None]) -
         session = zenoh.open(config)
     except zenoh.ZError as error:
         raise LinkError(_cause(error), place=place, remedy="is the endpoint right, and free?") from error
-    is_closed = threading.Event()
-    if options.connect:
-        arguments = (session, options.connect, known, warn, is_closed)
-        threading.Thread(target=_watch, args=arguments, name="link-watch", daemon=True).start()
     try:
-        yield session
+        yield LinkSession(session, _Watch(session, options.connect, known, warn).look)
     finally:
-        is_closed.set()
         close_session(session)
 
 
@@ -153,26 +158,35 @@ def _cause(error: Exception) -> str:
     return " ".join(_SOURCE_LINE.sub("", str(error)).split())[:_MOST_CAUSE].rstrip(" .!")
 
 
-def _watch(
-    session: zenoh.Session,
-    endpoints: tuple[str, ...],
-    config: Mapping[str, object],
-    warn: Callable[[str], None],
-    is_closed: threading.Event,
-) -> None:
-    """Say why nobody is connected, each cause once, when it was there twice: the other end may just start."""
-    said: set[str] = set()
-    seen: set[str] = set()
-    while not is_closed.wait(_LOOK_PERIOD_S):
-        try:
-            is_connected = bool(session.info.routers_zid() or session.info.peers_zid())
-        except zenoh.ZError:
-            return
-        if is_connected:
-            said, seen = set(), set()
-            continue
-        before, seen = seen, {why_unreachable(endpoint, config) for endpoint in endpoints}
-        if not is_closed.is_set():
-            for why in sorted(before & seen - said):
-                warn(why)
-            said |= before & seen
+class _Watch:
+    """Why nobody is connected: each cause once, when it was there twice, as the other end may just start."""
+
+    def __init__(
+        self,
+        session: zenoh.Session,
+        endpoints: tuple[str, ...],
+        config: Mapping[str, object],
+        warn: Callable[[str], None],
+    ) -> None:
+        self._session = session
+        self._endpoints = endpoints
+        self._config = config
+        self._warn = warn
+        self._said: set[str] = set()
+        self._seen: set[str] | None = None
+
+    def look(self) -> float:
+        """Look, and say what is new; after how many seconds to look again."""
+        if self._seen is None or is_connected(self._session):
+            self._said, self._seen = set(), set()
+        else:
+            before, self._seen = self._seen, {why_unreachable(one, self._config) for one in self._endpoints}
+            for why in sorted(before & self._seen - self._said):
+                self._warn(why)
+            self._said |= before & self._seen
+        return LOOK_PERIOD_S
+
+
+def is_connected(session: zenoh.Session) -> bool:
+    """Whether another end is there."""
+    return bool(session.info.routers_zid() or session.info.peers_zid())
