@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import contextlib
+import zlib
 from typing import Any
 
 import pytest
@@ -34,8 +35,25 @@ alike = st.lists(st.fixed_dictionaries(dict.fromkeys("abcd", leaves)), min_size=
 sequences = alike | st.lists(records, min_size=1, max_size=8)
 
 
+def compress(data: bytes, before: bytes) -> bytes:
+    """``data`` made small by ``before``."""
+    made = zlib.compressobj(zdict=before)
+    return made.compress(data) + made.flush()
+
+
+def decompress(data: bytes, most_bytes: int, before: bytes) -> bytes:
+    """What ``compress`` made, of at most so many bytes."""
+    try:
+        unpacked = zlib.decompressobj(zdict=before).decompress(data, most_bytes + 1)
+    except zlib.error as error:
+        raise LinkError("damaged") from error
+    if len(unpacked) > most_bytes:
+        raise LinkError("too large")
+    return unpacked
+
+
 def sender(measured: str = "") -> StatusSender:
-    return StatusSender(lambda path: str(path[-1]) in measured)
+    return StatusSender(lambda path: str(path[-1]) in measured, compress)
 
 
 def same(one: Any, other: Any) -> bool:
@@ -52,7 +70,7 @@ def same(one: Any, other: Any) -> bool:
 def test_a_status_is_whole_or_none_and_a_full_one_mends_a_loss(
     sequence: list[dict[str, Any]], lost: list[bool]
 ) -> None:
-    there, here = sender(), StatusReceiver()
+    there, here = sender(), StatusReceiver(decompress)
     for number, record in enumerate(sequence):
         data = there.next(record, number * PERIOD_NS)
         if number < len(lost) and lost[number]:
@@ -69,7 +87,7 @@ def test_a_status_is_whole_or_none_and_a_full_one_mends_a_loss(
 def test_changes_that_come_before_the_full_status_wait_for_it(
     sequence: list[dict[str, Any]], place: int
 ) -> None:
-    there, here, late = sender(), StatusReceiver(), b""
+    there, here, late = sender(), StatusReceiver(decompress), b""
     for number, record in enumerate(sequence):
         data = there.next(record, number * PERIOD_NS)
         if number == min(place, len(sequence) - 1):
@@ -82,7 +100,7 @@ def test_changes_that_come_before_the_full_status_wait_for_it(
 
 
 def test_what_is_measured_changes_once_a_second_and_the_rest_at_once() -> None:
-    there, here = sender(measured="m"), StatusReceiver()
+    there, here = sender(measured="m"), StatusReceiver(decompress)
     seen = []
     for number in range(11):
         received = here.receive(there.next({"m": number, "v": number}, number * PERIOD_NS))
@@ -93,7 +111,7 @@ def test_what_is_measured_changes_once_a_second_and_the_rest_at_once() -> None:
 
 
 def test_what_is_measured_is_there_and_gone_at_once() -> None:
-    there, here = sender(measured="m"), StatusReceiver()
+    there, here = sender(measured="m"), StatusReceiver(decompress)
     seen = [here.receive(there.next({"m": value}, 0)) for value in (1.5, None, 2.5)]
     assert seen == [{"m": 1.5}, {"m": None}, {"m": 2.5}]
 
@@ -104,7 +122,8 @@ def test_a_small_change_takes_few_bytes() -> None:
     there.next(record, 0)
     unchanged = there.next(record, 0)
     changed = there.next({**record, "name of entry 7": 1007.9, "name of entry 99": None}, 0)
-    assert (len(unchanged), len(changed)) == (3, 7)
+    assert len(unchanged) <= 60
+    assert len(changed) <= 90
 
 
 def test_before_the_first_status_there_is_no_full_one() -> None:
@@ -114,7 +133,7 @@ def test_before_the_first_status_there_is_no_full_one() -> None:
 
 @given(st.binary(max_size=60), st.sampled_from([4, 5]))
 def test_garbage_is_refused_or_mended_by_a_full_status(garbage: bytes, form: int) -> None:
-    there, here = sender(), StatusReceiver()
+    there, here = sender(), StatusReceiver(decompress)
     here.receive(there.next({"a": 1, "b": ["x", None]}, 0))
     for data in (garbage, bytes([3, form]) + garbage, bytes([3, 5, 2]) + garbage):
         with contextlib.suppress(LinkError):
@@ -131,4 +150,4 @@ def test_garbage_is_refused_or_mended_by_a_full_status(garbage: bytes, form: int
 )
 def test_a_full_status_that_is_none_is_refused(text: bytes) -> None:
     with pytest.raises(LinkError):
-        StatusReceiver().receive(bytes([3, 4, 1]) + text)
+        StatusReceiver(decompress).receive(bytes([3, 4, 1]) + compress(text, b""))

@@ -56,13 +56,20 @@ class Compressor:
         return _marked(frame) + encoded.data if encoded.is_compressed else frame
 
 
-def decompress(data: bytes, most_bytes: int) -> bytes:
+def compress(data: bytes, before: bytes = b"") -> bytes:
+    """What travels seldom, as small as can be: by ``before``, which the other end has, too."""
+    return zstandard.ZstdCompressor(level=_LEVEL_ALONE, dict_data=_dictionary(before)).compress(data)
+
+
+def decompress(data: bytes, most_bytes: int, before: bytes = b"") -> bytes:
     """What was compressed. Raises ``LinkError``, also for what would have more than ``most_bytes``."""
     try:
         size_bytes = zstandard.frame_content_size(data)
         if not 0 < size_bytes <= most_bytes:
             raise LinkError(f"a compressed message says that it has {size_bytes} bytes")
-        payload = zstandard.ZstdDecompressor().decompress(data, allow_extra_data=False)
+        payload = zstandard.ZstdDecompressor(dict_data=_dictionary(before)).decompress(
+            data, allow_extra_data=False
+        )
     except (zstandard.ZstdError, MemoryError) as error:
         raise LinkError("a compressed message is damaged") from error
     if len(payload) != size_bytes:
@@ -74,7 +81,7 @@ def packed(frame: bytes) -> bytes:
     """``frame`` with its body compressed, where that saves anything."""
     if len(frame) < _LEAST_BYTES:
         return frame
-    body = zstandard.ZstdCompressor(level=_LEVEL_ALONE).compress(frame[HEAD_BYTES:])
+    body = compress(frame[HEAD_BYTES:])
     return _marked(frame) + body if len(body) + HEAD_BYTES < len(frame) else frame
 
 
@@ -95,3 +102,9 @@ def unpacked(data: bytes, most_bytes: int) -> bytes:
 
 def _marked(frame: bytes) -> bytes:
     return bytes((frame[0], frame[1] | COMPRESSED))
+
+
+def _dictionary(before: bytes) -> zstandard.ZstdCompressionDict | None:
+    if not before:
+        return None
+    return zstandard.ZstdCompressionDict(before, dict_type=zstandard.DICT_TYPE_RAWCONTENT)

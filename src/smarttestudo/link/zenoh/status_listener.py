@@ -12,8 +12,8 @@ from dataclasses import dataclass, field
 import zenoh
 
 from smarttestudo.domain.errors import LinkError
-from smarttestudo.link.protocol.status_stream import MAX_STATUS_BYTES, Record, StatusReceiver
-from smarttestudo.link.zenoh.compression import unpacked
+from smarttestudo.link.protocol.status_stream import Record, StatusReceiver
+from smarttestudo.link.zenoh.compression import decompress
 from smarttestudo.link.zenoh.keys import ALL_STATUSES, MAX_ROBOTS, Boot, boot_of
 from smarttestudo.link.zenoh.query_client import QueryClient, Reply
 from smarttestudo.link.zenoh.versions import OtherVersions, robot_peer
@@ -31,7 +31,7 @@ class _Listening:
     """One run of a robot's end."""
 
     boot: Boot
-    receiver: StatusReceiver = field(default_factory=StatusReceiver)
+    receiver: StatusReceiver = field(default_factory=lambda: StatusReceiver(decompress))
     lock: threading.Lock = field(default_factory=threading.Lock)
     ask_s: float = 0.0
     again_s: float = _AGAIN_S
@@ -103,7 +103,7 @@ class StatusListener:
         self._versions.look(robot_peer(robot.boot), data)
         with robot.lock:
             try:
-                record = robot.receiver.receive(unpacked(data, MAX_STATUS_BYTES))
+                record = robot.receiver.receive(data)
             except LinkError:
                 record = None
                 self.malformed += 1

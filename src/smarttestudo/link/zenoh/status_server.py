@@ -14,7 +14,7 @@ from smarttestudo.domain.errors import LinkError
 from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.link.protocol.status_stream import StatusSender
-from smarttestudo.link.zenoh.compression import packed
+from smarttestudo.link.zenoh.compression import compress
 from smarttestudo.link.zenoh.query_server import Query, QueryServer
 
 _FULLS_PER_SECOND = 4
@@ -29,7 +29,7 @@ class StatusServer:
     ) -> None:
         self.is_watched = False
         self._clock = clock
-        self._sender = StatusSender(is_measured)
+        self._sender = StatusSender(is_measured, compress)
         self._lock = threading.Lock()
         self._second = 0
         self._fulls = 0
@@ -46,7 +46,7 @@ class StatusServer:
         with self._lock:
             data = self._sender.next(compact_status(status), self._clock())
         try:
-            self._publisher.put(packed(data))
+            self._publisher.put(data)
         except zenoh.ZError as error:
             raise LinkError(f"no status is sent over the link: {error}") from error
 
@@ -62,4 +62,4 @@ class StatusServer:
             if self._fulls > _FULLS_PER_SECOND:
                 raise LinkError("too many ask for a status at once", remedy="ask again in a second")
             data = self._sender.full()
-        query.reply(packed(data))
+        query.reply(data)
