@@ -185,7 +185,7 @@ def _settle_ros(arguments: argparse.Namespace, *, is_fetching: bool) -> None:
 
 @contextmanager
 def _sending(commands: OutgoingCommands, pattern: str) -> Iterator[Sending]:
-    """What is sent, in a thread and with a node of its own: a disk that is slow delays no joystick."""
+    """Send in a thread and with a node of its own: a disk that is slow delays no joystick."""
     with open_robot(name=f"testudo_send_{os.getpid()}") as robot:
         sending = Sending(
             robot,
@@ -286,8 +286,8 @@ def _receive(
         while not stopped():
             for event in wait(wait_s):
                 if noted is not None:
-                    noted.take(event)
-                reception.take(event, time.monotonic_ns())
+                    noted.handle(event)
+                reception.handle(event, time.monotonic_ns())
             due_ns, now_ns = reception.predict(time.monotonic_ns()), time.monotonic_ns()
             wait_s = _WAIT_S if due_ns is None else min(max(due_ns - now_ns, 0) / NS_PER_S, _WAIT_S)
             if looks and time.monotonic() >= look_s:

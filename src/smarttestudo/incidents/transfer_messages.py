@@ -21,12 +21,12 @@ _FILE_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,149}\Z")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AskList:
-    """What incidents there are."""
+    """A question for the list of incidents."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AskPlan:
-    """What the files of an incident are."""
+    """A question for the files of an incident."""
 
     name: str
 

@@ -16,7 +16,7 @@ from smarttestudo.domain.robot import Robot
 from smarttestudo.domain.status import RulesInForce, RuntimeStatus
 from smarttestudo.files.own_process import read_own_process
 from smarttestudo.loop.inputs import ChangeInput, LoopInput, MessageInput, RulesInput, WakeInput
-from smarttestudo.robot.acceptance import Acceptance
+from smarttestudo.robot.command_subscribers import CommandSubscribers
 from smarttestudo.robot.decisions import LiveDecisions
 from smarttestudo.robot.incidents import LiveIncidents
 from smarttestudo.robot.input_recorder import InputRecorder
@@ -67,7 +67,7 @@ class LiveRun:
         self._follow(rules)
         robot.log.info(f"Data path: {robot.data_path.description}")
         self._link = None if link is None else LinkWatch(link)
-        self._acceptance = None if commands is None else Acceptance(robot, commands)
+        self._acceptance = None if commands is None else CommandSubscribers(robot, commands)
         self._losses = LiveLosses(robot.log)
         self._sampling = LiveSampling(loop, may_rest=not inputs.is_recording)
         self._status = LiveStatus(robot.name, read_own_process())

@@ -139,5 +139,5 @@ class Driving:
         if awake_ns != now_ns:
             self.at(awake_ns, partial(self._take_report, data))
             return
-        self.sender.take_report(data, self.operator_clock.at(now_ns))
+        self.sender.handle_report(data, self.operator_clock.at(now_ns))
         self._pump(now_ns)

@@ -140,7 +140,7 @@ class Ends:
         self._report_soon(now_ns)
 
     def _take_report(self, report: Report, now_ns: int) -> None:
-        self.sender.take_report(report, now_ns)
+        self.sender.handle_report(report, now_ns)
         self.budgets.append((now_ns, self.sender.budget_kb_per_s))
 
     def ages_s(self, topic: str, from_s: float = 0.0, to_s: float = float("inf")) -> list[float]:

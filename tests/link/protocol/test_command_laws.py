@@ -204,7 +204,7 @@ def test_a_flood_costs_what_is_allowed_in_a_second() -> None:
 def test_random_bytes_are_refused_at_both_ends_or_cost_nothing(data: bytes) -> None:
     receiver, sender = accepting(), CommandSender((JOY,), lambda: 3)
     assert receiver.receive(data, 0) is None
-    sender.take_report(data, 0)
+    sender.handle_report(data, 0)
     assert receiver.topics[0].delivered == 0
 
 
@@ -215,7 +215,7 @@ def test_an_acknowledgement_of_what_was_never_sent_stops_nothing(sender_number: 
     driving.sender = CommandSender((JOY,), lambda: next(numbers))
     driving.publish_at(20, 3, 6)
     forged = COMMAND_REPORTS.to_bytes(CommandReport(sent_ns=0, acknowledged={sender_number: number}))
-    driving.at(4 * S, lambda now_ns: driving.sender.take_report(forged, now_ns))
+    driving.at(4 * S, lambda now_ns: driving.sender.handle_report(forged, now_ns))
     driving.run(8)
     assert len(driving.numbers()) >= len(driving.published) - 1
 

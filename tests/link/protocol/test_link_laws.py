@@ -99,7 +99,9 @@ def test_what_was_never_sent_cannot_be_acknowledged(session: int, received_bytes
     ends = Ends(Link(((0.0, 1_000.0),)), (Source(topic="/a", size_bytes=5_000, rate_hz=5),))
     ends.run(1)
     before = ends.sender.state(1 * S)
-    ends.sender.take_report(Report(receiver=receiver, session=session, received_bytes=received_bytes), 1 * S)
+    ends.sender.handle_report(
+        Report(receiver=receiver, session=session, received_bytes=received_bytes), 1 * S
+    )
     after = ends.sender.state(1 * S)
     assert after.capacity_kb_per_s == before.capacity_kb_per_s
 

@@ -149,7 +149,7 @@ def test_what_overflows_while_nobody_was_ever_there_is_not_lost_on_the_link() ->
     sender = LinkSender[None]()
     stream = filled_queue(sender)
     assert sender.counts(0)["/camera"] == StreamCounts(queued_bytes=MAX_QUEUED_BYTES)
-    sender.take_report(Report(receiver=1, session=0, received_bytes=0), 0)
+    sender.handle_report(Report(receiver=1, session=0, received_bytes=0), 0)
     assert sender.counts(0)["/camera"] == StreamCounts(queued_bytes=MAX_QUEUED_BYTES)
     sender.disconnect()
     sender.offer(stream, bytes(100_000), 5 * S)
@@ -160,7 +160,7 @@ def test_what_overflows_while_nobody_was_ever_there_is_not_lost_on_the_link() ->
 
 def test_a_topic_that_has_lost_nothing_for_a_minute_is_not_losing_any_more() -> None:
     sender = LinkSender[None]()
-    sender.take_report(Report(receiver=1, session=0, received_bytes=0), 0)
+    sender.handle_report(Report(receiver=1, session=0, received_bytes=0), 0)
     stream = filled_queue(sender)
     sender.offer(stream, bytes(100_000), 7 * S)
     told = [sender.counts(now_ns)["/camera"] for now_ns in (7 * S, 67 * S - 1, 67 * S)]

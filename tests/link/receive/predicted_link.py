@@ -94,9 +94,9 @@ class Operator:
         got = self.link.receive(data, now_ns)
         if isinstance(got, Announcement):
             said = StreamSaid(robot="ada", boot=self.link.boot, number=got.stream, info=got.info)
-            self.predictor.take(said, now_ns)
+            self.predictor.handle(said, now_ns)
         elif isinstance(got, ReceivedMessage):
-            self.predictor.take(got, now_ns)
+            self.predictor.handle(got, now_ns)
             said_now = self.read(got.payload)
             self.got = [one for one in self.got if not said_now.keys() >= one.keys()] + [said_now]
             self.newest = got.payload
@@ -216,7 +216,7 @@ class PredictedLink:
         for operator in self.operators:
             for one, is_present in ((boot, True), (gone.boot, False)):
                 event = RobotPresence(robot="ada", boot=one, is_present=is_present)
-                operator.predictor.take(event, self.now_ns)
+                operator.predictor.handle(event, self.now_ns)
             operator.meet(boot)
             operator.is_greeted = False
             self._report(operator, self.robot)
@@ -292,6 +292,6 @@ class PredictedLink:
         if operator.link.wake_ns <= self.now_ns and self.link.rate(self.now_ns) > 0:
             report = REPORTS.from_bytes(operator.link.next_report(self.now_ns))
             arrival_ns = self.now_ns + int(self.link.delay_s * S)
-            self.at(arrival_ns, lambda: robot.sender.take_report(report, self.now_ns))
+            self.at(arrival_ns, lambda: robot.sender.handle_report(report, self.now_ns))
         next_ns = max(operator.link.wake_ns, self.now_ns + 20 * MS)
         self.at(next_ns, partial(self._report, operator, robot))

@@ -12,7 +12,7 @@ from smarttestudo.link.protocol.wire import HEAD_BYTES, Kind, frame, kind_of, ma
 MAX_MESSAGE_BYTES = 64 * 1024 * 1024
 MAX_STREAMS = 4096
 MAX_PARTIAL_BYTES = 4 * MAX_MESSAGE_BYTES
-"""What the parts of unfinished messages may take together."""
+"""The size of all unfinished messages together."""
 CONTROL_STREAM = 0
 """The stream in which the robot's end says what the others are."""
 

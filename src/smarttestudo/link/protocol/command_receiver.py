@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The robot's end of what operators send: what is young enough to be delivered, and what to report."""
+"""The robot's end of what operators send: which messages are young enough, and what to report."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ class CommandReceiver:
 
     def __init__(self, topics: Sequence[str]) -> None:
         self.malformed = 0
-        """What came and was no message, or one of no accepted topic."""
+        """Frames that were no message, or one of no accepted topic."""
         self._topics = [_Topic(AcceptedTopic(topic=topic)) for topic in topics]
         self._senders: dict[int, _Sender] = {}
         self._told: tuple[AcceptedTopic, ...] = ()
@@ -96,7 +96,7 @@ class CommandReceiver:
 
     @property
     def topics(self) -> list[AcceptedTopic]:
-        """What is known of each topic."""
+        """The topics with their counts."""
         return [topic.told for topic in self._topics]
 
     def follow(self, topic: str, type_name: str | None, problem: str | None = None) -> None:
@@ -135,7 +135,7 @@ class CommandReceiver:
                 one.count(delivered=-1, refused=1)
 
     def sent_names(self, now_ns: int) -> list[tuple[str, ...]]:
-        """What each operator's end sends, of those that were heard lately."""
+        """The names that each operator's end sends, of the ends that were heard lately."""
         return [
             sender.names
             for sender in self._senders.values()

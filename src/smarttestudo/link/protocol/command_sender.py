@@ -39,7 +39,7 @@ _KEPT_FLIGHTS = 64
 
 
 class ClockBound:
-    """What the robot's clock shows at least, from times of it that arrived here. No clock need be right.
+    """The least that the robot's clock shows, from times of it that arrived here. No clock need be right.
 
     A time that arrives was true when it was sent, so the robot's clock is at least that far ahead of ours;
     from then on the two may drift apart.
@@ -80,11 +80,11 @@ class _Flight:
 
 
 class CommandSender:
-    """What waits for one robot, in the time that is passed in; the robot's own clock may be another.
+    """Messages for one robot, in the time that is passed in; the robot's own clock may be another.
 
-    Give it reports (``take_report``) and messages (``offer``), and send what ``next_command`` gives while it
-    gives something, ten times a second at least. ``names`` are the topics that are sent, ``new_sender`` makes
-    random numbers of 64 bits.
+    Give it reports (``handle_report``) and messages (``offer``), and send what ``next_command`` gives while
+    it gives something, ten times a second at least. ``names`` are the topics that are sent, ``new_sender``
+    makes random numbers of 64 bits.
     """
 
     def __init__(self, names: Sequence[str], new_sender: Callable[[], int]) -> None:
@@ -109,7 +109,7 @@ class CommandSender:
 
     @property
     def topics(self) -> dict[str, AcceptedTopic]:
-        """What the robot told of the topics that it accepts."""
+        """The topics that the robot accepts, as it told."""
         return {name: stream.topic for name, (_, stream) in self._streams.items()}
 
     @property
@@ -121,7 +121,7 @@ class CommandSender:
         """Whether the robot's end was heard lately."""
         return self._heard_ns is not None and now_ns - self._heard_ns <= LOST_AFTER_NS
 
-    def take_report(self, data: bytes, now_ns: int) -> None:
+    def handle_report(self, data: bytes, now_ns: int) -> None:
         """The robot's end says what it has."""
         try:
             report = COMMAND_REPORTS.from_bytes(data)
@@ -151,7 +151,7 @@ class CommandSender:
         return True
 
     def next_command(self, now_ns: int) -> bytes | None:
-        """What to send now."""
+        """The frame to send now."""
         if not self.is_present(now_ns):
             self._expire(now_ns)
             return None
@@ -196,7 +196,7 @@ class CommandSender:
 
     @property
     def _flights(self) -> list[_Flight]:
-        """What is under way."""
+        """The messages under way."""
         known = max(self._acknowledged, self._given_up)
         return [flight for flight in self._sent if flight.number > known]
 
@@ -228,7 +228,7 @@ class CommandSender:
         self._was_full = False
 
     def _give_up_flights(self, now_ns: int) -> None:
-        """What was not acknowledged for long is lost, or too old when it arrives."""
+        """Give up what was not acknowledged for long: it is lost, or too old when it arrives."""
         after_ns = _LOST_FLIGHT_NS + 2 * (self._trips.at(now_ns) or 0)
         if self._sent and now_ns - self._sent[-1].sent_ns > after_ns and self._flights:
             self._given_up = self._number

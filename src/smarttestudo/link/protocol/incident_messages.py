@@ -28,7 +28,7 @@ MAX_LISTED = 1_000
 MAX_LIST_BYTES = 800_000
 MAX_FILE_BYTES = 2**62
 MAX_PIECE_BYTES = 200_000
-"""What a piece may take with the places of its parts."""
+"""The size of a piece with the places of its parts."""
 _MAX_TEXT = 1_000
 _MAX_LEVELS = 64
 _SHA256_BYTES = 32
@@ -110,7 +110,7 @@ def list_to_bytes(incidents: Sequence[RemoteIncident]) -> bytes:
 
 
 def list_from_bytes(data: bytes, robot: str) -> list[RemoteIncident]:
-    """What ``list_to_bytes`` made ``data`` of, without what moves a cursor. Raises ``LinkError``."""
+    """The incidents of ``list_to_bytes``, without characters that move a cursor. Raises ``LinkError``."""
     return [
         replace(
             one,

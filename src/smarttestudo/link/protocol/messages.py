@@ -41,7 +41,7 @@ _TYPE_NAME = re.compile(r"[A-Za-z]\w{0,99}/msg/[A-Za-z]\w{0,99}", re.ASCII)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Report:
-    """What the operator's end has: ``received_bytes`` of chunks of ``session``, 0 where it knows of none.
+    """The state of the operator's end: ``received_bytes`` of chunks of ``session``, 0 where it knows none.
 
     ``receiver`` is a random number that tells it from others. ``ages_ms`` says how old the last message of
     each stream was when it arrived; it is there about once a second, and so is what it ``predicts``: the
@@ -108,7 +108,7 @@ class AcceptedStream:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CommandReport:
-    """What the robot's end has: the newest ``acknowledged`` number by sender, at ``sent_ns`` of its clock.
+    """The state of the robot's end: the newest ``acknowledged`` number by sender, at ``sent_ns`` there.
 
     ``streams`` are there now and then, in the order that gives them their numbers.
     """

@@ -33,7 +33,7 @@ Decompress = Callable[[bytes, int], bytes]
 
 @dataclass(slots=True)
 class ReceiverCounts:
-    """What arrived since the start.
+    """Counts of what arrived since the start.
 
     ``messages`` are whole and delivered, ``late`` ones not, because they were under way in an outage;
     ``repeated`` ones were there already, of ``broken`` ones a part was missing, ``malformed`` are chunks.
@@ -48,7 +48,7 @@ class ReceiverCounts:
 
 
 class LinkReceiver:
-    """What comes of one robot, in the time that is passed in; the robot's own clock may be another.
+    """One robot's messages as they come, in the time that is passed in; the robot's own clock may be another.
 
     Give it chunks (``receive``), and send what ``next_report`` gives at ``wake_ns``.
     """
@@ -85,7 +85,7 @@ class LinkReceiver:
         self._ages_reported_ns = 0
 
     def receive(self, data: bytes, now_ns: int) -> Announcement | ReceivedMessage | None:
-        """What is whole with the chunk ``data``: a stream that was announced or closed, or a message."""
+        """The stream or the message that is whole with the chunk ``data``: announced, closed or received."""
         try:
             chunk = Chunk.from_bytes(data)
             return self._receive(chunk, len(data), now_ns)

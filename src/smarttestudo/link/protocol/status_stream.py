@@ -19,7 +19,7 @@ _MAX_DEPTH = 16
 _MAX_WAITING = 64
 """Changes that are kept for a full status which is under way; as many old ones are no sign of a loss."""
 _MEASURED_AFTER_NS = NS_PER_S * 9 // 10
-"""What is measured is sent once a second: a status may come a little early."""
+"""Measurements are sent once a second: a status may come a little early."""
 _NUMBERS = frozenset({int, float})
 
 Path = tuple[str | int, ...]
@@ -33,7 +33,7 @@ Decompress = Callable[[bytes, int, bytes], bytes]
 
 
 class StatusSender:
-    """What travels of one status after the other. ``full`` may be asked for between two of them."""
+    """One status after the other as it travels. ``full`` may be asked for between two of them."""
 
     def __init__(self, is_measured: IsMeasured, compress: Compress) -> None:
         self._is_measured = is_measured
@@ -44,7 +44,7 @@ class StatusSender:
         self._measured_ns: int | None = None
 
     def next(self, record: Record, now_ns: int) -> bytes:
-        """What travels of ``record``, which others have received all of but for what is measured."""
+        """The frame of ``record``, of which others received the one before."""
         if self._measured_ns is None or now_ns >= self._measured_ns + _MEASURED_AFTER_NS:
             self._measured_ns, self._record = now_ns, record
         else:

@@ -28,7 +28,7 @@ MAX_ITEMS = 4_096
 
 _FIRST_VERSION = 3
 _LAST_VERSION = 31
-"""What begins with more is no frame of any version."""
+"""No frame of any version begins with more."""
 _MAX_VARINT_BYTES = 10
 _MAX_NUMBER = 2**64
 _DOUBLE = struct.Struct("<d")
@@ -36,7 +36,7 @@ _Value = TypeVar("_Value")
 
 
 class Kind(IntEnum):
-    """What a frame holds."""
+    """The kinds of frames."""
 
     CHUNK = 1
     REPORT = 2
@@ -69,7 +69,7 @@ def other_version(data: bytes) -> int | None:
 
 
 def version_sentence(peer: str, version: int) -> str:
-    """What a user has to know of a ``peer`` that speaks another version."""
+    """The line for a user whose ``peer`` speaks another version."""
     older = "at the other end" if version < WIRE_VERSION else "here"
     return (
         f"{peer} speaks version {version} of the link's protocol, and this end version {WIRE_VERSION}; "
@@ -78,7 +78,7 @@ def version_sentence(peer: str, version: int) -> str:
 
 
 def malformed(what: str) -> LinkError:
-    """What is to be raised where something else than a message stands."""
+    """The error for bytes that are no message."""
     return LinkError(f"a message over the link is malformed: {what:.200}")
 
 
@@ -116,7 +116,7 @@ def zigzag(number: int) -> bytes:
 
 
 class Reader:
-    """What is left of a body. Every method raises ``LinkError`` where something else stands there."""
+    """The rest of a body. Every method raises ``LinkError`` where something else stands there."""
 
     __slots__ = ("_at", "_data")
 
@@ -130,7 +130,7 @@ class Reader:
         return self._at >= len(self._data)
 
     def varint(self) -> int:
-        """What ``varint`` wrote, in as few bytes as it does."""
+        """The number that ``varint`` wrote, in as few bytes as it does."""
         number = 0
         for place, byte in enumerate(self._data[self._at : self._at + _MAX_VARINT_BYTES]):
             number |= (byte & 0x7F) << 7 * place
@@ -142,7 +142,7 @@ class Reader:
         raise malformed("a number that is too large or ends too early")
 
     def zigzag(self) -> int:
-        """What ``zigzag`` wrote."""
+        """The number that ``zigzag`` wrote."""
         number = self.varint()
         return (number >> 1) if not number & 1 else -((number + 1) >> 1)
 

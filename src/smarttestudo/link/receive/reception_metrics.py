@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a monitoring system gets of the operator's end."""
+"""The metrics of the operator's end for a monitoring system."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What nodes at the operator's end publish, sent to the robots that accept it."""
+"""Messages of nodes at the operator's end, sent to the robots that accept them."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from smarttestudo.link.zenoh.keys import Boot
 QOS = Qos(reliable=False, transient_local=False, depth=10)
 """Nothing latched, and nothing that is sent again after a loss: both may be old."""
 STALL_NS = 200 * NS_PER_MS
-"""Nobody looked for so long: this process stood still, and messages waited."""
+"""After so long without a look, this process stood still, and messages waited."""
 SETTLE_NS = NS_PER_S // 2
 SAY_AFTER_NS = 5 * NS_PER_S
 """For how long something must be so that it is said: an end may just start, or its old run just end."""
@@ -123,7 +123,7 @@ class Sending:
             # It is not published here either, which is said there.
             return
 
-    def take(self, message: ReceivedMessage) -> None:
+    def write(self, message: ReceivedMessage) -> None:
         """Do nothing: what arrives is not sent."""
 
     def close(self) -> None:

@@ -61,17 +61,17 @@ class CommandInbox:
 
     @property
     def topics(self) -> list[AcceptedTopic]:
-        """What is known of each accepted topic."""
+        """The accepted topics with their counts."""
         with self._lock:
             return self._receiver.topics
 
     @property
     def malformed(self) -> int:
-        """What came and was not readable, or of no accepted topic."""
+        """Frames that were not readable, or of no accepted topic."""
         return self._receiver.malformed
 
     def sent_names(self) -> list[tuple[str, ...]]:
-        """What each operator's end that was heard lately sends."""
+        """The names that each operator's end sends, of the ends that were heard lately."""
         with self._lock:
             return self._receiver.sent_names(self._clock())
 

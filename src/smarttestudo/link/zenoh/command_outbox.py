@@ -74,7 +74,7 @@ class CommandOutbox:
             now_ns = self._clock()
             sender = self._senders.get(boot) or self._add(boot, now_ns)
             if sender is not None:
-                sender.take_report(sample.payload.to_bytes(), now_ns)
+                sender.handle_report(sample.payload.to_bytes(), now_ns)
             self._pump()
 
     def _add(self, boot: Boot, now_ns: int) -> CommandSender | None:

@@ -24,7 +24,7 @@ class CommandedRobot:
 
 
 class OutgoingCommands(Protocol):
-    """What goes to robots at the operator's end of their links. Calls never wait for a link."""
+    """Messages to robots, at the operator's end of their links. Calls never wait for a link."""
 
     names: tuple[str, ...]
 

@@ -34,7 +34,7 @@ class Compressor:
         self._resting: dict[int, int] = {}
 
     def encode(self, stream: int, payload: bytes) -> Encoded:
-        """What travels of ``payload``."""
+        """Encode ``payload``."""
         if len(payload) < _LEAST_BYTES:
             return Encoded(payload)
         resting = self._resting.get(stream, 0)
@@ -57,12 +57,12 @@ class Compressor:
 
 
 def compress(data: bytes, before: bytes = b"") -> bytes:
-    """What travels seldom, as small as can be: by ``before``, which the other end has, too."""
+    """Compress what travels seldom as far as can be: by ``before``, which the other end has, too."""
     return zstandard.ZstdCompressor(level=_LEVEL_ALONE, dict_data=_dictionary(before)).compress(data)
 
 
 def decompress(data: bytes, most_bytes: int, before: bytes = b"") -> bytes:
-    """What was compressed. Raises ``LinkError``, also for what would have more than ``most_bytes``."""
+    """The bytes that were compressed. Raises ``LinkError``, also for more than ``most_bytes``."""
     try:
         size_bytes = zstandard.frame_content_size(data)
         if not 0 < size_bytes <= most_bytes:
@@ -94,7 +94,7 @@ def sendable(frame: bytes) -> bytes:
 
 
 def unpacked(data: bytes, most_bytes: int) -> bytes:
-    """What ``packed`` made ``data`` of. Raises ``LinkError``, also for what has more than ``most_bytes``."""
+    """The frame that ``packed`` compressed. Raises ``LinkError``, also for more than ``most_bytes``."""
     if len(data) < HEAD_BYTES or other_version(data) is not None or not data[1] & COMPRESSED:
         return data
     return bytes((data[0], data[1] ^ COMPRESSED)) + decompress(data[HEAD_BYTES:], most_bytes)

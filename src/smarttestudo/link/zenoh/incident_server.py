@@ -101,7 +101,7 @@ class IncidentServer:
             query.refuse(testudo_error(error))
 
     def _looked_up(self, question: TransferQuestion) -> bytes | None:
-        """What the disk answers; ``None`` where an incident was forgotten: its bytes are asked for again."""
+        """The answer of the disk; ``None`` where an incident was forgotten: its bytes are asked for again."""
         if isinstance(question, AskList):
             return list_to_bytes(self._catalog.list())
         plan = self._catalog.index(question.name).plan

@@ -120,7 +120,7 @@ class LinkIncidents:
         self._client.get(boot.incidents_key, QUESTIONS.to_bytes(question), answered, timeout_s)
 
     def _answer(self, robot: str, question: TransferQuestion, cancelled: Callable[[], bool]) -> bytes | None:
-        """What a robot answers, ``None`` if ``cancelled`` before. Raises ``LinkError``."""
+        """The answer of a robot, ``None`` if ``cancelled`` before. Raises ``LinkError``."""
         self._all_known.wait(_KNOWN_WITHIN_S)
         end_s = time.monotonic() + _AGAIN_WITHIN_S
         while (boot := self.boot(robot)) is not None:

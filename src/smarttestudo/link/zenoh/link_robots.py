@@ -71,7 +71,7 @@ class LinkRobots:
 
     @property
     def heard(self) -> Mapping[str, HeardStatus]:
-        """What was heard last of each robot, those of one name told apart by a number after it."""
+        """The last status of each robot, those of one name told apart by a number after it."""
         return self._heard
 
     @property
@@ -110,7 +110,7 @@ class LinkRobots:
         self._ask(robot_id, SetParameters(values=values), _texts, was_set)
 
     def topics(self, robot_id: str | None, got: GotTopics) -> None:
-        """What the own nodes of a robot publish, or of all that are there."""
+        """The topics that the own nodes of a robot publish, or of all that are there."""
         if robot_id is not None:
             self._ask(robot_id, GetTopics(), _texts, got)
             return

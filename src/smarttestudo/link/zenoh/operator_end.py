@@ -35,7 +35,7 @@ STATUS_STREAM = StreamInfo(
     type_name="std_msgs/msg/String",
     qos=Qos(reliable=True, transient_local=True, depth=1),
 )
-"""What statuses are to who reads what arrives."""
+"""The stream as which statuses arrive."""
 _STATUS_NUMBER = 0
 """No stream of the robot's end has it."""
 
@@ -65,7 +65,7 @@ class OperatorEnd:
         self.unknown = 0
         """Chunks of robots that are not known here."""
         self.commands: CommandOutbox | None = None
-        """What goes to robots, where anything does."""
+        """Messages to robots, where any are sent."""
         self._session = session
         self._warn = warn
         self._clock = clock
@@ -89,7 +89,7 @@ class OperatorEnd:
         self._worker.start()
 
     def wait(self, timeout_s: float) -> list[LinkEvent]:
-        """What arrived since the last call, in its order, as soon as there is something; else nothing."""
+        """The events since the last call, in their order, as soon as there is one; else nothing."""
         return self._arrivals.wait(timeout_s)
 
     def incidents(self) -> LinkIncidents:
@@ -102,7 +102,7 @@ class OperatorEnd:
         return self._arrivals.dropped
 
     def counts(self) -> Mapping[Boot, ReceiverCounts]:
-        """What arrived of each robot that is present."""
+        """The counts of each robot that is present."""
         return {robot.boot: replace(robot.receiver.counts) for robot in self._present()}
 
     def close(self) -> None:

@@ -55,7 +55,7 @@ class RobotEnd:
         self.malformed = 0
         """Reports that were not readable."""
         self.commands: CommandInbox | None = None
-        """What comes of operators, where the robot accepts anything."""
+        """Messages of operators, where the robot accepts any."""
         self._warn = warn
         self._clock = clock
         self._sender: LinkSender[WaitingAsk] = LinkSender(Compressor().encode)
@@ -90,7 +90,7 @@ class RobotEnd:
         self._worker.start()
 
     def advertise(self, stream: StreamInfo) -> RobotPublisher:
-        """What sends the messages of a stream. Raises ``LinkError`` where there are too many."""
+        """A publisher of the messages of a stream. Raises ``LinkError`` where there are too many."""
         with self._lock:
             self._empty_inbox()
             number = self._sender.open(stream, self._clock())
@@ -124,7 +124,7 @@ class RobotEnd:
         self._origin = origin
 
     def take_missed(self, *, is_last: bool = False) -> list[MissedMessage]:
-        """What operators' ends have missed since the last call; if ``is_last``, what waits for them, too."""
+        """The messages missed at operators' ends since the last call; if ``is_last``, those waiting, too."""
         if not self._lock.acquire(blocking=is_last):
             return []
         try:
@@ -153,13 +153,13 @@ class RobotEnd:
 
     @property
     def state(self) -> LinkState:
-        """What is known of the link now."""
+        """The state of the link now."""
         self._look()
         return self._state
 
     @property
     def budget_kb_per_s(self) -> float | None:
-        """What relayed topics may take together now; ``None`` while nothing is known of the link."""
+        """The budget of all relayed topics now; ``None`` while nothing is known of the link."""
         self._look()
         return self._budget_kb_per_s
 
@@ -232,7 +232,7 @@ class RobotEnd:
         except LinkError:
             self.malformed += 1
             return
-        self._do(lambda: self._sender.take_report(report, self._clock()))
+        self._do(lambda: self._sender.handle_report(report, self._clock()))
 
     def _have_wait(self, waiting: WaitingAsk) -> None:
         ask = waiting.ask

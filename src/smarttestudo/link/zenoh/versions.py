@@ -14,7 +14,7 @@ _MOST = 1_000
 
 
 def robot_peer(boot: Boot) -> str:
-    """What a robot's end is called."""
+    """The name of a robot's end in a sentence."""
     return f"robot {boot.robot}"
 
 

@@ -22,14 +22,14 @@ SAY_AFTER_NS = 5 * NS_PER_S
 
 @dataclass(slots=True)
 class _Served:
-    """What was found of a topic at the last look, and its publisher where all is well."""
+    """A topic as of the last look, and its publisher where all is well."""
 
     type_name: str | None = None
     problem: str | None = None
     publisher: Publisher | None = None
 
 
-class Acceptance:
+class CommandSubscribers:
     """Publishes accepted topics among the robot's own nodes, with the type that they subscribe with."""
 
     def __init__(self, robot: Robot, commands: IncomingCommands) -> None:
@@ -42,7 +42,7 @@ class Acceptance:
 
     @property
     def topics(self) -> tuple[AcceptedTopic, ...]:
-        """What is known of each topic."""
+        """The topics with their counts."""
         return tuple(self._commands.topics)
 
     def look(self, relayed: Collection[str], *, is_connected: bool) -> None:
