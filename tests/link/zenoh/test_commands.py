@@ -14,9 +14,8 @@ from pathlib import Path
 import pytest
 import zenoh
 
-from link.zenoh.ends import free_endpoint, refuse_warning, until
+from link.zenoh.ends import free_endpoint, refuse_warning, stranger_at, until
 from link.zenoh.slow_wire import slow_wire
-from link.zenoh.test_hostile import stranger
 from smarttestudo.domain.errors import RosError, UsageError
 from smarttestudo.domain.payload import Payload
 from smarttestudo.link.protocol.messages import (
@@ -156,7 +155,7 @@ def test_strangers_reach_nothing_with_malformed_old_stamps_and_forged_reports() 
     with (
         sending(endpoint) as outbox,
         accepting(endpoint, warn=print) as (inbox, published),
-        stranger(endpoint) as other,
+        stranger_at(endpoint) as other,
     ):
         boot = heard(outbox).boot
         strange = [b"", b"\0" * 40, *(b"\0" + RANDOM.randbytes(size) for size in (20, 60_000, 900_000))]

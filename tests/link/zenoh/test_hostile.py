@@ -4,17 +4,14 @@
 
 from __future__ import annotations
 
-import json
 import random
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 
 import pytest
 import zenoh
 import zstandard
 
-from link.zenoh.ends import MAP, ODOM, Reader, free_endpoint, operator_end, robot_end, until
+from link.zenoh.ends import MAP, ODOM, Reader, free_endpoint, operator_end, robot_end, stranger_at, until
 from smarttestudo.domain.link import StreamInfo
 from smarttestudo.link.protocol.chunks import CONTROL_STREAM, MAX_STREAMS, Chunk
 from smarttestudo.link.protocol.messages import CONTROL, REPORTS, Announcement, Report
@@ -27,24 +24,6 @@ from smarttestudo.link.zenoh.robot_end import RobotEnd
 pytestmark = pytest.mark.process
 
 RANDOM = random.Random(7)
-
-
-@contextmanager
-def stranger(endpoint: str) -> Iterator[zenoh.Session]:
-    """Somebody else who may connect."""
-    config = zenoh.Config()
-    settings = {
-        # A router passes on what clients say, but not what peers say to each other.
-        "mode": "client",
-        "listen/endpoints": [],
-        "connect/endpoints": [endpoint],
-        "scouting/multicast/enabled": False,
-        "transport/shared_memory/enabled": False,
-    }
-    for key, value in settings.items():
-        config.insert_json5(key, json.dumps(value))
-    with zenoh.open(config) as session:
-        yield session
 
 
 def chunk(stream: int, data: bytes, number: int = 0, *, is_compressed: bool = False) -> bytes:
@@ -77,7 +56,7 @@ def still_works(robot: RobotEnd, reader: Reader) -> None:
 
 def test_what_is_malformed_instead_of_chunks_is_counted() -> None:
     endpoint = free_endpoint()
-    with operator_end(endpoint) as operator, robot_end(endpoint) as robot, stranger(endpoint) as other:
+    with operator_end(endpoint) as operator, robot_end(endpoint) as robot, stranger_at(endpoint) as other:
         reader = Reader(operator)
         still_works(robot, reader)
         bomb = zstandard.ZstdCompressor().compress(bytes(100_000_000))
@@ -98,7 +77,7 @@ def test_what_is_malformed_instead_of_chunks_is_counted() -> None:
 
 def test_chunks_for_robots_that_are_not_there_are_counted() -> None:
     endpoint = free_endpoint()
-    with operator_end(endpoint) as operator, stranger(endpoint) as other:
+    with operator_end(endpoint) as operator, stranger_at(endpoint) as other:
         keys = (new_boot("nobody", 5).data_key, "testudo/*/*/data", "testudo/a/b/data")
         for key in keys:
             until(lambda: operator.unknown > 0, lambda: other.put(key, chunk(1, b"x")))  # noqa: B023
@@ -108,7 +87,7 @@ def test_chunks_for_robots_that_are_not_there_are_counted() -> None:
 
 def test_what_is_malformed_instead_of_reports_is_counted() -> None:
     endpoint = free_endpoint()
-    with operator_end(endpoint) as operator, robot_end(endpoint) as robot, stranger(endpoint) as other:
+    with operator_end(endpoint) as operator, robot_end(endpoint) as robot, stranger_at(endpoint) as other:
         reader = Reader(operator)
         still_works(robot, reader)
         before = robot.counts()
@@ -124,7 +103,7 @@ def test_what_is_malformed_instead_of_reports_is_counted() -> None:
 
 def test_a_report_of_what_was_never_sent_changes_nothing() -> None:
     endpoint = free_endpoint()
-    with operator_end(endpoint) as operator, robot_end(endpoint) as robot, stranger(endpoint) as other:
+    with operator_end(endpoint) as operator, robot_end(endpoint) as robot, stranger_at(endpoint) as other:
         heard: list[Report] = []
         listener = other.declare_subscriber(
             robot.boot.report_key, lambda sample: heard.append(REPORTS.from_bytes(sample.payload.to_bytes()))
@@ -146,7 +125,7 @@ def test_a_report_of_what_was_never_sent_changes_nothing() -> None:
 
 def test_a_robot_that_names_a_million_topics_has_as_many_as_a_robot_may() -> None:
     endpoint = free_endpoint()
-    with operator_end(endpoint) as operator, robot_end(endpoint) as robot, stranger(endpoint) as other:
+    with operator_end(endpoint) as operator, robot_end(endpoint) as robot, stranger_at(endpoint) as other:
         reader, boot = Reader(operator), new_boot("liar", 1)
         still_works(robot, reader)
         with other.liveliness().declare_token(boot.key):
@@ -170,7 +149,7 @@ def test_a_robot_that_names_a_million_topics_has_as_many_as_a_robot_may() -> Non
 
 def test_only_so_many_robots_are_received_and_the_rest_is_said_once() -> None:
     endpoint, warnings = free_endpoint(), list[str]()
-    with operator_end(endpoint, warn=warnings.append) as operator, stranger(endpoint) as other:
+    with operator_end(endpoint, warn=warnings.append) as operator, stranger_at(endpoint) as other:
         reader = Reader(operator)
         boots = [new_boot(f"r{number}", number) for number in range(MAX_ROBOTS + 20)]
         tokens = [other.liveliness().declare_token(boot.key) for boot in boots]

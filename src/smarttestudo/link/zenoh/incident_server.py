@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 from smarttestudo.domain.errors import LinkError, testudo_error
 from smarttestudo.incidents.catalog import IncidentCatalog
@@ -19,7 +19,7 @@ from smarttestudo.incidents.transfer_messages import (
 )
 from smarttestudo.link.protocol.incident_messages import PIECES, PLANS, QUESTIONS, list_to_bytes
 from smarttestudo.link.zenoh.compression import Compressor, sendable
-from smarttestudo.link.zenoh.query_server import MAX_WAITING, Query, QueryServer
+from smarttestudo.link.zenoh.query_server import Query, QueryServer
 
 
 class WaitingAsk(NamedTuple):
@@ -29,18 +29,12 @@ class WaitingAsk(NamedTuple):
     query: Query
 
 
-class Give(Protocol):
-    """Has a task done on a thread that may wait for the disk, unless too many wait."""
-
-    def __call__(self, task: Callable[[], None], *, most: int) -> bool:
-        """Whether it will be done."""
-
-
 class IncidentServer:
     """Answers questions about what ``catalog`` has on ``key``.
 
-    Lists and plans are made by tasks for ``later``. Questions for bytes are given to ``wait``, those that
-    only say what has arrived to ``got``; ``answer`` answers one when the link has nothing better to do.
+    Lists and plans are made by tasks for ``later``, which says whether it does them. Questions for bytes are
+    given to ``wait``, those that only say what has arrived to ``got``; ``answer`` answers one when the link
+    has nothing better to do.
     """
 
     def __init__(
@@ -49,7 +43,7 @@ class IncidentServer:
         key: str,
         catalog: IncidentCatalog,
         *,
-        later: Give,
+        later: Callable[[Callable[[], None]], bool],
         wait: Callable[[WaitingAsk], None],
         got: Callable[[AskBytes], None],
     ) -> None:
@@ -87,7 +81,7 @@ class IncidentServer:
             self._got(question)
         elif isinstance(question, AskBytes) and is_known:
             self._wait(WaitingAsk(question, query))
-        elif not self._later(partial(self._look_up, query, question), most=MAX_WAITING):
+        elif not self._later(partial(self._look_up, query, question)):
             query.drop()
 
     def _look_up(self, query: Query, question: TransferQuestion) -> None:

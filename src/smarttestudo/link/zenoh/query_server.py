@@ -62,53 +62,18 @@ class Query:
         self._query.drop()
 
 
-class QueryServer:
-    """Has what is asked on keys of a robot's end handled, and answers from a thread of its own.
-
-    A long answer waits where the link is thin. While nobody is connected, the thread watches for that.
-    """
-
-    def __init__(self, opened: LinkSession, warn: Callable[[str], None], versions: OtherVersions) -> None:
-        self._session = opened.session
-        self._versions = versions
-        self._worker = Worker("link-answer", lambda error: warn(f"no answer: {said(error)}"), opened.watch)
-        self._worker.start()
-        self.close = self._worker.close
-        self.later = self._worker.give
-        # Kept alive: Zenoh undeclares on garbage collection.
-        self._kept: list[zenoh.Queryable[None]] = []
-
-    def serve(self, key: str, handle: Callable[[Query], None]) -> None:
-        """Give ``handle`` what is asked on ``key``, in a thread of Zenoh; a ``LinkError`` of it refuses."""
-
-        def take(asked: zenoh.Query) -> None:
-            # What is asked of many keys at once may go round access control.
-            if str(asked.key_expr) != key:
-                asked.drop()
-                return
-            query = Query(asked, key, b"" if asked.payload is None else asked.payload.to_bytes())
-            self._versions.look(OPERATOR, query.data)
-            try:
-                handle(query)
-            except LinkError as error:
-                if not self.later(partial(query.refuse, error), most=MAX_WAITING):
-                    query.drop()
-
-        self._kept.append(self._session.declare_queryable(key, take))
-
-
 class WaitingQuestion:
     """A question that came at ``asked_ns``; answering it never waits."""
 
-    def __init__(self, question: Question, asked_ns: int, query: Query, server: QueryServer) -> None:
+    def __init__(self, question: Question, asked_ns: int, query: Query, later: Callable[..., object]) -> None:
         self.question = question
         self.asked_ns = asked_ns
         self._query = query
-        self._server = server
+        self._later = later
 
     def answer(self, answer: Answer | TestudoError) -> None:
         """Answer it, or say why not; the session may be closed meanwhile."""
-        self._server.later(partial(self._reply, answer))
+        self._later(partial(self._reply, answer))
 
     def _reply(self, answer: Answer | TestudoError) -> None:
         try:
@@ -120,17 +85,52 @@ class WaitingQuestion:
             self._query.refuse(error)
 
 
-class QuestionQueue:
-    """Keeps a few questions until the run takes them: what reads and what changes have a key each."""
+class QueryServer:
+    """Has what is asked on keys of a robot's end handled, and answers from a thread of its own.
 
-    def __init__(self, server: QueryServer, boot: Boot, clock: Callable[[], int]) -> None:
-        self._server = server
+    Questions for the run wait until it takes them; what reads and what changes have a key each. A long answer
+    waits where the link is thin. While nobody is connected, the thread watches for that.
+    """
+
+    def __init__(
+        self,
+        opened: LinkSession,
+        boot: Boot,
+        warn: Callable[[str], None],
+        versions: OtherVersions,
+        clock: Callable[[], int],
+    ) -> None:
+        self._session = opened.session
+        self._versions = versions
         self._clock = clock
         self._waiting: queue.Queue[WaitingQuestion] = queue.Queue(MAX_WAITING)
-        server.serve(boot.get_key, partial(self._keep, READING_QUESTIONS))
-        server.serve(boot.set_key, partial(self._keep, CHANGING_QUESTIONS))
+        self._worker = Worker("link-answer", lambda error: warn(f"no answer: {said(error)}"), opened.watch)
+        self._worker.start()
+        self.close = self._worker.close
+        # Kept alive: Zenoh undeclares on garbage collection.
+        self._kept: list[zenoh.Queryable[None]] = []
+        self.serve(boot.get_key, partial(self._keep, READING_QUESTIONS))
+        self.serve(boot.set_key, partial(self._keep, CHANGING_QUESTIONS))
 
-    def take(self) -> WaitingQuestion | None:
+    def serve(self, key: str, handle: Callable[[Query], None]) -> None:
+        """Give ``handle`` what is asked on ``key``, in a thread of Zenoh; a ``LinkError`` of it refuses."""
+
+        def on_query(asked: zenoh.Query) -> None:
+            # What is asked of many keys at once may go round access control.
+            if str(asked.key_expr) != key:
+                asked.drop()
+                return
+            query = Query(asked, key, b"" if asked.payload is None else asked.payload.to_bytes())
+            self._versions.look(OPERATOR, query.data)
+            try:
+                handle(query)
+            except LinkError as error:
+                if not self._worker.give(partial(query.refuse, error), most=MAX_WAITING):
+                    query.drop()
+
+        self._kept.append(self._session.declare_queryable(key, on_query))
+
+    def take_question(self) -> WaitingQuestion | None:
         """The next question; those that nobody waits for any more are left out."""
         while True:
             try:
@@ -143,6 +143,6 @@ class QuestionQueue:
     def _keep(self, questions: FrameType[_Asked], query: Query) -> None:
         question = questions.from_bytes(unpacked(query.data, MAX_QUESTION_BYTES))
         try:
-            self._waiting.put_nowait(WaitingQuestion(question, self._clock(), query, self._server))
+            self._waiting.put_nowait(WaitingQuestion(question, self._clock(), query, self._worker.give))
         except queue.Full:
             raise LinkError("too many questions wait for an answer", remedy="ask again later") from None

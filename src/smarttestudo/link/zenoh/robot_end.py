@@ -29,7 +29,7 @@ from smarttestudo.link.zenoh.command_inbox import CommandInbox
 from smarttestudo.link.zenoh.compression import Compressor
 from smarttestudo.link.zenoh.incident_server import IncidentServer, WaitingAsk
 from smarttestudo.link.zenoh.keys import new_boot
-from smarttestudo.link.zenoh.query_server import QueryServer, QuestionQueue, WaitingQuestion
+from smarttestudo.link.zenoh.query_server import MAX_WAITING, QueryServer, WaitingQuestion
 from smarttestudo.link.zenoh.session import LinkSession, is_heard
 from smarttestudo.link.zenoh.status_server import StatusServer
 from smarttestudo.link.zenoh.versions import OPERATOR, OtherVersions
@@ -83,9 +83,8 @@ class RobotEnd:
             session.declare_subscriber(self.boot.report_key, self._on_report),
             session.liveliness().declare_token(self.boot.key),
         )
-        self._queries = QueryServer(opened, warn, self._versions)
+        self._queries = QueryServer(opened, self.boot, warn, self._versions, clock)
         self._status = StatusServer(session, self._queries, self.boot.status_key, clock)
-        self._questions = QuestionQueue(self._queries, self.boot, clock)
         self._incidents: IncidentServer | None = None
         self._worker.start()
 
@@ -106,7 +105,7 @@ class RobotEnd:
             self._queries,
             self.boot.incidents_key,
             IncidentCatalog(folder),
-            later=self._disk.give,
+            later=partial(self._disk.give, most=MAX_WAITING),
             wait=self._have_wait,
             got=self._have_got,
         )
@@ -149,7 +148,7 @@ class RobotEnd:
 
     def take_question(self) -> WaitingQuestion | None:
         """The next question that waits for an answer."""
-        return self._questions.take()
+        return self._queries.take_question()
 
     @property
     def state(self) -> LinkState:

@@ -11,6 +11,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -76,7 +77,7 @@ def open_session(options: LinkOptions, mode: str, warn: Callable[[str], None]) -
     except zenoh.ZError as error:
         raise LinkError(_cause(error), place=place, remedy="is the endpoint right, and free?") from error
     try:
-        yield LinkSession(session, _Watch(session, options.connect, known, warn).look)
+        yield LinkSession(session, partial(next, _watch(session, options.connect, known, warn)))
     finally:
         close_session(session)
 
@@ -158,33 +159,24 @@ def _cause(error: Exception) -> str:
     return " ".join(_SOURCE_LINE.sub("", str(error)).split())[:_MOST_CAUSE].rstrip(" .!")
 
 
-class _Watch:
-    """Why nobody is connected: each cause once, when it was there twice, as the other end may just start."""
-
-    def __init__(
-        self,
-        session: zenoh.Session,
-        endpoints: tuple[str, ...],
-        config: Mapping[str, object],
-        warn: Callable[[str], None],
-    ) -> None:
-        self._session = session
-        self._endpoints = endpoints
-        self._config = config
-        self._warn = warn
-        self._said: set[str] = set()
-        self._seen: set[str] | None = None
-
-    def look(self) -> float:
-        """Look, and say what is new; after how many seconds to look again."""
-        if self._seen is None or is_connected(self._session):
-            self._said, self._seen = set(), set()
-        else:
-            before, self._seen = self._seen, {why_unreachable(one, self._config) for one in self._endpoints}
-            for why in sorted(before & self._seen - self._said):
-                self._warn(why)
-            self._said |= before & self._seen
-        return LOOK_PERIOD_S
+def _watch(
+    session: zenoh.Session,
+    endpoints: tuple[str, ...],
+    config: Mapping[str, object],
+    warn: Callable[[str], None],
+) -> Iterator[float]:
+    """Say why nobody is connected, each cause once, when it was there twice: the other end may just start."""
+    said: set[str] = set()
+    seen: set[str] = set()
+    while True:
+        yield LOOK_PERIOD_S
+        if is_connected(session):
+            said, seen = set(), set()
+            continue
+        before, seen = seen, {why_unreachable(endpoint, config) for endpoint in endpoints}
+        for why in sorted(before & seen - said):
+            warn(why)
+        said |= before & seen
 
 
 def is_connected(session: zenoh.Session) -> bool:
