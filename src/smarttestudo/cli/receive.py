@@ -11,6 +11,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, closing, contextmanager
+from typing import TYPE_CHECKING
 
 from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.link_options import add_zenoh_config, warn
@@ -37,12 +38,15 @@ from smarttestudo.link.receive.status_sink import StatusSink
 from smarttestudo.link.worker import Worker
 from smarttestudo.link.zenoh import open_operator_end, require_zenoh, suspended_too_ns
 from smarttestudo.link.zenoh.arrivals import LinkEvent
-from smarttestudo.link.zenoh.commanded import OutgoingCommands
 from smarttestudo.link.zenoh.security import LinkOptions
 from smarttestudo.report.table import printable
 from smarttestudo.robot.ros import open_robot
 from smarttestudo.robot.ros.graph_sink import GraphSink
 from smarttestudo.robot.ros.loading import has_rclpy
+
+if TYPE_CHECKING:
+    # It needs Zenoh.
+    from smarttestudo.link.zenoh.command_outbox import CommandOutbox
 
 DEFAULT_LISTEN = "tcp/127.0.0.1:7447"
 _WAIT_S = 0.05
@@ -184,7 +188,7 @@ def _settle_ros(arguments: argparse.Namespace, *, is_fetching: bool) -> None:
 
 
 @contextmanager
-def _sending(commands: OutgoingCommands, pattern: str) -> Iterator[Sending]:
+def _sending(commands: CommandOutbox, pattern: str) -> Iterator[Sending]:
     """Send in a thread and with a node of its own: a disk that is slow delays no joystick."""
     with open_robot(name=f"testudo_send_{os.getpid()}") as robot:
         sending = Sending(

@@ -19,11 +19,11 @@ from smarttestudo.domain.link import ReceivedMessage
 from smarttestudo.domain.names import STATUS_TOPIC
 from smarttestudo.domain.status import TopicCounts
 from smarttestudo.domain.status_json import status_to_json
+from smarttestudo.link.protocol.keys import Boot
 from smarttestudo.link.protocol.receiver import ReceiverCounts
 from smarttestudo.link.receive.reception import Reception
 from smarttestudo.link.receive.reception_metrics import MAX_TOPICS, ReceptionMetrics
 from smarttestudo.link.receive.status_sink import StatusSink
-from smarttestudo.link.zenoh.keys import Boot
 from smarttestudo.pacing.cdr import string_message
 
 STATUSES = replace(ODOM, topic=STATUS_TOPIC, type_name="std_msgs/msg/String")

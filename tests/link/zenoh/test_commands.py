@@ -18,6 +18,7 @@ from link.zenoh.ends import free_endpoint, refuse_warning, stranger_at, until
 from link.zenoh.slow_wire import slow_wire
 from smarttestudo.domain.errors import RosError, UsageError
 from smarttestudo.domain.payload import Payload
+from smarttestudo.link.protocol.command_sender import CommandedRobot
 from smarttestudo.link.protocol.messages import (
     COMMAND_REPORTS,
     COMMANDS,
@@ -27,7 +28,6 @@ from smarttestudo.link.protocol.messages import (
 from smarttestudo.link.zenoh import open_operator_end, open_robot_end
 from smarttestudo.link.zenoh.command_inbox import CommandInbox
 from smarttestudo.link.zenoh.command_outbox import CommandOutbox
-from smarttestudo.link.zenoh.commanded import CommandedRobot
 from smarttestudo.link.zenoh.security import LinkOptions
 
 pytestmark = pytest.mark.process

@@ -14,10 +14,10 @@ import zstandard
 from link.zenoh.ends import MAP, ODOM, Reader, free_endpoint, operator_end, robot_end, stranger_at, until
 from smarttestudo.domain.link import StreamInfo
 from smarttestudo.link.protocol.chunks import CONTROL_STREAM, MAX_STREAMS, Chunk
+from smarttestudo.link.protocol.keys import MAX_ROBOTS, Boot, new_boot
 from smarttestudo.link.protocol.messages import CONTROL, REPORTS, Announcement, Report
 from smarttestudo.link.protocol.receiver import ReceiverCounts
 from smarttestudo.link.zenoh.arrivals import RobotPresence, StreamSaid
-from smarttestudo.link.zenoh.keys import MAX_ROBOTS, Boot, new_boot
 from smarttestudo.link.zenoh.operator_end import OperatorEnd
 from smarttestudo.link.zenoh.robot_end import RobotEnd
 

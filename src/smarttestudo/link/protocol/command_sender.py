@@ -5,13 +5,14 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 
 from smarttestudo.domain.command import MAX_AGE_NS, MAX_COMMAND_BYTES, SentCounts
 from smarttestudo.domain.errors import LinkError
 from smarttestudo.domain.link_state import AcceptedTopic
 from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
+from smarttestudo.link.protocol.keys import Boot
 from smarttestudo.link.protocol.least import CLOCK_WINDOW_NS, LeastOfWindow
 from smarttestudo.link.protocol.messages import (
     COMMAND_REPORTS,
@@ -36,6 +37,16 @@ _LOST_FLIGHT_NS = NS_PER_S
 _FIRST_WINDOW, _MOST_WINDOW = 16, 32
 _MOST_FLYING_BYTES = 8_000
 _KEPT_FLIGHTS = 64
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CommandedRobot:
+    """A robot's end that accepts something, as it was heard last, and what was sent to it, by topic."""
+
+    boot: Boot
+    topics: Mapping[str, AcceptedTopic]
+    counts: Mapping[str, SentCounts]
+    round_trip_ms: float | None
 
 
 class ClockBound:

@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING
 from smarttestudo.domain.metric import Metric, MetricKind, MetricName, Sample
 from smarttestudo.domain.units import BYTES_PER_KB, grouped
 from smarttestudo.link.openmetrics.status import status_metrics
+from smarttestudo.link.protocol.keys import MAX_ROBOTS, Boot
 from smarttestudo.link.protocol.receiver import ReceiverCounts
 from smarttestudo.link.receive.reception import ReceivedTopic, Reception
 from smarttestudo.link.receive.status_sink import StatusSink
-from smarttestudo.link.zenoh.keys import MAX_ROBOTS, Boot
 
 if TYPE_CHECKING:
     # It needs Zenoh, which a robot may lack.

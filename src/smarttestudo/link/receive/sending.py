@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Collection, Hashable, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from smarttestudo.domain.command import MAX_COMMAND_BYTES, SentCounts, TooOld
 from smarttestudo.domain.errors import TestudoError
@@ -16,8 +17,12 @@ from smarttestudo.domain.names import output_name
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Qos, Robot, Subscription
 from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
-from smarttestudo.link.zenoh.commanded import CommandedRobot, OutgoingCommands
-from smarttestudo.link.zenoh.keys import Boot
+from smarttestudo.link.protocol.command_sender import CommandedRobot
+from smarttestudo.link.protocol.keys import Boot
+
+if TYPE_CHECKING:
+    # It needs Zenoh, which tests of this do without.
+    from smarttestudo.link.zenoh.command_outbox import CommandOutbox
 
 QOS = Qos(reliable=False, transient_local=False, depth=10)
 """Nothing latched, and nothing that is sent again after a loss: both may be old."""
@@ -87,7 +92,7 @@ class Sending:
     def __init__(
         self,
         robot: Robot,
-        commands: OutgoingCommands,
+        commands: CommandOutbox,
         warn: Callable[[str], None],
         *,
         pattern: str,

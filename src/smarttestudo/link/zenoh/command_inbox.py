@@ -14,9 +14,9 @@ from smarttestudo.domain.link_state import AcceptedTopic
 from smarttestudo.domain.robot import Publisher
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.link.protocol.command_receiver import CommandReceiver
+from smarttestudo.link.protocol.keys import Boot
 from smarttestudo.link.worker import Worker
-from smarttestudo.link.zenoh.keys import Boot
-from smarttestudo.link.zenoh.versions import OPERATOR, OtherVersions
+from smarttestudo.link.zenoh.session import OPERATOR, OtherVersions
 
 
 class CommandInbox:

@@ -11,9 +11,8 @@ from dataclasses import replace
 
 import zenoh
 
-from smarttestudo.link.protocol.command_sender import CommandSender
-from smarttestudo.link.zenoh.commanded import CommandedRobot
-from smarttestudo.link.zenoh.keys import ALL_ACCEPTS, MAX_ROBOTS, Boot, boot_of
+from smarttestudo.link.protocol.command_sender import CommandedRobot, CommandSender
+from smarttestudo.link.protocol.keys import ALL_ACCEPTS, MAX_ROBOTS, Boot, boot_of
 
 
 class CommandOutbox:

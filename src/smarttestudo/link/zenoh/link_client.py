@@ -8,13 +8,12 @@ from collections.abc import Callable, Mapping
 
 import zenoh
 
+from smarttestudo.link.protocol.keys import Boot
 from smarttestudo.link.worker import Worker
-from smarttestudo.link.zenoh.keys import Boot
 from smarttestudo.link.zenoh.query_client import Present, QueryClient
 from smarttestudo.link.zenoh.reach import why_unreachable
-from smarttestudo.link.zenoh.session import LOOK_PERIOD_S, close_session, is_connected
+from smarttestudo.link.zenoh.session import LOOK_PERIOD_S, OtherVersions, close_session, is_connected
 from smarttestudo.link.zenoh.status_listener import Heard, StatusListener
-from smarttestudo.link.zenoh.versions import OtherVersions
 
 _TRY_AGAIN_S = 1.0
 

@@ -35,9 +35,9 @@ from smarttestudo.link.protocol.incident_messages import (
     list_from_bytes,
     piece_from_bytes,
 )
+from smarttestudo.link.protocol.keys import MAX_ROBOTS, Boot
 from smarttestudo.link.protocol.messages import MAX_QUESTION_BYTES
 from smarttestudo.link.zenoh.compression import unpacked
-from smarttestudo.link.zenoh.keys import MAX_ROBOTS, Boot
 from smarttestudo.link.zenoh.query_client import QueryClient, Reply
 
 _LOOK_S = 0.1

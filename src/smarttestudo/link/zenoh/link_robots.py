@@ -17,6 +17,7 @@ from smarttestudo.domain.questions import GetParameters, GetTopics, Question, Se
 from smarttestudo.domain.remote_robots import ANSWER_WITHIN_S, GotTopics, HeardStatus
 from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.domain.status_json import status_from_json
+from smarttestudo.link.protocol.keys import MAX_ROBOTS, Boot
 from smarttestudo.link.protocol.messages import (
     ANSWERS,
     CHANGING_QUESTIONS,
@@ -26,7 +27,6 @@ from smarttestudo.link.protocol.messages import (
 from smarttestudo.link.protocol.status_stream import Record
 from smarttestudo.link.protocol.wire import malformed
 from smarttestudo.link.zenoh.compression import sendable, unpacked
-from smarttestudo.link.zenoh.keys import MAX_ROBOTS, Boot
 from smarttestudo.link.zenoh.link_client import LinkClient
 from smarttestudo.link.zenoh.query_client import Reply
 

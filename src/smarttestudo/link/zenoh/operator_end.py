@@ -16,6 +16,7 @@ from smarttestudo.domain.link import ReceivedMessage, StreamInfo
 from smarttestudo.domain.names import STATUS_TOPIC
 from smarttestudo.domain.robot import Qos
 from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.link.protocol.keys import ALL_BOOTS, ALL_DATA, MAX_ROBOTS, Boot, boot_of
 from smarttestudo.link.protocol.messages import Announcement
 from smarttestudo.link.protocol.receiver import KEEP_ALIVE_NS, LinkReceiver, ReceiverCounts
 from smarttestudo.link.protocol.status_stream import Record
@@ -23,11 +24,10 @@ from smarttestudo.link.worker import Worker
 from smarttestudo.link.zenoh.arrivals import EventQueue, LinkEvent, RobotPresence, StreamSaid
 from smarttestudo.link.zenoh.command_outbox import CommandOutbox
 from smarttestudo.link.zenoh.compression import decompress
-from smarttestudo.link.zenoh.keys import ALL_BOOTS, ALL_DATA, MAX_ROBOTS, Boot, boot_of
 from smarttestudo.link.zenoh.link_incidents import LinkIncidents
 from smarttestudo.link.zenoh.query_client import QueryClient
+from smarttestudo.link.zenoh.session import OtherVersions, robot_peer
 from smarttestudo.link.zenoh.status_listener import StatusListener
-from smarttestudo.link.zenoh.versions import OtherVersions, robot_peer
 from smarttestudo.pacing.cdr import string_message
 
 STATUS_STREAM = StreamInfo(

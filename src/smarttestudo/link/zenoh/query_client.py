@@ -10,11 +10,11 @@ import zenoh
 
 from smarttestudo.domain.errors import LinkError
 from smarttestudo.domain.remote_robots import ANSWER_WITHIN_S
+from smarttestudo.link.protocol.keys import ALL_BOOTS, Boot, boot_of
 from smarttestudo.link.protocol.messages import MAX_QUESTION_BYTES, REFUSALS
 from smarttestudo.link.protocol.wire import other_version, version_sentence
 from smarttestudo.link.zenoh.compression import unpacked
-from smarttestudo.link.zenoh.keys import ALL_BOOTS, Boot, boot_of
-from smarttestudo.link.zenoh.versions import robot_peer
+from smarttestudo.link.zenoh.session import robot_peer
 
 Reply = bytes | LinkError | None
 """The frame that a robot answered, why it did not, or nothing where it is silent."""

@@ -16,6 +16,7 @@ from smarttestudo.domain.errors import LinkError, TestudoError, said
 from smarttestudo.domain.questions import Answer, Question
 from smarttestudo.domain.remote_robots import ANSWER_WITHIN_S
 from smarttestudo.domain.units import ns_from_s
+from smarttestudo.link.protocol.keys import Boot
 from smarttestudo.link.protocol.messages import (
     ANSWERS,
     CHANGING_QUESTIONS,
@@ -27,9 +28,7 @@ from smarttestudo.link.protocol.messages import (
 from smarttestudo.link.protocol.wire import FrameType
 from smarttestudo.link.worker import Worker
 from smarttestudo.link.zenoh.compression import packed, sendable, unpacked
-from smarttestudo.link.zenoh.keys import Boot
-from smarttestudo.link.zenoh.session import LinkSession
-from smarttestudo.link.zenoh.versions import OPERATOR, OtherVersions
+from smarttestudo.link.zenoh.session import OPERATOR, LinkSession, OtherVersions
 
 MAX_WAITING = 32
 """How many questions of one kind wait for an answer."""

@@ -22,17 +22,16 @@ from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.incidents.catalog import IncidentCatalog
 from smarttestudo.incidents.transfer_messages import AskBytes
 from smarttestudo.link.protocol.chunks import MAX_MESSAGE_BYTES
+from smarttestudo.link.protocol.keys import new_boot
 from smarttestudo.link.protocol.messages import REPORTS
 from smarttestudo.link.protocol.sender import LinkSender
 from smarttestudo.link.worker import Worker
 from smarttestudo.link.zenoh.command_inbox import CommandInbox
 from smarttestudo.link.zenoh.compression import Compressor
 from smarttestudo.link.zenoh.incident_server import IncidentServer, WaitingAsk
-from smarttestudo.link.zenoh.keys import new_boot
 from smarttestudo.link.zenoh.query_server import MAX_WAITING, QueryServer, WaitingQuestion
-from smarttestudo.link.zenoh.session import LinkSession, is_heard
+from smarttestudo.link.zenoh.session import OPERATOR, LinkSession, OtherVersions, is_heard
 from smarttestudo.link.zenoh.status_server import StatusServer
-from smarttestudo.link.zenoh.versions import OPERATOR, OtherVersions
 from smarttestudo.pacing.cdr import FrameReader
 from smarttestudo.pacing.sample import StreamKind
 

@@ -19,6 +19,8 @@ import zenoh
 
 from smarttestudo.domain.errors import LinkError
 from smarttestudo.files.input_file import read_input
+from smarttestudo.link.protocol.keys import Boot
+from smarttestudo.link.protocol.wire import other_version, version_sentence
 from smarttestudo.link.zenoh.reach import check_certificates, why_unreachable
 from smarttestudo.link.zenoh.security import LinkOptions, admit
 
@@ -29,6 +31,9 @@ _END_WITHIN_S = 5.0
 _OF_ZENOH = "pyo3"
 """In the names of the threads that Zenoh's Python package starts for callbacks."""
 _SOURCE_LINE = re.compile(r"\s+at \S+\.rs:\d+\.?")
+
+OPERATOR = "an operator's end"
+_MOST_SAID = 1_000
 
 _SETTINGS: Mapping[str, object] = {
     "scouting/multicast/enabled": False,
@@ -182,3 +187,34 @@ def _watch(
 def is_connected(session: zenoh.Session) -> bool:
     """Whether another end is there."""
     return bool(session.info.routers_zid() or session.info.peers_zid())
+
+
+def robot_peer(boot: Boot) -> str:
+    """The name of a robot's end in a sentence."""
+    return f"robot {boot.robot}"
+
+
+class OtherVersions:
+    """Tells ``warn`` once of each peer that speaks another version; what it sends is lost.
+
+    ``present`` has what is to be said of each peer that is there.
+    """
+
+    def __init__(self, warn: Callable[[str], None] = lambda _: None) -> None:
+        self.present: dict[str, str] = {}
+        self._warn = warn
+        self._said: set[str] = set()
+
+    def look(self, peer: str, data: bytes) -> None:
+        """Look at what came of ``peer``."""
+        version = other_version(data)
+        if version is None or len(self._said) >= _MOST_SAID:
+            return
+        sentence = self.present[peer] = version_sentence(peer, version)
+        if sentence not in self._said:
+            self._said.add(sentence)
+            self._warn(sentence)
+
+    def leave(self, peer: str) -> None:
+        """A peer is gone."""
+        self.present.pop(peer, None)

@@ -12,11 +12,11 @@ from dataclasses import dataclass, field
 import zenoh
 
 from smarttestudo.domain.errors import LinkError
+from smarttestudo.link.protocol.keys import ALL_STATUSES, MAX_ROBOTS, Boot, boot_of
 from smarttestudo.link.protocol.status_stream import Record, StatusReceiver
 from smarttestudo.link.zenoh.compression import decompress
-from smarttestudo.link.zenoh.keys import ALL_STATUSES, MAX_ROBOTS, Boot, boot_of
 from smarttestudo.link.zenoh.query_client import QueryClient, Reply
-from smarttestudo.link.zenoh.versions import OtherVersions, robot_peer
+from smarttestudo.link.zenoh.session import OtherVersions, robot_peer
 
 Heard = Callable[[Boot, Record, int], None]
 """Takes a robot's status and the size of what it travelled as; called by threads of Zenoh."""
