@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -95,3 +97,11 @@ def test_what_is_beyond_its_bounds_is_refused(question: Question) -> None:
 def test_what_is_too_large_is_not_sent(value: ParameterValue) -> None:
     with pytest.raises(LinkError, match="too"):
         CHANGING_QUESTIONS.to_bytes(SetParameters(values={"rules_text": value}))
+
+
+def test_what_is_like_a_value_of_a_parameter_travels_as_one() -> None:
+    class Name(str):
+        __slots__ = ()
+
+    like: Any = {"name": Name("x"), "list": ["a", "b"], "flag": True, "number": 2}
+    assert ANSWERS.from_bytes(ANSWERS.to_bytes(like)) == {**like, "list": ("a", "b")}

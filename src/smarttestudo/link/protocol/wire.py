@@ -316,11 +316,13 @@ def _collection(make: Callable[[list[Any]], Any], item: _Codec, items: Callable[
 def _choice(kinds: Sequence[Any]) -> _Codec:
     codecs = [_codec(kind) for kind in kinds]
     places = {get_origin(kind) or kind: place for place, kind in enumerate(kinds)}
-    # A whole number may stand in the place of a float.
-    other = next(place for kind, place in places.items() if kind is not NoneType)
+    # A whole number may stand in the place of a float, and a list in that of a tuple.
+    other = [*places.values()][0 if kinds[0] is not NoneType else 1]
+    places.setdefault(list, places.get(tuple, other))
 
     def write(data: bytearray, value: Any) -> None:
-        place = places.get(type(value), other)
+        is_of = (place for kind, place in places.items() if isinstance(value, kind))
+        place = places[type(value)] if type(value) in places else next(is_of, other)
         data.append(place)
         codecs[place].write(data, value)
 
